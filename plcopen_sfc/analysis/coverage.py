@@ -160,7 +160,7 @@ class Coverage:
         return lines
 
     def as_dict(self) -> dict[str, Any]:
-        """The coverage as plain data, for JSON."""
+        """Return the coverage as plain data, for JSON."""
         return {
             "name": self.name,
             "counts": {kind: {"reached": reached, "all": all_} for kind, (reached, all_) in self.counts.items()},
@@ -265,7 +265,7 @@ def _key(part: ConditionPart) -> Key:
 
 
 def _charts(system: ProgramSystem) -> list[tuple[str, ChartProgram | GraphProgram]]:
-    """The charts of the POU itself, if its body is one, with their names."""
+    """Return the charts of the POU itself, if its body is one, with their names."""
     subject = system.subject
     charts = system.instance.unit.charts
     found = [(name, chart) for name, chart in charts if isinstance(chart, ChartProgram | GraphProgram)]
@@ -533,7 +533,7 @@ class _Reasons:
         return {s.index for s in net.steps if (s.path, s.step.id) in entered}
 
     def _way_to(self, name: str, net: Net, steps: Iterable[int]) -> str:
-        """The nearest transitions before steps whose sources were all entered, and which did not fire."""
+        """Return the nearest transitions before steps whose sources were all entered, and which did not fire."""
         entered = self._reached_steps(name, net)
         waiting, seen = list(steps), set(steps)
         while waiting:

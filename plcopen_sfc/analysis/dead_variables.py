@@ -40,7 +40,7 @@ _JUMPS = (n.Goto, n.LabelStatement, n.Try, n.EmbeddedCode, n.Unreadable)
 
 @lru_cache(maxsize=2)  # both sides of a comparison ask more than once
 def sole_statements(instance: Instance) -> Sequence[n.Statement] | None:
-    """The statements of the only body of a POU, if it alone sees the variables, and by their names only.
+    """Return the statements of the only body of a POU, if it alone sees the variables, and by their names only.
 
     None for what is not one body of text, FBD or LD without actions and methods, which see the variables too, or where
     references or jumps are used.
@@ -274,7 +274,7 @@ class _Reading:
         written.update(f"{name}.{key}" for key in always)
 
     def _standard_block(self, node: n.Expression) -> Layout | None:
-        """The layout of a standard function block whose instance is called with named arguments only."""
+        """Return the layout of a standard function block whose instance is called with named arguments only."""
         if not isinstance(node, n.Call) or not isinstance(node.callee, n.Name):
             return None
         variable = self.instance.frame.layout.find(node.callee.identifier)
@@ -289,7 +289,7 @@ class _Reading:
 
 
 def _root(node: n.Node) -> str:
-    """The name in front of a path, in lower case; empty: there is none."""
+    """Return the name in front of a path, in lower case; empty: there is none."""
     while not isinstance(node, n.Name):
         inner = next(iter(children(node)), None)
         if inner is None:

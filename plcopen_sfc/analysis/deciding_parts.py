@@ -85,7 +85,7 @@ class ConditionParts:
         return (part for part in self._found if part.is_readable)
 
     def _condition(self, transition: NetTransition) -> Expression | None:
-        """The condition of a transition; None where evaluating it again could do something."""
+        """Return the condition of a transition; None where evaluating it again could do something."""
         subject = self._system.subject
         if transition.transition.condition is None or self._system.profile.grafcet_terms:
             return None

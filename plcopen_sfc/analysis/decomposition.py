@@ -96,11 +96,11 @@ class Parts(Protocol):
         """All parts."""
 
     def taken(self, kept: Set[int]) -> Pou:
-        """The POU with these parts only, by their numbers."""
+        """Return the POU with these parts only, by their numbers."""
 
 
 def cone(parts: Sequence[ProgramPart], names: Iterable[str]) -> frozenset[int]:
-    """The parts that the values of some variables depend on, by their numbers."""
+    """Return the parts that the values of some variables depend on, by their numbers."""
     needed: set[str] = set()
     kept: set[int] = set()
     writers: dict[str, list[int]] = {}
@@ -135,7 +135,7 @@ class NamedEffects:
         self._blocks = {(f.name.casefold(),) for f in fields if _is_block(f.type, instance)}
 
     def of(self, node: n.Statement | n.Expression) -> ProgramPart:
-        """A statement or an expression."""
+        """Return a statement or an expression."""
         written = self.names(writes(node, self._blocks))
         harmless = all(self._is_harmless(each) for each in walk(node))
         return ProgramPart(self.names(reads(node)), written, always=not harmless)
@@ -213,7 +213,7 @@ class ProgramParts:
         self.parts: list[ProgramPart] = list(self._parts(self._statements, NOTHING))
 
     def taken(self, kept: Set[int]) -> Pou:
-        """The body with these parts only."""
+        """Return the body with these parts only."""
         statements = self._kept(self._statements, iter(number in kept for number in range(len(self.parts))))
         text = print_node(n.Statements(statements))
         return self._pou.model_copy(update={"bodies": [StBody(text=text)]})
@@ -230,7 +230,7 @@ class ProgramParts:
                 yield from self._parts(inner, inside)
 
     def _kept(self, statements: Sequence[n.Statement], wanted: Iterator[bool]) -> tuple[n.Statement, ...]:
-        """The statements with the parts that are wanted, which come in the order of `_parts`."""
+        """Return the statements with the parts that are wanted, which come in the order of `_parts`."""
         found: list[n.Statement] = []
         for statement in statements:
             heads = _heads(statement)
@@ -265,13 +265,13 @@ def _heads(statement: n.Statement) -> Sequence[n.Expression]:
 
 
 def _inner(statement: n.Statement) -> list[Sequence[n.Statement]]:
-    """The lists of statements inside."""
+    """Return the lists of statements inside."""
     assert isinstance(statement, n.If | n.Case)  # noqa: S101
     return [*(branch.statements for branch in statement.branches), statement.otherwise or ()]
 
 
 def _with_inner(statement: n.Statement, inner: Sequence[tuple[n.Statement, ...]]) -> n.Statement:
-    """The statement with other ones inside, as many lists as `_inner` gives."""
+    """Return the statement with other ones inside, as many lists as `_inner` gives."""
     filled = [statements or (n.Empty(),) for statements in inner]
     otherwise = inner[-1] or None
     if isinstance(statement, n.Case):
@@ -312,7 +312,7 @@ class ChartParts:
                 self.parts.append(part)
 
     def taken(self, kept: Set[int]) -> Pou:
-        """The chart with these parts only. It keeps at least one net: without any it would be none."""
+        """Return the chart with these parts only. It keeps at least one net: without any it would be none."""
         nets = {number for number in kept if number < len(self._nets)} or {0}
         ids = {step for number in nets for step in self._nets[number]}
         places = {self._places[number - len(self._nets)] for number in kept if number >= len(self._nets)}
@@ -324,7 +324,7 @@ class ChartParts:
     # -- nets
 
     def _find_nets(self) -> list[frozenset[int]]:
-        """The ids of steps that transitions connect, in the order of the chart."""
+        """Return the ids of steps that transitions connect, in the order of the chart."""
         net_of = {step.id: {step.id} for step in self._chart.steps}
         for transition in self._chart.transitions:
             ends = [*transition.sources, *transition.targets]
@@ -413,7 +413,7 @@ class ChartParts:
         return ProgramPart(self._effects.of(tree).reads, written)
 
     def _body(self, body: str | Body) -> ProgramPart:
-        """An action: of the POU by its name, or in place."""
+        """Return an action: of the POU by its name, or in place."""
         if isinstance(body, str):
             named = self._actions.get(body.casefold())
             if named is None:
@@ -436,7 +436,7 @@ def _taken_step(step: Step, places: Set[_Place]) -> Step:
 
 
 def parts_of(instance: Instance) -> Parts:
-    """The parts of the POU that an instance is of. Raises `NotDivisibleError`."""
+    """Return the parts of the POU that an instance is of. Raises `NotDivisibleError`."""
     pou = instance.unit.pou
     if len(pou.bodies) != 1 or pou.methods or instance.unit.base is not None:
         raise NotDivisibleError(f"{pou.name} is more than one body")

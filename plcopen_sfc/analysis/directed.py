@@ -584,7 +584,7 @@ def _wrapped(number: int, signal: Signal) -> int:
 
 
 def _values(domain: Domain, signal: Signal) -> list[Value]:
-    """The values that are tried for an input: those that comparisons tell apart, and some of its type.
+    """Return the values that are tried for an input: those that comparisons tell apart, and some of its type.
 
     Among them are the least and the greatest integer or time: ``n + 1 > n`` is FALSE for one value only.
     """

@@ -127,7 +127,7 @@ class Probe(Symbolic):
         self.domain = domain
 
     def _compared(self, other: object) -> Any:
-        """The other side of a comparison as a plain number."""
+        """Return the other side of a comparison as a plain number."""
         if isinstance(other, Probe):
             if other.domain is self.domain:  # one of them may be of an earlier scan, and so less, equal or greater
                 raise NotProvableError(f"values of {self.domain.name} are compared with each other")
@@ -194,19 +194,19 @@ class Unasked:
 
 
 def asked(value: Any) -> Any:
-    """A value, which is asked for if it was not yet."""
+    """Return a value, which is asked for if it was not yet."""
     return value.ask() if isinstance(value, Unasked) else value
 
 
 def plain(value: Any) -> Value:
-    """The number of a probe; anything else itself."""
+    """Return the number of a probe; anything else itself."""
     value = asked(value)
     number: Value = value.value if isinstance(value, Probe) else value
     return number
 
 
 def frozen(state: Any) -> Any:
-    """A state that can be hashed: symbolic values in it are named."""
+    """Return a state that can be hashed: symbolic values in it are named."""
     if isinstance(state, Symbolic):
         return state.key()
     return tuple(map(frozen, state)) if isinstance(state, tuple) else state
@@ -238,7 +238,7 @@ class _Interval(NamedTuple):
         return above and (number < self.greatest if self.greatest_open else number <= self.greatest)
 
     def some(self, signal: Signal) -> int | float | None:
-        """A number of the type of `signal` in it, near a bound or 0; None if there is none."""
+        """Return a number of the type of `signal` in it, near a bound or 0; None if there is none."""
         low, high = self.least, self.greatest
         if signal.kind is not SignalKind.REAL:
             return None if low > high else min(max(0, low), high)

@@ -550,7 +550,7 @@ def _has_start(pou: Pou) -> bool:
 def _confirmed(
     steps: Sequence[Step], comparison: Comparison, signals: Mapping[str, Signal], watch: SearchWatch
 ) -> tuple[Counterexample | None, str]:
-    """The difference that a search came to, run from the start; or why it could not be."""
+    """Return the difference that a search came to, run from the start; or why it could not be."""
     rows, skipped = [row for row, _ in steps], [count for _, count in steps]
     if len(steps) + sum(skipped) > _MOST_RUN_ALONE:
         if comparison.first_difference(rows, skipped, watch.look) != len(rows):

@@ -66,7 +66,7 @@ def condition_of(
 
 
 def association_condition(association: ActionAssociation, dialect: Dialect = Dialect.IEC) -> Expression | None:
-    """The condition of an action association as a tree; None: it has none, or none that is an expression."""
+    """Return the condition of an action association as a tree; None: it has none, or none that is an expression."""
     if not isinstance(association.condition, Condition):
         return None
     parsed = parse_condition(association.condition.text, dialect)
@@ -191,7 +191,7 @@ def _not(possible: bool | None) -> Answer:
 
 
 def _read(condition: AnyCondition, dialect: Dialect) -> JudgedCondition | str:
-    """A condition ready to be decided, or why it is not."""
+    """Return a condition ready to be decided, or why it is not."""
     if isinstance(condition, str):
         parsed = parse_condition(condition, dialect)
         if parsed.problems:
@@ -205,7 +205,7 @@ def _read(condition: AnyCondition, dialect: Dialect) -> JudgedCondition | str:
 
 
 def _written(condition: NetworkExpression) -> frozenset[str]:
-    """The variables that are written, and the instances that are called, before the condition has its value."""
+    """Return the variables that are written, and the instances that are called, before the condition has its value."""
     found = {helper.name.casefold() for helper in condition.helpers}
     for statement in condition.before:
         written = [*targets(statement), *(node.callee for node in walk(statement) if isinstance(node, n.Call))]

@@ -48,7 +48,7 @@ OF_NUMBERS = frozenset({"ABS", "MIN", "MAX", "LIMIT"})
 
 
 def calculated(z3: Any, operator: Operator, terms: Sequence[Any]) -> Any:
-    """The value of an operation; None for one that is not known."""
+    """Return the value of an operation; None for one that is not known."""
     match operator:
         case Operator.ADD:
             return reduce(lambda a, b: a + b, terms)
@@ -66,7 +66,7 @@ def calculated(z3: Any, operator: Operator, terms: Sequence[Any]) -> Any:
 
 
 def _divided(z3: Any, dividend: Any, divisor: Any) -> Any:
-    """A quotient; of integers without its fraction."""
+    """Return a quotient; of integers without its fraction."""
     if not (dividend.is_int() and divisor.is_int()):
         return dividend / divisor
     # z3 rounds so that the remainder is not negative: for a dividend that is not negative, towards zero
@@ -74,7 +74,7 @@ def _divided(z3: Any, dividend: Any, divisor: Any) -> Any:
 
 
 def called(z3: Any, name: str, terms: Sequence[Any]) -> Any:
-    """The value of a standard function; None for one that is not known, or that is not called so."""
+    """Return the value of a standard function; None for one that is not known, or that is not called so."""
     function = _FUNCTIONS.get(name)
     if function is None:
         return None
@@ -85,7 +85,7 @@ def called(z3: Any, name: str, terms: Sequence[Any]) -> Any:
 
 
 def converted(z3: Any, term: Any, *, to_real: bool) -> Any:
-    """A number as one of the other kind."""
+    """Return a number as one of the other kind."""
     if term.is_int():
         return z3.ToReal(term) if to_real else term
     return term if to_real else z3.ToInt(term + z3.Q(1, 2, ctx=term.ctx))
@@ -117,7 +117,7 @@ _CONTEXTS = local()
 
 
 def z3_context() -> tuple[Any, Any]:
-    """The module, loaded when it is first needed, and a context for this thread."""
+    """Return the module, loaded when it is first needed, and a context for this thread."""
     import z3  # noqa: PLC0415  # takes a tenth of a second
 
     if not hasattr(_CONTEXTS, "context"):
@@ -129,19 +129,19 @@ _ESCAPED = re.compile(r"\\u\{([0-9a-fA-F]+)\}")
 
 
 def text_term(text: str) -> Any:
-    """A text as a z3 term."""
+    """Return a text as a z3 term."""
     z3, context = z3_context()
     return z3.StringVal(text.replace("\\", "\\u{5c}"), ctx=context)  # else z3 reads the text \u{41} as A
 
 
 def plain_text(value: Any) -> str:
-    """The text of a z3 value, which escapes what is not ASCII."""
+    """Return the text of a z3 value, which escapes what is not ASCII."""
     text = value.as_string() if hasattr(value, "as_string") else ""
     return _ESCAPED.sub(lambda found: chr(int(found[1], 16)), text)
 
 
 def negation(term: Any) -> Any:
-    """The opposite of a z3 term."""
+    """Return the opposite of a z3 term."""
     return z3_context()[0].Not(term)
 
 
@@ -227,7 +227,7 @@ class Formula:
     _common: Any = None
 
     def terms(self, readings: list[JudgedCondition]) -> list[Any]:
-        """The z3 terms of conditions."""
+        """Return the z3 terms of conditions."""
         trees = [normal_form(reading.tree) for reading in readings]
         for tree in trees:
             self._find_booleans(tree)
@@ -282,7 +282,7 @@ class Formula:
         return True, ""
 
     def names(self) -> list[str]:
-        """The variables in the terms that were made."""
+        """Return the variables in the terms that were made."""
         return [atom.text for atom in self._atoms.values()]
 
     def model(
@@ -428,7 +428,7 @@ class Formula:
     # -- values
 
     def _kind(self, tree: Expression) -> ValueKind | None:
-        """The kind of a value; None: unknown."""
+        """Return the kind of a value; None: unknown."""
         tree = n.bare(tree)
         constant = self._constant(tree)
         if constant is not None:
@@ -477,7 +477,7 @@ class Formula:
         return z3.IntVal(int(value), ctx=context)
 
     def _calculated_kind(self, tree: Expression) -> ValueKind | None:
-        """The kind of the result of an operation or a standard function; None: not known."""
+        """Return the kind of the result of an operation or a standard function; None: not known."""
         match tree:
             case n.Unary(Operator.NEGATE | Operator.PLUS, operand):
                 return self._kind(operand)
@@ -497,7 +497,7 @@ class Formula:
         return ValueKind.REAL if ValueKind.REAL in known else next(iter(known), None)
 
     def _calculation(self, tree: Expression, kind: ValueKind) -> Any:
-        """The term of an operation or a standard function, where that is known and wanted; else None."""
+        """Return the term of an operation or a standard function, where that is known and wanted; else None."""
         z3, _ = z3_context()
         if isinstance(tree, n.Call) and isinstance(tree.callee, n.Name):
             name = tree.callee.identifier.upper()
@@ -532,7 +532,7 @@ class Formula:
         return known if isinstance(known, VariableValues) else None
 
     def _code(self, symbol: LiteralValue) -> int:
-        """A number for a text or the name of an enumeration's value: equal ones get the same."""
+        """Return a number for a text or the name of an enumeration's value: equal ones get the same."""
         named = symbol.kind is LiteralKind.ENUMERATED
         key = str(symbol.value).casefold() if named else f"'{symbol.value}'"
         if key not in self._codes:

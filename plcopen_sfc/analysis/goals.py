@@ -169,7 +169,7 @@ class Goals:
         return found
 
     def _steps_asked(self, tree: Expression) -> list[tuple[int, int]]:
-        """The steps whose flags a conjunction asks for."""
+        """Return the steps whose flags a conjunction asks for."""
         match tree:
             case n.Parenthesized(inner):
                 return self._steps_asked(inner)
@@ -186,7 +186,7 @@ class Goals:
         return []
 
     def _of_actions(self, number: int) -> Iterator[Goal]:
-        """The conditions of the associations of actions."""
+        """Yield the conditions of the associations of actions."""
         chart = self.charts[number][0]
         if chart not in self._own:
             return
@@ -228,7 +228,7 @@ class Goals:
         return any(self._input(print_node(node)) is not None for node in paths)
 
     def constants(self, signal: Signal) -> Iterator[Value]:
-        """The constants in the conditions that an input of a type could have."""
+        """Yield the constants in the conditions that an input of a type could have."""
         for found in self._literals:
             if found.kind in signal.literals:
                 try:
@@ -252,7 +252,7 @@ class Goals:
         return list(found.values())
 
     def open_parts(self) -> Iterator[Goal]:
-        """The parts of conditions of transitions whose sources were entered, and which have not decided them."""
+        """Yield the parts of conditions of transitions whose sources were entered, and which have not decided them."""
         for goal in self.parts:
             if (
                 goal.part is not None
@@ -262,19 +262,19 @@ class Goals:
                 yield goal
 
     def open_actions(self) -> Iterator[Goal]:
-        """The conditions of actions that were never executed though a step was entered which has them."""
+        """Yield the conditions of actions that were never executed though a step was entered which has them."""
         for goal in self.actions:
             reached = self.charts[goal.chart][0].reached
             if not goal.action & reached.actions and goal.sources & reached.steps:
                 yield goal
 
     def open_outcomes(self) -> Iterator[Goal]:
-        """The outcomes of comparisons that are assigned, and which have not come out so."""
+        """Return the outcomes of comparisons that are assigned, and which have not come out so."""
         reached = self.system.marks.reached
         return (goal for goal in self.outcomes if not reached[goal.branch])
 
     def open_transitions(self) -> Iterator[Goal]:
-        """The transitions whose sources were entered, and which never fired."""
+        """Yield the transitions whose sources were entered, and which never fired."""
         for goals, (chart, _) in zip(self.transitions, self.charts, strict=True):
             reached = chart.reached
             for goal in goals:
@@ -282,7 +282,7 @@ class Goals:
                     yield goal
 
     def open_branches(self) -> Iterator[Goal]:
-        """The branches that were not executed yet."""
+        """Return the branches that were not executed yet."""
         reached = self.system.marks.reached
         return (goal for goal in self.branches if not reached[goal.branch])
 
@@ -301,7 +301,7 @@ class Goals:
         return found
 
     def enabled(self, markings: Sequence[int]) -> list[Goal]:
-        """The transitions that are enabled in a situation, in the order in which they are tried."""
+        """Return the transitions that are enabled in a situation, in the order in which they are tried."""
         return [
             goal
             for goals, marking in zip(self.transitions, markings, strict=True)
@@ -310,7 +310,7 @@ class Goals:
         ]
 
     def open_bounds(self, tries: int) -> Iterator[Goal]:
-        """The bounds of comparisons that can be tried now, each only so often."""
+        """Yield the bounds of comparisons that can be tried now, each only so often."""
         markings = self.markings()
         for goal in self.bounds:
             if goal.tries < tries and (goal.chart < 0 or not goal.sources & ~markings[goal.chart]):
@@ -328,7 +328,7 @@ class Goals:
         return found if found is not None or not competing else self.solve([goal], [])
 
     def markings(self) -> tuple[int, ...]:
-        """The situations of all charts in which the next scan begins."""
+        """Return the situations of all charts in which the next scan begins."""
         return tuple([chart.situation(frame) for chart, frame in self.charts])
 
     # -- how far
@@ -408,7 +408,7 @@ class Goals:
         return value
 
     def _input(self, text: str) -> str | None:
-        """The input of this name, as both systems call it."""
+        """Return the input of this name, as both systems call it."""
         key = text.casefold()
         name = self._shared.get(key, text)
         return self._by_key.get(name.casefold())
@@ -482,7 +482,7 @@ class Goals:
         return values
 
     def _named(self, text: str, value: Any) -> Any:
-        """The value of an enumeration as its name."""
+        """Return the value of an enumeration as its name."""
         try:
             type_ = self.system.instance.type_of(text)
         except SfcError:
@@ -500,7 +500,7 @@ def _nothing() -> float:
 
 
 def _accepted(signal: Signal, value: Any) -> Value | None:
-    """A value that z3 has found as one of the input's type."""
+    """Return a value that z3 has found as one of the input's type."""
     if signal.kind is SignalKind.BOOL:
         return bool(value)
     if signal.kind is SignalKind.ENUMERATION:

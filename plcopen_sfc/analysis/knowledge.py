@@ -167,7 +167,7 @@ class _Known:
         self._found: dict[n.Expression, VariableValues | LiteralValue | None] = {}
 
     def of(self, tree: n.Expression) -> VariableValues | LiteralValue | None:
-        """The values that a variable can have, the value of a constant, or None."""
+        """Return the values that a variable can have, the value of a constant, or None."""
         if tree not in self._found:
             self._found[tree] = self._look_up(tree)
         return self._found[tree]
@@ -196,7 +196,7 @@ class _Known:
         return None
 
     def _constant(self, declaration: Declaration) -> LiteralValue | None:
-        """The value of a constant where it is written as a literal."""
+        """Return the value of a constant where it is written as a literal."""
         holder = declaration.holder
         initial = holder.initial if isinstance(holder, t.Variable) else None
         if not isinstance(initial, t.SimpleValue) or not initial.text:

@@ -70,7 +70,7 @@ class ExploredMarkings:
         return found
 
     def blocked(self) -> Iterator[int]:
-        """The markings in which nothing is enabled."""
+        """Yield the markings in which nothing is enabled."""
         needs = [transition.pre for transition in self.net.transitions]
         leaving = _ByStep(needs)
         for level in self.levels:
@@ -83,7 +83,7 @@ class ExploredMarkings:
             yield from left
 
     def way_to(self, marking: int) -> list[tuple[int, int]]:
-        """A shortest way from the initial marking: what fires, and the marking after it."""
+        """Return a shortest way from the initial marking: what fires, and the marking after it."""
         way: list[tuple[int, int]] = []
         depth = next(i for i, level in enumerate(self.levels) if marking in level)
         for level in reversed(self.levels[:depth]):
@@ -190,7 +190,7 @@ def explore_in_sets(net: Net, competing: Competing, cap: int) -> ExploredMarking
 
 
 def _sets(net: Net, competing: Competing, marking: int, enabled: tuple[int, ...]) -> Iterator[tuple[int, int]]:
-    """The markings after each set of enabled transitions that can fire together, with the set."""
+    """Yield the markings after each set of enabled transitions that can fire together, with the set."""
     waiting = [(0, 0, 0, 0)]
     while waiting:
         position, fired, cleared, entered = waiting.pop()
@@ -371,7 +371,7 @@ class MarkingGraph:
         return Answer.YES if a is not b and any(m & both == both for m in self) else Answer.UNKNOWN
 
     def trace(self, marking: int) -> tuple[Firing, ...]:
-        """A shortest way from the initial marking to this one. `KeyError` where it was not reached."""
+        """Return a shortest way from the initial marking to this one. `KeyError` where it was not reached."""
         if marking not in self._explored.seen:
             raise KeyError(marking)
         return self._way(self._explored, marking)
@@ -386,7 +386,7 @@ class MarkingGraph:
 def marking_graph(
     chart: SfcNetwork | Net, *, competing: Competing = Competing.PRIORITY, cap: int = DEFAULT_CAP
 ) -> MarkingGraph:
-    """The marking graph of a chart, visited when it is first asked; at most about `cap` markings.
+    """Return the marking graph of a chart, visited when it is first asked; at most about `cap` markings.
 
     With `Competing.ALL`, transitions that share a source may fire together; with the others at most one of them does.
     Rules beyond the net (`Net.hierarchy`: forcing orders, enclosing steps) are not obeyed.

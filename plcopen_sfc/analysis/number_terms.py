@@ -179,7 +179,7 @@ class _Names:
         return self._known[key]
 
     def in_all(self, state: Any) -> Any:
-        """A state with the terms in it named."""
+        """Return a state with the terms in it named."""
         if isinstance(state, Term):
             return self.of(state)
         return tuple(map(self.in_all, state)) if isinstance(state, tuple) else state
@@ -205,7 +205,7 @@ class _Abstract:
         return tuple([each.key() if isinstance(each, Term) else each for each in self._system.observed_now()])
 
     def snapshot(self) -> Any:
-        """The state; both sides are asked one after the other."""
+        """Return the state; both sides are asked one after the other."""
         if self._first:
             self._names.clear()
         for cells, slot in self._cells:
@@ -215,7 +215,7 @@ class _Abstract:
 
 
 def _same_numbers(left: ProgramSystem, right: ProgramSystem) -> list[str]:
-    """The numbers that both have under the same name and of the same type, and that are no inputs."""
+    """Return the numbers that both have under the same name and of the same type, and that are no inputs."""
     others = {name.casefold(): each for name, each in right.variables.items()}
     return [
         name

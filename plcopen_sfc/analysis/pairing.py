@@ -87,7 +87,7 @@ class Delay:
         return (f"the first {scans} of the {later} {'has' if count == 1 else 'have'} no counterpart",)
 
     def as_dict(self) -> dict[str, int | bool]:
-        """The delay as plain data, for JSON."""
+        """Return the delay as plain data, for JSON."""
         return {"scans": self.scans, "late_start": self.late_start, "retimed": self.retimed}
 
 
@@ -96,7 +96,7 @@ _RETIMABLE = frozenset({ScanOrder.ACTIONS_FIRST, ScanOrder.RETIMED})
 
 
 def delays(wanted: int | str | Delay | Iterable[int], profiles: Sequence[Profile]) -> tuple[Delay, ...]:
-    """The delays to try, in this order, for a choice of ``delay=``. `profiles`: of the first and the second.
+    """Return the delays to try, in this order, for a choice of ``delay=``. `profiles`: of the first and the second.
 
     Of each number of scans those are first that tell most: both sides as they are, begun together; one
     begun later; retimed. Raises `ModelError`.
@@ -116,7 +116,7 @@ def delays(wanted: int | str | Delay | Iterable[int], profiles: Sequence[Profile
 
 
 def _in_retiming(profiles: Sequence[Profile]) -> int | None:
-    """The scans that the second is later where scans are cut at the same place; None: that changes nothing."""
+    """Return the scans that the second is later where scans are cut at the same place; None: that changes nothing."""
     actions_first = [each.order is not ScanOrder.TRANSITIONS_FIRST for each in profiles]
     if actions_first[0] == actions_first[1]:
         same = all(actions_first) or profiles[0].initial_situation_held == profiles[1].initial_situation_held
@@ -134,7 +134,7 @@ def _forms(numbers: Iterable[int], in_retiming: int | None) -> Iterator[Delay]:
 
 
 def retimed(profile: Profile) -> Profile:
-    """A profile whose scans are cut behind the actions, and that tests no transitions in the first scan."""
+    """Return a profile whose scans are cut behind the actions, and that tests no transitions in the first scan."""
     if profile.order is ScanOrder.TRANSITIONS_FIRST:
         return replace(profile, initial_situation_held=True)
     return replace(profile, order=ScanOrder.RETIMED)
@@ -244,7 +244,7 @@ def _is_alike(one: Signal, other: Signal) -> bool:
 
 
 def unpaired(system: ProgramSystem, compared: Iterable[str]) -> list[str]:
-    """The outputs and global variables of a system that are not among those that are compared."""
+    """Return the outputs and global variables of a system that are not among those that are compared."""
     names = {name.casefold() for name in compared}
 
     def is_seen(name: str, each: Watched) -> bool:
@@ -356,7 +356,7 @@ def _flag(system: ProgramSystem, text: str) -> Observation:
 
 
 def _constants(pou: Pou) -> dict[str, str]:
-    """The values of the constants of a POU as text, by their names in lower case."""
+    """Return the values of the constants of a POU as text, by their names in lower case."""
     sections = pou.interface.sections if pou.interface is not None else []
     return {
         variable.name.casefold(): variable.initial.text
@@ -368,7 +368,7 @@ def _constants(pou: Pou) -> dict[str, str]:
 
 
 def _numbers(system: ProgramSystem) -> dict[str, str]:
-    """The number that a step has, or that its name ends with (``S3``), where no other step has the same."""
+    """Return the number that a step has, or that its name ends with (``S3``), where no other step has the same."""
     chart = system.subject.pou.chart
     found: dict[str, str] = {}
     for step in chart.steps if chart is not None else ():

@@ -55,10 +55,10 @@ class System(Protocol):
         """Run one scan; `read` gives the value of an input. Time goes on before every scan but the first."""
 
     def observed(self) -> tuple[Any, ...] | None:
-        """The values that are compared, at the end of a scan; None: they have no counterpart."""
+        """Return the values that are compared, at the end of a scan; None: they have no counterpart."""
 
     def snapshot(self) -> Any:
-        """The state, without absolute times."""
+        """Return the state, without absolute times."""
 
     def restore(self, snapshot: Any) -> None:
         """Go back to a state."""
@@ -105,7 +105,7 @@ class Branching:
             self._path[-1] = (options, index + 1)
 
     def read(self, name: str) -> Any:
-        """The value of an input in this scan."""
+        """Return the value of an input in this scan."""
         if name in self.values:
             return self.values[name]
         domain = self._domains[name]
@@ -359,7 +359,7 @@ def hidden_reason(error: SfcError) -> NotProvableError | None:
 
 
 def compare(left: Sequence[Any] | None, right: Sequence[Any] | None) -> list[int]:
-    """The places at which two observations differ; none, where one of them has no counterpart."""
+    """Return the places at which two observations differ; none, where one of them has no counterpart."""
     if left is None or right is None:
         return []
     if _COPIES.isdisjoint(map(type, left)) and left == right:

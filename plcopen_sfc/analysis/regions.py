@@ -64,7 +64,7 @@ class Regions:
         return next(step for step in fork.targets if self.region_of[step] == region.index)
 
     def exit_competitors(self, block: ParallelBlock) -> tuple[int, ...]:
-        """The transitions that leave a last step of a branch besides the join: whoever fires first wins."""
+        """Return the transitions that leave a last step of a branch besides the join: whoever fires first wins."""
         last = {step for join in block.joins for step in self.net.transitions[join].sources}
         return tuple(sorted({t for step in last for t in self.net.leaving[step]} - set(block.joins)))
 
@@ -104,7 +104,7 @@ class _Blocked(Exception):  # noqa: N818  # not an error: it carries the answer 
 
 
 def find_regions(chart: SfcNetwork | Net) -> Regions | Unstructured:
-    """The regions of a chart, or what is in their way. The work grows with the size of the chart.
+    """Return the regions of a chart, or what is in their way. The work grows with the size of the chart.
 
     Steps and transitions that can never be active or enabled belong to no region and do not matter. Rules beyond the
     net (`Net.hierarchy`) are not obeyed.
@@ -142,7 +142,7 @@ class _Finder:
         return self._result(blocks)
 
     def _reachable(self) -> set[int]:
-        """The steps that can be active if every join is passed that has been reached at some time."""
+        """Return the steps that can be active if every join is passed that has been reached at some time."""
         reached = set(indexes(self._net.initial))
         missing = [len(t.sources) for t in self._net.transitions]
         waiting = deque(reached)
@@ -222,7 +222,7 @@ class _Finder:
         return blocks
 
     def _branches(self, transition: NetTransition, ends: tuple[int, ...]) -> frozenset[int]:
-        """The regions that a fork enters or a join leaves: all different, and none of them the one outside."""
+        """Return the regions that a fork enters or a join leaves: all different, and none of them the one outside."""
         found = [self._region(step) for step in ends]
         twice = [step for step, region in zip(ends, found, strict=True) if found.count(region) > 1][:2]
         names = " and ".join(self._net.steps[step].path for step in twice)
@@ -249,7 +249,7 @@ class _Finder:
         return f": {', '.join(self._net.transitions[i].path for i in way)}" if way else ""
 
     def _way(self, start: int, goal: int) -> tuple[int, ...]:
-        """The transitions that connect two steps of one region, in whatever direction they lead; the fewest."""
+        """Return the transitions that connect two steps of one region, in whatever direction they lead; the fewest."""
         came: dict[int, tuple[int, int]] = {start: (start, -1)}
         waiting = deque([start])
         while waiting and goal not in came:

@@ -95,7 +95,7 @@ class SearchWatch:
 
 
 def seconds(limit: float | str | None) -> float | None:
-    """A limit in seconds: a number of them, or ``60s``. Raises `InputError`."""
+    """Return a limit in seconds: a number of them, or ``60s``. Raises `InputError`."""
     if limit is None:
         return None
     try:

@@ -62,7 +62,7 @@ class ReducedNet:
         return tuple(sorted(self._places))
 
     def net(self) -> Net:
-        """The net that is left, its steps named by the indexes of those of the original net."""
+        """Return the net that is left, its steps named by the indexes of those of the original net."""
         places, moves = sorted(self._places.items()), sorted(self._moves.items())
         chart = SfcNetwork(
             steps=[Step(id=i, name=f"{i}", initial=place.tokens > 0) for i, place in places],

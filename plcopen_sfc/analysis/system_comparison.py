@@ -255,7 +255,7 @@ class Comparison:
 def _named_pairs(
     left: ProgramSystem, right: ProgramSystem, outputs: Iterable[str] | Mapping[str, str]
 ) -> list[tuple[str, Signal, str]]:
-    """The variables that a user wants to compare: name and signal on the left, name on the right."""
+    """Return the variables that a user wants to compare: name and signal on the left, name on the right."""
     mine, theirs = (
         {known: name for name in system.variables for known in (system.local_name(name), name.casefold())}
         for system in (left, right)
@@ -273,7 +273,7 @@ def _named_pairs(
 
 
 def filled(inputs: Sequence[Mapping[str, Value]], signals: Mapping[str, Signal]) -> list[dict[str, Value]]:
-    """A value for every input in every scan: what is not given stays as it was."""
+    """Return a value for every input in every scan: what is not given stays as it was."""
     row = {name: signal.default for name, signal in signals.items()}
     rows = []
     for given in inputs:
@@ -283,6 +283,6 @@ def filled(inputs: Sequence[Mapping[str, Value]], signals: Mapping[str, Signal])
 
 
 def operating_names(profile: Profile) -> set[str]:
-    """The variables by which a tool lets people operate a chart, and tells them what it does, in upper case."""
+    """Return the variables by which a tool lets people operate a chart, and tells them what it does, in upper case."""
     names = {flag.variable.upper() for flag in profile.flags}
     return names | set(PARAMETERS) if profile.graph_parameters else names

@@ -70,7 +70,7 @@ class FreeCalls(UnknownCalls):
         return self._branching is None
 
     def value(self, name: str, arguments: Any, type_: ScalarType | OpaqueType) -> Any:
-        """The result of a function, or an output of a block in a situation; equal for equal arguments."""
+        """Return the result of a function, or an output of a block in a situation; equal for equal arguments."""
         if self._branching is None:
             return super().value(name, arguments, type_)
         if self.is_delayed:
@@ -200,7 +200,7 @@ class ProgramSystem:
         return {name: each.signal for name, each in self.variables.items() if each.is_input}
 
     def local_name(self, path: str) -> str:
-        """The name by which the POU knows a variable, in lower case.
+        """Return the name by which the POU knows a variable, in lower case.
 
         A path to an address begins with the POU. S7 has a global variable of no list in a data block.
         """
@@ -238,11 +238,11 @@ class ProgramSystem:
         return list({id(c): c.reached for c in charts if isinstance(c, ChartProgram | GraphProgram)}.values())
 
     def frozen(self) -> list[str]:
-        """The variables that it reads, that nothing writes, and that are no inputs."""
+        """Return the variables that it reads, that nothing writes, and that are no inputs."""
         return sorted(set(self._controller.library.use.frozen()) - {*self._fixed, *self._not_free}, key=str.casefold)
 
     def bit_patterns(self, signal: Signal) -> Iterator[int]:
-        """The integers of a type by which its bits may be told apart; none where it looks at no bits.
+        """Yield the integers of a type by which its bits may be told apart; none where it looks at no bits.
 
         Those are single bits and masks, and what gives a number of the texts when it is shifted.
         """
@@ -264,7 +264,7 @@ class ProgramSystem:
         yield from sorted(length for length in {*around, signal.length} if 0 < length <= signal.length)
 
     def not_driven(self) -> list[str]:
-        """The inputs that it reads and that keep their values, because no few values can represent them."""
+        """Return the inputs that it reads and that keep their values, because no few values can represent them."""
         return self._controller.library.use.not_given()
 
     def writes(self, path: str) -> bool:
@@ -285,11 +285,11 @@ class ProgramSystem:
         return len(self.instance.frame.layout.fields)
 
     def marking(self) -> int:
-        """The active steps of the chart that the POU is, as bits in the order of `chart_steps`."""
+        """Return the active steps of the chart that the POU is, as bits in the order of `chart_steps`."""
         return self._chart_marking()
 
     def _all_steps(self) -> tuple[tuple[str, ...], Callable[[], int]]:
-        """The steps of the chart that the POU is, and of those that its actions are (``Sub.Fill``)."""
+        """Return the steps of the chart that the POU is, and of those that its actions are (``Sub.Fill``)."""
         names, main = self.chart_steps, self._chart_marking
         paths = list(names)
         inner: list[tuple[int, ChartProgram | GraphProgram]] = []
@@ -347,7 +347,7 @@ class ProgramSystem:
         self._observe = observed
 
     def _reader(self, paths: Sequence[str]) -> Callable[[], tuple[Any, ...]]:
-        """A function that gives the values of some variables, also of inputs that the scan has not read."""
+        """Return a function that gives the values of some variables, also of inputs that the scan has not read."""
         read = self.instance.reader(paths)
         given = {path.casefold() for path in self.instance.inputs()}
         if given.isdisjoint(path.casefold() for path in paths):
@@ -361,7 +361,7 @@ class ProgramSystem:
         return found.ask() if self.is_delayed or path.casefold() in self._fixed else found
 
     def part(self, pou: Pou, observations: Sequence[Observation]) -> ProgramSystem:
-        """A system of a part of its POU, at the same times, in which some of the same things are observed."""
+        """Return a system of a part of its POU, at the same times, in which some of the same things are observed."""
         made = ProgramSystem(
             replace(self.subject, pou=pou),
             self.profile,
@@ -520,7 +520,7 @@ class ProgramSystem:
         return "; ".join(f"{name}({given})" for name, given in sorted(self.unknown_calls.log, key=itemgetter(0)))
 
     def snapshot(self) -> Any:
-        """The state, without absolute times, and without what no later scan will see."""
+        """Return the state, without absolute times, and without what no later scan will see."""
         state = self._state()
         return (state, self._waiting, self._queue) if self.is_delayed else state
 
@@ -540,7 +540,7 @@ class ProgramSystem:
         self.instance.restore(snapshot)
 
     def values(self, names: Iterable[str]) -> tuple[Any, ...]:
-        """The present values of variables."""
+        """Return the present values of variables."""
         return tuple(self.instance.reader(list(names))())
 
     def _forgetting(self) -> list[tuple[Frame, Callable[[Frame, int], None]]]:

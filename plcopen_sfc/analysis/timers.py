@@ -82,7 +82,7 @@ def clocking(subjects: Sequence[Subject], scan_time: int | None) -> Clocking:
 
 
 def _constants(texts: Iterable[BoundText]) -> set[int]:
-    """The durations that times are compared with, or that timers are started with."""
+    """Return the durations that times are compared with, or that timers are started with."""
     literals = (node for text in texts for tree in _trees(text) for node in walk(tree) if isinstance(node, n.Literal))
     return {value for literal in literals if (value := _duration(literal)) is not None and value > 0}
 
@@ -132,7 +132,7 @@ def _has_wired_times(chart: SfcNetwork) -> bool:
 
 
 def _charts(chart: SfcNetwork) -> Iterator[SfcNetwork]:
-    """The chart, its partial charts, and those of its macro-steps."""
+    """Yield the chart, its partial charts, and those of its macro-steps."""
     yield chart
     for partial in chart.partial_charts:
         yield from _charts(partial.chart)
@@ -174,7 +174,7 @@ def _last_name(node: n.Expression) -> str:
 
 
 def _trees(text: BoundText) -> Iterator[n.Expression | n.Statement]:
-    """The trees of a text, and those of the edges and times of IEC 60848 in a condition (``3s/X5``)."""
+    """Yield the trees of a text, and those of the edges and times of IEC 60848 in a condition (``3s/X5``)."""
     terms = TermTexts()
     read = terms.read(text.text_site.text) if isinstance(text.text_site.holder, Expression) else ""
     if not terms.edges and not terms.timers:
@@ -187,7 +187,7 @@ def _trees(text: BoundText) -> Iterator[n.Expression | n.Statement]:
 
 
 def _texts(subject: Subject) -> list[BoundText]:
-    """The texts of the POU and of all that it may call, of global variables and of types."""
+    """Return the texts of the POU and of all that it may call, of global variables and of types."""
     project, dialect = subject.project, subject.project.dialect
     others = {pou.name: pou for pou in project.pous if pou.name != subject.pou.name}
     waiting, found = [subject.pou], list[BoundText]()
@@ -206,7 +206,7 @@ def _is_duration(text: str) -> bool:
 
 
 def _duration(literal: n.Literal) -> int | None:
-    """The nanoseconds of a literal; None where it is no duration."""
+    """Return the nanoseconds of a literal; None where it is no duration."""
     try:
         value = literal_value(literal)
     except LiteralError:
@@ -239,7 +239,7 @@ class WaitingTimer:
 
 
 def waiting_timers(instance: Instance, observed: Collection[str], scan_time: int) -> list[WaitingTimer]:
-    """The on-delays of a POU whose times are constants, if all calls of them are known.
+    """Return the on-delays of a POU whose times are constants, if all calls of them are known.
 
     `observed` (paths) are variables that are looked at when a scan has ended.
     """
@@ -332,7 +332,7 @@ class _Uses:
         return True
 
     def _duration(self, node: n.Expression | None) -> int | None:
-        """The value of a literal duration in nanoseconds; None: it is none."""
+        """Return the value of a literal duration in nanoseconds; None: it is none."""
         node = n.bare(node) if node is not None else None
         if not isinstance(node, n.Literal):
             return None
@@ -377,7 +377,7 @@ class RunningClocks:
                 self._rest.append((frame.v, slot))
 
     def still(self) -> list[Any]:
-        """The values of all that is no clock."""
+        """Return the values of all that is no clock."""
         return [cells[slot] if not isinstance(cells[slot], list) else None for cells, slot in self._rest]
 
     def next_end(self, clock: Clocking) -> int | None:

@@ -153,7 +153,7 @@ class Unreachable:
         return not some.problems and self.is_impossible([some.tree], chart)
 
     def _condition(self, transition: NetTransition) -> Expression | None:
-        """The condition of a transition; None: it is not known, or evaluating it does something."""
+        """Return the condition of a transition; None: it is not known, or evaluating it does something."""
         if transition.transition.condition is None:
             return None
         dialect = self._system.subject.project.dialect
@@ -233,7 +233,7 @@ class Unreachable:
         return node.target.span if value in ("TRUE", "FALSE") and first is (value == "TRUE") else None
 
     def _never_called(self, possible: Mapping[str, set[int]], texts: Iterable[set[str]]) -> set[str]:
-        """The methods that nothing names which can be executed."""
+        """Return the methods that nothing names which can be executed."""
         methods = {method.name.casefold(): self._names(method) for method in self._pou.methods}
         said = set().union(*texts, self._names(*self._pou.transitions))
         for name, net in self._nets.items():
@@ -300,7 +300,7 @@ class Unreachable:
 
 
 def _entered(net: Net, never: set[int]) -> set[int]:
-    """The steps that can be entered if all other transitions may fire."""
+    """Return the steps that can be entered if all other transitions may fire."""
     possible = set(indexes(net.initial))
     growing = True
     while growing:

@@ -96,7 +96,7 @@ class Counterexample:
         return sorted(changes | {count - 1})
 
     def as_dict(self) -> dict[str, Any]:
-        """The counterexample as plain data, for JSON."""
+        """Return the counterexample as plain data, for JSON."""
         return {
             "inputs": [dict(row) for row in self.inputs],
             "shortest": self.shortest,
@@ -158,7 +158,7 @@ class Verdict:
         return self.kind is VerdictKind.DIFFERENT
 
     def joined(self, other: Verdict) -> Verdict:
-        """The same with what another search of the same two has reached, in which some inputs were inactive."""
+        """Return the same with what another search of the same two has reached, in which some inputs were inactive."""
         coverage = tuple(mine.joined(theirs) for mine, theirs in zip(self.coverage, other.coverage, strict=True))
         kind = self.kind
         if kind is VerdictKind.UNTESTED and not self.interrupted and not self.gap and not any_untested(coverage):
@@ -234,7 +234,7 @@ class Verdict:
             yield f"frozen, because nothing writes them and they are declared as no inputs: {', '.join(self.frozen)}"
 
     def as_dict(self) -> dict[str, Any]:
-        """The verdict as plain data, for JSON."""
+        """Return the verdict as plain data, for JSON."""
         data: dict[str, Any] = {
             "kind": self.kind.value,
             "equal": self.equal,

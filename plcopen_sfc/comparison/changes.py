@@ -95,7 +95,7 @@ class Change:
         return "\n".join([f"{self.place}: {self.news}", *(f"    {line}" for line in self.lines)])
 
     def as_dict(self) -> dict[str, Any]:
-        """The change as plain data, for JSON."""
+        """Return the change as plain data, for JSON."""
         data: dict[str, Any] = {"kind": self.kind.value, "path": self.path, "what": self.what}
         for name in ("aspect", "before", "after"):
             if getattr(self, name):
@@ -129,7 +129,7 @@ class Proof:
         return f"{self.path}: {self.verdict}" + (f"\n{self.reason}" if self.reason else "")
 
     def as_dict(self) -> dict[str, Any]:
-        """The proof as plain data, for JSON."""
+        """Return the proof as plain data, for JSON."""
         told = {"reason": self.reason} if self.reason else {}
         return {"path": self.path, **({} if self.verdict is None else {"verdict": self.verdict.as_dict()}), **told}
 
@@ -175,7 +175,7 @@ class ProjectDiff:
         return "\n".join(line for line, _ in self.text())
 
     def as_dict(self) -> dict[str, Any]:
-        """The result as plain data, for JSON."""
+        """Return the result as plain data, for JSON."""
         return {
             "equal": self.equal,
             "changes": [change.as_dict() for change in self.changes],

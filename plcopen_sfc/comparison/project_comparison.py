@@ -81,7 +81,7 @@ class _Comparison:
         return executed(self.left, default_profile(self.a), source=source, detail=self.detail, addresses=addresses)
 
     def changes(self, *, layout: bool) -> list[Change]:
-        """The changes, those of a POU together."""
+        """Return the changes, those of a POU together."""
         for find in (renamed_outer, renamed_steps, renamed_transitions, self._renamed_members):
             self._rename(find)
         found = TreeComparison(is_written=self.is_written, layout=layout).changes(*self.listed)
@@ -143,7 +143,7 @@ class _Comparison:
 
 
 def _grouped(changes: Iterable[Change], owners: Iterable[str]) -> list[Change]:
-    """The changes of each thing together: of a POU, a chart in it, a step in that."""
+    """Return the changes of each thing together: of a POU, a chart in it, a step in that."""
     places: dict[tuple[str, ...], int] = {(owner,): place for place, owner in enumerate(owners)}
 
     def place(change: Change) -> list[int]:

@@ -89,7 +89,7 @@ def renamed_members(projects: tuple[Project, Project], left: Part, right: Part) 
 
 
 def _uses(project: Project) -> dict[int, Counter[str]]:
-    """The places where each thing is used, by the id of its object; those of actions by their steps."""
+    """Return the places where each thing is used, by the id of its object; those of actions by their steps."""
     found: dict[int, Counter[str]] = {}
     for occurrence in Names(project).everything:
         declaration = occurrence.meaning.declaration
@@ -102,7 +102,7 @@ def _uses(project: Project) -> dict[int, Counter[str]]:
 
 
 def _pairs(left: Part, right: Part, key: Key | None = None) -> Iterator[tuple[Key, Part, Part]]:
-    """The parts that have the same name on both sides, from the whole inwards."""
+    """Yield the parts that have the same name on both sides, from the whole inwards."""
     yield key or Key("project", ""), left, right
     for inner, part in left.parts.items():
         if inner in right.parts and inner.kind != "transition":
@@ -110,7 +110,7 @@ def _pairs(left: Part, right: Part, key: Key | None = None) -> Iterator[tuple[Ke
 
 
 def _unmatched(left: Part, right: Part, kind: str) -> tuple[list[Part], list[Part]]:
-    """The parts of a kind that only one side has, where both have some and they can be renamed."""
+    """Return the parts of a kind that only one side has, where both have some and they can be renamed."""
     sides = [
         [part for key, part in side.parts.items() if key.kind == kind and key not in other.parts and part.subject]
         for side, other in ((left, right), (right, left))
@@ -119,7 +119,7 @@ def _unmatched(left: Part, right: Part, kind: str) -> tuple[list[Part], list[Par
 
 
 def _best(kind: str, left: Part, right: Part, likeness: Callable[[Part, Part], float]) -> Iterator[Renaming]:
-    """The pairs that are most alike, each part in one of them."""
+    """Yield the pairs that are most alike, each part in one of them."""
     mine, others = _unmatched(left, right, kind)
     rated = [(likeness(one, other), one, other) for one in mine for other in others]
     taken: set[int] = set()
@@ -175,7 +175,7 @@ class _Walk:
         self._contents: dict[tuple[str, str], float] = {}
 
     def renamed(self) -> Iterator[Renaming]:
-        """The steps that are met at the same place and do the same."""
+        """Yield the steps that are met at the same place and do the same."""
         left, right = ([name for name in side if name not in self.met] for side in self.steps)
         found: dict[str, str] = {}
         if not left or not right:
@@ -237,7 +237,7 @@ _Edges = tuple[dict[str, list[tuple[str, Meaning | None]]], dict[str, list[tuple
 
 
 def _edges(chart: Part) -> _Edges:
-    """The steps before and after each step, each with the condition between."""
+    """Return the steps before and after each step, each with the condition between."""
     found: _Edges = ({}, {})
     for key, part in chart.parts.items():
         if key.kind == "transition":

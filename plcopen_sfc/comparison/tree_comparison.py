@@ -56,7 +56,7 @@ class TreeComparison:
         self._found: list[tuple[Change, Key, Part]] = []
 
     def changes(self, left: Part, right: Part) -> list[Change]:
-        """The changes from one listing to another."""
+        """Return the changes from one listing to another."""
         self._compare(Key("project", ""), left, right)
         return list(self._with_moves())
 
@@ -165,7 +165,7 @@ class TreeComparison:
             self._note(Change(ChangeKind.MOVED, part.path, "step", "", *places), Key("step", step), part)
 
     def _with_moves(self) -> Iterator[Change]:
-        """The changes, with what was removed at one place and added at another as moved."""
+        """Yield the changes, with what was removed at one place and added at another as moved."""
         removed = [each for each in self._found if each[0].kind is ChangeKind.REMOVED and each[1].kind in _WANDER]
         origins: dict[int, Change] = {}
         for change, key, part in self._found:
@@ -184,7 +184,7 @@ class TreeComparison:
 
 
 def matches(left: Part, right: Part) -> dict[Key, Key]:
-    """The parts that are in both: their keys on the right by those on the left."""
+    """Return the parts that are in both: their keys on the right by those on the left."""
     found = {key: key for key in left.parts if key in right.parts and key.kind not in ("action", "transition")}
     found |= renamed_tasks(left, right)
     found |= {key: other for key, other in matched_actions(left, right).items() if other in right.parts}
@@ -253,7 +253,7 @@ def _starts(step: Part) -> bool:
 
 
 def _changed(change: Change, mine: Meaning | None, theirs: Meaning | None) -> Change:
-    """The change with what was there before and after, of several lines with those that differ."""
+    """Return the change with what was there before and after, of several lines with those that differ."""
     before, after = (None if each is None else (each.text or each.show)() for each in (mine, theirs))
     is_program = any(each is not None and each.text is not None for each in (mine, theirs))
     if not is_program and "\n" not in f"{before}{after}":
@@ -264,7 +264,7 @@ def _changed(change: Change, mine: Meaning | None, theirs: Meaning | None) -> Ch
 
 
 def _told(part: Part) -> str | None:
-    """A part in one word or two; of a longer text the beginning."""
+    """Return a part in one word or two; of a longer text the beginning."""
     words = next((part.aspects[each].show() for each in _TOLD if each in part.aspects), "")
     first, _, others = words.partition("\n")
     return f"{first} .." if others else first or None
@@ -284,13 +284,13 @@ def _ends_of(chart: Part, transition: Key) -> tuple[str, str]:
 
 
 def _label(around: Part, key: Key) -> str:
-    """A part by its name; a transition without one by where it leads."""
+    """Return a part by its name; a transition without one by where it leads."""
     name = _name_of(around.parts[key], key)
     return _ends_of(around, key)[1] if key.kind == "transition" and " -> " in name else name
 
 
 def _variables(owner: Part, section: str) -> Iterator[Key]:
-    """The variables of one kind of section."""
+    """Yield the variables of one kind of section."""
     for key, part in owner.parts.items():
         found = part.aspects.get("section")
         if key.kind == "variable" and found is not None and found.raw == section:
@@ -298,7 +298,7 @@ def _variables(owner: Part, section: str) -> Iterator[Key]:
 
 
 def _in_other_order(left: Sequence[Key], right: Sequence[Key], matched: dict[Key, Key]) -> tuple[list[Key], list[Key]]:
-    """The part of an order that is another on the right, of what both have, in both orders."""
+    """Return the part of an order that is another on the right, of what both have, in both orders."""
     before = [each for each in left if matched.get(each) in right]
     there = {matched[each]: each for each in before}
     after = [there[each] for each in right if each in there]
@@ -310,12 +310,12 @@ def _in_other_order(left: Sequence[Key], right: Sequence[Key], matched: dict[Key
 
 
 def _path(key: Key, part: Part) -> str:
-    """The place of a part: what has no name of its own has the path of what it is in."""
+    """Return the place of a part: what has no name of its own has the path of what it is in."""
     return ObjectPath.of(part.path) / key.kind if key.kind in _UNNAMED else part.path
 
 
 def word_of(kind: str) -> str:
-    """A kind or an aspect of the listing in the words of an engineer."""
+    """Return a kind or an aspect of the listing in the words of an engineer."""
     return _WORDS.get(kind, kind)
 
 

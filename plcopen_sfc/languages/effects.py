@@ -20,7 +20,7 @@ ANYTHING: Path = ()
 
 
 def path_of(expression: Expression) -> Path:
-    """The path of a variable; `ANYTHING` for what is no variable."""
+    """Return the path of a variable; `ANYTHING` for what is no variable."""
     names: list[str] = []
     at: Expression = n.bare(expression)
     while True:
@@ -39,7 +39,7 @@ def path_of(expression: Expression) -> Path:
 
 
 def plain_path(node: n.Node) -> Path | None:
-    """The path of a variable that is given by names alone; None for anything else."""
+    """Return the path of a variable that is given by names alone; None for anything else."""
     names: list[str] = []
     while isinstance(node, n.Member):
         names.append(node.name.identifier.casefold())

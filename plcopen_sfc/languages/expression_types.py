@@ -37,12 +37,12 @@ _RESULTS = {"TRUNC": "DINT", "TRUNC_INT": "INT", "LEN": "INT", "FIND": "INT", "R
 
 
 def bits_of(name: str) -> int:
-    """The width of an integer or bit string."""
+    """Return the width of an integer or bit string."""
     return 8 << ORDER.index(name) // 3
 
 
 def common_type(dialect: Dialect, one: str, other: str) -> str:
-    """The type that two operands are brought to.
+    """Return the type that two operands are brought to.
 
     S7 takes a signed type that holds the values of both where one of them is signed and the other is not.
     """
@@ -55,7 +55,7 @@ def common_type(dialect: Dialect, one: str, other: str) -> str:
 
 
 def calculated_type(dialect: Dialect, name: str) -> str:
-    """The type in which operands of type `name` are added, subtracted, multiplied, divided and negated.
+    """Return the type in which operands of type `name` are added, subtracted, multiplied, divided and negated.
 
     CODESYS and TwinCAT calculate with the width of the processor and cut off only what is assigned or converted.
     """
@@ -96,12 +96,12 @@ def fits(value: ElementaryValue, name: str) -> bool:
 
 
 def _range(value: ElementaryValue) -> tuple[int, int]:
-    """The numbers that an operand can be: what is too great for its type has been cut off."""
+    """Return the numbers that an operand can be: what is too great for its type has been cut off."""
     return (value.low, value.high) if value.loose or fits(value, value.type) else INTEGER_RANGES[value.type]
 
 
 def number_of(name: str) -> str:
-    """The integer type with the values of a bit string."""
+    """Return the integer type with the values of a bit string."""
     return {"BYTE": "USINT", "WORD": "UINT", "DWORD": "UDINT", "LWORD": "ULINT"}.get(name, name)
 
 
@@ -123,7 +123,7 @@ class ExpressionTypes:
         self._known: dict[int, tuple[Node, ElementaryValue]] = {}
 
     def value(self, node: Expression) -> ElementaryValue:
-        """The type of an expression, and the numbers that it can be."""
+        """Return the type of an expression, and the numbers that it can be."""
         found = self._known.get(id(node))
         if found is None or found[0] is not node:
             found = self._known[id(node)] = node, self._value(node)
@@ -210,7 +210,7 @@ _ELEMENTARY = frozenset({*ORDER, *REALS, *_DURATIONS, *INSTANTS, "BOOL", "STRING
 
 
 def _mixed(types: list[str]) -> str:
-    """The type of a calculation with others than integers; empty where it is not known."""
+    """Return the type of a calculation with others than integers; empty where it is not known."""
     instants = [each for each in types if each in INSTANTS]
     if len(instants) > 1:
         return "TIME"
@@ -222,7 +222,7 @@ def _mixed(types: list[str]) -> str:
 
 
 def operand_type(dialect: Dialect, types: list[str], values: list[ElementaryValue]) -> str:
-    """The type that operands are brought to; those of `values` that have no type take it where they fit."""
+    """Return the type that operands are brought to; those of `values` that have no type take it where they fit."""
     types = types or [_least_type(value) for value in values]
     common = reduce(lambda a, b: common_type(dialect, a, b), types)
     for value in values:
@@ -232,7 +232,7 @@ def operand_type(dialect: Dialect, types: list[str], values: list[ElementaryValu
 
 
 def _least_type(value: ElementaryValue) -> str:
-    """The type of a number without one, where it does not fit its surroundings."""
+    """Return the type of a number without one, where it does not fit its surroundings."""
     return next((each for each in ("SINT", "INT", "DINT", "LINT") if fits(value, each)), "ULINT")
 
 

@@ -98,13 +98,13 @@ def is_il(tokens: list[Token]) -> bool:
 
 
 def instructions(text: str, dialect: Dialect = Dialect.IEC) -> Iterator[Instruction]:
-    """The instructions of a body. Never raises: what is no instruction becomes operands with problems."""
+    """Yield the instructions of a body. Never raises: what is no instruction becomes operands with problems."""
     for line in _lines(text, tokenize(text, dialect).tokens):
         yield _instruction(text, line, dialect)
 
 
 def _lines(text: str, tokens: list[Token]) -> Iterator[list[Token]]:
-    """The tokens of each instruction: those of a line, and further lines inside the parentheses of a call."""
+    """Yield the tokens of each instruction: those of a line, and further lines inside the parentheses of a call."""
     place = Lines(text).place
     line: list[Token] = []
     number = depth = 0
@@ -151,7 +151,7 @@ def _closes(tokens: list[Token]) -> bool:
 
 
 def _operands(text: str, tokens: list[Token], dialect: Dialect) -> Iterator[Operand]:
-    """The operands between commas outside of parentheses."""
+    """Yield the operands between commas outside of parentheses."""
     depth = 0
     commas = [-1]
     for index, token in enumerate(tokens):

@@ -81,7 +81,7 @@ def _escape(found: re.Match[str]) -> str:
 
 
 def format_key(key: str) -> str:
-    """A key: a plain word where it is read as one (``nan`` is a number), or a string."""
+    """Return a key: a plain word where it is read as one (``nan`` is a number), or a string."""
     found = _TOKEN.fullmatch(key)
     return key if found is not None and found.group("word") == key else format_string(key)
 
@@ -106,7 +106,7 @@ class Scanner:
         return not self.text[self.position :].strip()
 
     def next_mark(self) -> str:
-        """The mark that comes next, or an empty text. Does not move."""
+        """Return the mark that comes next, or an empty text. Does not move."""
         found = _TOKEN.match(self.text, self.position)
         return (found.group("mark") or "") if found is not None else ""
 
@@ -253,7 +253,7 @@ Substitute: TypeAlias = Callable[[BaseModel], Any]
 
 
 def plain_fields(thing: BaseModel, substitute: Substitute | None = None, leave: frozenset[str] = frozenset()) -> Fields:
-    """The fields of `thing` that are not at their default, those named in `leave` left out.
+    """Return the fields of `thing` that are not at their default, those named in `leave` left out.
 
     `substitute` may give other data for an object inside it; None: none.
     """
@@ -349,7 +349,7 @@ def additions(meant: Any, path: tuple[Segment, ...]) -> Iterator[RemainderEntry]
 
 
 def _appended(item: Any, path: tuple[Segment, ...], index: int) -> Iterator[RemainderEntry]:
-    """A new item of a list; if it is long, its own lists on lines of their own."""
+    """Yield a new item of a list; if it is long, its own lists on lines of their own."""
     lists = {key: value for key, value in item.items() if _is_list_of_fields(value)} if isinstance(item, dict) else {}
     if not lists or len(format_value(item)) <= _WIDE:
         yield RemainderEntry((*path, Append()), item)
@@ -458,7 +458,7 @@ def apply(fields: Fields, change: RemainderEntry) -> None:
 
 
 def value_at(fields: Fields, path: tuple[Segment, ...]) -> Any:
-    """The value at `path`; None where nothing is there."""
+    """Return the value at `path`; None where nothing is there."""
     found: Any = fields
     try:
         for segment in path:
@@ -515,7 +515,7 @@ def format_path(path: tuple[Segment, ...]) -> str:
 
 
 def parse_change(text: str, position: int = 0) -> RemainderEntry:
-    """The change in ``path := value``; ``path`` alone means TRUE. Raises `NotationError`."""
+    """Return the change in ``path := value``; ``path`` alone means TRUE. Raises `NotationError`."""
     scanner = Scanner(text, position)
     path: list[Segment] = [scanner.key()]
     while (mark := scanner.next_mark()) in (".", "["):

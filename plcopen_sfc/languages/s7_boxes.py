@@ -70,7 +70,7 @@ def put_boxes(project: Project) -> None:
 
 
 def _operand(box: Block) -> str:
-    """The variable of a flip-flop of S7; empty for another box."""
+    """Return the variable of a flip-flop of S7; empty for another box."""
     if box.type_name.upper() not in _PINS:
         return ""
     pins = (pin.input for pin in box.parameters.inputs if is_memory_pin(box, pin) and pin.input is not None)
@@ -95,7 +95,7 @@ def _replace(network: LogicNetwork, box: Block, number: int) -> None:
 
 
 def _pin(box: Block, name: str) -> BlockVariable:
-    """A copy of a pin of a box; one that is FALSE where the box has none."""
+    """Return a copy of a pin of a box; one that is FALSE where the box has none."""
     found = next((pin for pin in box.parameters.inputs if pin.name.casefold() == name), None)
     if found is None or found.input is None:
         return BlockVariable(name="", input=InputPin(expression="FALSE"))

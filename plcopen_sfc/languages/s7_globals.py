@@ -30,7 +30,7 @@ TABLE = "GlobalVariables"
 
 
 def data_blocks_of(project: Project) -> list[DataBlock]:
-    """A data block for each named list of global variables, unless the project has an object of that name.
+    """Return a data block for each named list of global variables, unless the project has an object of that name.
 
     Another one has the variables of no list. Instances of function blocks are left out: global data blocks of S7 have
     none. So are tags and constants.
@@ -64,7 +64,7 @@ def is_retained(section: VariableSection, variable: Variable) -> bool:
 
 
 def by_retention(section: VariableSection) -> Iterator[VariableSection]:
-    """A section as sections with variables that are retained, and with others, in their order."""
+    """Yield a section as sections with variables that are retained, and with others, in their order."""
     kept = [is_retained(section, variable) for variable in section.variables]
     if section.retain or section.persistent or True not in kept:
         yield section
@@ -115,7 +115,7 @@ def names_from_s7(project: Project) -> dict[str, tuple[str, ...]]:
 
 
 def _tags_of_lists(project: Project) -> dict[tuple[str, str], Tag | Variable]:
-    """The tags and user constants that variables of named lists become, by the names of both in lower case.
+    """Return the tags and user constants that variables of named lists become, by the names of both in lower case.
 
     A tag has an address that S7 knows; a constant has a value. Both have an elementary type and a name that no other
     global thing has: S7 names them without their list.
@@ -136,7 +136,7 @@ def _tags_of_lists(project: Project) -> dict[tuple[str, str], Tag | Variable]:
 
 
 def local_tags(project: Project) -> dict[str, dict[str, Tag]]:
-    """The tags that variables with an address become which a POU declares, by its name and theirs in lower case.
+    """Return the tags that variables with an address become which a POU declares, by its name and theirs in lower case.
 
     All instances of a POU have them in common. A tag has the name of the variable if nothing global and no other of
     them has it, else that of the POU before it.
@@ -184,7 +184,7 @@ def _is_plain(variable: Variable, types: S7Types) -> bool:
 
 
 def _tag(variable: Variable, types: S7Types, addresses: Dialect) -> Tag | None:
-    """The tag for a variable; None where it has no address that S7 can write."""
+    """Return the tag for a variable; None where it has no address that S7 can write."""
     if not variable.address or "*" in variable.address:
         return None
     address = translated_address(variable.address, addresses, Dialect.SCL)
@@ -260,7 +260,7 @@ def _not_of_tags(variable: Variable, section: VariableSection) -> Iterator[tuple
 
 
 def _left_out_globals(project: Project) -> Iterator[tuple[str, str]]:
-    """The global variables that blocks, tags and constants cannot express completely, each with what is lost."""
+    """Yield the global variables that blocks, tags and constants cannot express completely, each with what is lost."""
     blocks = {pou.name.casefold() for pou in project.pous}
     tables = [*project.tag_tables, *tag_tables_of(project)]
     tags = {tag.name.casefold() for table in tables for tag in table.tags}
@@ -308,7 +308,7 @@ def open_address(project: Project, variable: Variable) -> str | None:
 
 
 def called_actions(project: Project, is_replaced: Callable[[TextSite], bool] = lambda _: False) -> frozenset[int]:
-    """The ids (``id``) of the actions that a step has or a program calls, or may call.
+    """Return the ids (``id``) of the actions that a step has or a program calls, or may call.
 
     `is_replaced`: True if the calls in a text are written as something else.
     """

@@ -66,7 +66,7 @@ def name_results(project: Project, report: ConversionReport) -> None:
 
 
 def _result(pou: Pou) -> VariableSection | None:
-    """The section with the result of a function of S7; None where it has none, or not as S7 has it."""
+    """Return the section with the result of a function of S7; None where it has none, or not as S7 has it."""
     if pou.kind is not PouKind.FUNCTION or pou.interface is None or pou.interface.return_type is not None:
         return None
     found = [section for section in pou.interface.sections if section.kind is SectionKind.RETURN]
@@ -103,7 +103,7 @@ def rename_local(body: Body, old: str, new: str) -> None:
 
 
 def renamed_local(text: str, old: str, new: str) -> str:
-    """A text of SCL with the local variable `old` called `new`."""
+    """Return a text of SCL with the local variable `old` called `new`."""
     if old.casefold() not in text.casefold():
         return text
     spelled = (f"#{old}".casefold(), f'#"{old}"'.casefold())
@@ -227,7 +227,7 @@ def instance_types(project: Project) -> frozenset[str]:
 
 
 def names_of_programs(project: Project) -> dict[str, str]:
-    """The data blocks of the programs that others can call and read: the only ones of theirs; by program."""
+    """Return the data blocks of the programs that others can call and read: the only ones of theirs; by program."""
     names = {pou.name.casefold(): pou.name for pou in project.pous}
     return {names[key]: blocks[0].name for key, blocks in s7_programs(project).instances.items() if len(blocks) == 1}
 

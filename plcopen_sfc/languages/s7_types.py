@@ -61,7 +61,7 @@ class S7Types:
         self._alone = {each.value.casefold(): each for each in self.constants if counts[each.value.casefold()] == 1}
 
     def _with_members(self, type_: DataType) -> DataType:
-        """A declared type, whose members have the types that S7 has for them."""
+        """Return a declared type, whose members have the types that S7 has for them."""
         if isinstance(type_, ArrayType):
             base = self._with_members(type_.base)
             return type_ if base is type_.base else type_.model_copy(update={"base": base})
@@ -74,7 +74,7 @@ class S7Types:
         return type_.model_copy(update={"members": [m.model_copy(update={"type": new}) for new, m in pairs]})
 
     def type(self, type_: DataType) -> DataType:
-        """The type that S7 has for `type_`: itself, if it is one of S7."""
+        """Return the type that S7 has for `type_`: itself, if it is one of S7."""
         return self._type(type_, 0)
 
     def _type(self, type_: DataType, depth: int) -> DataType:
@@ -102,7 +102,7 @@ class S7Types:
         return type_.bounds if isinstance(type_, SubrangeType) else None
 
     def start(self, variable: Variable) -> Value | None:
-        """The start value of a variable as S7 writes it; that of its type, where it has none of its own."""
+        """Return the start value of a variable as S7 writes it; that of its type, where it has none of its own."""
         if variable.initial is not None:
             return self._number(variable.initial)
         return self._start_of(variable.type, 0)
@@ -127,7 +127,7 @@ class S7Types:
         return None
 
     def _number(self, value: Value, type_: str = "") -> Value:
-        """A value with numbers for the values of enumerations."""
+        """Return a value with numbers for the values of enumerations."""
         if isinstance(value, ArrayValue):
             items = [item.model_copy(update={"value": self._number(item.value, type_)}) for item in value.items]
             return value if items == value.items else value.model_copy(update={"items": items})
@@ -153,7 +153,7 @@ class S7Types:
         )
 
     def named(self, name: str) -> Constant | None:
-        """The value of an enumeration that the user constant `name` has."""
+        """Return the value of an enumeration that the user constant `name` has."""
         return self._by_name.get(name.casefold())
 
     def alone(self, hidden: Iterable[str]) -> Mapping[str, Constant]:
@@ -162,7 +162,7 @@ class S7Types:
         return {name: each for name, each in self._alone.items() if name not in others}
 
     def tables(self) -> list[TagTable]:
-        """A tag table with the user constants of each enumeration."""
+        """Return a tag table with the user constants of each enumeration."""
         tables: dict[str, TagTable] = {}
         for each in self.constants:
             table = tables.setdefault(each.type, TagTable(name=each.type))
@@ -178,7 +178,7 @@ def is_system_data(variable: Variable) -> bool:
 
 
 def constants_of(declaration: DataTypeDeclaration) -> list[Constant]:
-    """The values of an enumeration with their numbers; none for one whose numbers are not known."""
+    """Return the values of an enumeration with their numbers; none for one whose numbers are not known."""
     if not isinstance(declaration.type, EnumType):
         return []
     found: list[Constant] = []
@@ -208,7 +208,7 @@ _LONGEST = 400
 
 
 def number_of(text: str) -> int | None:
-    """The number that a literal is; None for anything else."""
+    """Return the number that a literal is; None for anything else."""
     found = _NUMBER.fullmatch(text.strip())
     if found is None or len(text) > _LONGEST:
         return None
@@ -216,5 +216,5 @@ def number_of(text: str) -> int | None:
 
 
 def s7_types(project: Project) -> S7Types:
-    """The types of `project` as S7 has them."""
+    """Return the types of `project` as S7 has them."""
     return S7Types(project.data_types)

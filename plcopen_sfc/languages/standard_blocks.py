@@ -94,7 +94,7 @@ class StandardBlock:
         return f"{_numbered(own)[0]}{number}" if own is not None else pin
 
     def input_name(self, pin: str) -> str | None:
-        """The IEC name of an input as any tool may call it; case does not matter. None: it is no input."""
+        """Return the IEC name of an input as any tool may call it; case does not matter. None: it is no input."""
         found = self._known(pin, self.inputs)
         if found is None and self.extensible:
             stem, first = _numbered(self.inputs[-1].name)
@@ -104,7 +104,7 @@ class StandardBlock:
         return found
 
     def output_name(self, pin: str) -> str | None:
-        """The IEC name of an output as any tool may call it; case does not matter. None: it is no output."""
+        """Return the IEC name of an output as any tool may call it; case does not matter. None: it is no output."""
         return self._known(pin, self.outputs)
 
     def _known(self, pin: str, pins: tuple[Pin, ...]) -> str | None:
@@ -130,7 +130,7 @@ def standard_block(name: str, tool: Tool | None = None) -> StandardBlock | None:
 
 
 def operator_block(operator: Operator) -> StandardBlock | None:
-    """The block that does what `operator` does; None for signs and for AND_THEN and OR_ELSE, which have none."""
+    """Return the block that does what `operator` does; None for signs and for AND_THEN and OR_ELSE, which have none."""
     return _BY_OPERATOR.get(operator)
 
 

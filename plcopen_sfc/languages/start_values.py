@@ -37,7 +37,7 @@ class ValuePathError(ValueError):
 
 
 def _plain_type(type_: DataType | None, types: Types) -> DataType | None:
-    """A type, or the one that its name refers to; None for a name that nothing declares."""
+    """Return a type, or the one that its name refers to; None for a name that nothing declares."""
     for _ in range(_DEEPEST):
         if not isinstance(type_, DerivedType):
             break
@@ -53,7 +53,7 @@ def _member_type(type_: DataType | None, name: str, types: Types) -> DataType | 
 
 
 def _ranges(type_: DataType | None, types: Types) -> list[range] | None:
-    """The indices of an array; None where it is none, or its bounds are no numbers."""
+    """Return the indices of an array; None where it is none, or its bounds are no numbers."""
     array = _plain_type(type_, types)
     if not isinstance(array, ArrayType):
         return None
@@ -63,7 +63,7 @@ def _ranges(type_: DataType | None, types: Types) -> list[range] | None:
 
 
 def assembled(entries: Iterable[tuple[Path, str]], type_: DataType | None, types: Types) -> Value | None:
-    """The value of a variable of which single elements have start values; None where there are none.
+    """Return the value of a variable of which single elements have start values; None where there are none.
 
     Elements of an array without one of their own are values without text. Raises `ValuePathError`.
     """
@@ -113,7 +113,7 @@ def _append(items: list[RepeatedValue], value: Value, count: int) -> None:
 
 
 def _place(indices: tuple[int, ...], ranges: list[range]) -> int:
-    """The place of an element among all: the last index counts first."""
+    """Return the place of an element among all: the last index counts first."""
     if len(indices) != len(ranges):
         raise ValuePathError("an array has another number of dimensions")
     place = 0
@@ -149,7 +149,7 @@ def apart(value: Value, type_: DataType | None, types: Types) -> Iterator[tuple[
 
 
 def filled(value: Value, type_: DataType | None, types: Types) -> Value:
-    """A value in which the elements of arrays without a text have the start value of their type."""
+    """Return a value in which the elements of arrays without a text have the start value of their type."""
     if isinstance(value, StructValue):
         members = [
             MemberValue(member=m.member, value=filled(m.value, _member_type(type_, m.member, types), types))
@@ -169,7 +169,7 @@ def filled(value: Value, type_: DataType | None, types: Types) -> Value:
 
 
 def _usual(type_: DataType | None, types: Types, depth: int = 0) -> Value | None:
-    """The start value of a type, written out; of a structure that of its first member, which is enough."""
+    """Return the start value of a type, written out; of a structure that of its first member, which is enough."""
     found = _plain_type(type_, types)
     if isinstance(found, StructType) and found.members and depth < _DEEPEST:
         return _of_first(found.members[0], types, depth)

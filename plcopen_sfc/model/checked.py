@@ -158,7 +158,7 @@ _FIRST = ("name", "id", "kind", "text", "type")
 
 
 def _stated(thing: Checked) -> Iterator[tuple[str, Any]]:
-    """The fields that were read already and differ from their defaults; names and ids come first."""
+    """Yield the fields that were read already and differ from their defaults; names and ids come first."""
     fields = type(thing).model_fields
     present = thing.__dict__
     for name in sorted(fields, key=lambda name: _FIRST.index(name) if name in _FIRST else len(_FIRST)):

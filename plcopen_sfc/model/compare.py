@@ -149,7 +149,7 @@ def _joined(path: str, part: str) -> str:
 
 
 def _competing(chart: SfcNetwork) -> dict[int, list[int]]:
-    """The transitions that leave each step, in the order in which they are tried."""
+    """Return the transitions that leave each step, in the order in which they are tried."""
     leaving: dict[int, list[int]] = {}
     for transition in sorted(chart.transitions, key=lambda t: (t.priority is None, t.priority or 0)):
         for source in transition.sources:

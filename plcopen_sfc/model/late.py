@@ -32,7 +32,7 @@ class Late(Owned):
     def late(
         cls, fields: dict[str, Any], supply: Callable[[Self], Self], text: Callable[[], str] | None = None
     ) -> Self:
-        """An unread element with `fields`; `supply` gets it and returns the whole when a script asks for more.
+        """Return an unread element with `fields`; `supply` gets it and returns the whole when a script asks for more.
 
         `text` returns a text in which every text of the whole occurs, for who looks for names.
         """
@@ -168,7 +168,7 @@ _DOT = re.compile(r"\.(?:\s|\\[nrt]|\\?\"|#|&quot;|&\#\w+;|\(\*.*?\*\)|/\*.*?\*/
 
 @cache
 def _bare(model: type[Late]) -> Any:
-    """An object without any field, to be copied: pydantic takes long to make one."""
+    """Return an object without any field, to be copied: pydantic takes long to make one."""
     thing: Any = model.model_construct()
     thing.__dict__.clear()
     thing.__pydantic_fields_set__.clear()

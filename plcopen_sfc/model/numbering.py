@@ -14,7 +14,7 @@ from plcopen_sfc.model.sfc import SfcNetwork
 
 
 def numbered_in_order(project: Project) -> Project:
-    """A copy of `project` in which everything that has an id is numbered from 1 in the order of the model.
+    """Return a copy of `project` in which everything that has an id is numbered from 1 in the order of the model.
 
     Each chart and each network counts for itself. Drawings are left out: they are full of ids and mean nothing more
     than their chart.
@@ -122,7 +122,7 @@ def _number_nodes(nodes: list[Node]) -> None:
 
 
 def _wires(thing: Any) -> list[Connection]:
-    """The wires in nodes or conditions, but for those inside bodies, which have ids of their own."""
+    """Return the wires in nodes or conditions, but for those inside bodies, which have ids of their own."""
     if isinstance(thing, Connection):
         return [thing]
     if isinstance(thing, list):

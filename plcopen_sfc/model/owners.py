@@ -126,7 +126,7 @@ def _adopt(owner: Owned, thing: object, *, take: bool = False) -> None:
 
 @cache
 def _classes(owner: type[Owned], field: str) -> tuple[type[BaseModel], ...]:
-    """The classes of objects that a field has, alone or in a list."""
+    """Return the classes of objects that a field has, alone or in a list."""
 
     def in_annotation(annotation: Any) -> tuple[type[BaseModel], ...]:
         if isinstance(annotation, type) and issubclass(annotation, BaseModel):

@@ -113,7 +113,7 @@ class Pou(ProjectObject):
         return {flag.variable for flag, stated in flags if stated.use and stated.declare}
 
     def variables(self, kind: SectionKind | None = None) -> list[Variable]:
-        """The variables of its interface, or those of one kind of section, in the order of their declaration."""
+        """Return the variables of its interface, or those of one kind of section, in the order of their declaration."""
         return self.interface.variables(kind) if self.interface is not None else []
 
     def add_variable(
@@ -152,7 +152,7 @@ class Pou(ProjectObject):
             raise ModelError(f"{self.report_path} has a {name!r} already")
 
     def action(self, name: str) -> Action:
-        """The action of this name; case does not matter. Raises `ModelError`."""
+        """Return the action of this name; case does not matter. Raises `ModelError`."""
         check_argument(name, str, "the name of an action is needed")
         found = self.find_action(name)
         if found is None:
@@ -164,7 +164,7 @@ class Pou(ProjectObject):
         return found
 
     def find_action(self, name: str) -> Action | None:
-        """The action of this name, or None; case does not matter, nor do the signs of S7."""
+        """Return the action of this name, or None; case does not matter, nor do the signs of S7."""
         wanted = local_name(name).casefold()
         return next((a for a in self.actions if a.name.casefold() == wanted), None)
 

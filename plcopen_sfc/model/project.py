@@ -318,7 +318,7 @@ class Project(Owned, Element):
                     chart.chart.drawing.read()
 
     def pou(self, name: str) -> Pou:
-        """The POU of this name; case does not matter. Raises `ModelError`."""
+        """Return the POU of this name; case does not matter. Raises `ModelError`."""
         check_argument(name, str, "the name of a POU is needed")
         for pou in self.pous:
             if pou.name.casefold() == name.casefold():
@@ -356,7 +356,7 @@ class Project(Owned, Element):
         return pou
 
     def edit(self, *, clean: bool = False, prove: bool = False, limit: float | str | None = None) -> sfc.Editor:
-        """The editor of the project: edits that are made whole or not at all, and can be undone.
+        """Return the editor of the project: edits that are made whole or not at all, and can be undone.
 
         `clean`: remove what an edit leaves without a use. `prove`: refuse an edit that changes what charts do, after
         running them for at most `limit` each. See `plcopen_sfc.refactor.editor.Editor`.
@@ -400,7 +400,7 @@ class Project(Owned, Element):
     def find_transitions(
         self, where: Callable[[Transition], bool] | None = None, **conditions: Any
     ) -> list[Transition]:
-        """The transitions of all charts that satisfy the conditions; see `SfcNetwork.find_transitions`."""
+        """Return the transitions of all charts that satisfy the conditions; see `SfcNetwork.find_transitions`."""
         found: list[Transition] = provided("find_transitions")(self, where, **conditions)
         return found
 
@@ -435,7 +435,7 @@ class Project(Owned, Element):
         return table
 
     def objects(self) -> Iterator[ProjectObject]:
-        """The objects that have files of their own in some tools; what others need comes first."""
+        """Yield the objects that have files of their own in some tools; what others need comes first."""
         for name in self.OBJECTS:
             yield from getattr(self, name)
 

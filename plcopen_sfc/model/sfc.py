@@ -327,7 +327,7 @@ class SfcNetwork(LateElement):
     OWNS: ClassVar[tuple[str, ...]] = ("steps", "transitions", "partial_charts")
 
     def step(self, key: str | int) -> Step:
-        """The step with this name (case does not matter, as in IEC 61131-3) or id. Raises `ModelError`."""
+        """Return the step with this name (case does not matter, as in IEC 61131-3) or id. Raises `ModelError`."""
         check_argument(key, (str, int), "the name or the id of a step is needed")
         for step in self.steps:
             if step.id == key or (isinstance(key, str) and step.name.casefold() == key.casefold()):
@@ -353,12 +353,12 @@ class SfcNetwork(LateElement):
         return [step for step in self.steps if step.initial]
 
     def outgoing(self, step: Step) -> list[Transition]:
-        """The transitions that leave `step`, in the order in which they are tried."""
+        """Return the transitions that leave `step`, in the order in which they are tried."""
         leaving = [t for t in self.transitions if step.id in t.sources]
         return sorted(leaving, key=lambda t: (t.priority is None, t.priority or 0))
 
     def incoming(self, step: Step) -> list[Transition]:
-        """The transitions that lead to `step`."""
+        """Return the transitions that lead to `step`."""
         return [t for t in self.transitions if step.id in t.targets]
 
     def find(
@@ -373,7 +373,7 @@ class SfcNetwork(LateElement):
         leading_to: StepKey | None = None,
         **fields: Any,
     ) -> list[Step]:
-        """The steps of the chart that satisfy all conditions: ``chart.find(drives="*Valve*", max_time=None)``.
+        """Return the steps of the chart that satisfy all conditions: ``chart.find(drives="*Valve*", max_time=None)``.
 
         `drives`, `reads`, `calls`: patterns (``*`` and ``?``) for what the actions of the step write, read and call,
         also through actions of the POU: a whole path (``GVL.Valve1``) or the end of one (``Valve1``); case does not
@@ -425,7 +425,7 @@ class SfcNetwork(LateElement):
                 yield step, association
 
     def flags_in_use(self, declared: Callable[[str], bool]) -> frozenset[SfcFlag]:
-        """The flags that the chart obeys or sets in CODESYS.
+        """Return the flags that the chart obeys or sets in CODESYS.
 
         A flag is used where the settings of the chart state it. Where they do not mention it, or leave it to the
         settings of the project, it is used if `declared` is True: the POU or its project declares the variable.
@@ -453,7 +453,7 @@ class SfcNetwork(LateElement):
         return " -> ".join("+".join(names.get(i, "?") for i in side) or "nowhere" for side in sides)
 
     def labels(self, names: Mapping[int, str] | None = None) -> dict[int, str]:
-        """The labels of all transitions by their ids: for who needs many of them.
+        """Return the labels of all transitions by their ids: for who needs many of them.
 
         `names` are the steps by their ids, where they are to be called otherwise.
         """
@@ -461,7 +461,7 @@ class SfcNetwork(LateElement):
         return {transition.id: self.label(transition, names) for transition in self.transitions}
 
     def new_id(self) -> int:
-        """An id that nothing in this chart or its drawing has."""
+        """Return an id that nothing in this chart or its drawing has."""
         used = [s.id for s in self.steps] + [t.id for t in self.transitions] + [n.id for n in self.logic]
         used += [a.id for _, a in self.associations()]
         if self.drawing is not None:

@@ -100,7 +100,7 @@ class _Tracer:
         return alternatives or [()]
 
     def _union(self, symbol: int, seen: frozenset[int]) -> list[tuple[int, ...]]:
-        """The alternatives at the inputs of `symbol`: any one of them enables it."""
+        """Return the alternatives at the inputs of `symbol`: any one of them enables it."""
         found: list[tuple[int, ...]] = []
         for source in self.inputs.get(symbol, ()):
             for alternative in self._upstream(source, seen):

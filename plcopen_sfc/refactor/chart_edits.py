@@ -19,7 +19,7 @@ from plcopen_sfc.refactor.queries import dialect_in, pou_of
 
 
 def refused(what: str, why: Iterable[str] | str, hint: str = "", place: str = "") -> ModelError:
-    """The error of an edit that would break something: the first reason, the others in the hint."""
+    """Return the error of an edit that would break something: the first reason, the others in the hint."""
     reasons = [why] if isinstance(why, str) else [*dict.fromkeys(why)]
     shown = reasons[1:_SHOWN] + [f".. and {len(reasons) - _SHOWN} more"] * (len(reasons) > _SHOWN)
     return ModelError(
@@ -272,7 +272,7 @@ def add_branch(
 
 
 def branch_of(chart: SfcNetwork, start: Transition | Step) -> list[Step]:
-    """The steps of the branch that begins with a transition or a step: those that nothing else leads to.
+    """Return the steps of the branch that begins with a transition or a step: those that nothing else leads to.
 
     Raises `ModelError` where none begins there, or the chart needs it.
     """
@@ -328,7 +328,7 @@ def _reachable(chart: SfcNetwork, without: Mapping[int, set[int]]) -> set[int]:
 
 
 def along_the_flow(chart: SfcNetwork) -> list[Step]:
-    """The steps in the order in which a person meets them: from the initial ones down, branch by branch.
+    """Return the steps in the order in which a person meets them: from the initial ones down, branch by branch.
 
     Where branches come together, the steps below follow the last of them; a jump back changes nothing.
     """
@@ -343,7 +343,7 @@ def along_the_flow(chart: SfcNetwork) -> list[Step]:
 
 
 def _topological(start: int, after: dict[int, list[int]], steps: dict[int, Step]) -> list[Step]:
-    """The steps below one, each behind all that lead to it but for jumps back; they are taken out of `after`."""
+    """Return the steps below one, each behind all that lead to it but for jumps back; they are taken out of `after`."""
     finished: list[Step] = []
     waiting = [(start, False)]
     while waiting:

@@ -197,7 +197,7 @@ _FIRST_DAYS = {"DATE": "D#1990-01-01", "DT": "DT#1990-01-01-00:00:00"}
 
 
 def _kept_variables(project: Project) -> Iterator[tuple[str, Variable]]:
-    """The variables and members that have a first value, with the path of what declares them."""
+    """Yield the variables and members that have a first value, with the path of what declares them."""
     waiting: list[tuple[str, Variable]] = []
     for pou in project.pous:
         for section in pou.interface.sections if pou.interface is not None and pou.kind is not PouKind.FUNCTION else ():
@@ -219,7 +219,7 @@ def _kept_variables(project: Project) -> Iterator[tuple[str, Variable]]:
 
 
 def _cut_text(text: str, length: int, dialect: Dialect) -> str | None:
-    """The literal of a text without what goes beyond `length`; None where it fits, or is no literal."""
+    """Return the literal of a text without what goes beyond `length`; None where it fits, or is no literal."""
     try:
         found = literal_value(text, dialect)
     except LiteralError:
@@ -529,7 +529,7 @@ def _boxes_of_other_types(
 
 
 def _drawn(project: Project, dialect: Dialect) -> Iterator[tuple[str, Pou, Statements]]:
-    """The networks of a project as statements, with their paths in reports and their POUs."""
+    """Yield the networks of a project as statements, with their paths in reports and their POUs."""
     for name, pou, body in project.bodies():
         if isinstance(body, FbdBody | LdBody):
             yield pou.report_path_of(name), pou, body_statements(body, dialect).tree
@@ -556,7 +556,7 @@ def _listed(project: Project, dialect: Dialect) -> Iterator[tuple[str, Pou, Stat
 
 
 def _elementary(type_: Type) -> str:
-    """The name of an elementary type, or of that which another is made of; empty for others."""
+    """Return the name of an elementary type, or of that which another is made of; empty for others."""
     match type_:
         case ElementaryType(name=name):
             return name.value

@@ -76,7 +76,7 @@ def replace_variable(journal: Journal, project: Project, old: str, new: str) -> 
 
 
 def _named_there(names: Names, use: Occurrence, declaration: Declaration) -> Edit | None:
-    """The edit that names another variable in a place; None where no name of it means it there."""
+    """Return the edit that names another variable in a place; None where no name of it means it there."""
     reference, dialect = use.reference, names.project.dialect
     start = reference.span[0]
     if reference.callee is not None:
@@ -162,7 +162,7 @@ def inline_condition(journal: Journal, chart: SfcNetwork, link: Transition) -> C
 
 
 def _value(text: str, name: str, dialect: Dialect) -> str | None:
-    """The expression that the body of a named transition is: alone, or assigned to its name."""
+    """Return the expression that the body of a named transition is: alone, or assigned to its name."""
     if not parse_condition(text, dialect).problems:
         return text.strip().removesuffix(";").rstrip()
     parsed = parse_statements(text, dialect)

@@ -40,7 +40,7 @@ def find_steps(
     leading_to: StepKey | None = None,
     **fields: Any,
 ) -> list[Step]:
-    """The steps of a chart, or of all charts of a project; `SfcNetwork.find` has the conditions."""
+    """Return the steps of a chart, or of all charts of a project; `SfcNetwork.find` has the conditions."""
     _check_fields(fields, Step, "steps", find_steps)
     qualifiers = _qualifiers(qualifier)
     found: list[Step] = []
@@ -106,7 +106,7 @@ def charts_of(project: Project) -> Iterator[SfcNetwork]:
 
 
 def pou_of(thing: Owned) -> Pou | None:
-    """The POU that an object is in."""
+    """Return the POU that an object is in."""
     owner = thing.owner
     while owner is not None and not isinstance(owner, Pou):
         owner = owner.owner
@@ -114,7 +114,7 @@ def pou_of(thing: Owned) -> Pou | None:
 
 
 def dialect_in(chart: SfcNetwork) -> Dialect:
-    """The dialect of the texts of a chart."""
+    """Return the dialect of the texts of a chart."""
     return dialect_of(chart.project) if chart.project is not None else Dialect.CODESYS
 
 
@@ -153,7 +153,7 @@ def _acts(effects: Effects, wanted: tuple[str | None, str | None, str | None]) -
 
 
 def _reached(chart: SfcNetwork, start: StepKey | None, end: StepKey | None) -> set[int]:
-    """The ids of the steps to which transitions lead from `start`, and from which they lead to `end`."""
+    """Return the ids of the steps to which transitions lead from `start`, and from which they lead to `end`."""
     ids = {step.id for step in chart.steps}
     if start is not None:
         ids &= _closure(chart, start, lambda t: (t.sources, t.targets))
@@ -195,7 +195,7 @@ def find_declared(project: Project, pattern: str, kind: str | None = None) -> li
 
 
 def chart_records(chart: SfcNetwork) -> list[dict[str, Any]]:
-    """The rows of `SfcNetwork.to_records`."""
+    """Return the rows of `SfcNetwork.to_records`."""
     pou, dialect = pou_of(chart), dialect_in(chart)
     names = {step.id: step.name for step in chart.steps}
 
@@ -222,12 +222,12 @@ def chart_records(chart: SfcNetwork) -> list[dict[str, Any]]:
 
 
 def _code(action: Any) -> str | None:
-    """The name of a step action, the text of one in place, or its language."""
+    """Return the name of a step action, the text of one in place, or its language."""
     return action if action is None or isinstance(action, str) else getattr(action, "text", f"({action.language})")
 
 
 def cross_references(project: Project, kind: str | None = Kind.VARIABLE) -> list[dict[str, Any]]:
-    """The rows of `Project.cross_references`, in the order of the texts."""
+    """Return the rows of `Project.cross_references`, in the order of the texts."""
     if kind is not None and kind not in [*Kind]:
         raise ModelError(f"{kind!r} is no kind of declaration{nearest(kind, [*Kind])}")
     rows: list[dict[str, Any]] = []

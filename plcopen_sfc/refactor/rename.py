@@ -158,7 +158,7 @@ def rename_many(
 
 
 def names_by_pattern(project: Project, kind: Kind, pattern: str, new: str) -> dict[Declaration, str]:
-    r"""The table for `rename_many` of all things of a kind whose whole path matches a regular expression.
+    r"""Return the table for `rename_many` of all things of a kind whose whole path matches a regular expression.
 
     `new` is the new name, with groups of the pattern: ``Main\.S(\d+)`` and ``N\1``. Case does not matter. Raises
     `ModelError` where the pattern is no regular expression, or `new` asks for a group that it does not have.
@@ -269,7 +269,7 @@ Change = tuple[Any, str | int, str | None]
 
 
 def _by_text(found: Iterable[Occurrence]) -> list[list[Occurrence]]:
-    """The occurrences of each text, in the order of the text."""
+    """Return the occurrences of each text, in the order of the text."""
     text_sites: dict[tuple[int, str | int], list[Occurrence]] = {}
     for occurrence in found:
         text_sites.setdefault((id(occurrence.text_site.holder), occurrence.text_site.key), []).append(occurrence)
@@ -277,7 +277,7 @@ def _by_text(found: Iterable[Occurrence]) -> list[list[Occurrence]]:
 
 
 def _text_changes(found: list[Occurrence], wanted: Wanted, dialect: Dialect) -> Iterator[Change]:
-    """The changes of a text in which `found` are all places that have one of the old names."""
+    """Yield the changes of a text in which `found` are all places that have one of the old names."""
     text_site = found[0].text_site
     new_names = [wanted.get(o.meaning.declaration) if o.meaning.declaration else None for o in found]
     edits = [
@@ -295,7 +295,7 @@ def _text_changes(found: list[Occurrence], wanted: Wanted, dialect: Dialect) -> 
 
 
 def _spelt(new: str, reference: Reference, text_site: TextSite, dialect: Dialect) -> str:
-    """The new name as it is written in a place: in SCL some need quotes, where it is in program text."""
+    """Return the new name as it is written in a place: in SCL some need quotes, where it is in program text."""
     if reference.overlined:
         return "".join(character + OVERLINE for character in new)
     alone = text_site.reading is SiteKind.NAME or reference.role is Role.TYPE

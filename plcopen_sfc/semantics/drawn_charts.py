@@ -27,7 +27,7 @@ _ACTION = "Drawn_blocks"
 
 
 def as_executed(subject: Subject, profile: Profile) -> Subject:
-    """The same with charts as the profile has their drawn logic; `subject` itself where that changes nothing."""
+    """Return the same with charts as the profile has their drawn logic; `subject` itself where that changes nothing."""
     if profile.drawn_blocks is DrawnBlocks.WHEN_ENABLED and profile.drawn_logic and not profile.order_of_flow:
         return subject
     dialect = subject.project.dialect
@@ -82,14 +82,14 @@ def _with_condition(transition: Transition, tree: n.Expression | None) -> Transi
 
 
 def _storing(step: Step, name: str, chart: SfcNetwork) -> Step:
-    """The step with an association that stores the action; its id is one that nothing in the chart has."""
+    """Return the step with an association that stores the action; its id is one that nothing in the chart has."""
     used = [*chart.steps, *chart.transitions, *chart.logic, *(a for each in chart.steps for a in each.actions)]
     association = ActionAssociation(id=max(each.id for each in used) + 1, qualifier=Qualifier.S, target=name)
     return step.model_copy(update={"actions": [*step.actions, association]})
 
 
 def _interface(pou: Pou, drawn: NetworkStatements) -> Interface:
-    """The interface with what boxes give, and with instances that only the drawing names."""
+    """Return the interface with what boxes give, and with instances that only the drawing names."""
     declared = {variable.name.casefold() for variable in pou.variables()}
     wanted = [(helper.name, helper.type_name or "BOOL") for helper in drawn.helpers]
     wanted += [(name, type_) for name, type_ in drawn.instances.items() if name.isidentifier()]

@@ -71,7 +71,7 @@ class Variables:
     system: Collection[str] = ()
 
     def find(self, name: str) -> str | None:
-        """The input of this name as it is declared; case does not matter.
+        """Return the input of this name as it is declared; case does not matter.
 
         A variable at an address has a path with its program (``Main.Start``); its name is enough where only one has it.
         """
@@ -92,7 +92,7 @@ class InputSource(Protocol):
     """Source of inputs."""
 
     def bind(self, variables: Variables, scan_time: int) -> BoundInputs:
-        """The inputs for a program with these variables and this scan time in nanoseconds."""
+        """Return the inputs for a program with these variables and this scan time in nanoseconds."""
 
     def scans(self, scan_time: int) -> int | None:
         """Number of scans that the source has values for; None: any number."""
@@ -161,7 +161,7 @@ class CsvInputs:
         return found
 
     def scans(self, scan_time: int) -> int | None:
-        """The number of scans that the rows reach to."""
+        """Return the number of scans that the rows reach to."""
         starts = self._starts(scan_time)
         return starts[-1] + 1 if starts else 0
 
@@ -199,7 +199,7 @@ class CsvInputs:
         return values
 
     def _starts(self, scan_time: int) -> list[int]:
-        """The scan from which on each row holds."""
+        """Return the scan from which on each row holds."""
         folded = [header.casefold() for header in self.headers]
         if SCAN_COLUMN in folded:
             place, unit = folded.index(SCAN_COLUMN), 0
@@ -242,7 +242,7 @@ _MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"), (code
 
 
 def _decode(data: bytes) -> str:
-    """The text of a file: by its byte order mark, as UTF-8, else in the code page of Western Windows."""
+    """Return the text of a file: by its byte order mark, as UTF-8, else in the code page of Western Windows."""
     encoding = next((encoding for mark, encoding in _MARKS if data.startswith(mark)), "utf-8")
     try:
         return data.decode(encoding)
@@ -366,7 +366,7 @@ class _RandomInput:
 
 
 def samples(signal: Signal) -> list[Value]:
-    """A few values of a type, simple ones more often than odd ones."""
+    """Return a few values of a type, simple ones more often than odd ones."""
     match signal.kind:
         case SignalKind.BOOL:
             return [False, True]

@@ -134,12 +134,12 @@ class Net:
 
     @staticmethod
     def of(chart: SfcNetwork) -> Net:
-        """The net of a chart, whatever is broken in it."""
+        """Return the net of a chart, whatever is broken in it."""
         return _Builder(chart).net()
 
     @staticmethod
     def of_sequencer(chart: SfcNetwork) -> Net:
-        """The net of an S7-GRAPH chart: a sequence without an initial step starts with its first step."""
+        """Return the net of an S7-GRAPH chart: a sequence without an initial step starts with its first step."""
         net = Net.of(chart)
         of_id = {step.step.id: step.bit for step in reversed(net.steps) if step.chart is chart}
         initial = net.initial
@@ -178,7 +178,7 @@ class Net:
         return tuple(t.index for t in self.transitions if not t.sources)
 
     def enabled(self, marking: int) -> tuple[int, ...]:
-        """The transitions all of whose sources are active, in the order in which they are tried."""
+        """Return the transitions all of whose sources are active, in the order in which they are tried."""
         beside = set(self.sourceless)
         for step in indexes(marking):
             beside.update(self.leaving[step])
@@ -206,7 +206,7 @@ class Net:
         return marking & ~cleared | entered, fired
 
     def names(self, marking: int) -> tuple[str, ...]:
-        """The paths of the active steps."""
+        """Return the paths of the active steps."""
         return tuple(self.steps[i].path for i in indexes(marking))
 
     def marking(self, paths: Iterable[str]) -> int:
@@ -234,7 +234,7 @@ class Net:
 
 
 def mask(indices: Iterable[int]) -> int:
-    """The bits at these indexes."""
+    """Return the bits at these indexes."""
     bits = 0
     for index in indices:
         bits |= 1 << index
@@ -242,7 +242,7 @@ def mask(indices: Iterable[int]) -> int:
 
 
 def indexes(bits: int) -> Iterator[int]:
-    """The indexes of the bits that are set, ascending."""
+    """Yield the indexes of the bits that are set, ascending."""
     while bits:
         lowest = bits & -bits
         yield lowest.bit_length() - 1
@@ -279,7 +279,7 @@ class _Builder:
         self._hierarchy = False
 
     def net(self) -> Net:
-        """The net of the chart and its partial charts."""
+        """Return the net of the chart and its partial charts."""
         self._add(_Place(self._root, "", ()), initial=True)
         enclosed: list[PartialChart] = []
         for partial in self._root.partial_charts:

@@ -399,7 +399,7 @@ PROFILES: Mapping[str, Profile] = MappingProxyType(
 
 
 def profile(choice: str | Profile) -> Profile:
-    """The profile of this name, or the given one itself. Raises `ModelError` for an unknown name."""
+    """Return the profile of this name, or the given one itself. Raises `ModelError` for an unknown name."""
     if isinstance(choice, Profile):
         return choice
     check_argument(choice, str, "a profile is a Profile or the name of one")
@@ -424,7 +424,7 @@ _BY_DIALECT = {Dialect.CODESYS: "codesys", Dialect.TWINCAT: "codesys", Dialect.S
 
 
 def default_profile(project: Project) -> Profile:
-    """The profile of the tool that a project is for.
+    """Return the profile of the tool that a project is for.
 
     The format it was read from decides, of a converted file that keeps its charts that of its origin; then the dialect
     of its texts. A TC6 file of Beremiz or OpenPLC Editor is one of `_is_of_beremiz`. All others are ``iec``, but for
@@ -440,7 +440,7 @@ def default_profile(project: Project) -> Profile:
 
 
 def profile_as(project: Project, format: str) -> Profile:
-    """The profile of the tool that a project is for, were it read from a format and no converted file."""
+    """Return the profile of the tool that a project is for, were it read from a format and no converted file."""
     name = _BY_FORMAT.get(format)
     if name is None and format != project.origin:  # an origin without a tool of its own is none of the dialect
         name = _BY_DIALECT.get(project.dialect)
@@ -452,7 +452,7 @@ def profile_as(project: Project, format: str) -> Profile:
 
 
 def profile_of_format(name: str) -> Profile:
-    """The profile of the tools that read files of a format, as far as its name tells."""
+    """Return the profile of the tools that read files of a format, as far as its name tells."""
     return PROFILES[_BY_FORMAT.get(name, "iec")]
 
 
@@ -462,7 +462,7 @@ def have_equal_rules(one: Profile, other: Profile) -> bool:
 
 
 def format_of_profile(name: str) -> str:
-    """The format whose files have the profile of this name by their format alone; TC6 for what has none."""
+    """Return the format whose files have the profile of this name by their format alone; TC6 for what has none."""
     return next((format for format, profile in _BY_FORMAT.items() if profile == name), "plcopen")
 
 

@@ -79,7 +79,7 @@ class Signal:
 
     @classmethod
     def elementary(cls, type_name: str) -> Signal:
-        """The signal of an elementary type; what is no number, Boolean, duration or text counts as integer."""
+        """Return the signal of an elementary type; what is no number, Boolean, duration or text counts as integer."""
         name = type_name.upper()
         if name in _KINDS:
             return cls(name, _KINDS[name])
@@ -90,7 +90,7 @@ class Signal:
 
     @classmethod
     def enumeration(cls, type_name: str, names: Mapping[int, str]) -> Signal:
-        """The signal of an enumeration with these values."""
+        """Return the signal of an enumeration with these values."""
         return cls(type_name, SignalKind.ENUMERATION, dict(names))
 
     @property
@@ -150,7 +150,7 @@ class Signal:
             return str(value)
 
     def parse(self, text: str) -> Value:
-        """The value in `text`: a result of `text()`, a literal, or a plain number. Raises `ModelError`."""
+        """Return the value in `text`: a result of `text()`, a literal, or a plain number. Raises `ModelError`."""
         if self.kind is SignalKind.STRING:
             return _unquoted(text)
         word = text.strip()
@@ -237,7 +237,7 @@ def _quoted(value: str, *, wide: bool) -> str:
 
 
 def _unquoted(text: str) -> str:
-    """The value of a literal in quotes; any other text is the value itself."""
+    """Return the value of a literal in quotes; any other text is the value itself."""
     if text[:1] not in ("'", '"'):
         return text
     try:

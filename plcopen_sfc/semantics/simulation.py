@@ -158,7 +158,7 @@ class Simulation:
         self.trace.record(self._read(), self._marking())
 
     def values(self) -> dict[str, Value]:
-        """The values of all variables that are recorded by default."""
+        """Return the values of all variables that are recorded by default."""
         return dict(zip(self._watched, self._read_all(), strict=True))
 
     def run(self, inputs: BoundInputs, scans: int) -> None:
@@ -170,7 +170,7 @@ class Simulation:
             self.scan()
 
     def function_source(self, function: InputFunction) -> InputSource:
-        """A Python function as a source of inputs."""
+        """Return a Python function as a source of inputs."""
         return _FunctionInputs(function, self)
 
     def accepted(self, values: Mapping[str, object]) -> dict[str, Value]:
@@ -248,7 +248,7 @@ def _source(inputs: Inputs, run: Simulation) -> InputSource:
 
 
 def nanoseconds(time: str | int | timedelta) -> int:
-    """A scan time in nanoseconds: ``10ms``, ``T#10ms``, a `timedelta`, or nanoseconds. Raises `InputError`."""
+    """Return a scan time in nanoseconds: ``10ms``, ``T#10ms``, a `timedelta`, or nanoseconds. Raises `InputError`."""
     if isinstance(time, timedelta):
         found = (time // timedelta(microseconds=1)) * 1000
     elif isinstance(time, str):

@@ -51,7 +51,7 @@ class Watched:
 
 
 def watched(instance: Instance) -> dict[str, Watched]:
-    """The single variables of an instance, and the global and undeclared ones that it uses.
+    """Return the single variables of an instance, and the global and undeclared ones that it uses.
 
     Inputs are those of the interface, and what nothing writes. Members of structures, timers and steps have paths of
     their own and are not among them, unless they are inputs.
@@ -73,7 +73,7 @@ def watched(instance: Instance) -> dict[str, Watched]:
 
 
 def watched_members(instance: Instance) -> tuple[dict[str, Watched], list[str]]:
-    """The single values in arrays, structures and instances of the project's own function blocks, by path.
+    """Return the single values in arrays, structures and instances of the project's own function blocks, by path.
 
     Without what a user gives a value, and without what charts and the simulator bring with them; then the paths of
     arrays that have too many elements to look at all of them.
@@ -106,7 +106,7 @@ def _members(instance: Instance, frame: Frame, path: str, seen: set[int]) -> Ite
 def _inside(
     instance: Instance, path: str, type_: Type, direction: Direction, value: Any, *, seen: set[int]
 ) -> Iterator[tuple[str, Type, Direction]]:
-    """The single values of a variable, and arrays of too many elements."""
+    """Yield the single values of a variable, and arrays of too many elements."""
     if isinstance(value, Frame):
         if id(value) not in seen and instance.controller.library.block_of(value.layout) is None:
             seen.add(id(value))
@@ -169,7 +169,7 @@ def is_written(instance: Instance, path: str) -> bool:
 
 
 def step_marking(instance: Instance) -> tuple[tuple[str, ...], Callable[[], int]]:
-    """The paths of the steps of the chart that an instance is, and what gives the active ones as bits."""
+    """Return the paths of the steps of the chart that an instance is, and what gives the active ones as bits."""
     for path, chart, frame in instance.charts():
         if not path and isinstance(chart, ChartProgram | GraphProgram):
             return tuple(step.path for step in chart.net.steps), partial(chart.marking, frame)
@@ -185,7 +185,7 @@ def following_situation(instance: Instance) -> Callable[[], int]:
 
 
 def signal_of(type_: Type) -> Signal | None:
-    """The signal for a type of a running program; None for what is no single value."""
+    """Return the signal for a type of a running program; None for what is no single value."""
     if not isinstance(type_, ScalarType) or type_.family is Family.SPECIAL:
         return None
     if type_.names:

@@ -181,7 +181,7 @@ class Trace:
         return tuple(self._list)
 
     def active(self, scan: int) -> tuple[str, ...]:
-        """The paths of the steps that are active at the end of a scan; -1 is the last."""
+        """Return the paths of the steps that are active at the end of a scan; -1 is the last."""
         return self._names(self._marking[scan])
 
     def is_active(self, step: str) -> list[bool]:
@@ -206,11 +206,11 @@ class Trace:
         return [change for _, _, change in sorted(found, key=lambda each: each[:2])]
 
     def situations(self) -> list[tuple[int, tuple[str, ...]]]:
-        """The situations that the chart went through: the active steps, and the scan from which on they are."""
+        """Return the situations that the chart went through: the active steps, and the scan from which on they are."""
         return [(scan, self._names(marking)) for scan, marking in self._marking.runs()]
 
     def row(self, scan: int) -> dict[str, Value]:
-        """The values of all variables in one scan."""
+        """Return the values of all variables in one scan."""
         return {column.name: column[scan] for column in self._list}
 
     def __eq__(self, other: object) -> bool:
@@ -228,19 +228,19 @@ class Trace:
     # -- as text
 
     def headers(self) -> list[str]:
-        """The headers of `rows`."""
+        """Return the headers of `rows`."""
         steps = [ACTIVE_COLUMN] if self.steps else []
         return ["scan", "time", *steps, *(column.name for column in self._list)]
 
     def rows(self, scans: Iterable[int]) -> Iterator[list[str]]:
-        """The rows of a table for people, for these scans."""
+        """Yield the rows of a table for people, for these scans."""
         for scan in scans:
             steps = [" ".join(self.active(scan)) or "-"] if self.steps else []
             values = [column.signal.text(column[scan]) for column in self._list]
             yield [str(scan), time_literal(self.time(scan)).removeprefix("T#"), *steps, *values]
 
     def eventful_scans(self) -> list[int]:
-        """The scans in which anything changed, the first and the last."""
+        """Return the scans in which anything changed, the first and the last."""
         scans = {scan for column in self._list for scan, _ in column.runs()}
         scans.update(scan for scan, _ in self._marking.runs())
         return sorted(scans | {len(self) - 1}) if len(self) else []
@@ -253,7 +253,7 @@ class Trace:
         return "\n".join(lines)
 
     def as_dict(self) -> dict[str, Any]:
-        """The trace as plain data, for JSON: every column as ``[scan, value]`` where its value changes."""
+        """Return the trace as plain data, for JSON: every column as ``[scan, value]`` where its value changes."""
         return {
             "name": self.name,
             "profile": self.profile,
@@ -285,7 +285,7 @@ class Trace:
         ]
 
     def csv(self, *, delimiter: str = ";") -> str:
-        """The trace as CSV: a row for each scan with its number, its time, the active steps and all values.
+        """Return the trace as CSV: a row for each scan with its number, its time, the active steps and all values.
 
         `simulate` takes such a file as inputs again.
         """
@@ -305,11 +305,11 @@ class Trace:
         write_atomic(path, self.csv(delimiter=delimiter).encode("utf-8-sig"))
 
     def vcd(self) -> str:
-        """The trace as value change dump (IEEE 1364-2005, 18), for GTKWave and the like."""
+        """Return the trace as value change dump (IEEE 1364-2005, 18), for GTKWave and the like."""
         return dump(self.name, self._recordings(), scans=len(self), scan_time=self.scan_time)
 
     def _recordings(self) -> Iterator[Recording]:
-        """The variables and the steps, which are ``steps.Fill`` there."""
+        """Yield the variables and the steps, which are ``steps.Fill`` there."""
         for column in self.columns:
             yield column.name, column.signal, column.runs()
         for bit, path in enumerate(self.steps):
@@ -340,7 +340,7 @@ class Trace:
         return self.to_svg()
 
     def markings(self) -> Iterator[tuple[int, int]]:
-        """The active steps as bits in the order of `steps`, with the scan from which on they are."""
+        """Return the active steps as bits in the order of `steps`, with the scan from which on they are."""
         return self._marking.runs()
 
     def _names(self, marking: int) -> tuple[str, ...]:
@@ -448,6 +448,6 @@ def _code(number: int) -> str:
 
 
 def _safe(name: str) -> str:
-    """A name in ASCII without blanks; an empty one would not be a name at all."""
+    """Return a name in ASCII without blanks; an empty one would not be a name at all."""
     decomposed = unicodedata.normalize("NFKD", name.translate(_GERMAN))
     return _UNSAFE.sub("_", "".join(c for c in decomposed if not unicodedata.combining(c))) or "_"

@@ -253,7 +253,7 @@ def _at_once(chart: CheckedChart, first: _Write, second: _Write) -> str:
 
 
 def _causes(chart: CheckedChart, write: _Write) -> set[int]:
-    """The transitions that let a stored action happen, also by activating or leaving an enclosing step."""
+    """Return the transitions that let a stored action happen, also by activating or leaving an enclosing step."""
     activation = write.kind is ActionKind.ON_ACTIVATION
     beside = chart.net.entering if activation else chart.net.leaving
     found: set[int] = set()
@@ -269,7 +269,7 @@ def _causes(chart: CheckedChart, write: _Write) -> set[int]:
 
 
 def _around(chart: CheckedChart, step: NetStep, *, activation: bool) -> Iterator[NetStep]:
-    """The enclosing steps that deactivate a step when they are left, or activate it when they are entered."""
+    """Yield the enclosing steps that deactivate a step when they are left, or activate it when they are entered."""
     partial = chart.sheet_of(step).partial
     if partial is None:
         return

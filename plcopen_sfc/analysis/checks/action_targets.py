@@ -89,7 +89,7 @@ def uses(chart: CheckedChart) -> Iterator[TargetUse]:
 
 
 def by_operand(chart: CheckedChart) -> dict[Path, list[TargetUse]]:
-    """The same by operand."""
+    """Return the same by operand."""
     found: dict[Path, list[TargetUse]] = {}
     for use in uses(chart):
         found.setdefault(use.path, []).append(use)
@@ -97,12 +97,12 @@ def by_operand(chart: CheckedChart) -> dict[Path, list[TargetUse]]:
 
 
 def continuous_operands(chart: CheckedChart) -> set[Path]:
-    """The operands of continuous actions."""
+    """Return the operands of continuous actions."""
     return {use.path for use in uses(chart) if use.manner is Manner.CONTINUOUS}
 
 
 def output_operands(chart: CheckedChart) -> set[Path]:
-    """The variables that the POU declares as outputs."""
+    """Return the variables that the POU declares as outputs."""
     if chart.pou is None:
         return set()
     return {(variable.name.casefold(),) for variable in chart.pou.variables(SectionKind.OUTPUT)}
@@ -118,7 +118,7 @@ def assignments(body: Body | None, chart: CheckedChart) -> list[n.Assignment]:
 
 
 def body_named(name: str | None, chart: CheckedChart) -> Body | None:
-    """The body of the action of this name in the POU."""
+    """Return the body of the action of this name in the POU."""
     if not name or chart.pou is None:
         return None
     action = chart.pou.find_action(name.strip('#"'))
@@ -126,7 +126,7 @@ def body_named(name: str | None, chart: CheckedChart) -> Body | None:
 
 
 def constant(tree: n.Expression) -> str:
-    """The literal that an expression is, in capitals; empty where it is more."""
+    """Return the literal that an expression is, in capitals; empty where it is more."""
     bare = n.bare(tree)
     return bare.text.upper() if isinstance(bare, n.Literal) else ""
 

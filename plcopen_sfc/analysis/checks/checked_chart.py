@@ -135,14 +135,14 @@ class CheckedSheet:
         return self.chart.label(transition, self.names)
 
     def actions(self) -> Iterator[tuple[Step, ActionAssociation]]:
-        """The action associations that are in the program, with their steps."""
+        """Yield the action associations that are in the program, with their steps."""
         for step in self.steps:
             for association in step.actions:
                 if not association.exclude:
                     yield step, association
 
     def at(self, element: Step | Transition, association: ActionAssociation | None = None) -> FindingPlace:
-        """The place of a step, of an association of it, or of a transition."""
+        """Return the place of a step, of an association of it, or of a transition."""
         if isinstance(element, Transition):
             return self._below(f"transition {self.label(element)}", element)
         if association is None:
@@ -164,7 +164,7 @@ class CheckedSheet:
 
 
 def family(profile: Profile) -> str:
-    """The name of the profile of `PROFILES` that this one is, or that it shares most of its choices with."""
+    """Return the name of the profile of `PROFILES` that this one is, or that it shares most of its choices with."""
     if profile.name in PROFILES:
         return profile.name
 
@@ -217,7 +217,7 @@ class CheckedProject:
         return self._here(self.named.undeclared())
 
     def undeclared_in(self, pou: Pou) -> tuple[Occurrence, ...]:
-        """The same of one POU: where others have the name too, it may be the flag of a step there."""
+        """Return the same of one POU: where others have the name too, it may be the flag of a step there."""
         return self._here(self.named.undeclared(pou))
 
     def _here(self, found: Iterable[Occurrence]) -> tuple[Occurrence, ...]:
@@ -417,7 +417,7 @@ class CheckedChart:
         return frozenset(step.name.casefold() for chart in charts for step in chart.steps)
 
     def condition(self, sheet: CheckedSheet, transition: Transition) -> NetworkExpression:
-        """The condition of a transition as an expression."""
+        """Return the condition of a transition as an expression."""
         found = self._conditions.get(id(transition))
         if found is None:
             named = self.pou.transitions if self.pou is not None else ()
@@ -474,12 +474,12 @@ class CheckedChart:
         return self._overlaps[key]
 
     def place_of(self, element: NetStep | NetTransition) -> FindingPlace:
-        """The place of a step or transition of the net."""
+        """Return the place of a step or transition of the net."""
         sheet = self._sheet_of[id(element.chart)]
         return sheet.at(element.step if isinstance(element, NetStep) else element.transition)
 
     def sheet_of(self, element: NetStep | NetTransition) -> CheckedSheet:
-        """The network that has a step or transition of the net."""
+        """Return the network that has a step or transition of the net."""
         return self._sheet_of[id(element.chart)]
 
     @cached_property
@@ -488,7 +488,7 @@ class CheckedChart:
 
 
 def _sheets(sheet: CheckedSheet, around: frozenset[int]) -> Iterator[CheckedSheet]:
-    """A network and those inside it."""
+    """Yield a network and those inside it."""
     if id(sheet.chart) in around:
         return
     around = around | {id(sheet.chart)}

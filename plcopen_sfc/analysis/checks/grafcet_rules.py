@@ -142,7 +142,7 @@ def _partials(chart: CheckedChart) -> dict[str, PartialChart]:
 
 
 def _orders(chart: CheckedChart) -> Iterator[tuple[CheckedSheet, Step, FindingPlace, ForcingOrder]]:
-    """The forcing orders, with the steps that give them."""
+    """Yield the forcing orders, with the steps that give them."""
     for sheet in chart.sheets:
         for step, association in sheet.actions():
             if association.forcing is not None:
@@ -243,7 +243,7 @@ def _reached(start: str, below: dict[str, list[tuple[str, FindingPlace]]]) -> se
 
 
 def _rulers(chart: CheckedChart) -> Iterator[tuple[NetStep, FindingPlace, str, str]]:
-    """The steps that rule a partial chart: what they do to it, by its name."""
+    """Yield the steps that rule a partial chart: what they do to it, by its name."""
     of_step: dict[int, NetStep] = {id(step.step): step for step in chart.net.steps}
     for _, step, place, order in _orders(chart):
         if id(step) in of_step:

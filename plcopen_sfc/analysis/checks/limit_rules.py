@@ -112,7 +112,7 @@ LIM01 = Rule(
 
 
 def _nanoseconds(text: str | None) -> int | None:
-    """A time literal; None for anything else, and for 0, which tools write for no time."""
+    """Return a time literal; None for anything else, and for 0, which tools write for no time."""
     if not text:
         return None
     try:

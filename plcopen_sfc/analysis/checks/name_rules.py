@@ -70,7 +70,7 @@ def _own(chart: CheckedChart, found: Iterable[_T]) -> Iterator[_T]:
 
 
 def _like(chart: CheckedChart, occurrence: Occurrence) -> str:
-    """A declared name that is nearly the same, and visible where the other is."""
+    """Return a declared name that is nearly the same, and visible where the other is."""
     around, name = chart.around, occurrence.reference.name
     levels = around.named.resolver.levels(occurrence.reference, occurrence.text_site)
     visible = {each.name.casefold(): each.name for level in levels for each in level}

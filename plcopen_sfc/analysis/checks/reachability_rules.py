@@ -172,7 +172,7 @@ def started_elsewhere(chart: CheckedChart) -> int:
 
 
 def structurally_reachable(net: Net, start: int) -> int:
-    """The steps that tokens may come to if no two of them ever miss each other: never too few."""
+    """Return the steps that tokens may come to if no two of them ever miss each other: never too few."""
     reached = start
     waiting = list(indexes(start))
     while waiting:
@@ -184,7 +184,7 @@ def structurally_reachable(net: Net, start: int) -> int:
 
 
 def unreachable(chart: CheckedChart) -> tuple[NetStep, ...]:
-    """The steps that can never be active."""
+    """Return the steps that can never be active."""
     if _plain(chart) and chart.graph.unreachable_steps is not None:
         return chart.graph.unreachable_steps
     start = chart.net.initial | started_elsewhere(chart)
@@ -245,7 +245,7 @@ def _dead(chart: CheckedChart) -> Iterator[Finding]:
 
 
 def _ends(chart: CheckedChart) -> int:
-    """The steps that no transition leaves."""
+    """Return the steps that no transition leaves."""
     return reduce(or_, (step.bit for step in chart.net.steps if not chart.net.leaving[step.index]), 0)
 
 

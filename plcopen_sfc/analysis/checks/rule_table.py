@@ -56,7 +56,7 @@ def marks_in(element: Element) -> bool:
 
 
 def codes_in(element: Element) -> Iterator[str]:
-    """The codes, or starts of codes, that the comments of an object list, in capitals."""
+    """Yield the codes, or starts of codes, that the comments of an object list, in capitals."""
     for text in comments_of(element):
         for mark in _MARK.finditer(text):
             position = 0
@@ -67,7 +67,7 @@ def codes_in(element: Element) -> Iterator[str]:
 
 
 def comments_of(element: Element) -> Iterator[str]:
-    """The comments of an object as plain text; of a chart also those in its drawing."""
+    """Yield the comments of an object as plain text; of a chart also those in its drawing."""
     yield from _plain(element.comment)
     if isinstance(element, SfcNetwork):
         for node in element.logic:
@@ -96,7 +96,7 @@ def _places(chart: CheckedChart) -> Iterator[FindingPlace]:
 
 
 def rule_on(codes: Iterable[str]) -> Rule:
-    """The rule that comments name codes, of these."""
+    """Return the rule that comments name codes, of these."""
     known = tuple(codes)
 
     def check(chart: CheckedChart) -> Iterator[Finding]:
@@ -121,7 +121,7 @@ def rule_on(codes: Iterable[str]) -> Rule:
 
 
 def selected(rules: Sequence[Rule], select: Iterable[str], ignore: Iterable[str]) -> list[Rule]:
-    """The rules that begin with one of `select` (all, where nothing is selected) and with none of `ignore`.
+    """Return the rules that begin with one of `select` (all, where nothing is selected) and with none of `ignore`.
 
     Raises `ModelError` for a code that no rule begins with.
     """
@@ -133,7 +133,7 @@ def selected(rules: Sequence[Rule], select: Iterable[str], ignore: Iterable[str]
 
 
 def known(rules: Sequence[Rule], codes: Iterable[str]) -> tuple[str, ...]:
-    """The codes in capitals. Raises `ModelError` where no rule begins with one of them."""
+    """Return the codes in capitals. Raises `ModelError` where no rule begins with one of them."""
     found = tuple(code.strip().upper() for code in listed_names(codes, "rules are named by texts"))
     for code in found:
         if not code or not any(rule.code.startswith(code) for rule in rules):
@@ -186,7 +186,7 @@ def _charts(subject: Project | Pou | SfcNetwork, around: CheckedProject, profile
 
 
 def _home(subject: Pou | SfcNetwork) -> Project:
-    """The project that a POU or chart is in; an empty one where it is in none."""
+    """Return the project that a POU or chart is in; an empty one where it is in none."""
     if subject.project is not None:
         return subject.project
     if isinstance(subject, SfcNetwork):
@@ -288,7 +288,7 @@ _CODE = re.compile(r"[A-Z]{2,4}\d\d")
 
 
 def rule_named(code: str) -> Rule:
-    """The rule with this code. `KeyError` where there is none."""
+    """Return the rule with this code. `KeyError` where there is none."""
     return {rule.code: rule for rule in all_rules()}[code.upper()]
 
 
@@ -320,7 +320,7 @@ found impossible is impossible, whatever the inputs do.
 
 
 def in_profiles(rule: Rule) -> str:
-    """The severity of a breach, profile by profile where they differ."""
+    """Return the severity of a breach, profile by profile where they differ."""
     groups: dict[str, list[str]] = {}
     for name in FAMILIES:
         severity = rule.severity_for(name)
@@ -334,7 +334,7 @@ def in_profiles(rule: Rule) -> str:
 
 
 def catalogue(rules: Iterable[Rule]) -> str:
-    """The page in Markdown."""
+    """Return the page in Markdown."""
     rules = list(rules)
     lines = [_HEAD.rstrip("\n"), "", "| rule | what | severity |", "|---|---|---|"]
     lines += [f"| [{r.code}](#{r.code.lower()}) | {r.title} | {in_profiles(r)} |" for r in rules]

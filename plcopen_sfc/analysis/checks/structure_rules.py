@@ -38,15 +38,15 @@ class _Wires:
                     self._below.setdefault(source, []).append(symbol.id)
 
     def direct(self, symbol: Symbol) -> Iterator[Symbol]:
-        """The symbols that a wire leads from to this one."""
+        """Return the symbols that a wire leads from to this one."""
         return (self.symbols[i] for i in self._above.get(symbol.id, ()))
 
     def above(self, symbol: Symbol) -> list[Symbol]:
-        """The steps and transitions above a symbol."""
+        """Return the steps and transitions above a symbol."""
         return self._reach(symbol, self._above)
 
     def below(self, symbol: Symbol) -> list[Symbol]:
-        """The steps, jumps and transitions below a symbol."""
+        """Return the steps, jumps and transitions below a symbol."""
         return self._reach(symbol, self._below)
 
     def _reach(self, symbol: Symbol, beside: dict[int, list[int]]) -> list[Symbol]:
@@ -84,7 +84,7 @@ def _label(sheet: CheckedSheet, symbol: Symbol) -> str:
 
 
 def _place(sheet: CheckedSheet, symbol: Symbol) -> FindingPlace:
-    """The place of the step or transition of a symbol; else that of its chart."""
+    """Return the place of the step or transition of a symbol; else that of its chart."""
     elements: list[Step | Transition] = [*sheet.chart.steps, *sheet.chart.transitions]
     found = next((element for element in elements if element.id == symbol.id), None)
     return sheet.at(found) if found is not None else sheet.place
@@ -144,7 +144,7 @@ def _references(chart: CheckedChart) -> Iterator[Finding]:
 
 
 def jumping_nowhere(sheet: CheckedSheet) -> set[int]:
-    """The transitions (ids) above a jump to something that does not exist."""
+    """Return the transitions (ids) above a jump to something that does not exist."""
     if sheet.chart.drawing is None:
         return set()
     wires = _Wires(sheet.chart.drawing)
@@ -347,7 +347,7 @@ def _start_by_themselves(chart: CheckedChart) -> Iterator[CheckedSheet]:
 
 
 def _connected(sheet: CheckedSheet) -> list[list[Step]]:
-    """The steps of a network, by the parts of it that no transition joins."""
+    """Return the steps of a network, by the parts of it that no transition joins."""
     above: dict[int, int] = {step.id: step.id for step in sheet.steps}
 
     def root(number: int) -> int:

@@ -49,7 +49,7 @@ def _competing(chart: CheckedChart) -> Iterator[tuple[CheckedSheet, Step, Transi
 
 
 def _witness(witness: object) -> str:
-    """A situation in words: ``a, NOT b, level = 3``."""
+    """Return a situation in words: ``a, NOT b, level = 3``."""
     if not isinstance(witness, dict):
         return ""
     words = [
@@ -312,7 +312,7 @@ def _assigning(chart: CheckedChart) -> Iterator[Finding]:
 
 
 def _body_of(chart: CheckedChart, transition: Transition) -> tuple[Body | None, str]:
-    """The body of a condition, with the name of the transition object that it belongs to."""
+    """Return the body of a condition, with the name of the transition object that it belongs to."""
     condition = transition.condition
     if isinstance(condition, BodyCondition):
         return condition.body, condition.name

@@ -157,7 +157,7 @@ def _is_executed_alike(loop: n.For, named: Mapping[str, int]) -> bool:
 
 
 def _number(node: n.Expression | None) -> int | None:
-    """The value of a literal; that of a step which is not given."""
+    """Return the value of a literal; that of a step which is not given."""
     if node is None:
         return 1
     bare = n.bare(node)

@@ -141,7 +141,7 @@ def _name(row: ActionAssociation) -> str:
 
 
 def watching_flags(pou: Pou, chart: SfcNetwork) -> frozenset[SfcFlag]:
-    """The flags of CODESYS that a network sets and reads in place of what its tool does with maximum times.
+    """Return the flags of CODESYS that a network sets and reads in place of what its tool does with maximum times.
 
     They are variables of the block, and SFCError is none of its inputs.
     """
@@ -231,7 +231,7 @@ class _Planner:
             return []
 
     def _actions(self) -> Iterator[list[tuple[Step, ActionAssociation]]]:
-        """The associations of each action that needs a control."""
+        """Yield the associations of each action that needs a control."""
         found: dict[str, list[tuple[Step, ActionAssociation]]] = {}
         for step in self._chart.steps:
             for row in step.actions if not step.exclude else ():
@@ -400,7 +400,7 @@ class _Planner:
         return f"#{name}.X"
 
     def _plain(self, draft: _Draft, role: str, text: str) -> str:
-        """An expression that a contact can negate: it becomes a bit, unless it is one."""
+        """Return an expression that a contact can negate: it becomes a bit, unless it is one."""
         return self._assigned(draft, f"{role}_input", text) if " " in text else text
 
     def _assigned(self, draft: _Draft, role: str, text: str) -> str:
@@ -439,7 +439,7 @@ class _Planner:
         return [ControlNetwork(draft.label, self._typed(draft, network)) for network in drawn.body.networks]
 
     def _call(self, draft: _Draft, condition: str, called: Pou, instance: str | None) -> LdBody:
-        """A network that calls a function or an instance while a condition is TRUE."""
+        """Return a network that calls a function or an instance while a condition is TRUE."""
         tree = parse_expression(condition, Dialect.SCL).tree
         if tree is None:
             raise _ImpossibleError

@@ -118,7 +118,7 @@ class _Typing:
         return "Bool" if standard.stateful else None
 
     def _common(self, block: Block, known: Iterable[str], inputs: list[BlockVariable] | None = None) -> str | None:
-        """The type of a box for values of the types `known` and for the literals among its `inputs`."""
+        """Return the type of a box for values of the types `known` and for the literals among its `inputs`."""
         try:
             return type_of_box(block.type_name, set(known), [h.expression or "" for h in self._holders(inputs or [])])
         except NotUnderstoodError as error:

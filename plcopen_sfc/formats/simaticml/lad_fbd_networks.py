@@ -346,7 +346,7 @@ class _Writer:
         return values
 
     def _type_of(self, name: str, inputs: list[_End]) -> str:
-        """The type of the values that a box compares or computes: that of known variables, else of a literal."""
+        """Return the type of the values that a box compares or computes: that of known variables, else of a literal."""
         texts = [end.operand for end in inputs if end.operand is not None]
         texts += [self.inputs[s].expression for end in inputs for s, _ in end.sources if s in self.inputs]
         known = [self.types[text.lower()].partition("[")[0] for text in texts if text.lower() in self.types]
@@ -586,7 +586,7 @@ def write_network(ctx: DocumentWriting, root: etree._Element, network: LogicNetw
 
 
 def _without_texts(network: LogicNetwork) -> LogicNetwork:
-    """The elements of a network that do something."""
+    """Return the elements of a network that do something."""
     nodes = [node for node in network.nodes if not isinstance(node, CommentBox)]
     return network if len(nodes) == len(network.nodes) else network.model_copy(update={"nodes": nodes})
 

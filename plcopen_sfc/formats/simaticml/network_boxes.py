@@ -110,7 +110,7 @@ def type_of_box(name: str, kinds: Collection[str], literals: Iterable[str]) -> s
 
 
 def type_of_literal(text: str) -> str | None:
-    """The type that a literal names; None: it names none."""
+    """Return the type that a literal names; None: it names none."""
     prefix, mark, _ = text.partition("#")
     name = prefix.upper()
     return _PREFIXES.get(SHORT_TYPES.get(name, name)) if mark else None
@@ -128,7 +128,7 @@ _PREFIXES = {each.upper(): each for each in _COMPARED} | {
 
 
 def _number(text: str) -> int | None:
-    """A whole number without a type."""
+    """Return a whole number without a type."""
     try:
         value = literal_value(text, Dialect.SCL)
     except LiteralError:

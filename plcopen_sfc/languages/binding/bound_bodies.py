@@ -97,7 +97,7 @@ class BoundBody:
         return effects(self.trees, {path_of(parse_expression(name, self.dialect).tree) for name in instances})
 
     def targets(self) -> Iterator[n.Expression]:
-        """The variables that statements and instructions write, as they are written there."""
+        """Return the variables that statements and instructions write, as they are written there."""
         return (target for tree in self.trees for target in targets(tree))
 
 

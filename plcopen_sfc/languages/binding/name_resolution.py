@@ -83,7 +83,7 @@ class Resolver:
         return meaning
 
     def _expected(self, reference: Reference, text_site: TextSite) -> Binding | None:
-        """The value of the enumeration that is expected at the place of the name."""
+        """Return the value of the enumeration that is expected at the place of the name."""
         if reference.expected is not None:
             type_ = self.type_of(reference.expected, text_site.site)
         elif isinstance(text_site.owner, ValueOf) and not reference.access:
@@ -164,7 +164,7 @@ class Resolver:
         return self._of_external(found[0], site)
 
     def _without_step_variables(self, found: Sequence[Declaration]) -> list[Declaration]:
-        """The same, with a step instead of the variable that its tool declares for it."""
+        """Return the same, with a step instead of the variable that its tool declares for it."""
         return list(dict.fromkeys(self.scopes.step_of(d) or d for d in found))
 
     def _may_have(self, declaration: Declaration, member: str) -> bool:
@@ -177,7 +177,7 @@ class Resolver:
         return self.member(self.type_of_declaration(declaration), member).declaration is not None
 
     def _of_external(self, declaration: Declaration, site: Site) -> Binding:
-        """The global variable that a variable in VAR_EXTERNAL is."""
+        """Return the global variable that a variable in VAR_EXTERNAL is."""
         if not self.scopes.is_external(declaration):
             return Binding(declaration)
         for level in self.scopes.outer(site.place):
@@ -189,7 +189,7 @@ class Resolver:
         return Binding(declaration)
 
     def original(self, declaration: Declaration) -> Declaration:
-        """The declaration that a variable in VAR_EXTERNAL or in an instance data block repeats, or itself."""
+        """Return the declaration that a variable in VAR_EXTERNAL or in an instance data block repeats, or itself."""
         if declaration.pou is not None:
             step = self.scopes.step_of(declaration)
             if step is not None:
@@ -202,7 +202,7 @@ class Resolver:
         return declaration
 
     def repeated(self, declaration: Declaration) -> Iterator[NamedObject]:
-        """The variables that repeat a declaration: in VAR_EXTERNAL, in instance data blocks, of steps."""
+        """Yield the variables that repeat a declaration: in VAR_EXTERNAL, in instance data blocks, of steps."""
         if declaration.pou is not None:
             alike = self.scopes.pou(declaration.pou).named(declaration.name)
             yield from (own.holder for own in alike if self.scopes.step_of(own) == declaration)
@@ -216,7 +216,7 @@ class Resolver:
                     yield from (own.holder for own in self.scopes.data_block(block).named(declaration.name))
 
     def _externals(self, declaration: Declaration, site: Site) -> Iterator[NamedObject]:
-        """The variables in VAR_EXTERNAL of a POU or method that are this global variable."""
+        """Yield the variables in VAR_EXTERNAL of a POU or method that are this global variable."""
         around = site.method or site.pou
         key = declaration.name.casefold()
         declared = around.interface.variables(SectionKind.EXTERNAL) if around and around.interface is not None else []
@@ -230,7 +230,7 @@ class Resolver:
     # -- members
 
     def member(self, type_: Type, name: str) -> Binding:
-        """The member `name` of a value or a thing of this type."""
+        """Return the member `name` of a value or a thing of this type."""
         if type_ is Untyped.UNKNOWN:
             return Binding(doubt="the type of what is before the dot is not known")
         for level in self._members(type_):
@@ -256,7 +256,7 @@ class Resolver:
         return ()
 
     def type_of(self, expression: n.Expression | n.Node, site: Site, access: str = "") -> Type:
-        """The type of an expression, or the thing that it names; `access` is the member of it that is meant."""
+        """Return the type of an expression, or the thing that it names; `access` is the member of it that is meant."""
         if isinstance(expression, n.Parenthesized):
             return self.type_of(expression.inner, site)
         if isinstance(expression, n.Peripheral):
@@ -293,7 +293,7 @@ class Resolver:
         return self.scopes.base(site.pou) or Untyped.FOREIGN
 
     def type_of_declaration(self, declaration: Declaration) -> Type:
-        """The type of a variable; what other things are that have members."""
+        """Return the type of a variable; what other things are that have members."""
         holder: Any = declaration.holder
         place = declaration.pou.place if declaration.pou is not None else ""
         if isinstance(holder, t.Variable):
@@ -322,7 +322,7 @@ class Resolver:
         return Untyped.FOREIGN
 
     def settled(self, type_: t.DataType, place: str) -> Type:
-        """A type, or the type that its name is an alias of."""
+        """Return a type, or the type that its name is an alias of."""
         for _ in range(_MOST_ALIASES):
             if not isinstance(type_, t.DerivedType):
                 return type_
@@ -344,7 +344,7 @@ class Resolver:
     # -- calls
 
     def _result(self, callee: n.Expression, site: Site) -> Type:
-        """The type of what a call gives back."""
+        """Return the type of what a call gives back."""
         called = self._callable(callee, site)
         if isinstance(called, Untyped):
             return called

@@ -45,7 +45,7 @@ class Scopes:
         self._owners: dict[int, tuple[str, Pou | None]] | None = None
 
     def levels(self, site: Site) -> tuple[Level, ...]:
-        """The scopes that are visible at `site`, the innermost first."""
+        """Return the scopes that are visible at `site`, the innermost first."""
         key = (id(site.pou), id(site.method), tuple(map(id, site.charts)), site.place)
         found = self._sites.get(key)
         if found is None:
@@ -53,7 +53,7 @@ class Scopes:
         return found
 
     def local(self, site: Site) -> tuple[Level, ...]:
-        """The scopes within the POU: of the charts, the method, the POU."""
+        """Return the scopes within the POU: of the charts, the method, the POU."""
         levels = [self.chart(chart, site.pou) for chart in site.charts]
         if site.method is not None and site.pou is not None:
             levels.append(self.method(site.pou, site.method))
@@ -90,11 +90,11 @@ class Scopes:
                         self._steps.setdefault(id(variable.holder), other)
 
     def step_of(self, declaration: Declaration) -> Declaration | None:
-        """The step or transition whose variable this is, if the tool declares such among the others."""
+        """Return the step or transition whose variable this is, if the tool declares such among the others."""
         return self._steps.get(id(declaration.holder))
 
     def pou_levels(self, pou: Pou) -> tuple[Level, ...]:
-        """The scope of a POU and those of what it extends."""
+        """Return the scope of a POU and those of what it extends."""
         levels: list[Level] = []
         derived: Pou | None = pou
         while derived is not None and self.pou(derived) not in levels:
@@ -103,7 +103,7 @@ class Scopes:
         return tuple(levels)
 
     def base(self, pou: Pou) -> Pou | None:
-        """The POU that this one extends, as the text of its declaration names it."""
+        """Return the POU that this one extends, as the text of its declaration names it."""
         names = [name.rpartition(".")[2] for name in inheritance(pou.interface).extends]
         found = [d.holder for level in self.outer(pou.place) for name in names for d in level.named(name)]
         return next((holder for holder in found if isinstance(holder, Pou)), None)
@@ -119,7 +119,7 @@ class Scopes:
         return level
 
     def data_block(self, block: DataBlock) -> Level:
-        """The variables of a data block."""
+        """Return the variables of a data block."""
         level = self._levels.get((id(block),))
         if level is None:
             level = self._levels[id(block),] = Level()
@@ -128,7 +128,7 @@ class Scopes:
         return level
 
     def chart(self, chart: SfcNetwork, pou: Pou | None) -> Level:
-        """The steps of a chart, without those of charts in it."""
+        """Return the steps of a chart, without those of charts in it."""
         level = self._levels.get((id(chart),))
         if level is None:
             level = self._levels[id(chart),] = Level()
@@ -137,27 +137,27 @@ class Scopes:
         return level
 
     def structure(self, type_: StructType) -> Level:
-        """The members of a structure."""
+        """Return the members of a structure."""
         level = self._levels.get((id(type_),))
         if level is None:
             level = self._levels[id(type_),] = members_of(type_, *self._owner_of(type_))
         return level
 
     def enumeration(self, type_: EnumType) -> Level:
-        """The values of an enumeration."""
+        """Return the values of an enumeration."""
         level = self._levels.get((id(type_),))
         if level is None:
             level = self._levels[id(type_),] = values_of(type_, *self._owner_of(type_))
         return level
 
     def _owner_of(self, type_: StructType | EnumType) -> tuple[str, Pou | None]:
-        """The path of what a type is declared in, and the POU that this belongs to."""
+        """Return the path of what a type is declared in, and the POU that this belongs to."""
         if self._owners is None:
             self._owners = {id(inner): (path, pou) for inner, path, pou in _types(self._project)}
         return self._owners.get(id(type_), ("", None))
 
     def every_place(self) -> Iterator[Level]:
-        """The scopes of everything global."""
+        """Yield the scopes of everything global."""
         self._by_place()
         yield self._everywhere
         for section in self._project.global_sections():
@@ -167,7 +167,7 @@ class Scopes:
             yield level
 
     def every_type(self) -> Iterator[Level]:
-        """The members of every type that is declared in place."""
+        """Yield the members of every type that is declared in place."""
         for type_, _, _ in _types(self._project):
             if isinstance(type_, StructType):
                 yield self.structure(type_)
@@ -175,7 +175,7 @@ class Scopes:
                 yield self.enumeration(type_)
 
     def objects(self) -> Iterator[Declaration]:
-        """The declarations that can have a node in the project tree of the tool."""
+        """Yield the declarations that can have a node in the project tree of the tool."""
         kinds = (Kind.POU, Kind.DATA_TYPE, Kind.GLOBAL_LIST, Kind.ACTION, Kind.METHOD, Kind.TRANSITION)
         for _, declaration in self._global():
             if declaration.kind in kinds:
@@ -255,7 +255,7 @@ _OF_STEPS = re.compile(r"G7_(?:Step|Transition)\w*|SFCStepType", re.IGNORECASE)
 
 
 def namespace_place(project: Project, namespace: Resource | Configuration) -> str:
-    """The place that things in an application, a resource or a configuration have."""
+    """Return the place that things in an application, a resource or a configuration have."""
     if isinstance(namespace, Configuration):
         return f"configuration/{namespace.name}"
     for configuration in project.configurations:
@@ -265,7 +265,7 @@ def namespace_place(project: Project, namespace: Resource | Configuration) -> st
 
 
 def _outward(place: str) -> Iterator[str]:
-    """A place and those around it."""
+    """Yield a place and those around it."""
     yield place
     if "/resource/" in place:
         yield place.partition("/resource/")[0]
@@ -307,7 +307,7 @@ def qualified_only(thing: VariableSection | object) -> bool:
 
 
 def steps_of(chart: SfcNetwork, path: str, pou: Pou | None) -> Iterator[Declaration]:
-    """The steps of a chart, and the names of its transitions."""
+    """Yield the steps of a chart, and the names of its transitions."""
     for step in chart.steps:
         yield Declaration(Kind.STEP, f"{path}.{step.name}" if path else step.name, (step,), pou)
     for transition in chart.transitions:
@@ -317,13 +317,13 @@ def steps_of(chart: SfcNetwork, path: str, pou: Pou | None) -> Iterator[Declarat
 
 
 def charts_inside(body: Body | None) -> Iterator[SfcNetwork]:
-    """The chart of a body and those of macro-steps and partial charts in it."""
+    """Yield the chart of a body and those of macro-steps and partial charts in it."""
     if isinstance(body, SfcBody):
         yield from with_inner_charts(body.chart)
 
 
 def with_inner_charts(chart: SfcNetwork) -> Iterator[SfcNetwork]:
-    """A chart and those of macro-steps and partial charts in it."""
+    """Yield a chart and those of macro-steps and partial charts in it."""
     waiting = [chart]
     while waiting:
         chart = waiting.pop()
@@ -365,7 +365,7 @@ def _inner(type_: DataType, path: str, pou: Pou | None) -> Iterator[tuple[DataTy
 
 
 def step_of(scopes: Scopes, chart: object, name: str, site: Site) -> Binding:
-    """A step of the chart that something names beside it."""
+    """Return a step of the chart that something names beside it."""
     if not isinstance(chart, SfcNetwork):
         return Binding(doubt="there is no chart of this name")
     found = [d for d in scopes.chart(chart, site.pou).named(name) if d.kind is Kind.STEP]

@@ -55,7 +55,7 @@ def in_statements(text: str, dialect: Dialect) -> Iterator[Reference]:
 
 
 def in_pragmas(parsed: Parsed[Any]) -> Iterator[Reference]:
-    """The words of pragmas that ask for things by name: ``{IF defined (variable: x)}`` of CODESYS."""
+    """Yield the words of pragmas that ask for things by name: ``{IF defined (variable: x)}`` of CODESYS."""
     for comment in parsed.comments:
         if comment.kind is CommentKind.PRAGMA and _ASKING.match(comment.text):
             yield from unread(comment.text, comment.span[0], "it is in a pragma")
@@ -128,7 +128,7 @@ def _expecting(expected: n.Expression, value: n.Node, dialect: Dialect) -> Itera
 
 
 def named(name: n.Name, **what: Any) -> Reference:
-    """The reference that a name is."""
+    """Return the reference that a name is."""
     start, end = name.span or (0, 0)
     return Reference(
         name.identifier,
@@ -203,7 +203,7 @@ def in_networks(text: str, dialect: Dialect) -> Iterator[Reference]:
 
 
 def unread(text: str, start: int, reason: str, dialect: Dialect | None = None) -> Iterator[Reference]:
-    """The words of a text that cannot be read; in program text those outside of comments and strings."""
+    """Yield the words of a text that cannot be read; in program text those outside of comments and strings."""
     if dialect is None:
         for word in re.finditer(r"[^\W\d]\w*", text):
             yield Reference(word.group(), (start + word.start(), start + word.end()), unread=reason)
@@ -285,7 +285,7 @@ def _types(name: n.Expression, dialect: Dialect) -> Iterator[Reference]:
 
 
 def _innermost(type_: d.TypeNode) -> n.Expression | None:
-    """The name of a type, or of that which it is an array of."""
+    """Return the name of a type, or of that which it is an array of."""
     while isinstance(type_, d.ArrayTypeNode | d.PointerTypeNode):
         type_ = type_.base
     return type_.name if isinstance(type_, d.NamedType) else None

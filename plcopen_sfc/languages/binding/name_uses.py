@@ -240,7 +240,7 @@ class Names:
             yield from self.levels()
 
     def declaration_of(self, thing: Model) -> Declaration:
-        """The declaration of an object of the model: a step, a variable, a POU .. Raises `ModelError`."""
+        """Return the declaration of an object of the model: a step, a variable, a POU .. Raises `ModelError`."""
         owner: object = thing
         while isinstance(owner, Owned) and not isinstance(owner, Pou):
             owner = owner.owner
@@ -252,7 +252,7 @@ class Names:
         raise ModelError(f"the project declares no such {type(thing).__name__}")
 
     def find(self, path: str) -> list[Declaration]:
-        """The declarations of this path (``Main.S3``); case does not matter."""
+        """Return the declarations of this path (``Main.S3``); case does not matter."""
         head = path.casefold().partition(".")[0]
         if head not in self._by_path:
             found = self._by_path[head] = {}
@@ -299,7 +299,7 @@ def find_uses(project: Project, what: Declaration | Model | str) -> list[Use]:
 
 
 def unique_declaration(names: Names, path: str) -> Declaration:
-    """The declaration of this path. Raises `ModelError` where there is none, or more than one."""
+    """Return the declaration of this path. Raises `ModelError` where there is none, or more than one."""
     found = list(dict.fromkeys(names.resolver.original(declaration) for declaration in names.find(path)))
     if len(found) == 1:
         return found[0]
@@ -315,7 +315,7 @@ def unique_declaration(names: Names, path: str) -> Declaration:
 
 
 def dialect_of(project: Project) -> Dialect:
-    """The dialect in which the texts of a project are read.
+    """Return the dialect in which the texts of a project are read.
 
     CODESYS has all signs of IEC 61131-3, and more; only SCL reads the same signs in another way.
     """

@@ -32,7 +32,7 @@ class Level:
             there.append(declaration)
 
     def named(self, name: str) -> list[Declaration]:
-        """The declarations of this name; case does not matter."""
+        """Return the declarations of this name; case does not matter."""
         return self._by_name.get(name.casefold(), [])
 
     def __iter__(self) -> Iterator[Declaration]:
@@ -43,7 +43,7 @@ class Level:
 
 
 def members_of(type_: StructType, path: str, pou: Pou | None) -> Level:
-    """The members of a structure."""
+    """Return the members of a structure."""
     level = Level()
     for member in type_.members:
         level.add(Declaration(Kind.MEMBER, f"{path}.{member.name}", (member,), pou))
@@ -51,7 +51,7 @@ def members_of(type_: StructType, path: str, pou: Pou | None) -> Level:
 
 
 def values_of(type_: EnumType, path: str, pou: Pou | None) -> Level:
-    """The values of an enumeration."""
+    """Return the values of an enumeration."""
     level = Level()
     for value in type_.values:
         level.add(Declaration(Kind.ENUM_VALUE, f"{path}.{value.name}", (value,), pou))
@@ -59,7 +59,7 @@ def values_of(type_: EnumType, path: str, pou: Pou | None) -> Level:
 
 
 def variables_of(interface: Interface | None, path: str, pou: Pou | None) -> Iterator[Declaration]:
-    """The variables of an interface, and the values of enumerations that are declared in place."""
+    """Yield the variables of an interface, and the values of enumerations that are declared in place."""
     for variable in interface.variables() if interface is not None else ():
         yield variable_of(variable, path, pou)
         for type_ in inside(variable.type):
@@ -68,12 +68,12 @@ def variables_of(interface: Interface | None, path: str, pou: Pou | None) -> Ite
 
 
 def variable_of(variable: Variable, path: str, pou: Pou | None) -> Declaration:
-    """A variable that is declared in `path`, which is empty for a global one that no list holds."""
+    """Return a variable that is declared in `path`, which is empty for a global one that no list holds."""
     return Declaration(Kind.VARIABLE, f"{path}.{variable.name}" if path else variable.name, (variable,), pou)
 
 
 def inside(type_: DataType) -> Iterator[DataType]:
-    """A type and the types that are declared in it, but for those of the members of structures."""
+    """Yield a type and the types that are declared in it, but for those of the members of structures."""
     yield type_
     if isinstance(type_, ArrayType | PointerType):
         yield from inside(type_.base)

@@ -440,7 +440,7 @@ def _enclosure(enclosure: s.Enclosure, where: _Where) -> _Where:
 
 
 def _partial(name: str, where: _Where) -> s.SfcNetwork | None:
-    """The partial chart of this name in the charts around."""
+    """Return the partial chart of this name in the charts around."""
     waiting = list(where.site.charts)
     while waiting:
         for partial in waiting.pop().partial_charts:

@@ -52,7 +52,7 @@ def said(comments: Iterable[Comment]) -> str | None:
 
 
 def pragmas(comments: Iterable[Comment]) -> str:
-    """The pragmas and SCL attributes among `comments`, as written."""
+    """Return the pragmas and SCL attributes among `comments`, as written."""
     return "\n".join(comment.text for comment in comments if comment.kind is CommentKind.PRAGMA)
 
 
@@ -78,7 +78,7 @@ _LIST = re.compile(rf"\{{{_ATTRIBUTE}(?:;{_ATTRIBUTE})*;?\s*\}}")
 
 
 def read_attributes(text: str) -> dict[str, str] | None:
-    """The attributes by name; None if they are written otherwise, or twice."""
+    """Return the attributes by name; None if they are written otherwise, or twice."""
     if _LIST.fullmatch(text) is None:
         return None
     found = re.findall(_ATTRIBUTE, text)
@@ -87,7 +87,7 @@ def read_attributes(text: str) -> dict[str, str] | None:
 
 
 def write_attributes(attributes: dict[str, str]) -> str:
-    """The attributes in braces; empty where one of them could not be read back."""
+    """Return the attributes in braces; empty where one of them could not be read back."""
     listed = "; ".join(f"{name} := '{value.replace('$', '$$')}'" for name, value in attributes.items())
     return f"{{ {listed} }}" if _sayable(attributes) else ""
 

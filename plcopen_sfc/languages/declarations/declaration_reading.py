@@ -71,7 +71,7 @@ class Units:
 
 
 def split_units(text: str, dialect: Dialect = Dialect.IEC) -> Units:
-    """The units of `text`, in their order."""
+    """Return the units of `text`, in their order."""
     found = tokenize(text, dialect, _SCL_WORDS if dialect is Dialect.SCL else _WORDS)
     tokens = found.tokens
     units: list[DeclaredUnit] = []
@@ -178,7 +178,7 @@ def _end_of_struct(tokens: list[Token], position: int) -> int:
 
 
 def _end_of_line(text: str, tokens: list[Token], first: int, behind: int) -> int:
-    """The end of the last token on the line of the name."""
+    """Return the end of the last token on the line of the name."""
     if first + 1 >= behind:
         return tokens[first].span[1]
     index = first + 1
@@ -270,7 +270,7 @@ def read_declarations(text: str, dialect: Dialect = Dialect.IEC) -> Declared:
 
 
 def read_interface(declared: Declared) -> Interface:
-    """The interface that the sections and the first head make."""
+    """Return the interface that the sections and the first head make."""
     result = next((head.return_type for head in declared.heads), None)
     return Interface(return_type=result, sections=declared.sections)
 
@@ -305,13 +305,13 @@ class _Reader:
     # -- places and comments
 
     def _slice(self, node: Node) -> str:
-        """The text of `node` unchanged, the comments in it too."""
+        """Return the text of `node` unchanged, the comments in it too."""
         start, end = _span(node)
         self._comments.take(start, end)
         return self._text[start:end]
 
     def _around(self, node: Node) -> list[Comment]:
-        """The comments before `node`, inside it, and behind it on its line, that are not taken yet."""
+        """Return the comments before `node`, inside it, and behind it on its line, that are not taken yet."""
         return self._comments.take(0, self._comments.behind(_span(node)[1]))
 
     def _members(self, nodes: Sequence[Node], read: Any) -> Iterator[Found]:
@@ -323,7 +323,7 @@ class _Reader:
                 yield from read(node)
 
     def _braces(self, comments: list[Comment]) -> dict[str, str]:
-        """The attributes of SCL, the pragmas of all others."""
+        """Return the attributes of SCL, the pragmas of all others."""
         return _named("attributes" if self._scl else "pragmas", pragmas(comments))
 
     # -- heads

@@ -32,7 +32,7 @@ def indent_of(dialect: Dialect) -> str:
 
 
 def write_type(type_: t.DataType, dialect: Dialect = Dialect.IEC, indent: str = "") -> str:
-    """A type. One of several lines has `indent` before all but the first."""
+    """Return a type. One of several lines has `indent` before all but the first."""
     scl = dialect is Dialect.SCL
     match type_:
         case t.ElementaryType(name=name):
@@ -113,7 +113,7 @@ def _struct(type_: t.StructType, dialect: Dialect, indent: str) -> str:
 
 
 def write_value(value: t.Value, dialect: Dialect = Dialect.IEC) -> str:
-    """An initial value; empty if there is none, or none that could be read back."""
+    """Return an initial value; empty if there is none, or none that could be read back."""
     text = _value(value)
     return text if text and _parses(f"VAR x : INT := {text}; END_VAR", dialect) else ""
 
@@ -146,7 +146,7 @@ def _parses(text: str, dialect: Dialect) -> bool:
 
 
 def write_variable(variable: t.Variable, dialect: Dialect = Dialect.IEC, indent: str = "") -> str:
-    """The lines of a variable: a short comment is behind it, a longer one before it."""
+    """Return the lines of a variable: a short comment is behind it, a longer one before it."""
     texts = kept(variable.extension_data)
     scl = dialect is Dialect.SCL
     attributes = _attributes(variable, texts) if scl else ""
@@ -170,7 +170,7 @@ def _address(address: str, dialect: Dialect) -> str:
 
 
 def _pragmas(texts: dict[str, str], dialect: Dialect) -> list[str]:
-    """The pragmas before a declaration, a line each."""
+    """Return the pragmas before a declaration, a line each."""
     return texts.get("attributes" if dialect is Dialect.SCL else "pragmas", "").splitlines()
 
 
@@ -196,7 +196,7 @@ def write_section(section: VariableSection, dialect: Dialect = Dialect.IEC, inde
 
 
 def section_head(section: VariableSection, dialect: Dialect) -> list[str]:
-    """The lines before the variables of a section."""
+    """Return the lines before the variables of a section."""
     texts = kept(section.extension_data)
     word = texts.get("keyword", "")
     words = [word if word.startswith("VAR") else SECTION_KEYWORDS[section.kind]]
@@ -207,7 +207,7 @@ def section_head(section: VariableSection, dialect: Dialect) -> list[str]:
 
 
 def section_rest(section: VariableSection, indent: str) -> list[str]:
-    """The lines between the last variable of a section and its end: what did not parse when it was read."""
+    """Return the lines between the last variable of a section and its end: what did not parse when it was read."""
     return _kept_lines(kept(section.extension_data), indent)
 
 

@@ -28,7 +28,7 @@ def keep(texts: dict[str, str]) -> ExtensionData | None:
 
 
 def kept(extension_data: ExtensionData | None) -> dict[str, str]:
-    """The texts that `keep` put there."""
+    """Return the texts that `keep` put there."""
     if extension_data is None:
         return {}
     entries = (

@@ -86,7 +86,7 @@ def is_unit_quoted_in_scl(name: str) -> bool:
 
 
 def bare_name(text: str) -> str:
-    """A name without the quotes of SCL."""
+    """Return a name without the quotes of SCL."""
     return text[1:-1] if len(text) > 1 and text[0] == text[-1] == '"' else text
 
 
@@ -110,5 +110,5 @@ def declared_name(name: str, dialect: Dialect) -> str:
 
 
 def written_elementary(name: Elementary, dialect: Dialect) -> str:
-    """The name of an elementary type as the dialect writes it."""
+    """Return the name of an elementary type as the dialect writes it."""
     return _SCL_TYPES.get(name, name.value) if dialect is Dialect.SCL else name.value

@@ -374,7 +374,7 @@ class BlockReader:
         return (Factor((block.id, result.name), helper),)
 
     def _only_sink(self, block: Block, result: BlockVariable) -> OutputVariable | None:
-        """The variable that a result goes to, if that is all it does."""
+        """Return the variable that a result goes to, if that is all it does."""
         source: Source = (block.id, result.name)
         if self._graph.uses[source] != 1 or result.edge is not Edge.NONE:
             return None
@@ -437,12 +437,12 @@ def _is(variable: BlockVariable, name: str) -> bool:
 
 
 def _target(variable: BlockVariable) -> str:
-    """The variable at an output pin."""
+    """Return the variable at an output pin."""
     return (variable.output.expression or "").strip() if variable.output is not None else ""
 
 
 def _in_order(standard: StandardBlock, arguments: list[_Argument]) -> list[_Argument]:
-    """The inputs in the order of IEC 61131-3, where their names tell it."""
+    """Return the inputs in the order of IEC 61131-3, where their names tell it."""
     names = [standard.input_name(argument.variable.name) for argument in arguments]
     order = {pin.name: place for place, pin in enumerate(standard.input_pins(len(arguments)))}
     if len(set(names)) < len(names) or not set(names) <= order.keys():
@@ -453,7 +453,7 @@ def _in_order(standard: StandardBlock, arguments: list[_Argument]) -> list[_Argu
 
 
 def _operation(standard: StandardBlock, values: list[Expression]) -> Expression | None:
-    """An operator block as an operation; None where it must be written as a call."""
+    """Return an operator block as an operation; None where it must be written as a call."""
     operator = standard.operator
     if operator is None or not values:
         return None

@@ -69,7 +69,7 @@ def condition_expression(
     transitions: Iterable[NamedTransition] = (),
     taken: Iterable[str] = (),
 ) -> NetworkExpression:
-    """The condition of a transition as an expression, whatever it is given as.
+    """Return the condition of a transition as an expression, whatever it is given as.
 
     `transitions` are the transition objects of the POU (`Pou.transitions`): the expression of one that the condition
     names is taken; one that is not among them is in the expression by its name. `NetworkExpression.before` has what
@@ -291,7 +291,7 @@ class _ConditionReader:
 
 
 def _result_of(read: NetworkStatements, name: str) -> NetworkExpression:
-    """The condition that a body computes: what it writes to `name` last, else the value that leads nowhere."""
+    """Return the condition that a body computes: what it writes to `name` last, else the value that leads nowhere."""
     statements = list(read.tree.statements)
     problems = list(read.problems)
     tree: n.Expression | None = None

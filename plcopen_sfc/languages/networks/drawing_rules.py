@@ -51,7 +51,7 @@ class DrawingRules:
 def declared_rules(
     variables: Iterable[Variable], dialect: Dialect = Dialect.IEC, tool: Tool | None = None
 ) -> DrawingRules:
-    """The rules for texts whose names are those of `variables` (`Interface.variables`).
+    """Return the rules for texts whose names are those of `variables` (`Interface.variables`).
 
     A variable of a derived type counts as an instance: a structure is not called.
     """
@@ -68,7 +68,7 @@ def declared_rules(
 
 
 def _spelled(name: str, dialect: Dialect) -> str:
-    """A variable of a block as texts name it."""
+    """Return a variable of a block as texts name it."""
     if dialect is not Dialect.SCL:
         return name
     return f'#"{name}"' if needs_quotes(name) else f"#{name}"
@@ -78,7 +78,7 @@ _RISKY = frozenset({Operator.DIVIDE, Operator.MODULO, Operator.POWER})
 
 
 def constant_of(expression: Expression) -> bool | None:
-    """The value of TRUE and FALSE; None for what is neither."""
+    """Return the value of TRUE and FALSE; None for what is neither."""
     text = n.bare(expression)
     if isinstance(text, n.Literal) and text.text.upper() in ("TRUE", "FALSE"):
         return text.text.upper() == "TRUE"

@@ -113,7 +113,7 @@ def connect(pin: InputPin, at: Point, ends: Sequence[WireStart], channel: float)
 def placed(
     node: Node, size: tuple[int, int], slots: Sequence[Slot], outputs: Sequence[WireStart], line: float
 ) -> DrawnItem:
-    """The item of an element and of all that feeds it. The places of `outputs` are relative to the element.
+    """Return the item of an element and of all that feeds it. The places of `outputs` are relative to the element.
 
     The element is as low as its first input needs to be level with the element that feeds it.
     """
@@ -153,7 +153,7 @@ class BlockDraft:
     operand: tuple[str, str] | None = None
 
     def draw(self, number: int, order: int | None, value: str | None) -> tuple[Block, DrawnItem]:
-        """The block, and it as an item whose value is the output `value`."""
+        """Return the block, and it as an item whose value is the output `value`."""
         inputs: list[BlockVariable] = []
         slots: list[Slot] = []
         for row, (name, item) in enumerate(self.inputs):
@@ -197,7 +197,7 @@ _RIGHT_RAIL_ID = 2**31 - 2
 
 
 def on_one_sheet(networks: Sequence[LogicNetwork], tool: Tool | None = None) -> LogicNetwork:
-    """The same networks as one: each below the one before, executed in this order.
+    """Return the same networks as one: each below the one before, executed in this order.
 
     Titles and comments are boxes above them. For CODESYS the ids tell where a network of FBD begins; in LD a comment
     and a title do, and all networks share their power rails.
@@ -261,7 +261,7 @@ def _number_by_network(networks: Sequence[LogicNetwork]) -> None:
 
 
 def _with_common_rails(nodes: Sequence[Node]) -> list[Node]:
-    """The elements of all networks between one left and one right power rail, counted from 0."""
+    """Return the elements of all networks between one left and one right power rail, counted from 0."""
     lefts = [node for node in nodes if isinstance(node, LeftPowerRail)]
     rights = [node for node in nodes if isinstance(node, RightPowerRail)]
     others = [node for node in nodes if not isinstance(node, LeftPowerRail | RightPowerRail)]

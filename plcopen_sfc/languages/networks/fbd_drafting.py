@@ -92,7 +92,7 @@ class Drafter:
         return rungs + self._rungs(waiting)
 
     def _flat(self, statements: Iterable[Statement]) -> Iterator[Statement]:
-        """The statements without those that do nothing: regions and lone semicolons."""
+        """Yield the statements without those that do nothing: regions and lone semicolons."""
         for statement in statements:
             if isinstance(statement, n.RegionBlock):
                 text = f"the region {statement.title!r} is not drawn, only what is in it"
@@ -159,7 +159,7 @@ class Drafter:
         return block is not None and block.stateful and by_name(call)
 
     def statement(self, statement: Statement) -> DrawnItem:
-        """The rung of a statement."""
+        """Return the rung of a statement."""
         if isinstance(statement, n.Assignment):
             item = self._assignment(statement)
         elif isinstance(statement, n.CallStatement):
@@ -243,7 +243,7 @@ class Drafter:
         return placed(node, (text_width(text), ROW), [Slot(pin, ROW / 2, item)], [], ROW / 2)
 
     def _text_box(self, statement: Statement, enable: Expression | None, code: Sequence[Statement]) -> DrawnItem:
-        """A statement that has no graphical form, as the text of an EXECUTE box."""
+        """Return a statement that has no graphical form, as the text of an EXECUTE box."""
         tree = n.Statements(tuple(code))
         if self.rules.dialect not in (Dialect.CODESYS, Dialect.TWINCAT):
             tree = transform(tree, _without_storing)
@@ -259,7 +259,7 @@ class Drafter:
     # -- sinks
 
     def sink(self, target: Expression, value: Expression, storage: Storage) -> DrawnItem:
-        """A value that is written to a variable."""
+        """Return a value that is written to a variable."""
         return self._output(target, self.value(value), storage)
 
     def _output(self, target: Expression, item: DrawnItem, storage: Storage) -> DrawnItem:
@@ -279,11 +279,11 @@ class Drafter:
     # -- values
 
     def power(self, expression: Expression) -> DrawnItem:
-        """A Boolean value that enables something: in a ladder it comes from the left power rail."""
+        """Return a Boolean value that enables something: in a ladder it comes from the left power rail."""
         return self.value(expression)
 
     def value(self, expression: Expression) -> DrawnItem:
-        """The elements of an expression."""
+        """Return the elements of an expression."""
         expression = n.bare(expression)
         if isinstance(expression, n.Unary) and expression.operator is Operator.NOT:
             item = self.value(expression.operand)
@@ -320,7 +320,7 @@ class Drafter:
         return placed(node, (width, ROW), [], [WireStart(node.id, None, (width, ROW / 2))], ROW / 2)
 
     def _not_negated(self, item: DrawnItem) -> DrawnItem:
-        """An item whose value need not be inverted by the one who takes it: with a NOT block if it must be."""
+        """Return an item whose value need not be inverted by the one who takes it: with a NOT block if it must be."""
         if not item.negated:
             return item
         block = standard_block("NOT")
@@ -331,7 +331,7 @@ class Drafter:
         return self._block(draft, draft.outputs[0], acting=False)
 
     def _operation_draft(self, expression: Expression, enable: Expression | None) -> BlockDraft | None:
-        """The block of an operation or of the call of a function; None where it has none."""
+        """Return the block of an operation or of the call of a function; None where it has none."""
         operands: list[tuple[str, Expression]]
         if isinstance(expression, n.Operation):
             block = operator_block(expression.operator)
@@ -398,14 +398,14 @@ class Drafter:
         return None
 
     def _action(self, call: n.Call, enable: Expression | None) -> DrawnItem:
-        """A call of an action: a box without pins that is marked as one."""
+        """Return a call of an action: a box without pins that is marked as one."""
         draft = BlockDraft(self._text(call.callee), call=BlockCall.ACTION)
         draft.inputs.append(("EN", self.power(enable) if enable is not None else None))
         draft.outputs.append("ENO")
         return self._block(draft, None, acting=True)
 
     def _with_sinks(self, call: n.Call, item: DrawnItem) -> DrawnItem:
-        """The call of an instance with the variables that get its outputs (``Q => x``), each beside its pin."""
+        """Return the call of an instance with the variables that get its outputs (``Q => x``), each beside its pin."""
         block = self.nodes[-1]
         outputs = [a for a in call.arguments if a.output and a.name is not None and a.value is not None]
         if not outputs or not isinstance(block, Block):
@@ -438,7 +438,7 @@ class Drafter:
         return DrawnItem(item.line, place)
 
     def _function_block(self, call: n.Call, output: str | None, enable: Expression | None) -> DrawnItem:
-        """A call of an instance; `output`: which of its values is used."""
+        """Return a call of an instance; `output`: which of its values is used."""
         path = path_of(call.callee)
         type_name = self._types[path]
         block = standard_block(type_name)
@@ -482,7 +482,7 @@ class Drafter:
         return block.tool_pin(pin, self.rules.tool) if self.rules.tool is not None else pin
 
     def _call_kind(self, kind: BlockCall) -> BlockCall | None:
-        """The kind of a call, which only CODESYS writes at each block."""
+        """Return the kind of a call, which only CODESYS writes at each block."""
         return kind if self.rules.tool is Tool.CODESYS else None
 
     def _text(self, expression: Expression) -> str:
@@ -491,12 +491,12 @@ class Drafter:
         return print_node(expression)
 
     def new_id(self) -> int:
-        """An id that no element has."""
+        """Return an id that no element has."""
         self._next_id += 1
         return self._next_id - 1
 
     def new_order(self) -> int:
-        """The next place in the order of execution."""
+        """Return the next place in the order of execution."""
         self._next_order += 1
         return self._next_order - 1
 

@@ -76,7 +76,7 @@ class LadderDrafter(Drafter):
         self._rail = LeftPowerRail(id=0)
 
     def sink(self, target: Expression, value: Expression, storage: Storage) -> DrawnItem:
-        """A coil where the value is Boolean, else a variable as in FBD."""
+        """Return a coil where the value is Boolean, else a variable as in FBD."""
         if storage is Storage.NONE and not (self._is_boolean(value) or self._is_boolean(target)):
             return super().sink(target, value, storage)
         bare = n.bare(value)
@@ -98,7 +98,7 @@ class LadderDrafter(Drafter):
         return placed(coil, (width, ROW), [Slot(pin, ROW / 2, item)], [], ROW / 2)
 
     def power(self, expression: Expression) -> DrawnItem:
-        """A Boolean value as contacts that start at the left power rail."""
+        """Return a Boolean value as contacts that start at the left power rail."""
         if self._in_block_input:
             return super().value(expression)
         part = self._part(expression, at_rail=True)
@@ -113,7 +113,7 @@ class LadderDrafter(Drafter):
     # -- parts of a rung
 
     def _part(self, expression: Expression, *, at_rail: bool) -> _Part:
-        """An expression as a part of a rung. `at_rail`: nothing is before it."""
+        """Return an expression as a part of a rung. `at_rail`: nothing is before it."""
         inner = n.bare(expression)
         if is_true(inner):
             return _Part(ROW / 2, self._through)
@@ -169,7 +169,7 @@ class LadderDrafter(Drafter):
         return _Part(item.line, lambda x, y, _inflow: item.place(x, y))
 
     def _block_between(self, expression: Expression) -> _Part:
-        """A value that is no contact, joined by an AND block with what comes before it."""
+        """Return a value that is no contact, joined by an AND block with what comes before it."""
         outside, self._in_block_input = self._in_block_input, True
         item = self.value(expression)
         self._in_block_input = outside
@@ -190,7 +190,7 @@ class LadderDrafter(Drafter):
         return _Part(joint.line, place)
 
     def _through(self, x: float, y: float, inflow: Inflow) -> Area:
-        """A plain wire."""
+        """Return a plain wire."""
         row = y + ROW / 2
         if inflow is None:
             self._rail.outputs.append(OutputPin(name="", position=(RAIL_WIDTH, row - self._rail.position[1])))
@@ -236,12 +236,12 @@ class LadderDrafter(Drafter):
         return x + RAIL_WIDTH + _GAP
 
     def rail(self, bottom: float) -> LeftPowerRail:
-        """The left power rail, down to `bottom`."""
+        """Return the left power rail, down to `bottom`."""
         self._rail.height = bottom - self._rail.position[1]
         return self._rail
 
     def finish(self, nodes: Sequence[Node], right: float, bottom: float) -> tuple[LeftPowerRail, RightPowerRail]:
-        """The power rails around `nodes`, which have their places."""
+        """Return the power rails around `nodes`, which have their places."""
         top = self._rail.position[1]
         pins = []
         for coil in (node for node in nodes if isinstance(node, Coil)):
@@ -362,7 +362,7 @@ def draw_ld(
 def draw_fbd_expression(
     expression: Expression, rules: DrawingRules | None = None, *, first_id: int = 1
 ) -> DrawnExpression:
-    """An expression as FBD elements whose value somebody else takes: the condition of a transition, a pin."""
+    """Return an expression as FBD elements whose value somebody else takes: the condition of a transition, a pin."""
     drafter = Drafter(rules or DrawingRules(), first_id)
     item = drafter.value(expression)
     area = item.place(_MARGIN, _MARGIN)
@@ -374,7 +374,7 @@ def draw_fbd_expression(
 def draw_ld_expression(
     expression: Expression, rules: DrawingRules | None = None, *, first_id: int = 1
 ) -> DrawnExpression:
-    """A Boolean expression as LD elements from a left power rail on; see `draw_fbd_expression`."""
+    """Return a Boolean expression as LD elements from a left power rail on; see `draw_fbd_expression`."""
     drafter = LadderDrafter(rules or DrawingRules(), first_id)
     item = drafter.power(expression)
     area = item.place(drafter.start(_MARGIN, _MARGIN), _MARGIN)
@@ -384,7 +384,7 @@ def draw_ld_expression(
 
 
 def _sheets(rungs: list[Rung], *, divided: bool) -> list[list[Rung]]:
-    """The rungs of each network: a label belongs to the network of the rung behind it, to which jumps lead."""
+    """Return the rungs of each network: a label belongs to the network of the rung behind it, to which jumps lead."""
     if not divided:
         return [rungs]
     found: list[list[Rung]] = []

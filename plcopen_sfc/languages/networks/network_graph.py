@@ -36,12 +36,12 @@ Source = tuple[int, str | None]
 
 
 def block_outputs(block: Block) -> list[BlockVariable]:
-    """The parameters of a block that wires can start from."""
+    """Return the parameters of a block that wires can start from."""
     return [*block.parameters.outputs, *block.parameters.in_outs]
 
 
 def block_inputs(block: Block) -> list[BlockVariable]:
-    """The parameters of a block that wires can end at."""
+    """Return the parameters of a block that wires can end at."""
     return [*block.parameters.inputs, *block.parameters.in_outs]
 
 
@@ -81,7 +81,7 @@ class Graph:
                 self.uses.update(source for sources in resolved for source in sources)
 
     def pins(self, node: Node) -> list[InputPin]:
-        """The inputs of an element; of a continuation, that of its connector."""
+        """Return the inputs of an element; of a continuation, that of its connector."""
         if isinstance(node, Block):
             return [variable.input or InputPin() for variable in block_inputs(node)]
         if isinstance(node, RightPowerRail):
@@ -162,7 +162,7 @@ class Graph:
         self.problems.append(NetworkProblem(message, node.id))
 
     def type_of(self, source: Source) -> str | None:
-        """The type of an output where the network tells it."""
+        """Return the type of an output where the network tells it."""
         waiting, seen = [source], {source}
         while waiting:
             number, pin = waiting.pop()
@@ -194,7 +194,7 @@ class Graph:
                 yield from self._with_feeding(node, done)
 
     def roots(self) -> Iterator[Node]:
-        """The elements that are executed when their turn comes, in the order of execution."""
+        """Yield the elements that are executed when their turn comes, in the order of execution."""
         for network in self.networks:
             yield from (root for root in sorted(network, key=_sort_key(network)) if self._is_root(root))
 
@@ -279,12 +279,12 @@ def _sort_key(network: Sequence[Node]) -> Callable[[Node], tuple[bool, int, floa
 
 
 def without_places(nodes: Iterable[Node]) -> list[Node]:
-    """The elements of a network as a tool sees them that does not look at places."""
+    """Return the elements of a network as a tool sees them that does not look at places."""
     return [node.model_copy(update={"position": (0.0, 0.0)}) for node in nodes]
 
 
 def wires_of(node: Node) -> Iterator[Connection]:
-    """The wires that end at an element."""
+    """Yield the wires that end at an element."""
     if isinstance(node, Block):
         pins = [variable.input for variable in block_inputs(node)]
     else:
@@ -295,7 +295,7 @@ def wires_of(node: Node) -> Iterator[Connection]:
 
 
 def apart(networks: Sequence[LogicNetwork]) -> tuple[list[LogicNetwork], dict[int, int]]:
-    """The networks with ids that no two of them share, and the old id of each new one.
+    """Return the networks with ids that no two of them share, and the old id of each new one.
 
     Networks that share none are returned unchanged. An id that a single network has twice stays.
     """

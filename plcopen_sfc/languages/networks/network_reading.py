@@ -53,7 +53,7 @@ def body_statements(
     known: Container[str] | None = None,
     keeps: bool = False,
 ) -> NetworkStatements:
-    """An FBD or LD body as statements, in the order of execution.
+    """Return an FBD or LD body as statements, in the order of execution.
 
     `taken` are names that helpers must not have. `known` are the names of functions and function blocks of the
     project, in lower case: a block that is neither among them nor a standard block is a problem; None: any may exist.
@@ -80,7 +80,7 @@ def network_statements(
 
 
 def _with_ids(result: NetworkStatements, original: Mapping[int, int]) -> NetworkStatements:
-    """The result with the ids that the elements have in their networks, in messages too."""
+    """Return the result with the ids that the elements have in their networks, in messages too."""
 
     def named(problem: NetworkProblem) -> NetworkProblem:
         message = _MENTION.sub(lambda m: f"{m[1]} {original.get(int(m[2]), m[2])}", problem.message)
@@ -108,7 +108,7 @@ def network_expression(
     taken: Iterable[str] = (),
     known: Container[str] | None = None,
 ) -> NetworkExpression:
-    """The value that `outputs`, wires from a network, have together; see `body_statements`."""
+    """Return the value that `outputs`, wires from a network, have together; see `body_statements`."""
     pin = InputPin(connections=[*outputs])
     reader = NetworkReader([network.nodes], dialect, taken=taken, known=known, also_used=[pin])
     return reader.run_for_value()
@@ -124,7 +124,7 @@ def reader_of_chart(
     also_used: Iterable[InputPin] = (),
     keeps: bool = False,
 ) -> NetworkReader:
-    """A reader of `nodes`, some of the elements drawn in a chart."""
+    """Return a reader of `nodes`, some of the elements drawn in a chart."""
     steps = {step.id: step.name for step in chart.steps}
     return NetworkReader([nodes], dialect, steps=steps, taken=taken, known=known, also_used=also_used, keeps=keeps)
 
@@ -193,7 +193,7 @@ class NetworkReader:
         )
 
     def outer_values(self) -> list[Expression | None]:
-        """The values at the pins `also_used`, when every element was executed."""
+        """Return the values at the pins `also_used`, when every element was executed."""
         products = [self._meet(sources) for sources in self._outer]
         return [expression_of(product) if product is not None else None for product in products]
 
@@ -206,7 +206,7 @@ class NetworkReader:
     # -- values
 
     def _value(self, node: Node, pin: int = 0) -> Product | None:
-        """The value at an input; None where there is none."""
+        """Return the value at an input; None where there is none."""
         given = self.graph.pins(node)[pin]
         if not given.connections and given.expression is not None:
             expression = self.wires.expression(given.expression, node.id)
@@ -233,7 +233,7 @@ class NetworkReader:
         return self.wires.take(source)
 
     def _modified(self, node: Node, value: Expression, *, negated: bool, edge: Edge) -> Expression:
-        """A value as it leaves an element that inverts it or watches for its edge."""
+        """Return a value as it leaves an element that inverts it or watches for its edge."""
         if negated and edge is not Edge.NONE:
             text = "it is negated and watches for an edge: taken as the edge of the negated value"
             self.wires.problem(text, node.id, Severity.WARNING)

@@ -67,7 +67,7 @@ def is_true(expression: Expression) -> bool:
 
 
 def expression_of(product: Product) -> Expression:
-    """A product as an expression."""
+    """Return a product as an expression."""
     return joined(Operator.AND, [factor.expression for factor in product]) if product else TRUE
 
 
@@ -92,12 +92,12 @@ def inverted(expression: Expression) -> Expression:
 
 
 def product_of(products: Sequence[Product]) -> Product:
-    """The product of products; what is in several of them counts once."""
+    """Return the product of products; what is in several of them counts once."""
     return tuple({factor.identity: factor for product in products for factor in product}.values())
 
 
 def meeting(products: Sequence[Product], meetings: dict[Hashable, int]) -> Product:
-    """The value where wires meet: TRUE if one of them is. `meetings` numbers the meetings of a network."""
+    """Return the value where wires meet: TRUE if one of them is. `meetings` numbers the meetings of a network."""
     if len(products) == 1:
         return products[0]
     shared = _shared_start(products)
@@ -127,7 +127,7 @@ AnyNode = TypeVar("AnyNode", bound=n.Node)
 
 
 def normal_form(tree: AnyNode) -> AnyNode:
-    """The normal form of an expression or of statements."""
+    """Return the normal form of an expression or of statements."""
     return transform(tree, _normal)
 
 
@@ -265,14 +265,14 @@ class Wires:
     # -- texts
 
     def expression(self, text: str, node: int) -> Expression:
-        """The expression in an element."""
+        """Return the expression in an element."""
         parsed = parse_expression(text, self.dialect)
         for problem in parsed.problems:
             self.problem(f"{text!r}: {problem.message}", node)
         return parsed.tree
 
     def code(self, text: str, node: int) -> tuple[Statement, ...]:
-        """The statements in an element."""
+        """Return the statements in an element."""
         parsed = parse_statements(text, self.dialect)
         for problem in parsed.problems:
             line, column = parsed.place(problem.span[0])
@@ -314,7 +314,7 @@ class Wires:
             self.execute(statement)
 
     def helper(self, prefix: str, source: Source, type_name: str | None, *, retained: bool) -> n.Name:
-        """A new variable."""
+        """Return a new variable."""
         stem = name = f"{prefix}_{source[0]}"
         number = 1
         while name.casefold() in self._taken:
@@ -341,7 +341,7 @@ class Wires:
         return n.Member(instance, n.Name("Q"))
 
     def edge_since(self, memory: Expression, value: Expression, source: Source, *, rising: bool) -> Expression:
-        """The edge of a value since the last cycle, from which `memory` has it."""
+        """Return the edge of a value since the last cycle, from which `memory` has it."""
         clock = value if is_variable(value) else self._flag(value, source)
         now, before = (clock, inverted(memory)) if rising else (inverted(clock), memory)
         result = self._flag(n.Operation(Operator.AND, (now, before)), source)
@@ -383,7 +383,7 @@ class Wires:
         return product
 
     def value(self, source: Source) -> Product | None:
-        """The value of an output, which is not one of its uses."""
+        """Return the value of an output, which is not one of its uses."""
         return self._values[source]
 
     def is_stored(self, source: Source) -> bool:
@@ -399,7 +399,7 @@ class Wires:
             self._left |= {source: left} if left else {}
 
     def _of_last_cycle(self, source: Source) -> Product:
-        """The value of an output that is evaluated later: feedback."""
+        """Return the value of an output that is evaluated later: feedback."""
         helper = self._feedback.get(source)
         if helper is None:
             name = self.helper("last", source, self._graph.type_of(source), retained=True)

@@ -337,7 +337,7 @@ class Builder(Transformer[Token, Any]):
         return items[1]
 
     def whole(self, found: StatementList, end: int) -> n.Node:
-        """The tree of a text of length `end`, of what was found in it."""
+        """Return the tree of a text of length `end`, of what was found in it."""
         return n.Statements(self._statements(found), span=(0, end))
 
     def _statements(self, found: StatementList) -> tuple[n.Statement, ...]:
@@ -352,7 +352,7 @@ class Builder(Transformer[Token, Any]):
         return n.Unreadable("", span=labels.span)
 
     def _branches(self, found: StatementList) -> tuple[n.CaseBranch, ...]:
-        """The branches of a CASE: each label starts one."""
+        """Return the branches of a CASE: each label starts one."""
         branches: list[n.CaseBranch] = []
         labels: _Labels | None = None
         statements = StatementList()
@@ -382,7 +382,7 @@ def _end(statements: StatementList, token: Token) -> int:
 
 
 def name_of(token: Token) -> n.Name:
-    """The name that a token is, without its quotes."""
+    """Return the name that a token is, without its quotes."""
     value = token.value
     if value[0] == '"':
         return n.Name(value[1:-1], n.Quoting.GLOBAL, span=token.span)
@@ -656,7 +656,7 @@ def _item(value: Any) -> Any:
 
 
 def _value(items: Items) -> Any:
-    """The initial value; several items without brackets are an array (CoDeSys V2.3)."""
+    """Return the initial value; several items without brackets are an array (CoDeSys V2.3)."""
     if len(items) == 1 and not isinstance(items[0], d.Repetition):
         return items[0]
     return d.ArrayValueNode(tuple(_item(item) for item in items), span=over(items))

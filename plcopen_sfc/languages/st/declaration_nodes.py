@@ -319,7 +319,7 @@ _BEHIND_NAMES = frozenset(
 
 
 def tokenize_declarations(text: str, dialect: Dialect) -> Tokens:
-    """The tokens of declarations.
+    """Return the tokens of declarations.
 
     A word counts as one of declarations only where it can be one: ``Type : INT;`` declares a variable.
     """

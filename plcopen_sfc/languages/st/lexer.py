@@ -146,7 +146,7 @@ _PLAIN = {_OPERATOR: "OPERATOR", _LITERAL: "LITERAL", _NAME: "NAME", _ADDRESS: "
 
 @cache
 def _words(dialect: Dialect, keywords: frozenset[str]) -> dict[str, str]:
-    """The token type of each word that is no name; grows with the spellings that occur."""
+    """Return the token type of each word that is no name; grows with the spellings that occur."""
     words = dict.fromkeys(STATEMENT_KEYWORDS | _DIALECT_KEYWORDS[dialect] | keywords)
     types = {word: word.strip("_") for word in words}
     types |= dict.fromkeys(_WORD_OPERATORS, "OPERATOR") | dict.fromkeys(_LITERAL_WORDS, "LITERAL")
@@ -161,7 +161,7 @@ def tokenize(
     comments_of: Dialect | None = None,
     embedded_code: bool = False,
 ) -> Tokens:
-    """The tokens of `text`. `keywords` are words that are no names here, beyond those of statements.
+    """Return the tokens of `text`. `keywords` are words that are no names here, beyond those of statements.
 
     `comments_of`: the dialect of its comments where that is another one. `embedded_code`: ``{{ .. }}`` is a token, as
     it is executed where it is among statements; else it is a pragma.
@@ -265,7 +265,7 @@ class _Blocks:
         self._nested: dict[int, int] | None = None
 
     def end(self, opening: str, start: int) -> int:
-        """The end of the block that starts with `opening` at `start`, -1 if it has none."""
+        """Return the end of the block that starts with `opening` at `start`, -1 if it has none."""
         if opening == "(*":
             if self._nested is None:
                 self._nested = self._pairs(start)

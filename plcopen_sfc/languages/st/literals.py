@@ -202,7 +202,7 @@ def _string(text: str, type: str, dialect: Dialect) -> LiteralValue:
 
 
 def string_literal(value: str, dialect: Dialect = Dialect.IEC, *, wide: bool = False) -> str:
-    """A STRING, or with `wide` a WSTRING: in double quotes, in SCL behind ``WSTRING#`` (6.3.3).
+    """Return a STRING, or with `wide` a WSTRING: in double quotes, in SCL behind ``WSTRING#`` (6.3.3).
 
     Raises `LiteralError` for characters that the type does not have: a STRING has those up to U+00FF.
     """
@@ -282,7 +282,7 @@ def _duration(text: str, body: str, type: str) -> int:
 
 
 def time_literal(nanoseconds: int, dialect: Dialect = Dialect.IEC, type: str = "TIME") -> str:
-    """A duration as TIME, LTIME or S5TIME, in whole units: ``T#1d2h3m4s5ms`` (table 8).
+    """Return a duration as TIME, LTIME or S5TIME, in whole units: ``T#1d2h3m4s5ms`` (table 8).
 
     Raises `LiteralError` where the type of the dialect is too coarse or too narrow.
     """
@@ -328,12 +328,12 @@ def _clock(text: str, body: str) -> int:
 
 
 def date_literal(day: date, type: str = "DATE") -> str:
-    """A DATE or LDATE (table 9)."""
+    """Return a DATE or LDATE (table 9)."""
     return f"{'D' if type == 'DATE' else type}#{day.isoformat()}"
 
 
 def time_of_day_literal(nanoseconds: int, type: str = "TOD") -> str:
-    """A TOD or LTOD from nanoseconds since midnight (table 9)."""
+    """Return a TOD or LTOD from nanoseconds since midnight (table 9)."""
     if not 0 <= nanoseconds < _DAY:
         raise LiteralError(f"{nanoseconds} ns is no time of a day")
     seconds, fraction = divmod(nanoseconds, SECOND)
@@ -342,7 +342,7 @@ def time_of_day_literal(nanoseconds: int, type: str = "TOD") -> str:
 
 
 def date_and_time_literal(nanoseconds: int, type: str = "DT") -> str:
-    """A DT, LDT or DTL from nanoseconds since 1970-01-01 (table 9)."""
+    """Return a DT, LDT or DTL from nanoseconds since 1970-01-01 (table 9)."""
     days, clock = divmod(nanoseconds, _DAY)
     try:
         day = date(1970, 1, 1) + timedelta(days)
@@ -355,7 +355,7 @@ def date_and_time_literal(nanoseconds: int, type: str = "DT") -> str:
 
 
 def write_literal(literal: LiteralValue, dialect: Dialect = Dialect.IEC) -> str:
-    """The literal of a value in a dialect. Integers are written with base 10, those of bit strings with base 16.
+    """Return the literal of a value in a dialect. Integers are written with base 10, those of bit strings with base 16.
 
     Raises `LiteralError` where the dialect has no literals of the type, or none of the value.
     """

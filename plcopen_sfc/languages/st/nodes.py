@@ -397,7 +397,7 @@ class Statements(Node):
 
 
 def bare(expression: Expression) -> Expression:
-    """The expression inside any parentheses around it."""
+    """Return the expression inside any parentheses around it."""
     while isinstance(expression, Parenthesized):
         expression = expression.inner
     return expression

@@ -108,11 +108,11 @@ class Reading:
         self._builder.problems.append(Problem(message, token.span))
 
     def _accepted(self) -> set[str]:
-        """The types of the tokens that could come next."""
+        """Return the types of the tokens that could come next."""
         return set(self._parser.accepts())  # type: ignore[no-untyped-call]  # lark has no type for it
 
     def _opening(self) -> Token | None:
-        """The keyword of the innermost block that is open."""
+        """Return the keyword of the innermost block that is open."""
         return next((v for v in reversed(self._values) if isinstance(v, Token) and v.type in _CLOSED_BY), None)
 
     def _opening_type(self) -> str | None:
@@ -120,7 +120,7 @@ class Reading:
         return opening.type if opening is not None else None
 
     def _unfinished_head(self) -> Token | None:
-        """The keyword of the innermost block if its statements have not begun: ``IF a``."""
+        """Return the keyword of the innermost block if its statements have not begun: ``IF a``."""
         for value in reversed(self._values):
             if isinstance(value, StatementList):
                 break
@@ -216,7 +216,7 @@ class Reading:
         return min(start, span[0]) if span is not None else start
 
     def _skip(self, position: int, opened: int) -> int:
-        """The token behind a statement that cannot be read and that has opened so many blocks."""
+        """Return the token behind a statement that cannot be read and that has opened so many blocks."""
         depth, first = opened, position
         closing = {_CLOSED_BY[v.type] for v in self._values if isinstance(v, Token) and v.type in _CLOSED_BY}
         for index in range(position, len(self._tokens)):
@@ -320,12 +320,12 @@ class Parsed(Generic[Tree_co]):
     problems: tuple[Problem, ...] = ()
 
     def place(self, offset: int) -> tuple[int, int]:
-        """The line and column of an offset, from 1."""
+        """Return the line and column of an offset, from 1."""
         return Lines(self.text).place(offset)
 
 
 def parse_statements(text: str, dialect: Dialect = Dialect.IEC) -> Parsed[n.Statements]:
-    """The statements of a body. Never raises: see `Parsed.problems`."""
+    """Return the statements of a body. Never raises: see `Parsed.problems`."""
     return _parse(text, Dialect(dialect), "statements")
 
 
@@ -339,7 +339,7 @@ def statement_problems(text: str, dialect: Dialect = Dialect.IEC) -> tuple[Probl
 
 
 def parse_expression(text: str, dialect: Dialect = Dialect.IEC) -> Parsed[n.Expression]:
-    """An expression. Never raises: see `Parsed.problems`."""
+    """Return an expression. Never raises: see `Parsed.problems`."""
     return _parse(text, Dialect(dialect), "whole_expression")
 
 
@@ -453,7 +453,7 @@ _BLOCKS = {"IF": 1, "CASE": 1, "FOR": 1, "WHILE": 1, "REPEAT": 1, "REGION": 1, "
 
 
 def too_deep(tree: Node) -> Problem | None:
-    """The problem that nodes of `tree` are nested too deeply, at the first that is."""
+    """Return the problem that nodes of `tree` are nested too deeply, at the first that is."""
     waiting: list[tuple[Any, int]] = [(tree, 1)]
     while waiting:
         item, level = waiting.pop()

@@ -23,7 +23,7 @@ _UNARY = {Operator.NOT: "NOT ", Operator.NEGATE: "-", Operator.PLUS: "+"}
 
 
 def print_node(node: Node, *, newline: str = "\n") -> str:
-    """The text of an expression or of statements. Parentheses are put where the tree needs them."""
+    """Return the text of an expression or of statements. Parentheses are put where the tree needs them."""
     if type(node) is n.Name and node.quoting is n.Quoting.NONE:  # most of what drawings and code print
         return node.identifier
     return Printer(newline=newline).text(node)
@@ -34,7 +34,7 @@ def _nothing(_: Node) -> str | None:
 
 
 def operands(node: n.Operation | n.Unary) -> tuple[n.Expression, ...]:
-    """The operands of an operation, one or more."""
+    """Return the operands of an operation, one or more."""
     return node.operands if isinstance(node, n.Operation) else (node.operand,)
 
 
@@ -63,7 +63,7 @@ class Printer:
         self._known = known
 
     def text(self, node: Node, indent: str = "") -> str:
-        """The text of any node, without an indent before it and without a line end behind it."""
+        """Return the text of any node, without an indent before it and without a line end behind it."""
         known = self._known(node)
         if known is not None:
             return known
@@ -179,7 +179,7 @@ class Printer:
                 raise TypeError(f"{type(node).__name__} is no node that can be printed")
 
     def lines(self, statements: Iterable[Statement], indent: str) -> str:
-        """The lines of statements, each behind a line end."""
+        """Return the lines of statements, each behind a line end."""
         text = ""
         for each in statements:
             if isinstance(each, n.Remark) and (each.beside or not each.text):
@@ -238,7 +238,7 @@ class Printer:
 
 
 def _remarks_above(statements: Sequence[Statement]) -> tuple[Sequence[Statement], Sequence[Statement]]:
-    """The comments that are printed above the condition of a branch, and its statements without them."""
+    """Return the comments that are printed above the condition of a branch, and its statements without them."""
     below = (place for place, each in enumerate(statements) if not isinstance(each, n.Remark) or each.beside)
     start = next(below, len(statements))
     return statements[:start], statements[start:]
@@ -287,7 +287,7 @@ class _Comparison:
         return apply_edits(self._text[start:end], edits)
 
     def edits(self, old: Node, new: Node) -> list[Edit]:
-        """The edits that make `new` of `old`."""
+        """Return the edits that make `new` of `old`."""
         if old is new:
             return []
         if type(old) is not type(new):
@@ -354,18 +354,18 @@ class _Comparison:
         return text
 
     def _comments_from(self, offset: int) -> Iterator[Comment]:
-        """The comments that start at `offset` or behind it."""
+        """Return the comments that start at `offset` or behind it."""
         return map(self._comments.__getitem__, range(bisect_left(self._comment_starts, offset), len(self._comments)))
 
     def _indent_at(self, offset: int) -> str:
-        """The spaces at the start of the line that `offset` is in."""
+        """Return the spaces at the start of the line that `offset` is in."""
         _, column = self._lines.place(offset)
         line = offset - column + 1
         found = re.compile(r"[ \t]*").match(self._text, line)
         return found.group() if found is not None else ""
 
     def _list_edits(self, old: tuple[Any, ...], new: tuple[Any, ...], *, separate: bool) -> list[Edit] | None:
-        """The edits between two lists of nodes; None where the list has to be written again with its node.
+        """Return the edits between two lists of nodes; None where the list has to be written again with its node.
 
         `separate`: see `_are_separate`.
         """

@@ -23,7 +23,7 @@ def parts(kind: type[Node]) -> tuple[str, ...]:
 
 
 def children(node: Node) -> Iterator[Node]:
-    """The nodes directly inside `node`, field by field."""
+    """Yield the nodes directly inside `node`, field by field."""
     for name in parts(type(node)):
         value = getattr(node, name)
         if isinstance(value, Node):
@@ -42,7 +42,7 @@ def walk(node: Node) -> Iterator[Node]:
 
 
 def transform(node: AnyNode, change: Callable[[Node], Node]) -> AnyNode:
-    """The tree in which `change` has been applied to every node, inner ones first.
+    """Return the tree in which `change` has been applied to every node, inner ones first.
 
     Where `change` gives back what it got, nodes stay the same objects, so that `render` finds what is new.
     """
@@ -70,5 +70,5 @@ def with_children(node: AnyNode, change: Callable[[Node], Node]) -> AnyNode:
 
 
 def without_parentheses(node: AnyNode) -> AnyNode:
-    """The tree without written parentheses. It means the same: its structure already has the precedence."""
+    """Return the tree without written parentheses. It means the same: its structure already has the precedence."""
     return transform(node, lambda found: found.inner if isinstance(found, Parenthesized) else found)

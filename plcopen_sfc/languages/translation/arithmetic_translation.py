@@ -55,7 +55,7 @@ class ArithmeticTranslator:
         self._in_boxes = False
 
     def fitted(self, tree: NodeT) -> NodeT:
-        """The whole tree, of statements or of one expression."""
+        """Return the whole tree, of statements or of one expression."""
         if isinstance(tree, n.Statements):
             return cast("NodeT", with_children(tree, self._node))
         expression = cast("Expression", tree)
@@ -115,7 +115,7 @@ class ArithmeticTranslator:
     # -- expressions
 
     def _fit(self, node: Expression, want: int | None) -> tuple[Expression, str]:
-        """An expression, and its type in the target, empty where it has none or that is not known.
+        """Return an expression, and its type in the target, empty where it has none or that is not known.
 
         `want`: how many of its low bits matter; None: all, and 0: it stays as it is, whatever it may mean.
         """
@@ -180,7 +180,7 @@ class ArithmeticTranslator:
         return isinstance(node, n.Operation) and node.operator in (Operator.DIVIDE, Operator.MODULO)
 
     def _made(self, pairs: list[tuple[Expression, str]], values: list[ElementaryValue]) -> str:
-        """The type in which the target calculates with these operands."""
+        """Return the type in which the target calculates with these operands."""
         types = [kind for _, kind in pairs if kind in ORDER]
         return calculated_type(self._target, operand_type(self._target, types, values))
 
@@ -190,12 +190,12 @@ class ArithmeticTranslator:
         return _converted(node, kind, wide), wide
 
     def _number(self, node: Expression, kind: str, wide: str) -> tuple[Expression, str]:
-        """A bit string as an integer: SCL has no arithmetic on bit strings."""
+        """Return a bit string as an integer: SCL has no arithmetic on bit strings."""
         number = wide if bits_of(wide) > bits_of(kind) else number_of(kind)
         return _converted(node, kind, number), number
 
     def _with(self, node: n.Operation | n.Unary, pairs: list[tuple[Expression, str]]) -> Expression:
-        """The operation with other operands."""
+        """Return the operation with other operands."""
         new = tuple(each for each, _ in pairs)
         if isinstance(node, n.Unary):
             return node if new[0] is node.operand else replace(node, operand=new[0])
@@ -214,7 +214,7 @@ class ArithmeticTranslator:
     def _other_calculation(
         self, node: n.Operation | n.Unary, operator: Operator, operands: tuple[Expression, ...], value: ElementaryValue
     ) -> tuple[Expression, str]:
-        """A calculation with real numbers, times or dates."""
+        """Return a calculation with real numbers, times or dates."""
         pairs = [self._fit(each, None) for each in operands]
         if value.type in REALS:
             pairs = [
@@ -316,7 +316,7 @@ class ArithmeticTranslator:
 
 
 def _truth(operator: Operator, left: Expression, right: Expression) -> Expression:
-    """A comparison of BOOL as logic: S7 has no order of them, and no box that compares them."""
+    """Return a comparison of BOOL as logic: S7 has no order of them, and no box that compares them."""
     left, right = (n.Parenthesized(each) if isinstance(each, n.Operation) else each for each in (left, right))
     if operator in (Operator.EQUAL, Operator.UNEQUAL):
         constant = right.text.upper() if isinstance(right, n.Literal) else ""
@@ -338,7 +338,7 @@ _EXPRESSIONS = (
 
 
 def _plain(node: Expression) -> Expression:
-    """A literal without the sign and the parentheses around it."""
+    """Return a literal without the sign and the parentheses around it."""
     while isinstance(node, n.Parenthesized | n.Unary):
         node = node.inner if isinstance(node, n.Parenthesized) else node.operand
     return node

@@ -47,7 +47,7 @@ _TIME_FUNCTION = re.compile(r"(ADD|SUB|MUL|DIV)_(L?)(TIME|TOD|DT|DATE)(?:_L?(?:T
 
 
 def operator_of(block: StandardBlock, target: Dialect) -> Operator | None:
-    """The operator that `target` has in place of a function; None: it has the function, or has neither.
+    """Return the operator that `target` has in place of a function; None: it has the function, or has neither.
 
     SCL has no functional form of operators; neither SCL nor CODESYS has the functions for times, such as ``ADD_TIME``.
     """
@@ -133,7 +133,7 @@ class CallTranslator:
         self._translated = translated
 
     def call(self, node: n.Call) -> Expression:
-        """A call in the target dialect; where that has an operator instead, an expression with it."""
+        """Return a call in the target dialect; where that has an operator instead, an expression with it."""
         callee = node.callee
         if self._target is Dialect.SCL and self._source is not Dialect.SCL and isinstance(callee, n.Name):
             inputs = self._names.inputs_of(callee)
@@ -204,7 +204,7 @@ class CallTranslator:
             self._notes.add(Severity.WARNING, reason, node.callee)
 
     def pin(self, base: Expression, name: n.Name) -> n.Name | None:
-        """The name of a pin of a standard block behind its instance (``counter.RESET``); None: it is none."""
+        """Return the name of a pin of a standard block behind its instance (``counter.RESET``); None: it is none."""
         block = block_of_type(self._names.type_of(base))
         return None if block is None else self._pin(name, block)
 
@@ -292,7 +292,7 @@ class CallTranslator:
                 self._notes.add(Severity.ERROR, f"{name}: {reason}; left as it stands", node)
 
     def _unknown(self, node: n.Call, callee: n.Name, name: str, arguments: tuple[Argument, ...]) -> Expression:
-        """A function that IEC 61131-3 does not have."""
+        """Return a function that IEC 61131-3 does not have."""
         target = TITLES[self._target]
         if name in BOUND_FUNCTIONS:
             return self._with(node, callee, self._bound_arguments(arguments))
@@ -391,7 +391,7 @@ class CallTranslator:
         return pin
 
     def _in_order(self, block: StandardBlock, arguments: tuple[Argument, ...]) -> list[Expression] | None:
-        """The values of all inputs in their order; None: some are missing, or there is more than inputs."""
+        """Return the values of all inputs in their order; None: some are missing, or there is more than inputs."""
         count = len(arguments)
         pins = block.input_pins(count)[:count]
         values: dict[str, Expression] = {}
@@ -458,7 +458,7 @@ def _as_it_is(name: n.Name) -> n.Name:
 
 
 def _operation(operator: Operator, values: list[Expression], node: n.Call) -> Expression:
-    """An operation in place of a call."""
+    """Return an operation in place of a call."""
     if len(values) == 1:
         return n.Unary(operator, values[0], span=node.span)
     if operator is Operator.POWER:  # not all tools agree on what powers of powers are

@@ -32,7 +32,7 @@ _LACKING = {
 
 
 def translated_literal(text: str, source: Dialect, target: Dialect) -> PartText:
-    """A literal of `source` in `target`, both families (see `families`). How it is written stays where it can.
+    """Return a literal of `source` in `target`, both families (see `families`). How it is written stays where it can.
 
     Enumerated values (``Color#red``) are not for here: in CODESYS they are no literals.
     """
@@ -100,7 +100,7 @@ def _string(text: str, literal: LiteralValue, target: Dialect) -> str:
 
 
 def _requoted(text: str, quote: str) -> str:
-    """A string in other quotes; of its escapes only those of quotes change."""
+    """Return a string in other quotes; of its escapes only those of quotes change."""
     if text[0] == quote:
         return text
     inner = re.sub(rf"\$([\s\S])|{quote}", lambda found: _requoted_part(found, text[0], quote), text[1:-1])
@@ -149,7 +149,7 @@ _COUNTING_OF_TWINCAT = "the same bytes: TwinCAT counts bytes, other tools count 
 
 
 def translated_address(text: str, source: Dialect, target: Dialect) -> PartText:
-    """A direct address of `source` in `target`, no families: TwinCAT counts otherwise than CODESYS.
+    """Return a direct address of `source` in `target`, no families: TwinCAT counts otherwise than CODESYS.
 
     S7 and TwinCAT count the bytes of words and double words, other tools count these (IEC 61131-3, 6.5.5, leaves it to
     them), so that ``%IW2`` of S7 is ``%IW1``. S7 has no letter for bits, and its German mnemonics have E for inputs and
@@ -195,7 +195,7 @@ _OF_TAGS = re.compile(r"%[IQM](?:\d{1,9}\.[0-7]|[BWD]\d{1,9})", re.IGNORECASE)
 
 
 def translated_part(name: str, source: Dialect, target: Dialect) -> PartText | None:
-    """The name of a bit or another part of a word: ``3`` and ``%X3`` (6.5.4.4). None: it names no part.
+    """Return the name of a bit or another part of a word: ``3`` and ``%X3`` (6.5.4.4). None: it names no part.
 
     SCL has only the second form for bits; the first is the one that all versions of other tools know.
     """

@@ -57,7 +57,7 @@ class NameTranslator:
         return self._context.renames.legal_name(NameScope.LOCAL, name, self._local_names, self._target)
 
     def inputs_of(self, name: n.Name) -> Sequence[str] | None:
-        """The inputs of a function of the project; None for any other name."""
+        """Return the inputs of a function of the project; None for any other name."""
         if self.is_local(name) is True and name.identifier.casefold() not in self._context.functions:
             return None
         return self._context.functions.get(name.identifier.casefold())
@@ -77,7 +77,7 @@ class NameTranslator:
         return None if self._locals is None else name.identifier.casefold() in self._locals
 
     def type_of(self, expression: Expression) -> str:
-        """The declared type of a variable, an element of an array or a member; "" where it is not known."""
+        """Return the declared type of a variable, an element of an array or a member; "" where it is not known."""
         type = self._types.get(self._path(expression), "")
         if not type and isinstance(expression, n.Index):
             head, of, element = self.type_of(expression.base).upper().partition(" OF ")
@@ -94,7 +94,7 @@ class NameTranslator:
                 return ""
 
     def variable(self, name: n.Name) -> n.Name:
-        """A name on its own."""
+        """Return a name on its own."""
         if self._source is self._target:
             return name
         if self._target is Dialect.SCL:
@@ -112,7 +112,7 @@ class NameTranslator:
         return self._legal(name, new)
 
     def listed(self, name: n.Name | n.Member) -> Expression | None:
-        """A global name that is another one in the target: see `TranslationContext.listed`."""
+        """Return a global name that is another one in the target: see `TranslationContext.listed`."""
         first = name.base if isinstance(name, n.Member) else name
         if not isinstance(first, n.Name) or self.is_local(first) is not False:
             return None
@@ -127,7 +127,7 @@ class NameTranslator:
         return replace(found, span=name.span)
 
     def member(self, name: n.Name) -> n.Name:
-        """A name behind a dot, or of a parameter in a call."""
+        """Return a name behind a dot, or of a parameter in a call."""
         if self._source is self._target:
             return name
         if self._target is Dialect.SCL:
@@ -140,7 +140,7 @@ class NameTranslator:
         return self._legal(name, new)
 
     def function(self, name: n.Name) -> n.Name:
-        """The name of a function of the project where it is called."""
+        """Return the name of a function of the project where it is called."""
         return self._global(name) if self._target is Dialect.SCL else self.variable(name)
 
     def block(self, name: n.Name) -> n.Name:

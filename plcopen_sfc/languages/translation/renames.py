@@ -115,7 +115,7 @@ def is_identifier(name: str) -> bool:
 
 
 def identifier(name: str) -> str:
-    """An identifier like `name`: ``Füllstand 1`` is ``Fuellstand_1``."""
+    """Return an identifier like `name`: ``Füllstand 1`` is ``Fuellstand_1``."""
     text = unicodedata.normalize("NFC", name).translate(_UMLAUTS)
     text = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
     text = re.sub(r"[^A-Za-z0-9]+", "_", text).strip("_")

@@ -37,7 +37,7 @@ _END_REGION = re.compile(r"\{\s*endregion\s*\}", re.IGNORECASE)
 
 
 def translated_comment(kind: CommentKind, text: str, source: Dialect, target: Dialect, *, regions: bool) -> PartText:
-    """A comment or a pragma of `source` in `target`, both families.
+    """Return a comment or a pragma of `source` in `target`, both families.
 
     ``//`` and ``(* *)`` are known to all, ``/* */`` to IEC 61131-3, ``(/* */)`` to SCL, pragmas to all but SCL: there
     they are in a comment that becomes a pragma again on the way back. `regions`: pragmas of regions become REGION.
@@ -74,12 +74,12 @@ def _pragma(text: str, target: Dialect, *, regions: bool) -> PartText:
 
 
 def _harmless(text: str) -> str:
-    """The text inside of a comment, so that nothing in it starts or ends one."""
+    """Return the text inside of a comment, so that nothing in it starts or ends one."""
     return text.replace("(*", "( *").replace("*)", "* )")
 
 
 def with_translated_comments(text: str, source: Dialect, target: Dialect, *, regions: bool) -> str:
-    """A text whose program is in the target dialect already, with its comments and pragmas so too."""
+    """Return a text whose program is in the target dialect already, with its comments and pragmas so too."""
     edits = []
     for comment in tokenize(text, target, comments_of=source).comments:
         new = translated_comment(comment.kind, comment.text, source, target, regions=regions).text
@@ -105,7 +105,7 @@ def region_marks(title: str, dialect: Dialect) -> tuple[str, str]:
 
 
 def region_edits(parsed: Parsed[Any]) -> list[Edit]:
-    """The edits that make pragmas of the regions of SCL: other dialects have nothing else for them."""
+    """Return the edits that make pragmas of the regions of SCL: other dialects have nothing else for them."""
     text = parsed.text
     ends = [end.span() for end in _END_OF_REGION.finditer(text)]
     ends = [end for end in ends if not any(a <= end[0] < b for a, b in (c.span for c in parsed.comments))]
@@ -161,20 +161,20 @@ def translate_text(
     target: Dialect,
     context: TranslationContext | None = None,
 ) -> Translated:
-    """A text in another dialect. Never raises: text that does not parse stays unchanged, with a note for why."""
+    """Return a text in another dialect. Never raises: text that does not parse stays unchanged, with a note for why."""
     return translate(_PARSERS[kind](text, source), target, context)
 
 
 def translate_tree(
     tree: Expression | Statements, source: Dialect, target: Dialect, context: TranslationContext | None = None
 ) -> Translated:
-    """A tree that has no text in another dialect; the notes are about the text that `source` prints of it."""
+    """Return a tree that has no text in another dialect; the notes are about the text that `source` prints of it."""
     kind: TextKind = "statements" if isinstance(tree, Statements) else "expression"
     return translate_text(print_node(tree), kind, source, target, context)
 
 
 def translate(parsed: Parsed[Any], target: Dialect, context: TranslationContext | None = None) -> Translated:
-    """A parsed text in another dialect.
+    """Return a parsed text in another dialect.
 
     A part without a counterpart stays unchanged, with a note; so does a text that does not parse. Within a dialect,
     and between CODESYS and TwinCAT, nothing but references to steps changes. See `TranslationContext` for what the
@@ -217,7 +217,7 @@ def translate(parsed: Parsed[Any], target: Dialect, context: TranslationContext 
 
 
 def _with_semicolons(text: str) -> str:
-    """A text of SCL in which a semicolon is behind every END_IF and the like: CODESYS does without."""
+    """Return a text of SCL in which a semicolon is behind every END_IF and the like: CODESYS does without."""
     tokens = tokenize(text, Dialect.SCL).tokens
     pairs = zip(tokens, [*(token.value for token in tokens[1:]), ""], strict=False)
     ends = [token.span[1] for token, after in pairs if token.value.upper() in _ENDS and after != ";"]
@@ -243,7 +243,7 @@ def _regions_fit(parsed: Parsed[Any], text: str, source: Dialect, target: Dialec
 
 
 def _without_chains(node: Node) -> Node:
-    """A node whose statements hold no chains of assignments."""
+    """Return a node whose statements hold no chains of assignments."""
     new: dict[str, Any] = {}
     for name in ("statements", "otherwise"):
         statements = getattr(node, name, None)

@@ -85,7 +85,7 @@ class TranslationContext:
 
 
 def family(dialect: Dialect) -> Dialect:
-    """The dialect itself, but CODESYS for TwinCAT, which is the same language."""
+    """Return the dialect itself, but CODESYS for TwinCAT, which is the same language."""
     return Dialect.CODESYS if dialect is Dialect.TWINCAT else dialect
 
 
@@ -139,7 +139,7 @@ class Notes:
         self._found[Note(severity, reason, (start, end), line, column)] = None
 
     def take(self, outcome: PartText, place: Node | Span) -> str:
-        """The text of an outcome, after its note is added."""
+        """Return the text of an outcome, after its note is added."""
         if outcome.severity is not None:
             self.add(outcome.severity, outcome.reason, place)
         return outcome.text
@@ -150,5 +150,5 @@ class Notes:
         return any(note.severity is Severity.ERROR for note in self._found)
 
     def in_order(self) -> tuple[Note, ...]:
-        """The notes in the order of the text."""
+        """Return the notes in the order of the text."""
         return tuple(sorted(self._found, key=lambda note: note.span))

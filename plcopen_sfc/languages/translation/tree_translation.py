@@ -41,7 +41,7 @@ class StepTranslator:
         self._notes = notes
 
     def translated(self, node: n.Name | n.Member) -> Expression | None:
-        """The reference in the notation of the target; None: `node` refers to no step."""
+        """Return the reference in the notation of the target; None: `node` refers to no step."""
         found = self._read(node)
         if found is None:
             return None
@@ -148,7 +148,7 @@ class TreeTranslator:
         self._alone = context.s7_types.alone(context.hidden) if alone and context.s7_types is not None else {}
 
     def translated(self) -> Node:
-        """The whole tree."""
+        """Return the whole tree."""
         return self._node(self._tree)
 
     def _expression(self, node: Expression) -> Expression:
@@ -226,7 +226,7 @@ class TreeTranslator:
         return None if self._steps is None else self._steps.translated(node)
 
     def _enumerated(self, node: n.Name) -> Expression | None:
-        """A value of an enumeration: a user constant in SCL, a name with or without its type elsewhere."""
+        """Return a value of an enumeration: a user constant in SCL, a name with or without its type elsewhere."""
         if self._source is self._target or self._s7_types is None:
             return None
         if self._target is Dialect.SCL:
@@ -242,7 +242,7 @@ class TreeTranslator:
         return n.Literal(f"{value.type}#{value.value}", span=node.span)
 
     def _constant(self, text: str, node: Expression) -> Expression:
-        """The user constant for a value of an enumeration."""
+        """Return the user constant for a value of an enumeration."""
         value = self._s7_types.constant(text) if self._s7_types is not None else None
         if value is not None:
             return n.Name(value.name, n.Quoting.GLOBAL, span=node.span)

@@ -26,7 +26,7 @@ __all__ = ["ChartProgram", "GraphProgram", "compile_chart", "compiler"]
 
 
 def compile_chart(chart: SfcNetwork, scope: Scope, path: str) -> ChartProgram | GraphProgram:
-    """A chart that the body `path` of a POU holds, under the profile of the controller.
+    """Return a chart that the body `path` of a POU holds, under the profile of the controller.
 
     Declares the variables of its steps and its flags in `scope`.
     """
@@ -34,7 +34,7 @@ def compile_chart(chart: SfcNetwork, scope: Scope, path: str) -> ChartProgram | 
 
 
 def compiler(profile: Profile) -> Callable[[SfcNetwork, Scope, str], ChartProgram | GraphProgram]:
-    """A chart compiler for one profile."""
+    """Return a chart compiler for one profile."""
 
     def compile_(chart: SfcNetwork, scope: Scope, path: str) -> ChartProgram | GraphProgram:
         kind = GraphProgram if profile.graph_parameters else ChartProgram

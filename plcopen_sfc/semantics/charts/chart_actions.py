@@ -130,7 +130,7 @@ class Actions:
                     self._by_step.setdefault(index, []).append(action)
 
     def _in_order(self, drafts: list[_Draft]) -> list[_Draft]:
-        """The actions as they are executed; variables first where associations decide one after the other."""
+        """Return the actions as they are executed; variables first where associations decide one after the other."""
         order = self._profile.action_order
         unit = self._scope.unit
         actions = unit.pou.actions if unit is not None else ()
@@ -412,7 +412,7 @@ class StepActions:
                 self._entry[index](frame)
 
     def of(self, situation: int) -> tuple[Run, ...]:
-        """The main actions of the active steps."""
+        """Return the main actions of the active steps."""
         return tuple(self._main[index] for index in indexes(situation) if index in self._main)
 
 

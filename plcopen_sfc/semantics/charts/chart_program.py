@@ -176,7 +176,7 @@ class ChartProgram:
         return Plan(moves, forced, timed, self._step_actions.of(situation), watches, current)
 
     def _timed(self, move: Move, condition: Condition) -> Move:
-        """The transition with the minimum times of its sources."""
+        """Return the transition with the minimum times of its sources."""
         waits = [self._waits[index] for index in indexes(move.sources) if index in self._waits]
         if not waits:
             return move._replace(condition=condition)
@@ -190,7 +190,7 @@ class ChartProgram:
         self._plans = Plans(self._plan)
 
     def marking(self, frame: Frame) -> int:
-        """The active steps as programs see them, as bits of `net`."""
+        """Return the active steps as programs see them, as bits of `net`."""
         shown: int = frame.v[self._shown]
         return shown
 
@@ -200,7 +200,7 @@ class ChartProgram:
         return following
 
     def active(self, frame: Frame) -> tuple[str, ...]:
-        """The paths of the active steps."""
+        """Return the paths of the active steps."""
         return self.net.names(self.marking(frame))
 
     # -- running
@@ -318,7 +318,7 @@ class ChartProgram:
         return fired
 
     def _clear(self, frame: Frame, plan: Plan, situation: int) -> Cleared:
-        """The transitions that are cleared in one evolution."""
+        """Return the transitions that are cleared in one evolution."""
         moves = plan.moves
         if self._has_flags:
             tip = self._flags.tip(frame)

@@ -100,7 +100,7 @@ class Input:
         return any(a.is_on(situation, frame) for a in self._others) if self._others else False
 
     def duration(self, situation: int, frame: Frame) -> int:
-        """The time of the first association that acts, in nanoseconds."""
+        """Return the time of the first association that acts, in nanoseconds."""
         for association in self._associations:
             if association.is_on(situation, frame):
                 return association.duration(frame)

@@ -173,7 +173,7 @@ class Flags:
 
 
 def flags_in_use(chart: SfcNetwork, profile: Profile, declared: Callable[[str], bool]) -> frozenset[SfcFlag]:
-    """The flags that a chart uses; `declared` is True for a variable that the POU or its project declares."""
+    """Return the flags that a chart uses; `declared` is True for a variable that the POU or its project declares."""
     return profile.flags & chart.flags_in_use(declared) if profile.flags else frozenset()
 
 
@@ -200,7 +200,7 @@ Analysis = Callable[[Frame], list[Reason]]
 
 
 def analysis(net: Net, step: int, scope: Scope, where: str) -> Analysis:
-    """The analysis of all transitions that leave a step."""
+    """Return the analysis of all transitions that leave a step."""
     found: list[Analysis] = []
     for index in net.leaving[step]:
         condition = net.transitions[index].transition.condition

@@ -48,7 +48,7 @@ class Reached:
 
 
 def override(scope: Scope, name: str, type_: Type) -> int:
-    """A variable of this type, also where the POU declares the name with an unknown type of the tool."""
+    """Return a variable of this type, also where the POU declares the name with an unknown type of the tool."""
     made = scope.layout.add(name, type_)
     made.initial = scope.library.default(type_)
     return made.slot

@@ -63,7 +63,7 @@ class Plans:
         self._found: dict[int, Plan] = {}
 
     def of(self, situation: int) -> Plan:
-        """The plan of a situation."""
+        """Return the plan of a situation."""
         plan = self._found.get(situation)
         if plan is None:
             if len(self._found) >= MOST_PLANS:
@@ -143,7 +143,7 @@ def choice(profile: Profile) -> Choice:
 
 
 def watched(move: Move, look: Callable[[Frame], None] | None) -> Move:
-    """The transition with something that looks at the variables each time its condition is tested."""
+    """Return the transition with something that looks at the variables each time its condition is tested."""
     if look is None:
         return move
     condition = move.condition
@@ -157,7 +157,7 @@ def watched(move: Move, look: Callable[[Frame], None] | None) -> Move:
 
 
 def testing_order(net: Net) -> tuple[int, ...]:
-    """The places of the transitions of a net, by their index, in the list in which matiec tests them.
+    """Return the places of the transitions of a net, by their index, in the list in which matiec tests them.
 
     It puts one after the other into the list: one with a number before the first that has a greater one, one without
     at the end. So one without a number comes before, or behind, one with a number as in the text.

@@ -29,7 +29,7 @@ class MemoryAddress(NamedTuple):
 
 
 def address_of(text: str, *, by_bytes: bool) -> MemoryAddress:
-    """The address that a text names. Raises `SimulationError`."""
+    """Return the address that a text names. Raises `SimulationError`."""
     found = _ADDRESS.fullmatch(text.strip())
     if found is None:
         raise SimulationError(f"{text} is no address that the simulator knows")
@@ -64,7 +64,7 @@ class Image:
         return {place.path: address for address, place in self._places.items()}
 
     def place(self, address: str, type_: t.ScalarType | None, path: str, initial: m.Value | None) -> Place:
-        """The variable at an address; the first one that names it gives it its type."""
+        """Return the variable at an address; the first one that names it gives it its type."""
         key = address_of(address, by_bytes=self._bytes)
         found = self._places.get(key)
         if found is not None and type_ is None:

@@ -33,7 +33,7 @@ class Calls:
     # -- in expressions
 
     def value(self, node: n.Call, expected: t.Type | None) -> Code:
-        """The result of a call."""
+        """Return the result of a call."""
         name = node.callee
         if isinstance(name, n.Name):
             meaning = self._called(name)
@@ -75,13 +75,13 @@ class Calls:
         return self._method(method, node, place.text)
 
     def _method(self, method: TranslatedMethod, node: n.Call, frame: str) -> Code:
-        """A call of a method: of that which the instance has, where a POU that extends this one has another."""
+        """Return a call of a method: of that which the instance has, where a POU that extends this one has another."""
         if not self._library.is_overridden(method):
             return self._function(method, node, [frame])
         return self._function(method, node, [frame], enter=self._library.dispatching(method.name))
 
     def _by_name(self, name: str, node: n.Call, expected: t.Type | None) -> Code:
-        """A function that the project does not have."""
+        """Return a function that the project does not have."""
         supplied = self._library.functions.get(name.casefold())
         if supplied is not None:
             return self._supplied(supplied, node)
@@ -182,7 +182,7 @@ class Calls:
     def _function(
         self, callee: Callee, node: n.Call, first: list[str], enter: Callable[..., Any] | None = None
     ) -> Code:
-        """A call of a function or method: it has a frame of its own. `enter` finds out which one it is."""
+        """Return a call of a function or method: it has a frame of its own. `enter` finds out which one it is."""
         inputs, outputs, enable, enabled = self._sorted(callee.layout, callee.parameters, node.arguments)
         if enable is not None or enabled is not None:
             raise SimulationError(f"{callee.name} is called with EN or ENO inside an expression")
@@ -438,7 +438,7 @@ class Calls:
         return self._scope.resolve(name, called=True)
 
     def _method_of(self, place: Place, callee: n.Member) -> TranslatedMethod | None:
-        """The method that ``instance.name`` means; a variable of the name comes first."""
+        """Return the method that ``instance.name`` means; a variable of the name comes first."""
         unit = self._unit_of(place.type)
         if unit is None or unit.layout.find(callee.name.identifier) is not None:
             return None

@@ -46,7 +46,7 @@ class Writer:
         self._depth -= 1
 
     def temporary(self) -> str:
-        """A new name of a local variable of Python."""
+        """Return a new name of a local variable of Python."""
         self._temporaries += 1
         return f"_{self._temporaries}"
 
@@ -116,7 +116,7 @@ class Linker:
         self._prefix = f"plc-{id(self):x}"
 
     def name(self, thing: object, hint: str = "k") -> str:
-        """A name by which source can reach an object."""
+        """Return a name by which source can reach an object."""
         found = self._known.get(id(thing))
         if found is None:
             self._names += 1
@@ -125,7 +125,7 @@ class Linker:
         return found
 
     def reserve(self, hint: str = "r") -> Callable[..., Any]:
-        """A function that exists before its body is known; see `routine`."""
+        """Return a function that exists before its body is known; see `routine`."""
         function = FunctionType(_template.__code__, self.namespace, hint)
         self.name(function, hint)
         return function
@@ -133,7 +133,7 @@ class Linker:
     def routine(
         self, parameters: str, writer: Writer, path: str, function: Callable[..., Any] | None = None
     ) -> Callable[..., Any]:
-        """A function whose body `writer` has. It exists at once, and can be called when it is linked."""
+        """Return a function whose body `writer` has. It exists at once, and can be called when it is linked."""
         function = function or self.reserve()
         name = self.name(function)
         head = f"def {name}({parameters}):"
@@ -181,7 +181,7 @@ class Linker:
             ) from None
 
     def place(self, traceback: TracebackType | None) -> Location | None:
-        """The innermost place of a program text that an exception came through."""
+        """Return the innermost place of a program text that an exception came through."""
         found = None
         while traceback is not None:
             draft = self._places.get(traceback.tb_frame.f_code.co_filename)

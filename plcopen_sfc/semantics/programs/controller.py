@@ -91,7 +91,7 @@ class _Writer:
     """Number of items of the tuple: an item of `stored` may be several."""
 
     def plan(self, layout: Layout, leave_out: frozenset[int]) -> _Plan:
-        """The functions."""
+        """Return the functions."""
         self._frame("v", layout, leave_out)
         source = [
             f"def store(v, now, limit): return ({_items(self.stored)})",
@@ -117,7 +117,7 @@ class _Writer:
                 self._value(f"{v}[{variable.slot}]", variable.type)
 
     def _seen(self, layout: Layout, leave_out: frozenset[int]) -> Iterator[Field]:
-        """The variables that a later scan can see."""
+        """Yield the variables that a later scan can see."""
         for variable in layout.fields:
             kept = variable.direction not in (Direction.CONSTANT, Direction.IN_OUT) and variable.retained
             if kept and variable.slot not in leave_out:
@@ -172,7 +172,7 @@ class _Writer:
         self.size += size
 
     def lines(self) -> list[str]:
-        """The lines of the statements."""
+        """Return the lines of the statements."""
         return [line for load in self.loads or ["pass"] for line in load.split("\n")]
 
 
@@ -458,7 +458,7 @@ class Instance:
         return True
 
     def cell(self, path: str) -> tuple[list[Any], int]:
-        """A list and the index in it where the value of a variable is, for quick access. Raises `ModelError`."""
+        """Return a list and the index in it where the value of a variable is, for quick access. Raises `ModelError`."""
         if self._moving(path) is not None:
             raise ModelError(f"{path} is another variable whenever its index or reference changes")
         cell = self._cell(path)
@@ -467,7 +467,7 @@ class Instance:
         return cell.cells, cell.index
 
     def type_of(self, path: str) -> t.Type:
-        """The type of a variable, which that of `fill[i]` has whatever `i` is now. Raises `ModelError`."""
+        """Return the type of a variable, which that of `fill[i]` has whatever `i` is now. Raises `ModelError`."""
         moving = self._moving(path)
         return moving[1].type if moving is not None else self._cell(path).type
 
@@ -508,11 +508,11 @@ class Instance:
         return found
 
     def addresses(self) -> Mapping[str, MemoryAddress]:
-        """The direct addresses of variables, by their paths."""
+        """Return the direct addresses of variables, by their paths."""
         return self._library.image.addresses()
 
     def charts(self) -> list[tuple[str, CompiledChart, Frame]]:
-        """The charts of the instance and of instances in it: path, chart, and the frame that it works on."""
+        """Return the charts of the instance and of instances in it: path, chart, and the frame that it works on."""
         return list(self._charts(self.frame, ""))
 
     def _charts(self, frame: Frame, path: str) -> Iterator[tuple[str, CompiledChart, Frame]]:

@@ -94,7 +94,7 @@ class Translator(PathTranslator):
 
 
 def _least_integer(value: int) -> t.ScalarType:
-    """The type of a literal that names none."""
+    """Return the type of a literal that names none."""
     for name in ("INT", "DINT", "LINT", "ULINT"):
         if t.ELEMENTARY[name].least <= value <= t.ELEMENTARY[name].greatest:
             return t.ELEMENTARY[name]

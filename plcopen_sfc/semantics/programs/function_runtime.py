@@ -180,19 +180,19 @@ def _count(count: int) -> int:
 
 
 def swapped(value: int, size: int, signed: bool) -> int:
-    """A number with its bytes the other way round."""
+    """Return a number with its bytes the other way round."""
     return int.from_bytes(value.to_bytes(size, "little", signed=signed), "big", signed=signed)
 
 
 def of_bcd(value: int) -> int:
-    """A number in BCD."""
+    """Return a number in BCD."""
     if not is_valid_bcd(value):
         raise SimulationError(f"16#{value:X} is no number in BCD")
     return int(f"{value:X}")
 
 
 def to_bcd(value: int) -> int:
-    """A number as BCD."""
+    """Return a number as BCD."""
     if not 0 <= value < 10**16:
         raise SimulationError(f"{value} has no BCD")
     return int(str(value), 16)
@@ -209,13 +209,13 @@ def is_valid(value: float) -> bool:
 
 
 def bits_of_real(value: float, bits: int) -> int:
-    """A real number as the bits that hold it."""
+    """Return a real number as the bits that hold it."""
     form = ("<f", "<I") if bits == 32 else ("<d", "<Q")
     return int(struct.unpack(form[1], struct.pack(form[0], ctypes.c_float(value).value if bits == 32 else value))[0])
 
 
 def real_of_bits(value: int, bits: int) -> float:
-    """The real number that bits hold."""
+    """Return the real number that bits hold."""
     form = ("<f", "<I") if bits == 32 else ("<d", "<Q")
     return float(struct.unpack(form[0], struct.pack(form[1], value))[0])
 
@@ -282,7 +282,7 @@ def find(text: str, part: str) -> int:
 
 
 def to_text(value: Any, type_: ScalarType) -> str:
-    """A value as a string."""
+    """Return a value as a string."""
     try:
         return _shown(value, type_)
     except (ValueError, OverflowError):  # a LiteralError is a ValueError, too
@@ -318,7 +318,7 @@ def _real_text(value: float, type_: ScalarType) -> str:
 
 
 def of_text(text: str, type_: ScalarType) -> Any:
-    """The number in a string; 0 where it has none (CODESYS, STRING_TO_INT)."""
+    """Return the number in a string; 0 where it has none (CODESYS, STRING_TO_INT)."""
     try:
         found = literal_value(text.strip())
     except LiteralError:
@@ -338,7 +338,7 @@ def of_text(text: str, type_: ScalarType) -> Any:
 
 
 def of_character(text: str, type_: ScalarType) -> Any:
-    """The code of a character."""
+    """Return the code of a character."""
     code = ord(text[0]) if text else 0
     return code if type_.family is not Family.BOOL else code != 0
 
@@ -352,7 +352,7 @@ def day_of_week(value: int) -> int:
 
 
 def date_of(year: int, month: int, day: int) -> int:
-    """A date."""
+    """Return a date."""
     try:
         return (date(year, month, day).toordinal() - _EPOCH) * _DAY
     except (ValueError, OverflowError):
@@ -360,13 +360,13 @@ def date_of(year: int, month: int, day: int) -> int:
 
 
 def time_of(hour: int, minute: int, second: int, millisecond: int) -> int:
-    """A time of day."""
+    """Return a time of day."""
     if not (0 <= hour < 24 and 0 <= minute < 60 and 0 <= second < 60 and 0 <= millisecond < 1000):
         raise SimulationError(f"{hour}:{minute}:{second}.{millisecond} is no time of day")
     return ((hour * 60 + minute) * 60 + second) * SECOND + millisecond * 1_000_000
 
 
 def moment_of(year: int, month: int, day: int, *clock: int) -> int:
-    """A date and time: hour, minute, second and millisecond follow."""
+    """Return a date and time: hour, minute, second and millisecond follow."""
     hour, minute, second, millisecond = clock
     return date_of(year, month, day) + time_of(hour, minute, second, millisecond)

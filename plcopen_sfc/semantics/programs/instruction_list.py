@@ -145,7 +145,7 @@ class InstructionTranslator:
         return t.BOOL
 
     def _merged(self, results: list[Code]) -> Code | None:
-        """The current result where several ways meet."""
+        """Return the current result where several ways meet."""
         types = [code.type for code in results if isinstance(code.type, t.ScalarType)]
         if not types or len(types) < len(results):
             return None

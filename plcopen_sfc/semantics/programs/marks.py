@@ -113,7 +113,7 @@ def _operands(tree: Expression | None) -> Sequence[Expression]:
 
 
 def _bare(tree: Expression) -> Expression:
-    """An operand without parentheses and NOT."""
+    """Return an operand without parentheses and NOT."""
     while isinstance(tree, n.Parenthesized) or (isinstance(tree, n.Unary) and tree.operator is Operator.NOT):
         tree = tree.inner if isinstance(tree, n.Parenthesized) else tree.operand
     return tree

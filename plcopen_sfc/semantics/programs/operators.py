@@ -41,7 +41,7 @@ class Operators:
         self._converter = translator.library.converter
 
     def value(self, node: n.Unary | n.Operation, expected: t.Type | None) -> Code:
-        """The value of an operation."""
+        """Return the value of an operation."""
         if isinstance(node, n.Unary):
             return self._unary(node, expected)
         if node.operator in _LOGIC:
@@ -150,7 +150,7 @@ class Operators:
     # -- comparisons
 
     def comparison(self, operator: Operator, left: Code, right: Code) -> Code:
-        """A comparison of two values."""
+        """Return a comparison of two values."""
         sign = _COMPARISONS[operator]
         if isinstance(left.type, t.ReferenceType) or isinstance(right.type, t.ReferenceType):
             if operator not in (Operator.EQUAL, Operator.UNEQUAL):
@@ -316,7 +316,7 @@ class Operators:
         return settled_time(Code(f"({left.text} {sign} {right.text})", result, low, high, acts=acts))
 
     def _scaled(self, operator: Operator, left: Code, right: Code) -> Code:
-        """A duration times or by a number (ed. 3, table 35: MUL_TIME, DIV_TIME)."""
+        """Return a duration times or by a number (ed. 3, table 35: MUL_TIME, DIV_TIME)."""
         if operator is Operator.MULTIPLY and left.type.name not in _DURATIONS:
             left, right = right, left
         type_, number = left.type, right.type
@@ -339,13 +339,13 @@ class Operators:
     # -- types
 
     def _calculated(self, type_: t.ScalarType) -> t.ScalarType:
-        """The type in which the tool calculates with values of a type."""
+        """Return the type in which the tool calculates with values of a type."""
         base = _base(type_)
         name = calculated_type(self._translator.library.dialect, base.name) if base.name in ORDER else base.name
         return type_ if name == base.name else t.ELEMENTARY[name]
 
     def common(self, left: Code, right: Code) -> t.ScalarType:
-        """The type in which two values are calculated: the greater; a literal takes that of the other."""
+        """Return the type in which two values are calculated: the greater; a literal takes that of the other."""
         one, other = left.type, right.type
         if not isinstance(one, t.ScalarType) or not isinstance(other, t.ScalarType):
             raise SimulationError(f"{one.name} and {other.name} do not go together")
@@ -382,7 +382,7 @@ _DURATIONS = ("TIME", "LTIME", "S5TIME")
 
 
 def _base(type_: t.ScalarType) -> t.ScalarType:
-    """The type that a subrange or enumeration is one of."""
+    """Return the type that a subrange or enumeration is one of."""
     if (type_.narrowed is None and not type_.names) or not type_.is_number:
         return type_
     for name in ORDER:
@@ -417,7 +417,7 @@ def _wide_enough(type_: t.ScalarType, value: int) -> t.ScalarType:
 
 
 def settled_time(code: Code) -> Code:
-    """A duration or time in the range and grain of its type."""
+    """Return a duration or time in the range and grain of its type."""
     type_ = code.type
     assert isinstance(type_, t.ScalarType)  # noqa: S101  # times are elementary
     if type_.least <= code.low and code.high <= type_.greatest:

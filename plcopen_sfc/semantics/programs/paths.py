@@ -161,7 +161,7 @@ class PathTranslator(ABC):
         raise SimulationError(f"{print_node(node.base)} is a {type_.name}: it has no {name.identifier}")
 
     def _part(self, base: Place, word: t.ScalarType, part: re.Match[str]) -> Place:
-        """A bit or another part of an integer (ed. 3, 6.5.2: ``.3``; ``.%X3``, ``.%B1``)."""
+        """Return a bit or another part of an integer (ed. 3, 6.5.2: ``.3``; ``.%X3``, ``.%B1``)."""
         width = _PART_WIDTHS[part["size"].upper()]
         start = int(part["number"]) * width
         self.library.use.shifts.setdefault(start)
@@ -262,7 +262,7 @@ class PathTranslator(ABC):
     # -- variables
 
     def read(self, meaning: Any, node: n.Expression, expected: t.Type | None) -> Code:
-        """The value of what a name or path means."""
+        """Return the value of what a name or path means."""
         if isinstance(meaning, Code):
             return meaning
         if isinstance(meaning, Unknown):
@@ -284,7 +284,7 @@ class PathTranslator(ABC):
             )
 
     def followed(self, place: Place, expected: t.Type | None) -> Place:
-        """The target of a reference of CODESYS, or the reference where one is expected."""
+        """Return the target of a reference of CODESYS, or the reference where one is expected."""
         if isinstance(place.type, t.ReferenceType) and place.type.automatic:
             if isinstance(expected, t.ReferenceType):
                 return place
@@ -297,7 +297,7 @@ class PathTranslator(ABC):
         return self.library.implicit(unknown.path, type_)
 
     def hold(self, code: Code) -> n.Name:
-        """A name that means a value in this translation."""
+        """Return a name that means a value in this translation."""
         name = f"(value {len(self._held) + 1})"
         self._held[name] = code
         return n.Name(name)
@@ -310,7 +310,7 @@ class PathTranslator(ABC):
         return code.type
 
     def place(self, node: n.Expression, expected: t.Type | None = None) -> Place:
-        """The variable that an expression names. Raises `SimulationError` if it names none."""
+        """Return the variable that an expression names. Raises `SimulationError` if it names none."""
         meaning = self.meaning(node, expected)
         if isinstance(meaning, Unknown):
             meaning = self.implicit(meaning, expected)

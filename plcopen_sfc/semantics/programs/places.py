@@ -49,7 +49,7 @@ class Place:
         return f"{self.cells}[{self.index}]"
 
     def read(self) -> Code:
-        """The value."""
+        """Return the value."""
         field = self.field
         if field is not None and field.direction is Direction.CONSTANT and field.value is not None:
             return Code(repr(field.value), self.type, *_bounds(field.value), field.value, constant=True)
@@ -75,7 +75,7 @@ class Place:
         return free_token(key, text, f"fetch({self.cells}, {self.index})")
 
     def inner(self, cells: str, slot: int, type_: Type, name: str, field: Field | None = None) -> Place:
-        """A member of it."""
+        """Return a member of it."""
         key = f"{self.key}.{slot}" if self.key else ""
         path = f"{self.path}.{name}"
         # as global variables: what has a start value keeps it until something writes it

@@ -49,7 +49,7 @@ class TypeReader:
         self._open: set[int] = set()
 
     def read(self, type_: m.DataType, scope: Scope) -> t.Type:
-        """The type as it is seen in `scope`."""
+        """Return the type as it is seen in `scope`."""
         match type_:
             case m.ElementaryType(name=name):
                 found = t.elementary(name.value, self._library.dialect)
@@ -89,7 +89,7 @@ class TypeReader:
         return t.OpaqueType("?")
 
     def named(self, name: str, scope: Scope) -> t.Type:
-        """The type of a name: of the project, a standard block, an elementary one; else an opaque one."""
+        """Return the type of a name: of the project, a standard block, an elementary one; else an opaque one."""
         name = name.strip().strip('"')
         for candidate in dict.fromkeys((name, name.rpartition(".")[2])):
             found = self._declared(candidate, scope)
@@ -114,7 +114,7 @@ class TypeReader:
         return None
 
     def of_declaration(self, declaration: Declaration) -> t.Type:
-        """The type that a data type or a POU is."""
+        """Return the type that a data type or a POU is."""
         holder = declaration.holder
         if isinstance(holder, Pou):
             unit = self._library.unit(holder)
@@ -146,7 +146,7 @@ class TypeReader:
         return self.read(holder.type, scope)
 
     def structure(self, name: str, type_: m.StructType, scope: Scope, base: str | None = None) -> t.StructureType:
-        """A structure; the initial values of its members are constants."""
+        """Return a structure; the initial values of its members are constants."""
         if "union" in kept(type_.extension_data):
             raise SimulationError(f"{name} is a UNION, which the simulator does not know")
         inherited = self.named(base, scope) if base else None
@@ -335,7 +335,7 @@ class Library(TranslatedProject):
             namespace.update({"m": self.marks.reached, "w": self.marks.watched, "Unseen": UNSEEN})
 
     def _fetch(self, cells: list[Any], index: int) -> Any:
-        """A value, which is asked for where it is a free input that the scan has not read yet."""
+        """Return a value, which is asked for where it is a free input that the scan has not read yet."""
         value = cells[index]
         if value is runtime.UNREAD:
             assert self.read_input is not None  # noqa: S101  # nothing is free else
@@ -343,7 +343,7 @@ class Library(TranslatedProject):
         return value
 
     def _asked(self, value: Any) -> Any:
-        """A structure or an array in which all free inputs were asked for."""
+        """Return a structure or an array in which all free inputs were asked for."""
         cells = value.v if isinstance(value, Frame) else value.cells if isinstance(value, runtime.View) else value
         for index, each in enumerate(cells):
             if each is runtime.UNREAD:
@@ -447,7 +447,7 @@ class Library(TranslatedProject):
         return self.variable(declaration)
 
     def variable(self, declaration: Declaration) -> Place:
-        """The place of a global variable, a tag, a data block or a program instance."""
+        """Return the place of a global variable, a tag, a data block or a program instance."""
         holder: Any = declaration.holder
         found = self._fields.get(id(holder))
         if found is None:
@@ -502,7 +502,7 @@ class Library(TranslatedProject):
         return t.StructureType(block.name, layout)
 
     def add(self, path: str, type_: t.Type, initial: m.Value | None, *, constant: bool = False) -> Place:
-        """A new global variable."""
+        """Return a new global variable."""
         probe = Field(path, -1, type_, Direction.CONSTANT if constant else Direction.EXTERNAL)
         self._initials.give(probe, initial, self.scope)
         made = self.globals.add(path, type_, probe.direction)
@@ -511,7 +511,7 @@ class Library(TranslatedProject):
         return self.place(made, path)
 
     def place(self, field: Field, path: str) -> Place:
-        """The place of a global variable."""
+        """Return the place of a global variable."""
         key = f"g.{field.slot}"
         return Place(
             "g",
@@ -573,7 +573,7 @@ class Library(TranslatedProject):
             self._values[id(value)] = Code(repr(number), type_, number, number, number, constant=True)
 
     def program(self, unit: TranslatedPou) -> Place:
-        """The only instance of a program."""
+        """Return the only instance of a program."""
         found = self._fields.get(id(unit))
         if found is None:
             found = self._fields[id(unit)] = self.add(unit.pou.name, t.StructureType(unit.pou.name, unit.layout), None)
@@ -581,7 +581,7 @@ class Library(TranslatedProject):
 
 
 def _values_of(block: DataBlock, type_: t.Type) -> m.StructValue | None:
-    """The start values that an instance data block has and the type of which it is one has not."""
+    """Return the start values that an instance data block has and the type of which it is one has not."""
     if block.type_name is None or block.interface is None or not isinstance(type_, t.StructureType):
         return None
     members = [

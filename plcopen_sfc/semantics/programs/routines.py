@@ -401,7 +401,7 @@ class Routines:
 
 
 def _types(read: NetworkText) -> Mapping[str, str]:
-    """The types of the instances in a network, by their paths without signs."""
+    """Return the types of the instances in a network, by their paths without signs."""
     return {name.replace('"', "").replace("#", "").casefold(): type_ for name, type_ in read.instances.items()}
 
 

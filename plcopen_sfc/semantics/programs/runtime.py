@@ -113,7 +113,7 @@ def power(base: float, exponent: float) -> float:
 
 
 def wrapped(value: int, least: int, greatest: int, unit: int) -> int:
-    """A value in the range of its type, in whole units."""
+    """Return a value in the range of its type, in whole units."""
     if unit > 1:
         value = divided(value, unit) * unit
     if least <= value <= greatest:
@@ -122,17 +122,17 @@ def wrapped(value: int, least: int, greatest: int, unit: int) -> int:
 
 
 def single(value: float) -> float:
-    """A number rounded to single precision."""
+    """Return a number rounded to single precision."""
     return ctypes.c_float(value).value
 
 
 def half_even(value: float) -> int:
-    """A real number as an integer, halves to the even one (ed. 3, 6.6.2.5.3 after IEC 60559)."""
+    """Return a real number as an integer, halves to the even one (ed. 3, 6.6.2.5.3 after IEC 60559)."""
     return round(value) if math.isfinite(value) else _not_finite(value)
 
 
 def half_away(value: float) -> int:
-    """A real number as an integer, halves away from zero (CODESYS, REAL_TO_INT)."""
+    """Return a real number as an integer, halves away from zero (CODESYS, REAL_TO_INT)."""
     if not math.isfinite(value):
         return _not_finite(value)
     whole = math.floor(abs(value) + 0.5)
@@ -142,7 +142,7 @@ def half_away(value: float) -> int:
 
 
 def truncated(value: float) -> int:
-    """A real number as an integer, towards zero."""
+    """Return a real number as an integer, towards zero."""
     return math.trunc(value) if math.isfinite(value) else _not_finite(value)
 
 
@@ -151,26 +151,26 @@ def _not_finite(value: float) -> int:
 
 
 def out_of_bounds(index: int, lower: int, upper: int) -> int:
-    """An index that an array does not have."""
+    """Return an index that an array does not have."""
     raise SimulationError(f"the index {index} is outside of {lower}..{upper}")
 
 
 def character_at(text: str, index: int, length: int) -> str:
-    """A character of a string of S7, from 1; behind its end there is none."""
+    """Return a character of a string of S7, from 1; behind its end there is none."""
     if not 1 <= index <= length:
         return str(out_of_bounds(index, 1, length))
     return text[index - 1] if index <= len(text) else "\0"
 
 
 def code_at(text: str, index: int, length: int) -> int:
-    """The code of a character of a string of CODESYS, from 0; behind its end there is 0."""
+    """Return the code of a character of a string of CODESYS, from 0; behind its end there is 0."""
     if not 0 <= index <= length:
         return out_of_bounds(index, 0, length)
     return ord(text[index]) if index < len(text) else 0
 
 
 def narrow(value: int, least: int, greatest: int) -> int:
-    """A value of a subrange (ed. 3, 6.4.4.4: it is an error if it is outside)."""
+    """Return a value of a subrange (ed. 3, 6.4.4.4: it is an error if it is outside)."""
     if least <= value <= greatest:
         return value
     raise SimulationError(f"the value {value} is outside of the subrange {least}..{greatest}")
@@ -190,7 +190,7 @@ def assign(target: Frame | list[Any], source: Frame | list[Any]) -> None:
 
 
 def cloned(value: Any) -> Any:
-    """A copy of a structure or an array."""
+    """Return a copy of a structure or an array."""
     if type(value) is Frame:
         return Frame(value.layout, [cloned(item) for item in value.v])
     if type(value) is list:
@@ -199,7 +199,7 @@ def cloned(value: Any) -> Any:
 
 
 def preset(frame: Frame, *values: tuple[int, Any]) -> Frame:
-    """A new frame with other values in some of its slots."""
+    """Return a new frame with other values in some of its slots."""
     for slot, value in values:
         frame.v[slot] = value
     return frame
@@ -238,29 +238,29 @@ def _parameters(function: Callable[..., Any]) -> Iterable[str]:
 
 
 def named(frame: Frame, name: str) -> Any:
-    """The variable of a call of which it is only known now what was called; `name` is in lower case."""
+    """Return the variable of a call of which it is only known now what was called; `name` is in lower case."""
     return frame.v[frame.layout.by_name[name].slot]
 
 
 def put(cells: list[Any], index: int, value: Any) -> Any:
-    """An assignment as an expression."""
+    """Return an assignment as an expression."""
     cells[index] = value
     return value
 
 
 def bit_set(word: int, bit: int, value: bool) -> int:
-    """A word with one bit changed."""
+    """Return a word with one bit changed."""
     return word | 1 << bit if value else word & ~(1 << bit)
 
 
 def bits_set(word: int, start: int, width: int, value: int) -> int:
-    """A word with some of its bits changed."""
+    """Return a word with some of its bits changed."""
     mask = (1 << width) - 1
     return word & ~(mask << start) | (value & mask) << start
 
 
 def coerced(value: Any, type_: ScalarType) -> Any:
-    """A value that comes from outside as one of `type_`; a `SimulationError` where it is none."""
+    """Return a value that comes from outside as one of `type_`; a `SimulationError` where it is none."""
     family = type_.family
     if family is Family.SPECIAL or type(value) is Unread:
         return value

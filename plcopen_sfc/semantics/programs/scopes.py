@@ -269,7 +269,7 @@ class Scope:
         return self.library.processor
 
     def structure(self, name: str, members: Mapping[str, t.Type]) -> t.StructureType:
-        """A new type of structure."""
+        """Return a new type of structure."""
         layout = Layout(name)
         for member, type_ in members.items():
             layout.add(member, type_).initial = self.library.default(type_)
@@ -291,7 +291,7 @@ class Scope:
         return made.slot
 
     def lookup(self, name: str) -> Field | None:
-        """The variable of this name that the POU has; None if it has none."""
+        """Return the variable of this name that the POU has; None if it has none."""
         return self.layout.find(name)
 
     def helper(self, name: str, type_: t.Type) -> None:
@@ -362,7 +362,7 @@ class Scope:
         return self.local_place(field, cells) if field is not None else self.constants.get(key)
 
     def local_place(self, field: Field, cells: str = "v") -> Place:
-        """The place of a variable of the POU."""
+        """Return the place of a variable of the POU."""
         key = self.library.use.key(self.layout, field.slot)
         if field.direction is Direction.IN_OUT and isinstance(field.type, t.ScalarType | t.ReferenceType):
             pointer = f"{cells}[{field.slot}]"

@@ -220,7 +220,7 @@ class BlockTypes:
         return self._made[key]
 
     def of_layout(self, layout: Layout) -> BlockType | None:
-        """The block whose instances have this layout."""
+        """Return the block whose instances have this layout."""
         return next((made for made in self._made.values() if made is not None and made.layout is layout), None)
 
     def _make(self, name: str) -> BlockType | None:
@@ -313,7 +313,7 @@ def _any_counter(frame: Frame, least: int, greatest: int, *, up: bool) -> None:
 
 
 def _layout(name: str, pins: str, value: ScalarType, time: ScalarType) -> Layout:
-    """A layout from pins: inputs > outputs - hidden ones."""
+    """Return a layout from pins: inputs > outputs - hidden ones."""
     layout = Layout(name)
     layout.is_instance = True
     direction, hidden = Direction.INPUT, False

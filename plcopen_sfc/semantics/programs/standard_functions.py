@@ -59,7 +59,7 @@ class StandardFunctions:
         self._operators = Operators(translator)
 
     def value(self, name: str, arguments: Sequence[n.Argument], expected: t.Type | None) -> Code | None:
-        """The result of a call; None if the function is not known."""
+        """Return the result of a call; None if the function is not known."""
         key = name.upper()
         special = self._special(key, arguments)
         if special is not None:
@@ -279,7 +279,7 @@ class StandardFunctions:
         return self._operators.value(n.Operation(signs[word], tuple(nodes)), expected)
 
     def _combined(self, name: str, nodes: list[n.Expression], _: t.Type | None) -> Code:
-        """A date and a time of day."""
+        """Return a date and a time of day."""
         one, other = (settled(self._translator.value(node)) for node in nodes)
         type_ = t.ELEMENTARY["LDT" if "LTOD" in name or other.type.name == "LTOD" else "DT"]
         return ranged(f"({one.text} + {other.text})", type_, acts=one.acts or other.acts)

@@ -73,7 +73,7 @@ class Guards:
                 self.enter([inverted(branch.condition)])
 
     def _written(self, node: n.Node) -> frozenset[str] | None:
-        """The roots of the variables that something writes; None: it may write any."""
+        """Return the roots of the variables that something writes; None: it may write any."""
         found: set[str] = set()
         for target in self._targets(node):
             root = self._root(target) if target is not None else ""
@@ -83,7 +83,7 @@ class Guards:
         return frozenset(found)
 
     def _roots(self, condition: Expression) -> frozenset[str] | None:
-        """The roots of the variables in a condition; None: not all of them are known."""
+        """Return the roots of the variables in a condition; None: not all of them are known."""
         members = {id(node.name) for node in walk(condition) if isinstance(node, n.Member)}
         callees = {id(node.callee) for node in walk(condition) if isinstance(node, n.Call)}
         found: set[str] = set()

@@ -180,18 +180,18 @@ class Layout:
         raise AssertionError(f"{self.name} is used before it is linked")
 
     def add(self, name: str, type_: Type, direction: Direction = Direction.LOCAL, *, hidden: bool = False) -> Field:
-        """A new variable. Of several of one name the last one is found."""
+        """Return a new variable. Of several of one name the last one is found."""
         made = Field(name, len(self.fields), type_, direction, hidden=hidden)
         self.fields.append(made)
         self.by_name[name.casefold()] = made
         return made
 
     def owner(self, slot: int) -> Layout:
-        """The layout that declares the variable in a slot: this one, or one that it extends."""
+        """Return the layout that declares the variable in a slot: this one, or one that it extends."""
         return self.base.owner(slot) if self.base is not None and slot < self.inherited else self
 
     def find(self, name: str) -> Field | None:
-        """The variable of this name; case does not matter."""
+        """Return the variable of this name; case does not matter."""
         return self.by_name.get(name.casefold())
 
 
@@ -278,7 +278,7 @@ _TIMES_OF_DIALECTS[Dialect.SCL, "DATE"] = replace(ELEMENTARY["DATE"], start=str(
 
 
 def elementary(name: str, dialect: Dialect = Dialect.IEC) -> ScalarType | None:
-    """The elementary type of this name in a dialect; None if there is none.
+    """Return the elementary type of this name in a dialect; None if there is none.
 
     TIME has 32 bits of milliseconds in CODESYS (without a sign) and in S7 (with one), 64 bits of nanoseconds else. DT
     has whole seconds in CODESYS, whole milliseconds in S7.
@@ -299,7 +299,7 @@ def string(name: str, length: int) -> ScalarType:
 
 
 def default(type_: ScalarType) -> bool | int | float | str | None:
-    """The value of a variable of an elementary type that has no other (ed. 3, table 10)."""
+    """Return the value of a variable of an elementary type that has no other (ed. 3, table 10)."""
     if type_.family is Family.BOOL:
         return False
     if type_.family is Family.REAL:

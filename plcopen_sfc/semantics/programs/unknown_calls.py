@@ -32,7 +32,7 @@ class UnknownCalls:
         self.log.clear()
 
     def value(self, name: str, arguments: Any, type_: ScalarType | OpaqueType) -> Any:
-        """The result of a function, or an output of a block in a situation; equal for equal arguments."""
+        """Return the result of a function, or an output of a block in a situation; equal for equal arguments."""
         return _of_type(self._number(name, self.key(arguments)), type_)
 
     def called(self, name: str, arguments: tuple[Any, ...], history: int, elapsed: int | None) -> Hashable:
@@ -145,6 +145,6 @@ class UnknownBlocks:
         return situation
 
     def value(self, name: str, arguments: Any, type_: ScalarType | OpaqueType, slot: int = -1) -> Any:
-        """The result of a function, or of a method of the instance whose history is in `slot`."""
+        """Return the result of a function, or of a method of the instance whose history is in `slot`."""
         history = self._frame.v[slot] if slot >= 0 else None
         return self._calls.value(name, (arguments, history), type_)

@@ -46,7 +46,7 @@ class Code:
 
 
 def constant(value: Any, type_: ScalarType, *, loose: bool = False) -> Code:
-    """A known value."""
+    """Return a known value."""
     bound = value if isinstance(value, int) and not isinstance(value, bool) else 0
     text = repr(value)
     if text.startswith("-") or text in ("inf", "nan"):
@@ -63,7 +63,7 @@ def ranged(text: str, type_: Type, *, acts: bool = False) -> Code:
 
 
 def settled(code: Code) -> Code:
-    """The same with a value in the range of its type."""
+    """Return the same with a value in the range of its type."""
     type_ = code.type
     if not isinstance(type_, ScalarType) or not type_.is_ranged:
         return code
@@ -87,7 +87,7 @@ def wrapping(text: str, type_: ScalarType) -> str:
 
 
 def grained(code: Code, type_: ScalarType) -> Code:
-    """A duration or time with the grain of another type."""
+    """Return a duration or time with the grain of another type."""
     if type_.unit == 1 or (isinstance(code.type, ScalarType) and code.type.unit % type_.unit == 0):
         return replace(code, type=type_)
     if code.constant:
@@ -105,7 +105,7 @@ class Converter:
         self.round = "half_away" if codesys else "half_even"
 
     def fitted(self, code: Code, target: Type) -> Code:
-        """A value as a variable of type `target` takes it. Raises `SimulationError` where it does not."""
+        """Return a value as a variable of type `target` takes it. Raises `SimulationError` where it does not."""
         if isinstance(target, OpaqueType) or isinstance(code.type, OpaqueType) or target is ANY:
             return code
         if not isinstance(target, ScalarType):
@@ -124,7 +124,7 @@ class Converter:
         return found
 
     def converted(self, code: Code, target: ScalarType) -> Code:
-        """A value of one elementary type as one of another."""
+        """Return a value of one elementary type as one of another."""
         source = code.type
         if not isinstance(source, ScalarType):
             raise SimulationError(f"{source.name} cannot become {target.name}")
@@ -240,7 +240,7 @@ def count_unit(type_: ScalarType) -> int:
 
 
 def truth(code: Code) -> Code:
-    """A value as BOOL."""
+    """Return a value as BOOL."""
     if isinstance(code.type, StructureType | ArrayOf):
         raise SimulationError(f"a {code.type.name} stands where a BOOL must be")
     if code.type is BOOL or not isinstance(code.type, ScalarType) or code.type.family is Family.SPECIAL:

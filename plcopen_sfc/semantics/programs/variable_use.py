@@ -193,7 +193,7 @@ class VariableUse:
         return ALL_FREE in self._freed or field.name.casefold() in self._freed
 
     def frozen(self) -> Iterator[str]:
-        """The paths of declared variables that are read, that nothing writes, and that are no inputs."""
+        """Yield the paths of declared variables that are read, that nothing writes, and that are no inputs."""
         for key, (path, _) in self.read.items():
             field = self._field(key)
             plain = field.declared and field.name.casefold() not in _FLAGS and is_plain(field.type)
@@ -245,7 +245,7 @@ def _is_value(type_: t.Type) -> TypeGuard[t.ScalarType]:
 
 
 def _parts(key: str, path: str, type_: t.Type) -> Iterator[tuple[str, str, t.Type]]:
-    """The single values in a variable, and what of it has none, or too many: key, path and type."""
+    """Yield the single values in a variable, and what of it has none, or too many: key, path and type."""
     if isinstance(type_, t.StructureType) and not type_.layout.is_instance:
         for field in type_.layout.fields:
             yield from _parts(f"{key}.{field.slot}", f"{path}.{field.name}", field.type)

@@ -179,11 +179,11 @@ class Grafcet:
         )
 
     def read(self, condition: Condition | None) -> Condition | None:
-        """A condition without terms that program text does not know."""
+        """Return a condition without terms that program text does not know."""
         return self.terms.read(condition) if self._reads else condition
 
     def condition(self, transition: int) -> Condition | None:
-        """The condition of a transition, without terms."""
+        """Return the condition of a transition, without terms."""
         return self._conditions[transition]
 
     @property
@@ -197,7 +197,7 @@ class Grafcet:
         self._actions.translate()
 
     def start(self, frame: Frame, situation: int) -> int:
-        """The situation of the first scan."""
+        """Return the situation of the first scan."""
         self.terms.start(frame)
         if self._hierarchy:
             situation = self._hierarchy.start(situation)
@@ -213,12 +213,12 @@ class Grafcet:
         self._actions.happen(frame, situation & ~fresh)
 
     def free(self, moves: Sequence[Move], situation: int) -> Sequence[Move]:
-        """The transitions of charts that are not forced."""
+        """Return the transitions of charts that are not forced."""
         held = self._hierarchy.held(situation) if self._hierarchy else 0
         return [move for move in moves if not (move.sources | move.targets) & held] if held else moves
 
     def rule(self, before: int, situation: int, cleared: Cleared) -> int:
-        """The situation after an evolution, as forcing orders and enclosing steps want it."""
+        """Return the situation after an evolution, as forcing orders and enclosing steps want it."""
         return self._hierarchy.apply(before, situation, cleared.entered) if self._hierarchy else situation
 
     def act(self, frame: Frame, now: int, situation: int) -> None:

@@ -152,7 +152,7 @@ class Hierarchy:
         return Location(path=f"{self._path} / step {where}")
 
     def apply(self, before: int, situation: int, entered: int) -> int:
-        """The situation after an evolution, as the charts above want it.
+        """Return the situation after an evolution, as the charts above want it.
 
         `entered` are the steps that transitions have activated, also those that were active before.
         """
@@ -173,7 +173,7 @@ class Hierarchy:
         return situation
 
     def start(self, situation: int) -> int:
-        """The first situation: orders of initial steps act at once."""
+        """Return the first situation: orders of initial steps act at once."""
         for chart in self._ordered:
             order = self._order(chart, situation)
             if order is not None and order.imposed is not None:
@@ -181,7 +181,7 @@ class Hierarchy:
         return situation
 
     def held(self, situation: int) -> int:
-        """The steps of charts that are forced: no transition of them is cleared."""
+        """Return the steps of charts that are forced: no transition of them is cleared."""
         bits = 0
         for chart in self._ordered:
             if self._order(chart, situation) is not None:

@@ -135,7 +135,7 @@ class ChartTerms:
         return bool(self._edges or self._timers)
 
     def read(self, condition: Condition | None) -> Condition | None:
-        """The condition without terms. Only while the chart is being declared."""
+        """Return the condition without terms. Only while the chart is being declared."""
         if not isinstance(condition, Expression):
             return condition
         text = self._texts.read(condition.text)
@@ -143,7 +143,7 @@ class ChartTerms:
         return condition if text == condition.text else condition.model_copy(update={"text": text})
 
     def rising(self, condition: Condition) -> Condition:
-        """The rising edge of a condition, unless it has an edge in it already."""
+        """Return the rising edge of a condition, unless it has an edge in it already."""
         return self.read(rising(condition)) or condition
 
     def _declare(self) -> None:
@@ -203,7 +203,7 @@ class ChartTerms:
 
 
 def rising(condition: Condition) -> Condition:
-    """The rising edge of a condition as a condition, unless it has an edge in it already."""
+    """Return the rising edge of a condition as a condition, unless it has an edge in it already."""
     if not isinstance(condition, Expression) or has_edge(condition.text):
         return condition
     text = f"NOT ({condition.text})" if condition.negated else condition.text

@@ -449,14 +449,14 @@ class GraphProgram:
         self._enabled.clear()
 
     def marking(self, frame: Frame) -> int:
-        """The active steps as programs see them, as bits of `net`."""
+        """Return the active steps as programs see them, as bits of `net`."""
         shown: int = frame.v[self._shown]
         return shown
 
     situation = marking
 
     def active(self, frame: Frame) -> tuple[str, ...]:
-        """The paths of the active steps."""
+        """Return the paths of the active steps."""
         return self.net.names(self.marking(frame))
 
     # -- running
@@ -530,7 +530,7 @@ class GraphProgram:
             self._report(frame, commands, situation, checked)
 
     def _next(self, frame: Frame, commands: Commands, checked: CheckedSteps) -> int:
-        """The situation of this cycle."""
+        """Return the situation of this cycle."""
         v = frame.v
         situation: int = v[self._situation]
         first = not v[self._started]

@@ -48,7 +48,7 @@ def _leads(pin: InputPin | None) -> bool:
 
 
 def programmed(condition: ModelCondition | None) -> ModelCondition | None:
-    """The condition, unless it is an empty network: its coil alone, which nothing leads to."""
+    """Return the condition, unless it is an empty network: its coil alone, which nothing leads to."""
     if isinstance(condition, BodyCondition) and isinstance(condition.body, FbdBody | LdBody):
         nodes = [node for network in condition.body.networks for node in network.nodes]
         if all(isinstance(node, Coil) and not _leads(node.input) for node in nodes):
