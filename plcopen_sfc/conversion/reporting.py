@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 import time
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
@@ -55,7 +55,7 @@ from plcopen_sfc.report import (
     Outcome,
 )
 from plcopen_sfc.semantics.net import Net
-from plcopen_sfc.semantics.profile import Profile, ScanOrder, default_profile
+from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder, default_profile
 from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from plcopen_sfc.semantics.subjects import resolve
 
@@ -121,7 +121,7 @@ def report_running(
             equivalent,
             resolve(running[0], there.name),
             resolve(running[1], here.name),
-            profiles,
+            profile=profiles,
             step_flags=_step_flags(there, here, called, _hidden_flags(report, there)),
             inputs=_renamed_variables(here, called) | _executed_inputs(report, there),
             free_inputs=ALL_FREE,
@@ -148,8 +148,26 @@ def report_running(
             is_held = verdict.counterexample is not None and times and left > 0
             held = told_while_held(compared(delay="auto", limit=left, fixed=times), times) if is_held else ""
             _report_run(report, run, held)
+        if profiles[0].evolution is Evolution.UNTIL_STABLE is not profiles[1].evolution and not as_run.equal:
+            single = replace(profiles[0], evolution=profiles[1].evolution), profiles[1]
+            report.compared[there.report_path] += _told_single(compared, single, end - time.monotonic())
         if any(name.casefold() == declaration.name.casefold() for name in types for declaration in assumed):
             report.compared[there.report_path] += "; types that nothing declares have the members that are used of them"
+
+
+def _told_single(compared: Callable[..., Verdict], profiles: tuple[Profile, Profile], limit: float) -> str:
+    """Return how a GRAFCET without the search for stability compares with its result, which has none; else nothing.
+
+    What is left of a difference then is one of the conversion: with the search, inputs that come together tell apart
+    every chart whose steps they pass.
+    """
+    try:
+        verdict = compared(profile=profiles, delay="auto", limit=limit) if limit > 0 else None
+    except SfcError:
+        return ""
+    if verdict is None or verdict.counterexample is not None:
+        return ""
+    return f"; without its search for stability: {str(verdict).splitlines()[0]}"
 
 
 class _Run(NamedTuple):

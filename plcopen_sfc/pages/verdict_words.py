@@ -48,6 +48,7 @@ _HEADS = {
     "not compared: the report names nothing in {+} that has its name": (
         "nicht verglichen: in {} ist nichts mit diesem Namen"
     ),
+    "{+}; without its search for stability: {+}": "{}; ohne seine Suche nach Stabilität: {}",
     "{+}; types that nothing declares have the members that are used of them": (
         "{}; Typen, die nichts deklariert, haben die Elemente, die von ihnen benutzt werden"
     ),

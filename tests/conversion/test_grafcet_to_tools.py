@@ -86,6 +86,17 @@ def test_conditions_and_names_are_those_of_the_tool() -> None:
     assert [step.interlock is not None for step in graph.steps] == [True, True]
 
 
+@pytest.mark.parametrize("form", ["codesys", "simaticml", "plcopen-2.01"])
+def test_what_is_left_without_the_search_for_stability_is_told(form: str) -> None:
+    """Inputs that come together told every GRAFCET apart, so that the verdict said nothing of the conversion."""
+    project = sfc.load("fixtures/grafcet/four_steps.gct")
+    report = sfc.save(project, io.BytesIO(), format=form, limit=60)
+    found = report.compared["POU Kette"]
+    assert found.startswith("different")
+    assert "; without its search for stability: equal" in found
+    assert "(proof" in found.partition("; without")[2]
+
+
 def test_strict_conversions_refuse_the_difference() -> None:
     with pytest.raises(LossError, match="fires transitions once in a scan"):
         sfc.convert(sfc.loads(TEXT.encode()), "codesys", strict=True)
