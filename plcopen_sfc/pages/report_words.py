@@ -914,6 +914,13 @@ _TRANSLATED = {
         "Anweisungen, die jeder Zyklus ausführt, setzen ihn oder fragen ihn ab"
     ),
     "statements that every scan executes set SFCError": "Anweisungen, die jeder Zyklus ausführt, setzen SFCError",
+    "{} does not let the times of {} begin again, which it does in CODESYS": (
+        "{} lässt die Zeiten von {} nicht neu beginnen, in CODESYS schon"
+    ),
+    "the times of {} go on during {}; in CODESYS nothing is executed, and all stays as it is": (
+        "die Zeiten von {} laufen während {} weiter; in CODESYS wird nichts ausgeführt, und alles bleibt, wie es ist"
+    ),
+    "{} go on during {}": "{} laufen während {} weiter",
     "{} does not let it begin again, which it does in CODESYS": ("{} lässt sie nicht neu beginnen, in CODESYS schon"),
     "no step is active in the source": "in der Quelle ist kein Schritt aktiv",
     "one of them leads to the step {}": "eine davon führt zum Schritt {}",
@@ -935,8 +942,8 @@ _TRANSLATED = {
         "ihre Zeit läuft während {} weiter; in CODESYS wird nichts ausgeführt, und alles bleibt, wie es ist"
     ),
     "it goes on during {}": "sie läuft während {} weiter",
-    "what holds transitions during SFCPause may be computed before actions that the conditions read": (
-        "was Transitionen während SFCPause hält, wird vielleicht vor Aktionen berechnet, die die Bedingungen lesen"
+    "what holds transitions during {} may be computed before actions that the conditions read": (
+        "was Transitionen während {} hält, wird vielleicht vor Aktionen berechnet, die die Bedingungen lesen"
     ),
     "an action in place that is stored has no name by which it could be reset": (
         "eine gespeicherte Aktion ohne Namen lässt sich nicht zurücksetzen"

@@ -8,6 +8,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.pages.page_words import Words
 from plcopen_sfc.report import ConversionReport, Outcome
 from tests.conversion.test_flags_in_tia import BRANCHES, FLAGS, chart_with, losses
 
@@ -141,3 +142,12 @@ def test_the_step_of_sfcreset_does_what_the_initial_step_does(flags: tuple[str, 
         ("Work", "Leave"),
         ("Done", None),
     ]
+
+
+def test_what_goes_on_during_a_pause_is_one_item_of_the_chart() -> None:
+    source = chart_with("SFCPause", idle="r(L, T#1s);", work="q(D, T#1s);")
+    report = sfc.convert(source, "plcopen-2.01", partial=True)[1]
+    (item,) = report.losses
+    assert (item.outcome, item.path) == (Outcome.APPROXIMATED, "POU Main")
+    assert item.why.startswith("the times of r, q go on during SFCPause; ")
+    assert Words("de").message(item.why).startswith("die Zeiten von r, q laufen während SFCPause weiter; ")

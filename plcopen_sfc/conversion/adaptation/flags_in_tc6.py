@@ -7,7 +7,7 @@ ends it: SFCInit and SFCReset lead to steps that do so.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, guarded
 from plcopen_sfc.conversion.adaptation.flag_transitions import FlagRewriter, all_of, is_code
@@ -97,7 +97,8 @@ class _Tc6Flags(FlagRewriter):
         if self.lines:
             body = StBody(text="\n".join(self.lines))
             if surroundings.is_overtaken(body):
-                why = "what holds transitions during SFCPause may be computed before actions that the conditions read"
+                holds = f"what holds transitions during {self._pause}"
+                why = f"{holds} may be computed before actions that the conditions read"
                 self._note(Outcome.APPROXIMATED, "operating inputs", "", why)
             self._steps.store(self._initial, "sfc_flags", body, first=False, instead_of=None, uses=self._names)
         if self._watching:
@@ -368,22 +369,37 @@ class _Tc6Flags(FlagRewriter):
         return name
 
     def _report_pause(self) -> None:
-        """Report what goes on during SFCPause."""
+        """Report what goes on during SFCPause: one item where it is in several steps."""
+        pause, quits = self._pause, SfcFlag.QUIT_ERROR.variable
+        timed: dict[str, str] = {}
+        going: dict[str, str] = {}
         for step, row in self._chart.associations():
-            place = f"step {step.name} / action {row.target or 'in place'}"
+            name = row.target or "in place"
+            place = f"step {step.name} / action {name}"
             if row.qualifier in _TIMED | {Qualifier.P} or row.duration is not None:
-                why = f"its time goes on during {self._pause}; in CODESYS nothing is executed, and all stays as it is"
-                self._note(Outcome.APPROXIMATED, "action", place, why)
+                timed[place] = name
             elif is_code(self._place, row) and self._text_of(row) is None:
-                self._note(Outcome.APPROXIMATED, "action", place, f"it goes on during {self._pause}")
+                going[place] = name
+        stays = "in CODESYS nothing is executed, and all stays as it is"
+        one, more = f"its time goes on during {pause}; {stays}", f"the times of {{}} go on during {pause}; {stays}"
+        self._report_together("action", timed, one, more)
+        self._report_together("action", going, f"it goes on during {pause}", f"{{}} go on during {pause}")
         for step in self._chart.steps:
             if step.main_action is not None and self._statements(step.main_action) is None:
-                why = f"it goes on during {self._pause}"
-                self._note(Outcome.APPROXIMATED, "main action", f"step {step.name}", why)
-        if SfcFlag.QUIT_ERROR.variable in self._pause:
-            for step in (step for step in self._chart.steps if self._is_read(step, "t")):
-                why = f"{SfcFlag.QUIT_ERROR.variable} does not let it begin again, which it does in CODESYS"
-                self._note(Outcome.APPROXIMATED, "step time", f"step {step.name}", why)
+                self._note(Outcome.APPROXIMATED, "main action", f"step {step.name}", f"it goes on during {pause}")
+        if quits in pause:
+            read = {f"step {step.name}": step.name for step in self._chart.steps if self._is_read(step, "t")}
+            one = f"{quits} does not let it begin again, which it does in CODESYS"
+            more = f"{quits} does not let the times of {{}} begin again, which it does in CODESYS"
+            self._report_together("step time", read, one, more)
+
+    def _report_together(self, what: str, places: Mapping[str, str], one: str, more: str) -> None:
+        """Report something of one place there, of several for the chart, with the names that `places` has."""
+        if len(places) > 1:
+            names = ", ".join(dict.fromkeys(places.values()))
+            self._note(Outcome.APPROXIMATED, what, "", more.format(names))
+        for place in places if len(places) == 1 else ():
+            self._note(Outcome.APPROXIMATED, what, place, one)
 
 
 def _none(terms: Iterable[str]) -> str:
