@@ -252,7 +252,8 @@ def write_declared(project: Project, source: etree._Element | None) -> etree._El
     name = declared.name if declared is not None else project.global_variables[0].name or ""
     known = declared.object_id if declared is not None else project.global_variables[0].object_id
     text = declaration_of(_only_declared(project), _declaration(source) if source is not None else None)
-    written = etree.Element("DUT" if declared is not None else "GVL", Name=name, Id=identity(known, name))
+    kind = "DUT" if declared is not None else "GVL"
+    written = etree.Element(kind, Name=name, Id=identity(known, kind, name))  # a POU may have the name, too
     _add_code(written, "Declaration", text)
     return written
 

@@ -148,7 +148,7 @@ def write_object(project: Project, options: WriteOptions, report: ConversionRepo
         root.append(write_pou(project.pous[0], report, source))
     elif tasks:
         known = identity_of(source) if source is not None else None
-        root.append(write_task(tasks[0], identity(known, tasks[0].name)))
+        root.append(write_task(tasks[0], identity(known, TASK, tasks[0].name)))
         report.add(Outcome.KEPT, "task", f"task {tasks[0].name}")
     else:
         root.append(write_declared(project, source))

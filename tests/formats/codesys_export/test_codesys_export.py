@@ -306,3 +306,12 @@ def test_a_drawn_named_condition_without_a_text_is_told_once() -> None:
     (item,) = report.with_outcome(sfc.Outcome.NOT_EXECUTED)
     assert (item.what, item.path) == ("body", "POU Main / transition Go")
     assert "the undeclared name body_is_not_written is in its place" in item.why
+
+
+def test_a_type_may_have_the_name_of_a_pou() -> None:
+    """Both got one identity, and the file could not be read back."""
+    text = b"TYPE A : STRUCT x : INT; END_STRUCT; END_TYPE\nPROGRAM A\nVAR a : BOOL; END_VAR\na := TRUE;\nEND_PROGRAM\n"
+    data = sfc.dumps(sfc.loads(text, format="iec-text"), format="codesys-export")
+    project = sfc.loads(data)
+    assert not project.diagnostics
+    assert sfc.dumps(project, format="codesys-export", fresh=True) == data
