@@ -318,6 +318,7 @@ def _pou(pou: Pou, report: ConversionReport) -> Iterator[WrittenBlock]:
         yield _section(section)
     if "undivided" not in texts:
         yield WrittenBlock(("divider", ""), DIVIDER)
+    yield from _pragmas(texts)
     names = ChartNames(pou, report)
     yield from _body(pou.body, names, f"POU {pou.name}")
     yield WrittenBlock(("end", ""), f"END_{keyword}")
@@ -330,12 +331,17 @@ def _pou(pou: Pou, report: ConversionReport) -> Iterator[WrittenBlock]:
 
 def _action(action: Action, names: ChartNames, path: str) -> WrittenBlock:
     blocks = [WrittenBlock(("head", ""), f"ACTION {action.name}:")]
-    for pragma in filter(None, kept(action.extension_data).get("pragmas", "").split("\n")):
-        name = re.search(r"@(\w+)", pragma)
-        blocks.append(WrittenBlock(("pragma", name[1] if name is not None else ""), pragma))
+    blocks += _pragmas(kept(action.extension_data))
     blocks += _body(action.body, names, path)
     blocks.append(WrittenBlock(("end", ""), "END_ACTION"))
     return WrittenBlock(("action", action.name), blocks=numbered_blocks(blocks), apart=True)
+
+
+def _pragmas(texts: dict[str, str]) -> Iterator[WrittenBlock]:
+    """Yield the pragmas at the start of a body."""
+    for pragma in filter(None, texts.get("pragmas", "").split("\n")):
+        name = re.search(r"@(\w+)", pragma)
+        yield WrittenBlock(("pragma", name[1] if name is not None else ""), pragma)
 
 
 def _body(body: Body | None, names: ChartNames, path: str) -> Iterator[WrittenBlock]:

@@ -185,6 +185,7 @@ class _Reader:
             body, inside = self._body(one.body, path, names)
             pou.bodies = [body if body is not None else StBody()]
             places += [*inside, (("end", ""), one.body.end, ())]
+            pou.extension_data = keep(kept(pou.extension_data) | self._kept_pragmas(one.body.span))
         for action in one.actions:
             pou.actions.append(self._action(action, path, names, places))
         pou.actions = [action for action in pou.actions if action.name.casefold() not in names.replaced]
@@ -206,13 +207,15 @@ class _Reader:
 
     def _action(self, one: ExpAction, path: str, names: PouNames, places: list[Place]) -> Action:
         body, inside = self._body(one.body, f"{path} / action {one.name}", names)
-        pragmas = "\n".join(found.group() for found in self._pragmas(one.body.span))
         span = (one.head[0], one.body.end[1])
         inside = [(("head", ""), one.head, ()), *inside, (("end", ""), one.body.end, ())]
         places.append((("action", one.name), span, block_span(("action", one.name), span, inside).spans))
-        return Action(
-            name=one.name, body=body or StBody(), extension_data=keep({"pragmas": pragmas} if pragmas else {})
-        )
+        return Action(name=one.name, body=body or StBody(), extension_data=keep(self._kept_pragmas(one.body.span)))
+
+    def _kept_pragmas(self, span: Span) -> dict[str, str]:
+        """Return the pragmas at the start of a body, to be kept."""
+        pragmas = "\n".join(plain_lines(found.group()) for found in self._pragmas(span))
+        return {"pragmas": pragmas} if pragmas else {}
 
     def _body(self, one: ExpBody, path: str, names: PouNames) -> tuple[Body | None, list[Place]]:
         pragmas = self._pragmas(one.span)
@@ -260,6 +263,9 @@ class _Reader:
 
     def _globals(self, one: ExpObject) -> None:
         declared = self._declarations(one)
+        if not declared.sections:
+            self._other(one)
+            return
         places: list[Place] = self._header_places(one)
         places += section_places(self.text, declared, one.declared[0], Dialect.CODESYS)
         if one.footer is not None:

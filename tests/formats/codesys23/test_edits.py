@@ -224,3 +224,13 @@ def test_an_edit_keeps_a_chart_of_another_tool_in_terms_of_codesys_2_3(name: str
     assert [line for line in new if "NOT_EXECUTED" in line] == [line for line in old if "NOT_EXECUTED" in line]
     again = next(sfc.loads("\r\n".join(["", *new[1:], ""]).encode("cp1252")).charts()).chart
     assert [step.name for step in again.steps] == [step.name for step in chart.steps]
+
+
+def test_pragmas_before_a_body_and_lists_that_cannot_be_read_survive_an_edit() -> None:
+    """An edit dropped both, and nothing told that."""
+    text = "PROGRAM Main\nVAR\n\ta,b : BOOL; (* x *)\nEND_VAR\n(* @END_DECLARATION := '0' *)\n(* @OTHER := '1' *)\n"
+    text += "INITIAL_STEP A:\nEND_STEP\n(* @SFCMAXTIME := 't#1s' *)\n\nEND_PROGRAM\n\n"
+    text += "(* @NESTEDCOMMENTS := 'Yes' *)\n(* @GLOBAL_VARIABLE_LIST := 'G' *)\nVAR_GLOBAL\n\tg : (*BOOL;\nEND_VAR\n"
+    project = sfc.loads(text.encode(), format="codesys23")
+    project.pou("Main").chart.steps[0].max_time = "t#2s"
+    assert sfc.dumps(project, partial=True).decode() == text.replace("t#1s", "t#2s")
