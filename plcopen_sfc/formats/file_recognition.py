@@ -61,7 +61,6 @@ _TWINCAT = (
 )
 _SCHNEIDER = "Control Expert has no export to PLCopen XML; nothing that it exports is read yet."
 _ROCKWELL = "Studio 5000 exports charts as L5X and L5K only, and neither is read yet."
-_GRAFCET = "Write it as a GRAFCET in lines (.gct), which is close to it: docs/formats/grafcet-text.md."
 _STEP7 = "Migrate the project into TIA Portal (Project > Migrate project). " + _OPENNESS
 
 
@@ -160,8 +159,6 @@ UNREAD: tuple[UnreadFormat, ...] = (
     UnreadFormat(
         "the build settings of a Beremiz project", "Give plc.xml beside it, which is the program.", root="BeremizRoot"
     ),
-    UnreadFormat("a GRAFCET in the notation of grafcet2plc", _GRAFCET, text=r"\A%DETAILS[ \t]*\([ \t]*X\d"),
-    UnreadFormat("a GRAFCET in the notation of Grafcet_to_Automaton", _GRAFCET, text=r"(?m)^[ \t]*<GRAFCET>[ \t]*\r?$"),
     UnreadFormat(
         "a metamodel of EMF (.ecore)",
         "A model that follows it, as a .grafcet file of AGRAFE, is read.",

@@ -97,7 +97,11 @@ def _is_simaticml(head: FileHead) -> bool:
 
 
 def _is_grafcet_text(head: FileHead) -> bool:
-    return re.match(r"\s*GRAFCET[ \t]+\S", head.text) is not None
+    if head.root:
+        return False
+    # in the words of this package, and in the notations of grafcet2plc and Grafcet_to_Automaton
+    begins = re.match(r"\s*GRAFCET[ \t]+\S|\ufeff?\s*%\w+[ \t]*\([ \t]*X\d", head.text)
+    return begins is not None or re.search(r"(?m)^[ \t]*<GRAFCET>[ \t]*\r?$", head.text) is not None
 
 
 def _is_workbook(head: FileHead) -> bool:

@@ -672,6 +672,9 @@ _OTHERWISE = {
     "{} is a time of an edge or of a time: no term has one, and no variable is one": (
         "{} ist eine Zeit von einer Flanke oder einer Zeit: kein Term hat eine, und keine Variable steht dafür"
     ),
+    "it was in the notation of another tool; an edit writes it as the text of a GRAFCET": (
+        "es war in der Schreibweise eines anderen Werkzeugs; eine Änderung schreibt es als Text eines GRAFCET"
+    ),
     "where it leaves {}, actions on deactivation miss it: they have not seen the step": (
         "wo er {} verlässt, versäumen das Aktionen bei Deaktivierung: sie haben den Schritt nicht gesehen"
     ),

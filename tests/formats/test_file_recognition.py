@@ -36,8 +36,6 @@ FILES = {
     "Pump.awl": (STL, "Migrate Project|Migrate project"),
     "Chain.gr7": ("FUNCTION_BLOCK FB1\nVAR\nEND_VAR\n", "Migrate project"),
     "Source.txt": ("INITIAL_STEP S1 (*$_NUM 1*):\nEND_STEP\n", "Migrate project"),
-    "Plan.txt": ('%DETAILS (X1, X6)\nX1 "Start"\n', "grafcet-text"),
-    "Gate.txt": ("# a gate\r\n<GRAFCET>\r\n<INPUTS>\r\n", "grafcet-text"),
     "grafcet.ecore": ('<ecore:EPackage xmlns:ecore="http://www.eclipse.org/emf/2002/Ecore"/>', "AGRAFE"),
     "Plant.ap17": ("\0\1", "Generate source from blocks"),
     "Plant.zap19": ("7z\xbc", "Project > Retrieve"),

@@ -2,6 +2,7 @@
 
 `grafcet_text_codec`    the text of a project (``grafcet-text``), in the blocks that an edit replaces
 `grafcet_text_reader`   the grammar, and the project of a text with the places of its objects
+`other_notations`       texts of grafcet2plc and Grafcet_to_Automaton as such texts
 `sfc_losses`            what charts of tools do and a GRAFCET has no word for
 `grafcet_xmi_codec`     ``.grafcet`` files, written: references made of positions
 `grafcet_xmi_reader`    references by position, resolved

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
-from plcopen_sfc.errors import Location, ModelError
+from plcopen_sfc.errors import Location, ModelError, StructureError
 from plcopen_sfc.formats.format_interface import ReadResult, TextCodec, WriteOptions
-from plcopen_sfc.formats.grafcet.grafcet_text_reader import CHARTS, SITUATIONS, STORED, TABLES, read_text
+from plcopen_sfc.formats.grafcet.grafcet_text_reader import CHARTS, SITUATIONS, STORED, TABLES, GrafcetText, read_text
+from plcopen_sfc.formats.grafcet.other_notations import translated
 from plcopen_sfc.formats.grafcet.sfc_losses import report_unexpressed
 from plcopen_sfc.formats.remainder_comments import keys_of
 from plcopen_sfc.formats.text_patch import BlockSpan, SourceText, WrittenBlock, decode_text, numbered_blocks
@@ -195,7 +197,7 @@ class _Writer:
         )
         designation = transition.name or ("" if transition.number is None else str(transition.number))
         text = f"({designation}) " if designation and not re.search(r"[()\n]", designation) else ""
-        text = f"{text}{', '.join(sources)} -> {', '.join(targets)}".strip()
+        text += f"{', '.join(sources)} -> {', '.join(targets)}".strip()
         condition = _expression(transition.condition)
         if transition.condition is not None and not condition:
             shown = shown_condition(chart, transition, Dialect.IEC, self._pou.transitions)
@@ -276,6 +278,19 @@ def _quoted(text: str) -> str:
 _OWN_LINES = re.compile(r"^[ \t]*// *\{plcopen_sfc[^\r\n]*(?:\r\n|\r|\n)?", re.MULTILINE)
 
 
+def _read(source: SourceText, file: str | None) -> tuple[GrafcetText, SourceText, list[int] | None]:
+    """Return what was read, the text, and for one in the notation of another tool the lines in the file."""
+    other = translated(source.text, file)
+    if other is None:
+        return read_text(source, file), source, None
+    text = source._replace(text=other.text)
+    try:
+        return read_text(text, file), text, other.lines
+    except StructureError as error:
+        at = replace(error.location, line=other.lines[(error.location.line or 1) - 1])
+        raise StructureError(error.message, location=at, hint=error.hint) from error
+
+
 class GrafcetTextCodec(TextCodec):
     """GRAFCETs as text."""
 
@@ -285,7 +300,7 @@ class GrafcetTextCodec(TextCodec):
 
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a text. Raises `StructureError` at a line that is not valid in a GRAFCET."""
-        found = read_text(self.decode(data), file)
+        found = _read(self.decode(data), file)[0]
         return ReadResult(found.project, found.diagnostics)
 
     def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
@@ -295,7 +310,8 @@ class GrafcetTextCodec(TextCodec):
 
     def lines(self, content: bytes, project: Project) -> dict[str, int]:
         """Return the line of each object of the text."""
-        return read_text(self.decode(content)).lines
+        found, _, lines = _read(self.decode(content), None)
+        return found.lines if lines is None else {path: lines[line - 1] for path, line in found.lines.items()}
 
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
         """Write a whole text in UTF-8."""
@@ -303,6 +319,9 @@ class GrafcetTextCodec(TextCodec):
 
     def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
         """Return the text of a project, in the blocks that an edit replaces."""
+        if options.source and translated(self.decode(options.source).text) is not None:
+            why = "it was in the notation of another tool; an edit writes it as the text of a GRAFCET"
+            report.add(Outcome.TRANSLATED, "notation", f"POU {project.name or ''}".strip(), why)
         return write_blocks(project, report)
 
     def replace_missing(self, project: Project, report: ConversionReport) -> None:
@@ -311,8 +330,7 @@ class GrafcetTextCodec(TextCodec):
 
     def located(self, content: bytes) -> tuple[Project, SourceText, BlockSpan]:
         """Return the project in a file, its text, and the place of each object in that."""
-        source = self.decode(content)
-        found = read_text(source)
+        found, source, _ = _read(self.decode(content), None)
         return found.project, source, found.spans
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from plcopen_sfc.model import ActionAssociation, ActionKind, Expression, SfcNetwork, Step
+import plcopen_sfc as sfc
 from tests.corpus import require_corpus
 from tests.semantics.charts.rig import Rig
 
@@ -23,26 +23,6 @@ def section(text: str, name: str) -> list[list[str]]:
     return [[part.strip() for part in entry.split(":")] for entry in found[1].split(";") if entry.strip()]
 
 
-def expression(text: str) -> Expression:
-    """``/a.(b+c)`` as structured text."""
-    return Expression(text=text.replace("/", " NOT ").replace(".", " AND ").replace("+", " OR "))
-
-
-def read_chart(text: str) -> SfcNetwork:
-    chart = SfcNetwork()
-    for index, (name, *marks) in enumerate(section(text, "STEPS")):
-        chart.steps.append(Step(id=index, name=name, initial=marks == ["Initial"]))
-    for _, source, target, condition in section(text, "TRANSITIONS"):
-        chart.add_transition(chart.step(source), chart.step(target), expression(condition))
-    for index, (_, kind, step, output, *conditions) in enumerate(section(text, "ACTIONS")):
-        assert kind == "Continuous"
-        action = ActionAssociation(id=100 + index, kind=ActionKind.CONTINUOUS, target=output)
-        if conditions:
-            action.kind, action.condition = ActionKind.CONDITIONAL, expression(conditions[0])
-        chart.step(step).actions.append(action)
-    return chart
-
-
 def read(path: Path) -> str:
     if not path.is_file():
         pytest.skip(f"the corpus has no {path}")
@@ -55,7 +35,9 @@ def test_a_chart_passes_the_test_sequence_of_its_automaton() -> None:
     text = read(corpus / CHART)
     inputs = [entry[0] for entry in section(text, "INPUTS")]
     outputs = [entry[0] for entry in section(text, "OUTPUTS")]
-    rig = Rig(read_chart(text), "grafcet", variables=" ".join(inputs + outputs))
+    chart = sfc.load(corpus / CHART).pous[0].chart
+    assert chart is not None
+    rig = Rig(chart, "grafcet", variables=" ".join(inputs + outputs))
     rows = section(read(corpus / SEQUENCE), "TRANSITIONS")
     assert len(rows) == 43
     for number, _, _, given, expected in rows:
