@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
 from typing import Any, NamedTuple, TypedDict, TypeVar, Unpack
 
@@ -55,39 +55,25 @@ from plcopen_sfc.semantics.subjects import Subject, resolve
 Choice = TypeVar("Choice", Construction, Style, Language, States, ActionPlace, OperatingMode)
 
 
-@dataclass(frozen=True)
-class LoweredPou:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class LoweredPou(Constructed):
     """POU with code in the place of its chart, in a copy of its project, and what is known of that code.
 
-    `construction` was taken for the reason `why`. `proof` is the result of the comparison with the chart, None where
-    none was wanted. It holds while the inputs that were added have the values of `at_rest`, and in all scans but those
-    in which the variable `left_out` of the code is TRUE. `faults` are those of textbook code (`find_faults`), as far as
-    it was compared; `step_flags` and `situation` are those of `Constructed`. `name` is that of the chart: ``Main``, or
-    ``Main.Fill`` for the chart of an action, which has the code now. `following` is the address behind its flags, if
-    they have addresses. `step_numbers` are the numbers of steps in the code by their paths, where steps are states of a
-    CASE or are selected by number. `losses` are what the chart held and the code does not. `chart` is what was lowered.
-    A file with the code is compared with it when the project is saved, as `proof_options` ask; None where no proof was
-    wanted.
+    `proof` is the result of the comparison with the chart, None where none was wanted. `faults` are those of textbook
+    code (`find_faults`), as far as it was compared. `name` is that of the chart: ``Main``, or ``Main.Fill`` for the
+    chart of an action, which has the code now. `losses` are what the chart held and the code does not. `chart` is what
+    was lowered. A file with the code is compared with it when the project is saved, as `proof_options` ask; None where
+    no proof was wanted.
     """
 
     project: Project
-    pou: Pou
-    construction: Construction
     style: Style
-    rules: LoweringRules
-    why: str
     proof: Verdict | None
-    faults: tuple[Fault, ...]
-    at_rest: Mapping[str, bool]
-    left_out: str | None
-    step_flags: Mapping[str, str]
-    situation: Mapping[str, str]
+    faults: tuple[Fault, ...] = ()
     name: str
-    following: str = ""
-    step_numbers: Mapping[str, int] = field(default_factory=dict)
     losses: tuple[Item, ...] = ()
-    chart: Subject = field(kw_only=True, repr=False)
-    proof_options: ProofOptions | None = field(default=None, kw_only=True, repr=False)
+    chart: Subject
+    proof_options: ProofOptions | None = None
 
     @property
     def code(self) -> Body | None:
@@ -243,22 +229,12 @@ def _lowered(
         with errors_of(chart.project, chart.pou, chart.name):
             refuse_untested(chart.name, proof, accepted=options.accept_untested)
     return LoweredPou(
-        project,
-        pou,
-        made.construction,
-        style,
-        made.rules,
-        made.why,
-        proof,
-        (),
-        made.at_rest,
-        made.left_out,
-        made.step_flags,
-        made.situation,
-        chart.name,
-        made.flags.following if made.flags is not None else "",
-        made.step_numbers,
-        losses(chart, [pou, *made.blocks], rules.profile, lang),
+        **(vars(made) | {"pou": pou}),
+        project=project,
+        style=style,
+        proof=proof,
+        name=chart.name,
+        losses=losses(chart, [pou, *made.blocks], rules.profile, lang),
         chart=chart,
         proof_options=options,
     )

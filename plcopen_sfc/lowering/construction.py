@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import repeat
 from typing import TypeAlias
 
@@ -17,7 +17,7 @@ from plcopen_sfc.lowering.code.code_bodies import assemble
 from plcopen_sfc.lowering.code.code_memory import BitMemory, BlockMemory, Memory, OperandMemory
 from plcopen_sfc.lowering.code.flat_statements import flatten, name_inputs
 from plcopen_sfc.lowering.code.lowered_code import LOCAL, FlagPlaces, LoweredCode, Naming, names_of
-from plcopen_sfc.lowering.code.single_use import inline_single_uses
+from plcopen_sfc.lowering.code.single_use import inline_single_uses, remove_unread
 from plcopen_sfc.lowering.encodings.case_encodings import CaseEncoding, RegionEncoding, no_regions, one_step_at_a_time
 from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding, StepBitEncoding
 from plcopen_sfc.lowering.grafcet.grafcet_reading import is_grafcet, plain_chart, read_grafcet
@@ -189,21 +189,27 @@ class Constructed:
     `step_flags` are the expressions that are TRUE while a step is active, by the path of the step; `situation` those
     that hold between two scans, where that is not the same. The code does what the chart does while inputs that were
     added have the values of `at_rest` and the variable `left_out` is FALSE. `data_types` and `blocks` are new in the
-    project. `step_numbers` are the numbers of steps in the code by their paths, where it has numbers for them.
+    project. `step_numbers` are the numbers of steps in the code by their paths, where steps are states of a CASE or are
+    selected by number. `flags`: the place of step flags outside of the POU.
     """
 
     pou: Pou
     construction: Construction
     rules: LoweringRules
     why: str
-    step_flags: dict[str, str]
-    situation: dict[str, str]
-    at_rest: dict[str, bool]
+    step_flags: Mapping[str, str]
+    situation: Mapping[str, str]
+    at_rest: Mapping[str, bool]
     left_out: str | None
     data_types: tuple[DataTypeDeclaration, ...]
-    step_numbers: dict[str, int]
-    flags: FlagPlaces | None = None
+    step_numbers: Mapping[str, int]
+    flags: FlagPlaces | None = field(default=None, repr=False)
     blocks: tuple[Pou, ...] = ()
+
+    @property
+    def following(self) -> str:
+        """Address behind its flags; empty where they have none."""
+        return self.flags.following if self.flags is not None else ""
 
 
 def construct(
@@ -246,21 +252,23 @@ def construct(
     if code.needs_flat_statements or (code.drawn and isinstance(source, GraphSource)):
         flatten(code, pou.variables())
     steps = [*maker.active_steps().values(), *(maker.active(step.index) for step in source.net.steps)]
+    asked = [*steps, *filter(None, [code.left_out])]
     if not code.drawn:
-        inline_single_uses(code, [*steps, *filter(None, [code.left_out])])
+        inline_single_uses(code, asked)
+    remove_unread(code, asked)
     return Constructed(
-        assemble(pou, code, dialect, language),
-        chosen,
-        rules,
-        why,
-        {path: _bare_names(expression) for path, expression in maker.active_steps().items()},
-        {step.path: _bare_names(maker.active(step.index)) for step in source.net.steps},
-        code.at_rest,
-        code.left_out.identifier if code.left_out is not None else None,
-        tuple(code.data_types),
-        _numbers(source, maker, chosen, rules),
-        code.flags,
-        tuple(drive_block(drive, dialect, language) for drive in maker.drives),
+        pou=assemble(pou, code, dialect, language),
+        construction=chosen,
+        rules=rules,
+        why=why,
+        step_flags={path: _bare_names(expression) for path, expression in maker.active_steps().items()},
+        situation={step.path: _bare_names(maker.active(step.index)) for step in source.net.steps},
+        at_rest=code.at_rest,
+        left_out=code.left_out.identifier if code.left_out is not None else None,
+        data_types=tuple(code.data_types),
+        step_numbers=_numbers(source, maker, chosen, rules),
+        flags=code.flags,
+        blocks=tuple(drive_block(drive, dialect, language) for drive in maker.drives),
     )
 
 

@@ -52,3 +52,13 @@ def test_a_target_without_instruction_list_is_refused(target: str) -> None:
         sfc.lower(chain, "flipflop", language="IL", target=target)
     with pytest.raises(LoweringError, match="case is structured text, it cannot be in instruction list"):
         sfc.lower(chain, "case", language="IL")
+
+
+@pytest.mark.parametrize("language", ["IL", "FBD", "LD", "ST"])
+def test_nothing_is_kept_that_nothing_reads(language: str) -> None:
+    """Under matiec each L remembers its step; where the output is FALSE otherwise, nothing asks for that."""
+    station = sfc.load(FIXTURES / "plcopen/filling_station_2.01.xml")
+    lowered = sfc.lower(station, "flipflop", pou="CapStation", language=language, profile="matiec", verify=False)
+    names = {variable.name for variable in lowered.pou.variables()}
+    assert {"X_Turn", "X_Turn_time"} <= names
+    assert "Turn_before" not in names

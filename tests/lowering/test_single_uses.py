@@ -6,7 +6,7 @@ from plcopen_sfc import model as m
 from plcopen_sfc.languages.st import parse_statements, print_node
 from plcopen_sfc.languages.st.nodes import Name, Statements
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode, Naming
-from plcopen_sfc.lowering.code.single_use import inline_single_uses
+from plcopen_sfc.lowering.code.single_use import inline_single_uses, remove_unread
 
 
 def statements_of(text: str) -> Statements:
@@ -20,6 +20,7 @@ def inlined(text: str, *, helpers: str = "edge old", behind: str = "", kept: str
     for network in filter(None, (text, behind)):
         code.add("", statements_of(network).statements)
     inline_single_uses(code, [Name(name) for name in kept.split()])
+    remove_unread(code, [Name(name) for name in kept.split()])
     first = code.networks[0]
     assert isinstance(first, CodeNetwork)
     shown = print_node(Statements(first.statements))
@@ -84,6 +85,7 @@ def test_a_helper_of_another_network_goes_but_not_into_a_long_line() -> None:
     code.add("", statements_of("edge := a AND b;").statements)
     code.add("", statements_of("q := c OR edge;").statements)
     inline_single_uses(code, [])
+    remove_unread(code, [])
     assert [print_node(Statements(each.statements)) for each in code.networks] == ["q := c OR a AND b;"]
     long = " OR ".join(f"some_long_name_{i}" for i in range(6))
     assert inlined(f"edge := a AND b; q := {long} OR edge;", helpers="edge")[1] == ["edge"]

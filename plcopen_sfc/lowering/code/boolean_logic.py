@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Hashable, Iterable, Sequence
 from typing import TypeAlias, TypeVar
 
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import transform
+from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 
 N = TypeVar("N", bound=n.Node)
@@ -152,6 +152,11 @@ def with_distinct(tree: Statement, alternative: Alternative) -> Statement:
         return found if found != node else node  # the same object: it keeps the text that it has
 
     return transform(tree, simpler)
+
+
+def names_in(*trees: n.Node) -> list[str]:
+    """Return the names of variables in trees, in lower case, each as often as it occurs."""
+    return [node.identifier.casefold() for tree in trees for node in walk(tree) if isinstance(node, n.Name)]
 
 
 def is_constant(expression: Expression, constant: n.Literal) -> bool:

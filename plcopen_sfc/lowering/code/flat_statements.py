@@ -17,6 +17,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     disjunction,
     equal,
     is_constant,
+    names_in,
     negation,
     when,
 )
@@ -129,7 +130,7 @@ class _Flattener:
         """Yield a set while it is TRUE and a reset while it is FALSE: TIA Portal has no box that moves a BOOL."""
         value = statement.value
         # the set would change what the reset reads; a call is executed once
-        if not _names(value).isdisjoint(_names(statement.target)) or is_impure(value):
+        if set(names_in(value)) & set(names_in(statement.target)) or is_impure(value):
             value = self._declare()
             yield assignment(value, statement.value)
         yield when(conjunction([guard, value]), assignment(statement.target, TRUE))
@@ -148,16 +149,12 @@ def _needs_bits(branches: Sequence[n.Branch], guards: Sequence[Expression]) -> b
     # what a call or an address changes is not known here
     if any(isinstance(node, n.CallStatement | n.Call | n.Address) for node in nodes):
         return True
-    written = {name for statement in statements for target in targets(statement) for name in _names(target)}
-    return not written.isdisjoint(name for guard in guards for name in _names(guard))
+    written = {name for statement in statements for target in targets(statement) for name in names_in(target)}
+    return not written.isdisjoint(names_in(*guards))
 
 
 def _is_short(guard: Expression) -> bool:
     return isinstance(guard, n.Name) or (isinstance(guard, n.Unary) and isinstance(guard.operand, n.Name))
-
-
-def _names(tree: n.Node) -> set[str]:
-    return {node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name)}
 
 
 def _branches(statement: Statement) -> list[n.Branch] | None:

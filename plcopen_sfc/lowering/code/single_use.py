@@ -14,7 +14,7 @@ from plcopen_sfc.languages.effects import Path, is_impure, may_change, reads, wr
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
-from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, simplified, without_constant
+from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, names_in, simplified, without_constant
 from plcopen_sfc.lowering.code.lowered_code import BOOL, CodeNetwork, LoweredCode
 from plcopen_sfc.model.types import DerivedType, ElementaryType
 
@@ -31,11 +31,11 @@ def inline_single_uses(code: LoweredCode, kept: Collection[Expression]) -> None:
 
     `kept` are expressions that others ask for: their variables stay.
     """
-    others = {name for expression in kept for name in _names(expression)}
+    others = set(names_in(*kept))
     helpers = {v.name.casefold() for v in code.variables if v.type == BOOL and v.initial is None} - others
     found: Counter[str] = Counter()
     for network in code.networks:
-        found.update(name for statement in network.statements for name in _names(statement))
+        found.update(names_in(*network.statements))
     # once written and once read
     once = {name for name in helpers if found[name] == 2}
     timers: set[Path] = {
@@ -45,10 +45,13 @@ def inline_single_uses(code: LoweredCode, kept: Collection[Expression]) -> None:
     left: list[list[Statement]] = [[] for _ in code.networks]
     for at, statement in inliner.placed:
         left[at].append(statement)
-    code.networks[:] = [
-        replace(network, statements=tuple(own)) for network, own in zip(code.networks, left, strict=True)
-    ]
+    networks = zip(code.networks, left, strict=True)
+    code.networks[:] = [replace(network, statements=tuple(own)) for network, own in networks if own]
     code.variables[:] = [variable for variable in code.variables if variable.name.casefold() not in inliner.gone]
+
+
+def remove_unread(code: LoweredCode, kept: Collection[Expression]) -> None:
+    """Remove variables that nothing reads, with what is assigned to them; those of `kept` stay."""
     while _without_unread(code, kept):
         pass
 
@@ -61,17 +64,19 @@ def _without_unread(code: LoweredCode, kept: Collection[Expression]) -> bool:
         for v in code.variables
         if isinstance(v.type, ElementaryType) or (isinstance(v.type, DerivedType) and v.type.name in own_types)
     }
-    unread -= {name for expression in kept for name in _names(expression)}
+    unread -= set(names_in(*kept))
     for network in code.networks:
         for statement in network.statements:
             target = _pure_target(statement)
-            names = Counter(_names(statement))
+            names = Counter(names_in(statement))
             unread -= {name for name, count in names.items() if count > (name == target)}
+    if not unread:
+        return False
     for place, network in enumerate(code.networks):
         statements = tuple(each for each in network.statements if _pure_target(each) not in unread)
         code.networks[place] = replace(network, statements=statements)
     code.networks[:] = [each for each in code.networks if each.statements]
-    written = {name for each in code.networks for s in each.statements for name in _names(s)}
+    written = {name for each in code.networks for name in names_in(*each.statements)}
     gone = unread - written
     code.variables[:] = [variable for variable in code.variables if variable.name.casefold() not in gone]
     return bool(gone)
@@ -82,10 +87,6 @@ def _pure_target(statement: Statement) -> str | None:
         case n.Assignment(n.Name(identifier), value, n.AssignmentKind.ASSIGN) if not is_impure(value):
             return identifier.casefold()
     return None
-
-
-def _names(tree: n.Node) -> list[str]:
-    return [node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name)]
 
 
 class _Placed(NamedTuple):
@@ -129,7 +130,7 @@ class _Inliner:
     def _inlined(self, place: int, name: str, value: Expression) -> bool:
         """Put the value of the helper that is written at `place` where it is read; False if it must stay."""
         behind = range(place + 1, min(place + 1 + _FARTHEST, len(self.placed)))
-        reader = next((i for i in behind if name in _names(self.placed[i].statement)), None)
+        reader = next((i for i in behind if name in names_in(self.placed[i].statement)), None)
         if reader is None:
             return False
         before: list[_Placed] = []
@@ -167,13 +168,15 @@ class _Inliner:
     def _replaced(self, reader: Statement, name: str, value: Expression) -> Statement | None:
         """Return a statement with a value instead of a name, if it evaluates that before it does anything."""
         match reader:
-            case n.If((first, *others), otherwise) if name in _names(first.condition):
+            case n.If((first, *others), otherwise) if name in names_in(first.condition):
                 if is_impure(first.condition):
                     return None
                 return n.If((n.Branch(_with(first.condition, name, value), first.statements), *others), otherwise)
             case n.Assignment(target, n.Name(identifier), n.AssignmentKind.ASSIGN) if identifier.casefold() == name:
                 return n.Assignment(target, value)
-            case n.Assignment(target, whole, n.AssignmentKind.ASSIGN) if name in _names(whole) and not is_impure(whole):
+            case n.Assignment(target, whole, n.AssignmentKind.ASSIGN) if name in names_in(whole) and not is_impure(
+                whole
+            ):
                 longer = n.Assignment(target, _with(whole, name, value))
                 written = target.identifier.casefold() if isinstance(target, n.Name) else ""
                 # a helper is a step on the way itself; in long lines a name tells more than its value
@@ -187,8 +190,8 @@ class _Inliner:
             case n.RegionBlock(title, statements):
                 inside = self._among(statements, name, value)
                 return n.RegionBlock(title, inside) if inside is not None else None
-            case n.Case(selector, branches, None) if name not in _names(selector) and not is_impure(selector):
-                place = next(i for i, branch in enumerate(branches) if name in _names(branch))
+            case n.Case(selector, branches, None) if name not in names_in(selector) and not is_impure(selector):
+                place = next(i for i, branch in enumerate(branches) if name in names_in(branch))
                 inside = self._among(branches[place].statements, name, _in_branch(value, reader, place))
                 changed = replace(branches[place], statements=inside or ())
                 return n.Case(selector, (*branches[:place], changed, *branches[place + 1 :])) if inside else None
@@ -196,9 +199,9 @@ class _Inliner:
                 for place, branch in enumerate(branches):
                     if is_impure(branch.condition):
                         return None
-                    if name in _names(branch.condition):
+                    if name in names_in(branch.condition):
                         new = n.Branch(_with(branch.condition, name, value), branch.statements)
-                    elif name in _names(branch):
+                    elif name in names_in(branch):
                         inside = self._among(branch.statements, name, value)
                         if inside is None:
                             return None
@@ -211,7 +214,7 @@ class _Inliner:
         return None
 
     def _among(self, statements: tuple[Statement, ...], name: str, value: Expression) -> tuple[Statement, ...] | None:
-        place = next(i for i, each in enumerate(statements) if name in _names(each))
+        place = next(i for i, each in enumerate(statements) if name in names_in(each))
         if any(self._changes(each, reads(value)) for each in statements[:place]):
             return None
         reader = statements[place]

@@ -16,6 +16,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     conjunction,
     disjunction,
     is_constant,
+    names_in,
     negation,
     simplified,
 )
@@ -251,17 +252,12 @@ def asked_in_between(source: ChartSource, grafcet: GrafcetSource, initial: int) 
     times = [time for delay in grafcet.delays for time in (delay.first, delay.last) if time is not None]
     actions = (*source.actions, *grafcet.continuous)
     times += [use.duration for action in actions for use in action.uses if use.duration is not None]
-    between = _names([*times, *operands])
-    return bool(source.step_code or _names(early) & _used(at_start) or between & _used(grafcet.stored))
+    between = set(names_in(*times, *operands))
+    return bool(source.step_code or _used(at_start).intersection(names_in(*early)) or between & _used(grafcet.stored))
 
 
 def _identifiers(trees: Iterable[Node]) -> Iterator[str]:
     return (node.identifier for tree in trees for node in walk(tree) if isinstance(node, n.Name))
-
-
-def _names(trees: Iterable[Node]) -> set[str]:
-    """Return the names in some texts, in lower case."""
-    return {name.casefold() for name in _identifiers(trees)}
 
 
 def _conditions(source: ChartSource) -> list[Node]:
@@ -270,4 +266,4 @@ def _conditions(source: ChartSource) -> list[Node]:
 
 
 def _used(actions: Iterable[StoredAction]) -> set[str]:
-    return _names(statement for action in actions for statement in action.statements)
+    return set(names_in(*(statement for action in actions for statement in action.statements)))

@@ -17,6 +17,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     conjunction,
     disjunction,
     is_constant,
+    names_in,
     negation,
     simplified,
 )
@@ -47,7 +48,8 @@ class TermCode:
         self.times: list[Statement] = []
         self.edges: list[Statement] = []
         self.starts: list[tuple[n.Name, Expression]] = []
-        self._early = _written_early(grafcet)
+        # stored actions may change what they name before the first evolution
+        self._early = set(names_in(*(tree for stored in grafcet.stored for tree in stored.statements)))
         for delay in grafcet.delays:
             self._values[delay.name.casefold()] = self._declare_delay(delay)
         for edge in grafcet.edges:
@@ -109,15 +111,9 @@ class TermCode:
             return value
 
         start = simplified(transform(operand, without))
-        early = any(isinstance(node, n.Name) and node.identifier.casefold() in self._early for node in walk(operand))
+        early = not self._early.isdisjoint(names_in(operand))
         called = any(isinstance(node, n.Call | n.Member) for node in walk(operand))
         return start if found or early or called else None
-
-
-def _written_early(grafcet: GrafcetSource) -> set[str]:
-    """Return the names in stored actions, in lower case: they may change them before the first evolution."""
-    trees = [tree for stored in grafcet.stored for tree in stored.statements]
-    return {node.identifier.casefold() for tree in trees for node in walk(tree) if isinstance(node, n.Name)}
 
 
 _MOST_EVOLUTIONS = 20_000
@@ -256,12 +252,11 @@ class Stability:
         assert source.grafcet is not None  # noqa: S101  # only such charts are asked for
         self._source, self._grafcet, self._seen = source, source.grafcet, seen
         self._steps = {expression: step for step, expression in enumerate(active)}
-        states = (node for each in self._steps for node in walk(each) if isinstance(node, n.Name))
-        self._states = {name.identifier.casefold() for name in states}
+        self._states = set(names_in(*self._steps))
         self._edges = {terms.value_of(edge): edge for edge in source.grafcet.edges}
         self._delays = {terms.value_of(delay): delay for delay in source.grafcet.delays}
         self._own = {name.casefold() for name in own}
-        self._written = set(_names(tree for stored in source.grafcet.stored for tree in stored.statements))
+        self._written = set(names_in(*(tree for stored in source.grafcet.stored for tree in stored.statements)))
         self._timers = {value.base for value in self._delays if isinstance(value, n.Member)}
         edges = self._edges.items()
         self._over = {pulse for pulse, e in edges if not self._changes(e.operand) and not self._steps_in(e.operand)}
@@ -437,7 +432,3 @@ def _rises_with(condition: Expression, atom: Expression, source: ChartSource) ->
 
 def _with(condition: Expression, atom: Expression, value: n.Literal) -> Expression:
     return simplified(transform(condition, lambda node: value if node == atom else node))
-
-
-def _names(trees: Iterable[Node]) -> Iterator[str]:
-    return (node.identifier.casefold() for tree in trees for node in walk(tree) if isinstance(node, n.Name))

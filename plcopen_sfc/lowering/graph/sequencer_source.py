@@ -15,6 +15,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.nodes import Operator
 from plcopen_sfc.languages.st.walking import children
+from plcopen_sfc.lowering.code.boolean_logic import names_in
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.lowering.reading.text_reading import ConditionText
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
@@ -91,8 +92,7 @@ class GraphSource(ChartSource):
     @cached_property
     def prepared_names(self) -> frozenset[str]:
         """Names (lower case) in what is executed before conditions of transitions: it may change them."""
-        trees = chain.from_iterable(self.preparations)
-        return frozenset(node.identifier.casefold() for t in trees for node in walk(t) if isinstance(node, n.Name))
+        return frozenset(names_in(*chain.from_iterable(self.preparations)))
 
     def _trees(self) -> Iterator[n.Node]:
         yield from super()._trees()

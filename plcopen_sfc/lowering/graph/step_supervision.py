@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value, time_literal
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.lowering.code.boolean_logic import (
@@ -18,6 +17,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     conjunction,
     disjunction,
     is_constant,
+    names_in,
     negation,
     when,
 )
@@ -67,7 +67,7 @@ class SupervisionChecks:
             remembers
             or (asked_early and bool(stated))
             or any(c.preparation or questions.asks(c.value) for c in stated)
-            or any(_names(c.value) & source.prepared_names for c in stated)
+            or not source.prepared_names.isdisjoint(names_in(*(c.value for c in stated)))
         )
         wanted: set[str] = set()
         if self._interlock is not None:
@@ -208,10 +208,6 @@ class SupervisionChecks:
             into.append(when(event, assignment(v["acknowledged"], TRUE)))
         known = [v["acknowledged"]] if self._must_acknowledge else []
         into.append(when(conjunction([negation(v["VS"]), *known]), assignment(v["VA"], FALSE)))
-
-
-def _names(tree: Expression) -> set[str]:
-    return {node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name)}
 
 
 _EVENTS = ("L1", "L0", "V1", "V0", "A1")

@@ -11,7 +11,7 @@ from plcopen_sfc.analysis.exclusivity import exclusive
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.effects import is_impure
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import print_node, walk
+from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.actions.action_control import (
     ActionControlCode,
@@ -35,6 +35,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     Alternative,
     conjunction,
     is_constant,
+    names_in,
     when,
     with_distinct,
 )
@@ -68,9 +69,8 @@ def exclude(one: Expression, other: Expression, dialect: Dialect) -> bool:
     """Return True if two conditions can never be TRUE together."""
     if is_constant(one, FALSE) or is_constant(other, FALSE):
         return True
-    names = [{node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name)} for tree in (one, other)]
     # conditions without a common name are independent: the prover would only cost time
-    if not names[0] & names[1]:
+    if set(names_in(one)).isdisjoint(names_in(other)):
         return False  # each of them can be TRUE, or the prover did not decide
     return bool(exclusive(print_node(one), print_node(other), dialect=dialect).answer)
 
