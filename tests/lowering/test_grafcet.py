@@ -26,7 +26,7 @@ from tests.lowering.grafcets import pou_with
 from tests.lowering.random_grafcets import random_calm_grafcet, random_grafcet
 from tests.semantics.charts.rig import chain
 from tests.semantics.charts.test_grafcet import action, emergency_stop, enclosing, seed_chain
-from tests.semantics.charts.test_grafcet_oracle import CHART, read, read_chart, section
+from tests.semantics.charts.test_grafcet_oracle import CHART, read, section
 from tests.sweeps import some_of
 
 SHORT = replace(PROFILES["grafcet"], name="short", max_evolutions=20)
@@ -526,4 +526,6 @@ def test_a_chart_of_another_tool() -> None:
     corpus = require_corpus()
     text = read(corpus / CHART)
     inputs, outputs = (" ".join(entry[0] for entry in section(text, name)) for name in ("INPUTS", "OUTPUTS"))
-    compare(pou_with(read_chart(text), inputs, outputs))
+    chart = sfc.load(corpus / CHART).pous[0].chart
+    assert chart is not None
+    compare(pou_with(chart, inputs, outputs))
