@@ -800,6 +800,9 @@ _TRANSLATED = {
         "nichts wird darin ausgeführt und nichts verlässt ihn: CODESYS lässt den Schritt aus"
     ),
     "`{}` is left out: a later row of the step sets {}": "`{}` entfällt: eine spätere Zeile des Schritts setzt {}",
+    "`{}` (event S1) is executed before rows above it that write {}; S7-GRAPH executes it after them": (
+        "`{}` (Ereignis S1) wird vor darüberliegenden Zeilen ausgeführt, die {} schreiben; S7-GRAPH führt es danach aus"
+    ),
     "`{}` (event S0) is executed before the next step drives {}; S7-GRAPH executes it after that": (
         "`{}` (Ereignis S0) wird ausgeführt, bevor der nächste Schritt {} ansteuert; S7-GRAPH führt es danach aus"
     ),

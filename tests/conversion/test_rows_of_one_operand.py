@@ -30,10 +30,17 @@ CASES: dict[str, list[Row]] = {
     "for a time, then driven": [("Work", "L", {"duration": "T#2s"}), ("Done", "N", {})],
     "reset, then set by the same step": [("Work", "R", {}), ("Work", "S", {}), ("Idle", "R", {})],
     "set, then reset by the same step": [("Idle", "S", {}), ("Work", "S", {}), ("Work", "R", {})],
+    "set at the start, then assigned": [("Work", "S", {"event": "S1"}), ("Work", "N", {"value": "g"})],
+    "assigned, then set at the start": [("Work", "N", {"value": "g"}), ("Work", "S", {"event": "S1"})],
+    "set, then reset at the start": [("Work", "S", {}), ("Work", "R", {"event": "S1"}), ("Idle", "R", {})],
     "reset when left, driven by the next step": [IN_WORK, ("Work", "R", {"event": "S0"}), ("Done", "N", {})],
 }
 DIFFERENT = {
     ("driven, assigned at the start", "codesys"),
+    ("assigned, then set at the start", "codesys"),
+    ("assigned, then set at the start", "plcopen"),
+    ("set, then reset at the start", "codesys"),
+    ("set, then reset at the start", "plcopen"),
     ("reset when left, driven by the next step", "codesys"),
     ("reset when left, driven by the next step", "plcopen"),
 }

@@ -14,6 +14,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import takewhile
 
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, guarded
 from plcopen_sfc.conversion.adaptation.step_checks import COMPUTED, StepChecks
@@ -525,6 +526,10 @@ class StepRewriter:
             why = f"`{_called(row)}` (event S0) is executed after the next step has written {row.target}"
             self._note_action(Outcome.APPROXIMATED, step, row.target, f"{why}; S7-GRAPH executes it before that")
             return
+        if event is ActionEvent.S1 and not _is_coil(row) and self._overtakes(step, row):
+            why = f"`{_called(row)}` (event S1) is executed before rows above it that write {row.target}"
+            self._note_action(Outcome.APPROXIMATED, step, row.target, f"{why}; S7-GRAPH executes it after them")
+            return
         driver = self._driven_after(step, row) if not _is_coil(row) else None
         if driver is not None:
             why = f"`{_called(row)}` is executed before the step {driver.name}, active too, drives {row.target}"
@@ -575,6 +580,12 @@ class StepRewriter:
         """True if a following step may drive the operand of a row otherwise in the cycle in which its step is left."""
         coils = [r for _, r in self._next_rows(step, row) if _is_coil(r)]
         return any(row.qualifier is not Qualifier.S or r.duration is not None or r.interlock for r in coils)
+
+    def _overtakes(self, step: Step, row: ActionAssociation) -> bool:
+        """True if rows above one that is executed once write its operand in every cycle."""
+        above = takewhile(lambda each: each.id != row.id, step.actions)
+        lasting = [each for each in above if each.event is None and each.target and not _is_coil(each)]
+        return any(_key(each) == _key(row) for each in lasting)
 
     def _is_written_before(self, step: Step, row: ActionAssociation) -> bool:
         """True if a following step writes the operand of a row in an action that comes before those of its step.
