@@ -31,11 +31,12 @@ class DrawnTransition:
     members: list[Transition]
     alternatives: list[tuple[int, ...]]
     targets: tuple[int, ...]
+    sources: tuple[int, ...] = field(init=False)
+    """Steps of all alternatives."""
 
-    @property
-    def sources(self) -> tuple[int, ...]:
-        """Steps of all alternatives."""
-        return tuple(dict.fromkeys(step for alternative in self.alternatives for step in alternative))
+    def __post_init__(self) -> None:
+        """Join the alternatives."""
+        self.sources = tuple(dict.fromkeys(step for alternative in self.alternatives for step in alternative))
 
 
 @dataclass(slots=True)

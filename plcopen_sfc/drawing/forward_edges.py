@@ -120,8 +120,11 @@ def without_entries(
     edges = ForwardEdges(successors, candidates)
     convergences = {node: steps for node, steps in waiting.items() if len(steps) > 1}
     for _ in range(_ROUNDS):
+        apart = _taken_apart(edges, convergences, waiting) if convergences else []
+        if not apart:
+            break
         branches = _SimultaneousBranches(edges, waiting)
-        searched = [branches.entries(node) for node in _taken_apart(edges, convergences, waiting)]
+        searched = [branches.entries(node) for node in apart]
         found = [entries for entries in searched if entries is not None and entries.edges]
         # the clearest branches first: what leads into them is no doubt about others then
         lowest = min((each.rank for each in found), default=(0, 0))

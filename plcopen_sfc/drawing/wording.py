@@ -60,6 +60,13 @@ class Wording:
         self.told = told
         self._read = condition_reader(chart, dialect)
 
+    def label(self, label: str) -> str:
+        """A label of a transition (`SfcNetwork.label`): where it leads nowhere, or comes from nowhere, in words."""
+        start, _, end = label.partition(" -> ")
+        if end == "nowhere":
+            return self.told("{} -> nowhere", start)
+        return self.told("nowhere -> {}", end) if start == "nowhere" else label
+
     def condition(self, condition: Condition | None) -> str:
         """A condition; empty where there is none."""
         if condition is None:

@@ -177,8 +177,11 @@ def is_standard_call(call: n.Call) -> bool:
 
 def writes(tree: Expression | Statement, standard_instances: Set[Path]) -> frozenset[Path]:
     """The variables that a statement or expression writes. `standard_instances`: those of standard function blocks."""
-    found = {path_of(target) for target in targets(tree)}
+    found: set[Path] = set()
     for node in walk(tree):
+        target = _target(node)
+        if target is not None:
+            found.add(path_of(target))
         if isinstance(node, n.Call) and not is_standard_call(node):
             path = path_of(node.callee)
             found.update((path,) if path in standard_instances else (path, ANYTHING))
@@ -191,13 +194,15 @@ def writes(tree: Expression | Statement, standard_instances: Set[Path]) -> froze
 
 def targets(tree: n.Node) -> Iterator[Expression]:
     """Yield the variables that a tree names as written: by assignments, loops and outputs of calls."""
-    for node in walk(tree):
-        if isinstance(node, n.Assignment | n.AssignmentExpression):
-            yield node.target
-        elif isinstance(node, n.For):
-            yield node.variable
-        elif isinstance(node, n.Argument) and node.output and node.value is not None:
-            yield node.value
+    yield from (target for target in map(_target, walk(tree)) if target is not None)
+
+
+def _target(node: n.Node) -> Expression | None:
+    if isinstance(node, n.Assignment | n.AssignmentExpression):
+        return node.target
+    if isinstance(node, n.For):
+        return node.variable
+    return node.value if isinstance(node, n.Argument) and node.output else None
 
 
 def may_change(read: frozenset[Path], written: frozenset[Path], private: Set[str]) -> bool:

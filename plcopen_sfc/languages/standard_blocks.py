@@ -110,8 +110,9 @@ class StandardBlock:
     def _known(self, pin: str, pins: tuple[Pin, ...]) -> str | None:
         key = pin.casefold()
         for known in pins:
-            own = (names.pins.get(known.name, "") for names in self.tools.values())
-            if key in (known.name.casefold(), *(name.casefold() for name in own)):
+            if key == known.name.casefold():
+                return known.name
+            if any(key == names.pins.get(known.name, "").casefold() for names in self.tools.values()):
                 return known.name
         return None
 

@@ -84,6 +84,8 @@ _GERMAN = {
     "Used in": "Verwendet in",
     "Values": "Werte",
     "Verdict": "Urteil",
+    "nowhere -> {}": "von nirgends -> {}",
+    "{} -> nowhere": "{} -> nirgendwohin",
     "{} scans of {}, executed as in {}": "{} Zyklen von {}, ausgef\u00fchrt wie in {}",
     "a body in a form that is kept but not read": "ein Rumpf in einer Form, die erhalten, aber nicht gelesen wird",
     "after {} too": "zugleich nach {}",

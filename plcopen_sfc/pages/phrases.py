@@ -55,6 +55,12 @@ class Phrases:
         return re.compile(pattern, re.DOTALL), places, self._table[message]
 
 
+def german_label(text: str) -> str:
+    """Return a text in which the labels of transitions that lead nowhere, or come from nowhere, are German."""
+    return _FROM_NOWHERE.sub("von nirgends -> ", _TO_NOWHERE.sub(" -> nirgendwohin", text))
+
+
+_FROM_NOWHERE, _TO_NOWHERE = re.compile(r"\bnowhere -> "), re.compile(r" -> nowhere\b")
 _PLACES = re.compile(r"\{[+&#]?\}")
 _MORE = re.compile(r" and (\d+) more$")
 _NUMBER = r"(\d[\d,.]*)"

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from functools import lru_cache
 
-from plcopen_sfc.pages.phrases import Phrases
+from plcopen_sfc.pages.phrases import Phrases, german_label
 from plcopen_sfc.pages.verdict_words import Verdicts
 
 _KINDS = {
@@ -1171,7 +1171,8 @@ def _german_part(part: str) -> str:
     for end in range(len(words), 0, -1):
         kind = " ".join(words[:end])
         if kind in _KINDS:
-            return " ".join([_KINDS[kind], *words[end:]])
+            name = " ".join(words[end:])
+            return f"{_KINDS[kind]} {german_label(name) if kind == 'transition' else name}".rstrip()
     return part
 
 

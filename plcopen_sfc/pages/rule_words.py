@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from plcopen_sfc.pages.phrases import Phrases
+from plcopen_sfc.pages.phrases import Phrases, german_label
 
 _HINTS = {
     "Convert the value (REAL_TO_INT, TIME_TO_DINT), or compare it: n <> 0.": (
@@ -403,11 +403,87 @@ _MESSAGES = {
 }
 """What findings tell, by the English message."""
 
+_READ = {
+    "the condition of a transition is wired to nothing": "die Bedingung einer Transition ist mit nichts verbunden",
+    "a transition has no condition": "eine Transition hat keine Bedingung",
+    "no step leads to this transition": "kein Schritt führt zu dieser Transition",
+    "nothing leads on from this step": "von diesem Schritt führt nichts weiter",
+    "this transition leads nowhere": "diese Transition führt nirgendwohin",
+    "a step leads here without a transition between": "ein Schritt führt ohne Transition dazwischen hierher",
+    "{} leads to element {}, which does not exist": "{} führt zu Element {}, das es nicht gibt",
+    "a connection leads to element {}, which does not exist": "eine Verbindung führt zu Element {}, das es nicht gibt",
+    "localId {} is used twice in one body": "die localId {} wird in einem Rumpf zweimal verwendet",
+    "<{}> has no usable localId": "<{}> hat keine brauchbare localId",
+    "a connection has no id of the element that it leads to": (
+        "eine Verbindung nennt nicht die id des Elements, zu dem sie führt"
+    ),
+    "the connections of the chart are kept but not understood: {}": (
+        "die Verbindungen der Ablaufkette bleiben erhalten, sind aber nicht verständlich: {}"
+    ),
+    "an action block is wired to no step; it is kept in the file but not part of the chart": (
+        "ein Aktionsblock ist mit keinem Schritt verbunden; er bleibt in der Datei, gehört aber nicht zur Ablaufkette"
+    ),
+    "{} is a second initial step, besides {}": "{} ist ein zweiter Initialschritt, neben {}",
+    "the chart has no initial step": "die Ablaufkette hat keinen Initialschritt",
+    "two steps have the name {}": "zwei Schritte heißen {}",
+    "a step has no usable number": "ein Schritt hat keine brauchbare Nummer",
+    "a transition has no usable number": "eine Transition hat keine brauchbare Nummer",
+    "a branch is damaged": "eine Verzweigung ist beschädigt",
+    "the number {} belongs to two steps": "die Nummer {} gehört zu zwei Schritten",
+    "the number {} belongs to two transitions": "die Nummer {} gehört zu zwei Transitionen",
+    "FROM names {}, which is no step of this chart": "FROM nennt {}: das ist kein Schritt dieser Ablaufkette",
+    "TO names {}, which is no step of this chart": "TO nennt {}: das ist kein Schritt dieser Ablaufkette",
+    "found {+}, expected {+}": "gefunden: {}, erwartet: {}",
+    "found {+}, expected {+} in line {#}": "gefunden: {}, erwartet: {}, in Zeile {}",
+    "found {+}, expected {+} for the {} in line {#}": "gefunden: {}, erwartet: {}, für {} in Zeile {}",
+    "{} cannot stand here": "{} kann hier nicht stehen",
+    "these statements belong to no step, action or transition": (
+        "diese Anweisungen gehören zu keinem Schritt, keiner Aktion und keiner Transition"
+    ),
+    "the action belongs to no step: it is never executed, and left out where the file is written for another one": (
+        "die Aktion gehört zu keinem Schritt: sie wird nie ausgeführt und fehlt, wo die Datei neu geschrieben wird"
+    ),
+    "the link joins no step with an action: it is never executed, and left out where the file is written for "
+    "another one": (
+        "der Link verbindet keinen Schritt mit einer Aktion: er wird nie ausgeführt und fehlt, wo die Datei neu "
+        "geschrieben wird"
+    ),
+    "<{}> is a type of a kind that is not known; it is kept as it is": (
+        "<{}> ist ein Typ einer unbekannten Art; er bleibt, wie er ist"
+    ),
+    "the network is damaged, and kept as it is: {}": "das Netzwerk ist beschädigt und bleibt, wie es ist: {}",
+    "the keyword {}": "das Schlüsselwort {}",
+    "{} or a name": "{} oder ein Name",
+    "this is no declaration: {+}": "das ist keine Deklaration: {}",
+    "variables in an action: they are those of the POU now": (
+        "Variablen in einer Aktion: sie sind jetzt die des Bausteins"
+    ),
+    "objects that are kept in the file as they are, and nowhere else: {}": (
+        "Objekte, die in der Datei erhalten bleiben, wie sie sind, und nirgends sonst: {}"
+    ),
+    "the file names no code page; taken as {}, which is a guess: {}": (
+        "die Datei nennt keine Codepage; gelesen als {}, das ist eine Vermutung: {}"
+    ),
+    "not in UTF-8 and without a byte order mark; taken as {}": (
+        "nicht in UTF-8 und ohne Byte-Reihenfolge-Marke; gelesen als {}"
+    ),
+    "the file has no byte order mark and is not in UTF-8; taken as {}, which is a guess": (
+        "die Datei hat keine Byte-Reihenfolge-Marke und ist nicht in UTF-8; gelesen als {}, das ist eine Vermutung"
+    ),
+    "{+} (did you mean {}?)": "{} (gemeint {}?)",
+    "{} is no qualifier of actions": "{} ist kein Bestimmungszeichen von Aktionen",
+    "there is no step {}": "es gibt keinen Schritt {}",
+    "{}: it is no duration, such as T#5s, and no expression; a time has a unit, such as 2s or T#1m30s": (
+        "{}: das ist keine Dauer wie T#5s und kein Ausdruck; eine Zeit hat eine Einheit, etwa 2s oder T#1m30s"
+    ),
+}
+"""What readers tell of charts and files, by the English message."""
+
 
 @lru_cache(maxsize=4096)
 def german_finding(message: str) -> str:
     """Return the message or the hint of a finding in German; itself where no translation is known."""
-    return _PHRASES(message)
+    return german_label(_PHRASES(message))
 
 
-_PHRASES = Phrases({**_HINTS, **_MESSAGES}, german_finding)
+_PHRASES = Phrases({**_HINTS, **_MESSAGES, **_READ}, german_finding)

@@ -382,6 +382,25 @@ END_PROGRAM
     assert tree.xpath("//section[@id='coverage']//li/a/@href") == [f"#{marked.get('id')}"]
 
 
+def test_findings_of_readers_and_ends_of_charts_are_told_in_german() -> None:
+    text = """PROGRAM P
+INITIAL_STEP A: END_STEP
+STEP B: END_STEP
+TRANSITION FROM A TO B := x; END_TRANSITION
+TRANSITION FROM A TO Nein := y; END_TRANSITION
+END_PROGRAM
+"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    chart = project.pous[0].chart
+    chart.add_transition(chart.step("B"), [], "z")
+    page = parse(sfc.page(project, lang="de"))
+    assert "TO nennt 'Nein': das ist kein Schritt dieser Ablaufkette" in words_of(page)
+    assert "Transition B -> nirgendwohin: z" in [title.text for title in page.iter("title")]
+    assert "Transition B -> nirgendwohin" in words_of(page.get_element_by_id("findings"))
+    assert "nowhere" not in words_of(page)
+    assert "nowhere" in words_of(parse(sfc.page(project)))
+
+
 def test_findings_are_told_in_german() -> None:
     words = Words("de")
     assert {rule.code for rule in all_rules() if words.finding(rule.hint) == rule.hint} == set()

@@ -71,7 +71,11 @@ def _letter(letter: str) -> int:
 @lru_cache(maxsize=8192)
 def text_width(text: str, size: int, *, bold: bool = False) -> int:
     """Return the width of one line of text, in the unit of its font `size`."""
-    return ceil(sum(map(_letter, text)) * size * (_BOLD if bold else 1) * _ROOM / 1000)
+    return _points(sum(map(_letter, text)), size, bold=bold)
+
+
+def _points(letters: int, size: int, *, bold: bool) -> int:
+    return ceil(letters * size * (_BOLD if bold else 1) * _ROOM / 1000)
 
 
 def widest(lines: list[str], size: int, *, bold: bool = False) -> int:
@@ -85,6 +89,8 @@ def wrap(text: str, size: int, width: int, *, bold: bool = False) -> list[str]:
     An operator begins a line and does not end it: so a long condition reads as a column of operands. Line ends of the
     text stay, and so does its indentation.
     """
+    if not text:
+        return []
     lines: list[str] = []
     for line in text.expandtabs(4).splitlines():
         lines += _wrap_line(line.rstrip(), size, width, bold)
@@ -117,7 +123,8 @@ def _wrap_words(text: str, indent: str, size: int, width: int, bold: bool) -> li
         if current and text_width(longer, size, bold=bold) > width:
             lines.append(current)
             longer = indent + word
-        while text_width(longer, size, bold=bold) > width and len(longer) > 1:
+        # more letters than units never fit; so the rest of an endless word is not measured at each of its lines
+        while len(longer) > 1 and (len(longer) > width or text_width(longer, size, bold=bold) > width):
             head = _head(longer, size, width, bold)
             lines.append(head)
             longer = longer[len(head) :]
@@ -138,11 +145,15 @@ def _units(words: list[str]) -> list[str]:
 
 def _head(word: str, size: int, width: int, bold: bool) -> str:
     """Return as much of a word as fits, up to a point, an underscore or the like if one is in its second half."""
-    fitting = 1
-    while fitting < len(word) and text_width(word[: fitting + 1], size, bold=bold) <= width:
+    fitting = 1  # letters are counted on from word to word: a line of a thousand would be measured a thousand times
+    wide = _letter(word[0])
+    while fitting < len(word):
+        wide += _letter(word[fitting])
+        if _points(wide, size, bold=bold) > width:
+            break
         fitting += 1
     end = 0
-    for part in _PARTS.finditer(word):
+    for part in _PARTS.finditer(word, 0, fitting + 1):  # of an endless word no more than is looked at
         if part.end() > fitting:
             break
         end = part.end()
@@ -239,6 +250,7 @@ DOUBLE = 4
 _PROGRAM = frozenset({"plain", "small"})
 """Kinds of texts that are program text."""
 _WORD = re.compile(r"\w+")
+_BLANKS = re.compile("^ +| {2,}")
 
 
 def escape(text: str) -> str:
@@ -249,6 +261,7 @@ def escape(text: str) -> str:
     return clean.encode("ascii", "xmlcharrefreplace").decode("ascii")
 
 
+@lru_cache
 def style_rules(theme: Theme, scope: str) -> str:
     """Return the style sheet of a theme for pictures inside of what the selector `scope` chooses."""
     colours = _COLOURS[theme]
@@ -275,9 +288,8 @@ class Canvas:
 
     def wire(self, *points: tuple[int, int], kind: str = "wire") -> None:
         """Draw a wire in right angles, or straight; a line of another `kind` too."""
-        (x, y), *others = points
-        path = f"M{x} {y}" + "".join(f"L{x} {y}" for x, y in others)
-        drawn = f'<path class="{kind}" d="{path}"/>'
+        path = "L".join([f"{x} {y}" for x, y in points])
+        drawn = f'<path class="{kind}" d="M{path}"/>'
         if drawn not in self._paths:  # drawn twice it would look thicker
             self._paths.add(drawn)
             self._wires.append(drawn)
@@ -315,9 +327,8 @@ class Canvas:
 
     def line(self, kind: str, *points: tuple[int, int], closed: bool = False) -> None:
         """Draw a line that belongs to an element; `closed`: an area."""
-        (x, y), *others = points
-        path = f"M{x} {y}" + "".join(f"L{x} {y}" for x, y in others) + ("Z" if closed else "")
-        self._elements.append(f'<path class="{kind}" d="{path}"/>')
+        path = "L".join([f"{x} {y}" for x, y in points])
+        self._elements.append(f'<path class="{kind}" d="M{path}{"Z" if closed else ""}"/>')
 
     def circle(self, kind: str, x: int, y: int, radius: int) -> None:
         """Draw a circle around a point."""
@@ -327,7 +338,8 @@ class Canvas:
         """Write one line of text with its base line at `y`; `link` is the id of an element of the same picture."""
         placed = "" if anchor == "start" else f' text-anchor="{anchor}"'
         # leading and repeated blanks, which XML readers join, are kept as no-break spaces
-        shown = re.sub("^ +| {2,}", lambda blanks: "\u00a0" * len(blanks[0]), text)
+        blank = text.startswith(" ") or "  " in text
+        shown = _BLANKS.sub(lambda blanks: "\u00a0" * len(blanks[0]), text) if blank else text
         content = self._with_links(shown) if self._linked and kind in _PROGRAM and not link else escape(shown)
         written = f'<text class="{kind}" x="{x}" y="{y}"{placed}>{content}</text>'
         self._elements.append(f'<a href="#{escape(link)}">{written}</a>' if link else written)

@@ -229,7 +229,7 @@ class PictureSheet:
             name = f"T{transition.number}"
         elif not name:
             name = " & ".join(self.step_reference(i).name for i in transition.sources if i in self.steps)
-            name = name or self.labels[number]  # a source transition
+            name = name or self.words.label(self.labels[number])  # a source transition
         return LinkEnd(name, f"{self.prefix}transition-{number}")
 
 
@@ -403,7 +403,7 @@ class TransitionSymbol:
         self._priority = str(transition.priority) if competing and transition.priority is not None else ""
         self._names = self._name_lines()
         condition = sheet.words.condition(transition.condition)
-        told, label = sheet.words.told, sheet.labels[transition.id]
+        told, label = sheet.words.told, sheet.words.label(sheet.labels[transition.id])
         name = f"{label} {told(EXCLUDED)}" if transition.exclude else label
         self._title = f"{told('Transition {}', name)}: {condition or told('(no condition)')}"
         widest_line = min(max(_CONDITION_WIDTH, text_width(condition, 12) // 4), 2 * _CONDITION_WIDTH)

@@ -384,12 +384,11 @@ _WORD = re.compile(r"[^\W\d]\w*")
 
 def _names(graph: Graph) -> set[str]:
     """All words in the texts of a network."""
-    texts: set[str] = set()
+    texts: set[str | None] = set()
     for node in graph.nodes.values():
-        texts.update(
-            getattr(node, name, None) or "" for name in ("expression", "variable", "instance", "label", "code")
-        )
-        texts.update(pin.expression or "" for pin in graph.pins(node))
+        fields = node.__dict__  # of a model, and without what pydantic does for a field that is missing
+        texts.update(map(fields.get, ("expression", "variable", "instance", "label", "code")))
+        texts.update(pin.expression for pin in graph.pins(node))
         if isinstance(node, Block):
-            texts.update(v.output.expression or "" for v in node.parameters.outputs if v.output is not None)
-    return {word for text in texts for word in _WORD.findall(text)}
+            texts.update(v.output.expression for v in node.parameters.outputs if v.output is not None)
+    return {word for text in texts if text for word in _WORD.findall(text)}

@@ -287,7 +287,8 @@ class Wires:
 
     def execute(self, statement: Statement) -> None:
         """Append a statement; values that it may change and that are still needed go to helpers before it."""
-        self.prepare(writes(statement, self._standard))
+        if any(self._left.values()):
+            self.prepare(writes(statement, self._standard))
         self.statements.append(statement)
 
     def prepare(self, written: frozenset[Path], using: Collection[Source] = ()) -> None:

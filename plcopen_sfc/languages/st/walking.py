@@ -38,7 +38,15 @@ def walk(node: Node) -> Iterator[Node]:
     while waiting:
         found = waiting.pop()
         yield found
-        waiting += reversed(tuple(children(found)))
+        inner: list[Node] = []
+        for name in parts(type(found)):  # as `children` does, without a generator for each node
+            value = getattr(found, name)
+            if isinstance(value, Node):
+                inner.append(value)
+            elif isinstance(value, tuple):
+                inner += [item for item in value if isinstance(item, Node)]
+        inner.reverse()
+        waiting += inner
 
 
 def transform(node: AnyNode, change: Callable[[Node], Node]) -> AnyNode:
