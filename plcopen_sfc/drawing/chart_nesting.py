@@ -388,16 +388,18 @@ class _Builder:
             joint = self.flow.joints.get(target) if target is not None else None
             return target if whole and joint is not None and len(joint.alternatives) == 1 else None
         rank = self.flow.edges.rank
-        best: tuple[bool, bool, int, int] | None = None
+        best: tuple[bool, bool, int, int, int] | None = None
         found: int | None = None
         for target, group in groups.items():
             joint = self.flow.joints.get(target)
             if joint is not None and len(joint.alternatives) == 1 and len(group) > 1:
                 continue
             # a convergence that waits for this branch, else the nearest target ahead; without one, the target behind to
-            # which most branches go back
+            # which most branches go back, or the longest one: it is the straight line
             behind = all(end is not None and self.is_jump(end) for end in (divergence.branches[i].end for i in group))
-            key = (behind, not self.is_convergence(target), -len(group) if behind else rank[target], -group[-1])
+            longest = max(len(divergence.branches[i].items) for i in group) if behind else 0
+            first = -len(group) if behind else rank[target]
+            key = (behind, not self.is_convergence(target), first, -longest, -group[-1])
             if best is None or key < best:
                 best, found = key, target
         return found

@@ -148,6 +148,10 @@ def links_in(picture: Picture) -> set[tuple[str, str]]:
             origins += [(link, net.below_bar(end)) for end in ends if end not in entered]
         else:
             found.setdefault(net.at((right, top + 7), upper=True), set()).add(link)
+    reached = {each for _, start in origins for each in net.down(start)}
+    for g in picture.by_class("jump"):
+        left, top, right, _ = area(g)
+        assert net.at(((left + right) // 2, top + 4), upper=True) in reached, g.findtext(f"{SVG}title")
     return direct | {(name, end) for name, start in origins for each in net.down(start) for end in found.get(each, ())}
 
 

@@ -25,11 +25,12 @@ from plcopen_sfc.model.drawing import STEPS, Places
 from plcopen_sfc.model.project import Chart
 from plcopen_sfc.model.sfc import Enclosure, Macro, PartialChart, PartialChartKind, Supervised
 from tests.corpus import ROOT, corpus_files, require_corpus
-from tests.drawing.nets import any_net, make, nested_net
+from tests.drawing.nets import any_net, entered_net, make, nested_net
 from tests.drawing.pictures import SVG, Picture, area, assert_tidy, links_in, points, read_picture
 from tests.sweeps import examples
 
 FIXTURES = ROOT / "fixtures"
+CHARTS = st.one_of(any_net(), nested_net(), entered_net())
 STYLES = ["iec", "grafcet", "s7graph"]
 
 
@@ -84,7 +85,7 @@ class TestEveryChart:
             assert {link.removeprefix("#") for link in picture.root.xpath("//@href")} <= set(ids), path
 
     @pytest.mark.slow
-    @given(chart=st.one_of(any_net(), nested_net()), actions=st.integers(0, 3), style=st.sampled_from(STYLES))
+    @given(chart=CHARTS, actions=st.integers(0, 3), style=st.sampled_from(STYLES))
     def test_any_chart_is_tidy(self, chart: SfcNetwork, actions: int, style: str) -> None:
         for step in chart.steps[::2]:
             for _ in range(actions):
@@ -113,6 +114,13 @@ class TestEveryChart:
             if at[one].position[1] < at[other].position[1]:
                 assert shown[one][1] < shown[other][1]
 
+    def test_places_of_a_file_have_the_arrows_of_jumps(self) -> None:
+        chart = sfc.load(FIXTURES / "plcopen" / "filling_station_2.01.xml").pous[0].chart
+        picture = drawn(chart)
+        assert chart.to_svg() != chart.to_svg(fresh=True)
+        arrows = {g.findtext(f"{SVG}title") for g in picture.by_class("reference")}
+        assert arrows == {"From Recover", "From CheckBatch", "From BatchDone"}
+
     @pytest.mark.slow
     @pytest.mark.corpus
     def test_real_charts_are_tidy(self) -> None:
@@ -130,7 +138,7 @@ class TestEveryChart:
         assert seen > 50
 
     @pytest.mark.slow
-    @given(chart=st.one_of(any_net(), nested_net()))
+    @given(chart=CHARTS)
     def test_a_picture_says_where_each_transition_leads(self, chart: SfcNetwork) -> None:
         """A reader of the wires, bars, jumps and references finds the links of the chart and no others."""
         assert links_in(read_picture(chart.to_svg())) == links_of(chart)

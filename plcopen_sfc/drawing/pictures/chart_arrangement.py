@@ -338,8 +338,12 @@ class Arrangement:
         return TransitionSymbol(sheet, number, waits, competing=competing)
 
     def _jump_early(self, fan: _Fan, target: int) -> None:
-        """Let short branches before a jump have jumps of their own, instead of long lines to the common one."""
-        longest = max(column.height for column in fan.columns)
+        """Let short branches before a jump have jumps of their own, instead of long lines to the common one.
+
+        One branch keeps the common jump.
+        """
+        going = [column.height for column, joined in zip(fan.columns, fan.joined, strict=True) if joined]
+        longest = max(going, default=0)
         for number, column in enumerate(fan.columns):
             if fan.joined[number] and longest - column.height > _LONG_LINE:
                 fan.joined[number] = False

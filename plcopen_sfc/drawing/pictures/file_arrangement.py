@@ -214,9 +214,29 @@ def _competing(chart: SfcNetwork) -> set[int]:
     return {number for numbers in below.values() if len(numbers) > 1 for number in numbers}
 
 
-def _shown(sheet: PictureSheet, symbol: DrawnSymbol, competing: Set[int]) -> Symbol | None:
+def _jumping(symbols: Sequence[DrawnSymbol]) -> dict[int, list[int]]:
+    """Return the transitions whose jumps lead to each step, through the bars between them."""
+    drawn = {symbol.id: symbol for symbol in symbols}
+    found: dict[int, list[int]] = {}
+    for jump in symbols:
+        if jump.kind is not SymbolKind.JUMP or jump.target is None:
+            continue
+        pending = list(_sources(jump, drawn))
+        for number in pending:  # grows while it is walked
+            above = drawn[number]
+            if above.kind is SymbolKind.TRANSITION:
+                found.setdefault(jump.target, []).extend(above.transitions or [above.id])
+            elif above.kind in BARS:
+                pending += [source for source in _sources(above, drawn) if source not in pending]
+    return found
+
+
+def _shown(
+    sheet: PictureSheet, symbol: DrawnSymbol, competing: Set[int], jumping: Mapping[int, Sequence[int]]
+) -> Symbol | None:
     if symbol.kind in STEPS:
-        return StepSymbol(sheet, symbol.id, [], [])
+        entries = [sheet.transition_reference(number) for number in jumping.get(symbol.id, ())]
+        return StepSymbol(sheet, symbol.id, entries, [])
     if symbol.kind is SymbolKind.TRANSITION:
         number = symbol.transitions[0] if symbol.transitions else symbol.id
         return TransitionSymbol(sheet, number, [], competing=number in competing)
@@ -229,8 +249,10 @@ def _symbols(sheet: PictureSheet, drawing: Drawing) -> dict[int, _Placed]:
     """Return the symbols that are drawn, in line with each other where the file has them nearly so."""
     sizes = SymbolSizes(sheet.chart)
     drawn = [symbol for symbol in drawing.symbols if symbol.kind in _DRAWN]
-    competing = _competing(sheet.chart)
-    symbols = {each.id: _Placed(each.kind, _box(each, sizes), _shown(sheet, each, competing)) for each in drawn}
+    competing, jumping = _competing(sheet.chart), _jumping(drawn)
+    symbols = {
+        each.id: _Placed(each.kind, _box(each, sizes), _shown(sheet, each, competing, jumping)) for each in drawn
+    }
     for symbol in drawn:
         placed = symbols[symbol.id]
         for source in _sources(symbol, symbols):
@@ -301,7 +323,7 @@ def _cross(wires: Sequence[Wire]) -> bool:
     )
 
 
-def _sources(symbol: DrawnSymbol, symbols: Mapping[int, _Placed]) -> Iterator[int]:
+def _sources(symbol: DrawnSymbol, symbols: Mapping[int, object]) -> Iterator[int]:
     """Yield what the wires into a symbol come from."""
     yield from (c.source for pin in symbol.inputs for c in pin.connections if c.source in symbols)
 
