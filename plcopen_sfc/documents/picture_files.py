@@ -23,6 +23,8 @@ _SHOWN = 20
 _SIZE = re.compile(r' width="(\d+)" height="(\d+)"')
 _OVERLINED = re.compile(r"(?:(?:[^<>&;]|&#\d+;)&#773;)+(?=[^<>]*</)")
 """Negated names of a GRAFCET in the text of a picture: cairo takes no other font for a sign that Arial may not have."""
+_TEXT = re.compile(r"<text [^>]*>([^<]*)")
+_LETTER = re.compile(r"&#(\d{3,});")
 _PNG_PIXELS = 32_000
 """The images of cairo have at most 32 767 rows and columns."""
 _PNG_SCALE = 2.0
@@ -31,10 +33,14 @@ _PDF_PIXELS = 19_200
 
 
 class PictureFile(NamedTuple):
-    """A picture in a file: the `name` of its chart or of its body in FBD or LD (``Main.Fill``) and the `path`."""
+    """A picture in a file: the `name` of its chart or of its body in FBD or LD (``Main.Fill``) and the `path`.
+
+    `missing`: letters that the font of this machine does not have. They are boxes in a PNG or PDF.
+    """
 
     name: str
     path: Path
+    missing: str = ""
 
 
 def draw(
@@ -67,13 +73,15 @@ def draw(
     charts = drawn_bodies(project, pou, kind)
     paths = _paths(charts, path, PICTURE_FORMATS[kind])
     pairs = list(zip(charts, paths, strict=True))
-    drawn = [
-        (named.name, file, data)
-        for named, whole in pairs
-        for file, data in _numbered(whole, _pictures(named, kind, style, theme, paper, fresh=fresh))
-    ]
-    write_all({file: data for _, file, data in drawn})
-    return [PictureFile(name, file) for name, file, _ in drawn]
+    contents: dict[Path, bytes] = {}
+    drawn = []
+    for named, whole in pairs:
+        data, missing = _pictures(named, kind, style, theme, paper, fresh=fresh)
+        files = _numbered(whole, data)
+        contents |= files
+        drawn += [PictureFile(named.name, file, missing) for file, _ in files]
+    write_all(contents)
+    return drawn
 
 
 def _numbered(path: Path, data: list[bytes]) -> list[tuple[Path, bytes]]:
@@ -96,32 +104,43 @@ def _format(path: str, wanted: str | None) -> str:
 
 def _pictures(
     named: NamedBody, kind: str, style: str | None, theme: str, paper: str | None, *, fresh: bool
-) -> list[bytes]:
-    """Return a picture as the content of a file, or of several where it is on several sheets."""
+) -> tuple[list[bytes], str]:
+    """Return a picture as the content of a file, or of several where it is on several sheets, and missing letters."""
     body = named.body
     if kind in _TEXTS and isinstance(body, SfcBody):
-        return [_TEXTS[kind](body.chart).encode("utf-8")]
+        return [_TEXTS[kind](body.chart).encode("utf-8")], ""
     if isinstance(body, SfcBody):
         svg = chart_svg(body.chart, style, theme, fresh=fresh)
     elif isinstance(body, FbdBody | LdBody):
         svg = body_svg(body, theme, named.name)
     parts = sheets(svg, paper) if paper is not None else [svg]
     if kind == "svg":
-        return [each.encode("ascii") for each in parts]
+        return [each.encode("ascii") for each in parts], ""
     try:
         from cairosvg import surface as cairo_svg  # noqa: PLC0415  # an extra
     except (ImportError, OSError) as error:  # OSError: its library cairo is not on this machine
         missing = "CairoSVG" if isinstance(error, ImportError) else "the library cairo, which CairoSVG uses,"
         hint = "pip install plcopen-sfc[pictures]; on Windows cairo comes with GTK. SVG needs neither."
         raise SfcError(f"{missing} is missing: {kind.upper()} cannot be written", hint=hint) from None
+    missing = _missing(cairo_svg.cairo, svg)
     parts = [_OVERLINED.sub(r'<tspan font-family="DejaVu Sans">\g<0></tspan>', each) for each in parts]
     if kind == "pdf":
-        return [_pdf(cairo_svg, parts)]
+        return [_pdf(cairo_svg, parts)], missing
     made = (
         cairo_svg.PNGSurface.convert(each.encode("ascii"), scale=_scale(each, _PNG_SCALE, _PNG_PIXELS))
         for each in parts
     )
-    return list(made)
+    return list(made), missing
+
+
+def _missing(cairo: Any, svg: str) -> str:
+    """Return the letters of a picture that cairo shows as boxes: it takes no other font than that of the picture."""
+    context = cairo.Context(cairo.ImageSurface(cairo.FORMAT_A8, 1, 1))
+    context.select_font_face("Arial")
+    font = context.get_scaled_font()
+    texts = "".join(_TEXT.findall(_OVERLINED.sub("", svg)))
+    letters = sorted({chr(int(number)) for number in _LETTER.findall(texts)})
+    return "".join(letter for letter in letters if not font.text_to_glyphs(0, 0, letter, False)[0][0])
 
 
 def _scale(svg: str, usual: float, most: int) -> float:

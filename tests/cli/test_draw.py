@@ -65,6 +65,16 @@ def test_json_lists_the_pictures(cli, fixtures, tmp_path):
 
 
 @pytest.mark.slow
+def test_letters_without_a_font_are_told(tmp_path: Path) -> None:
+    pytest.importorskip("cairosvg")
+    chart = sfc.SfcNetwork()
+    chart.add_step("Größe", initial=True).comment = "\U000e0fff"  # a letter that no font will ever have
+    pou = sfc.Pou(name="P", kind=sfc.PouKind.PROGRAM, bodies=[sfc.SfcBody(chart=chart)])
+    project = sfc.Project(pous=[pou])
+    assert [each.missing for each in sfc.draw(project, tmp_path / "x.png")] == ["\U000e0fff"]
+    assert [each.missing for each in sfc.draw(project, tmp_path / "x.svg")] == [""]
+
+
 @pytest.mark.parametrize(("extension", "start"), [("png", b"\x89PNG"), ("pdf", b"%PDF")])
 def test_other_formats(cli, fixtures, tmp_path, extension, start):
     require_cairo()

@@ -223,7 +223,7 @@ def test_a_long_network_takes_time_in_proportion() -> None:
 
 def test_draw_has_networks_where_there_are_no_charts(tmp_path: Path) -> None:
     project = sfc.load(ROOT / "fixtures" / "training-chain" / "classic_flip-flops.xml")
-    assert [name for name, _ in sfc.draw(project, tmp_path / "a.svg")] == ["Ablauf"]
+    assert [each.name for each in sfc.draw(project, tmp_path / "a.svg")] == ["Ablauf"]
     assert "<title>Ablauf</title>" in (tmp_path / "a.svg").read_text(encoding="ascii")
     conveyor = sfc.load(ROOT / "fixtures" / "codesys" / "sorting_conveyor.xml")
     sfc.draw(conveyor, tmp_path / "belt.svg", pou="PLC_PRG.ACT_Belt")

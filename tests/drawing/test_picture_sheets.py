@@ -9,6 +9,7 @@ import pytest
 from lxml import etree
 
 import plcopen_sfc as sfc
+from plcopen_sfc.drawing.pictures import sheets
 from plcopen_sfc.errors import ModelError
 
 CONVEYOR = Path("fixtures/codesys/sorting_conveyor.xml")
@@ -97,3 +98,21 @@ def test_a_small_chart_is_one_file_and_papers_have_names(tmp_path: Path) -> None
     assert ' width="1123" height="794" ' in drawn.path.read_text()
     with pytest.raises(ModelError, match="there is no paper 'A5'"):
         sfc.draw(project, tmp_path / "x.svg", pou="FB_Pusher", paper="A5")
+
+
+def test_sheets_hold_whatever_names_and_comments_have_in_them() -> None:
+    hostile = 'A\nB<g class="step">\r</g>\n<title>'
+    chart = sfc.SfcNetwork()
+    last = chart.add_step("S", initial=True)
+    for number in range(40):
+        following = chart.add_step(f"S{number}")
+        following.comment = hostile
+        chart.add_transition(last, following, hostile)
+        last = following
+    project = sfc.Project(pous=[sfc.Pou(name=hostile, kind=sfc.PouKind.PROGRAM, bodies=[sfc.SfcBody(chart=chart)])])
+    assert project.pous[0].chart is chart
+    drawn = [etree.fromstring(text.encode()) for text in sheets(chart.to_svg(), "A4")]
+    assert len(drawn) > 3
+    steps = {g.get("id") for root in drawn for g in root.iter("{*}g") if "step" in (g.get("class") or "").split()}
+    assert steps == {f"step-{step.id}" for step in chart.steps}
+    assert {root.findtext("{*}title") for root in drawn} == {hostile}

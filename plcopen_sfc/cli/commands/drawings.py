@@ -53,7 +53,10 @@ def _draw(how: DrawOptions, screen: Screen, source: str, target: str | None) -> 
         target = f"{_place(Path(source), '-charts')}/" if several else str(Path(source).with_suffix(extension))
     with written_to_stdout(screen, target, extension) as place:
         drawn = draw(project, place, **vars(how))
-    written = [(name, target if target == STANDARD_STREAM else str(path)) for name, path in drawn]
+    written = [(each.name, target if target == STANDARD_STREAM else str(each.path)) for each in drawn]
+    missing = "".join(sorted({letter for each in drawn for letter in each.missing}))
+    if missing:
+        screen.note(f"no font of this machine shows these letters, they are boxes: {missing}; SVG has them as text")
     if not screen.as_json and not screen.quiet and target != STANDARD_STREAM:
         if len(written) == 1:
             screen.line("written: ", (written[0][1], "bold"))

@@ -164,7 +164,10 @@ def _head(word: str, size: int, width: int, bold: bool) -> str:
 _FONTS = "Arial, Helvetica, 'Liberation Sans', sans-serif"
 _FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _HARMLESS = re.compile(r"[\w .,:;()\[\]{}/*+=-]*", re.ASCII)
-_ESCAPES = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "'": "&#39;"})
+_ESCAPES = str.maketrans(
+    {"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "'": "&#39;", "\n": "&#10;", "\r": "&#13;"}
+)
+"""No text has brackets or line ends of its own: each line of a picture begins with markup, see `picture_sheets`."""
 
 
 class Theme(StrEnum):
