@@ -10,6 +10,7 @@ from pydantic import ValidationError
 
 from plcopen_sfc.errors import EncodingError, FormatError, Location, StructureError, UnknownVersionError
 from plcopen_sfc.formats.format_interface import Codec, ReadResult, WriteOptions
+from plcopen_sfc.model.checked import first_misfit
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -44,7 +45,7 @@ class JsonCodec(Codec):
             first = error.errors()[0]
             path = ".".join(map(str, first["loc"]))
             place = Location(file, _line_of(text, ["project", *first["loc"]]), path=path)
-            raise StructureError(f"{path}: {first['msg']}", location=place) from error
+            raise StructureError(first_misfit(error), location=place) from error
         return ReadResult(project, [])
 
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:

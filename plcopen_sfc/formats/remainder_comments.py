@@ -28,6 +28,7 @@ from plcopen_sfc.languages.pragmas import (
     value_at,
 )
 from plcopen_sfc.languages.st.lexer import Comment
+from plcopen_sfc.model.checked import first_misfit
 from plcopen_sfc.model.project import Project
 
 DAMAGED = "damaged"
@@ -78,8 +79,7 @@ def put_back(project: Project, entries: Sequence[Entry], note: Note) -> Project:
     try:
         return Project.model_validate(fields)
     except ValidationError as error:
-        first = error.errors()[0]
-        message = f"the comments of plcopen_sfc are left out: {'.'.join(map(str, first['loc']))}: {first['msg']}"
+        message = f"the comments of plcopen_sfc are left out: {first_misfit(error)}"
         note(DAMAGED, message, entries[0][1].span[0])
         return project
 

@@ -221,17 +221,32 @@ _WANTED = {
 def _problem(model: type[BaseModel], owner: str, kind: str, loc: Sequence[int | str], error: Mapping[str, Any]) -> str:
     """Return what is wrong with the field at `loc` of `owner`, in words."""
     field = ".".join(map(str, loc))
-    given = _cut(repr(error["input"]), _TEXT)
     if kind == "missing":
         return f"{owner} needs {field}"
     if kind in ("extra_forbidden", "no_such_attribute"):
         return f"{owner} has no field {field!r}{nearest(field, model.model_fields)}"
+    return f"{field} of {owner} {_field_problem(error)}"
+
+
+def first_misfit(error: ValidationError) -> str:
+    """Return the first field that does not fit, and why: ``pous.0.name is not a text: 5 (int)``."""
+    first = error.errors(include_url=False)[0]
+    return f"{'.'.join(map(str, first['loc']))} {_field_problem(first)}"
+
+
+def _field_problem(error: Mapping[str, Any]) -> str:
+    """Return an error of pydantic about a field as the end of a sentence: ``is not a text: 5 (int)``."""
+    kind, given = error["type"], _cut(repr(error["input"]), _TEXT)
+    if kind == "missing":
+        return "is missing"
+    if kind in ("extra_forbidden", "no_such_attribute"):
+        return "is no field of the model"
     if kind in ("enum", "literal_error"):
         known = str(error["ctx"]["expected"]).replace(" or ", ", ").replace("'", "").split(", ")
-        return f"{field} of {owner} is none of {', '.join(known)}: {given}{nearest(error['input'], known)}"
+        return f"is none of {', '.join(known)}: {given}{nearest(error['input'], known)}"
     if kind in _WANTED:
-        return f"{field} of {owner} is not {_WANTED[kind]}: {given} ({type(error['input']).__name__})"
+        return f"is not {_WANTED[kind]}: {given} ({type(error['input']).__name__})"
     if kind in ("model_type", "model_attributes_type", "dataclass_type"):
         wanted = error.get("ctx", {}).get("class_name", "object of the model")
-        return f"{field} of {owner} is no {wanted}: {given} ({type(error['input']).__name__})"
-    return f"{field} of {owner} cannot be {given} ({type(error['input']).__name__}): {error['msg']}"
+        return f"is no {wanted}: {given} ({type(error['input']).__name__})"
+    return f"cannot be {given} ({type(error['input']).__name__}): {error['msg']}"

@@ -34,20 +34,26 @@ def test_nothing_but_own_errors_comes_of_a_broken_file_and_nothing_is_lost(path:
 
 
 @pytest.mark.parametrize(
-    ("name", "line", "place"),
+    ("name", "line", "place", "why"),
     [
-        ("value_of_another_kind.json", 13, "pous.0.bodies.0.SFC.chart.steps.1.name"),
-        ("delay_that_is_no_time.gct", 7, None),
-        ("added_configuration_with_a_field_of_nobody.xml", 14, "Plant"),
-        ("no_headings.csv", 1, None),
-        ("quote_without_end.csv", 3, None),
+        ("value_of_another_kind.json", 13, "pous.0.bodies.0.SFC.chart.steps.1.name", "is not a text"),
+        ("delay_that_is_no_time.gct", 7, None, ""),
+        (
+            "added_configuration_with_a_field_of_nobody.xml",
+            14,
+            "Plant",
+            "configurations.0.torque is no field of the model",
+        ),
+        ("no_headings.csv", 1, None, ""),
+        ("quote_without_end.csv", 3, None, ""),
     ],
 )
-def test_what_does_not_fit_the_model_has_its_line(name: str, line: int, place: str | None) -> None:
+def test_what_does_not_fit_the_model_has_its_line(name: str, line: int, place: str | None, why: str) -> None:
     with pytest.raises(sfc.FormatError) as caught:
         sfc.load(BROKEN / name, format=FORMATS[Path(name).suffix])
     location = caught.value.location
     assert (location.file, location.line, location.path) == (str(BROKEN / name), line, place)
+    assert why in caught.value.message
 
 
 def test_an_export_with_an_id_of_5000_digits_is_written() -> None:

@@ -52,6 +52,7 @@ from plcopen_sfc.formats.plcopen.tc6_versions import V2_0
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle, write_xml
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
 from plcopen_sfc.languages.s7_boxes import put_logic
+from plcopen_sfc.model.checked import first_misfit
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import PouInstance, Project, Resource, Task, TaskSettings, TaskWatchdog
 from plcopen_sfc.model.variables import VariableSection
@@ -240,7 +241,7 @@ class _Reader:
         try:
             found = read_element(self._ctx, thing, self._file, source=_SOURCE, line_at=line_at)
         except (FormatError, ValidationError) as error:
-            what = error.message if isinstance(error, FormatError) else str(error.errors()[0]["msg"])
+            what = error.message if isinstance(error, FormatError) else first_misfit(error)
             self._ctx.error("CEX102", f"{entry.name} is not read: {what}", entry.element)
             return
         project.pous += found.pous

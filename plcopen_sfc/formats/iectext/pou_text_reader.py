@@ -35,6 +35,7 @@ from plcopen_sfc.formats.iectext.text_source import (
 )
 from plcopen_sfc.languages.declarations.kept_texts import Inheritance
 from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, plain_fields
+from plcopen_sfc.model.checked import first_misfit
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.variables import VariableSection
 
@@ -97,8 +98,7 @@ def _leave_out(src: TextSource, part: TextPart, gap: tuple[int, int], error: Val
     """Find the pragma that does not fit the model and leave it out from now on; False where there is none."""
     before = set(src.ignored)
     offsets = [c.span[0] for c in src.outline.comments(gap[0], part.end) if is_own(c)]
-    first = error.errors()[0]
-    message = f"this pragma does not fit: {'.'.join(map(str, first['loc']))}: {first['msg']}"
+    message = f"this pragma does not fit: {first_misfit(error)}"
     for offset in offsets:
         if offset in before:
             continue

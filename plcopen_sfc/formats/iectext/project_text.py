@@ -39,6 +39,7 @@ from plcopen_sfc.languages.declarations import write_access_section, write_confi
 from plcopen_sfc.languages.pragmas import Append, Fields, Named, RemainderEntry, Segment, changes, plain_fields
 from plcopen_sfc.languages.st.lexer import Token, tokenize
 from plcopen_sfc.languages.task_schedules import duration_literal, iec_form
+from plcopen_sfc.model.checked import first_misfit
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Task
@@ -378,7 +379,7 @@ def read_project(text: str, file: str | None) -> tuple[Project, TextSource]:
         project = Project.model_validate(fields | {"pous": pous})
     except ValidationError as error:
         first = error.errors()[0]
-        message = f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
+        message = first_misfit(error)
         path = ("project", *first["loc"])
         offsets = (offset for found, offset in annotations.changes if found.path == path[: len(found.path)])
         raise StructureError(message, location=src.location(next(offsets, 0))) from error

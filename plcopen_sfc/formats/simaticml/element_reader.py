@@ -20,6 +20,7 @@ from plcopen_sfc.formats.simaticml.tia_versions import TiaVersion, neutral, sche
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, markup, misfit
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines
 from plcopen_sfc.model.base import ExtensionData, Model
+from plcopen_sfc.model.checked import first_misfit
 from plcopen_sfc.object_path import ObjectPath
 
 M = TypeVar("M", bound=Model)
@@ -254,8 +255,7 @@ def read_comments(ctx: DocumentReading, element: etree._Element, fields: Fields)
 def first_line(error: Exception) -> str:
     """Return the message of an error, in one line."""
     if isinstance(error, ValidationError):
-        first = error.errors()[0]
-        return f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
+        return first_misfit(error)
     return str(error).partition("\n")[0]
 
 

@@ -32,6 +32,7 @@ from plcopen_sfc.formats.xml.xml_codec import FolderCodec, ProjectPart, XmlStyle
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
 from plcopen_sfc.languages.s7_boxes import put_logic
 from plcopen_sfc.languages.task_schedules import FREEWHEELING, cycle_literal, nanoseconds, schedule_of
+from plcopen_sfc.model.checked import first_misfit
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.project import PouInstance, Project, Resource, Task
@@ -119,9 +120,7 @@ def read_object(data: bytes, *, file: str | None) -> ReadResult:
     try:
         project = read_task(thing) if thing.tag == TASK else read_element(ctx, thing, file)
     except ValidationError as error:
-        first = error.errors()[0]
-        message = f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
-        raise StructureError(message, location=Location(file, line_of(thing))) from error
+        raise StructureError(first_misfit(error), location=Location(file, line_of(thing))) from error
     project.dialect = Dialect.CODESYS
     return ReadResult(project, ctx.diagnostics)
 

@@ -23,6 +23,7 @@ from plcopen_sfc.errors import Location, ModelError, StructureError
 from plcopen_sfc.formats.format_interface import TIA_PORTAL
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines
 from plcopen_sfc.model.base import ExtensionData, ForeignData, Model
+from plcopen_sfc.model.checked import first_misfit
 from plcopen_sfc.model.late import LateElement
 from plcopen_sfc.model.project import Project
 
@@ -76,8 +77,7 @@ def misfit(
             named = (each for each in element.iter(etree.Element) if name in (each.get("name"), each.get("Name")))
             element = next(named, element)
     line = lines.line(element) if lines is not None else cast("int | None", element.sourceline)
-    path = ".".join(map(str, first["loc"]))
-    message = f"the file does not fit the model at {path}: {first['msg']}"
+    message = f"the file does not fit the model: {first_misfit(error)}"
     hint = "Data of plcopen_sfc in it were edited, or are damaged. Restore them, or remove them."
     return StructureError(message, location=Location(file, line, None, " / ".join(names) or None), hint=hint)
 
