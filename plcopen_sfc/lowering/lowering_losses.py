@@ -17,7 +17,7 @@ from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import NodeBase
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, SfcSettings, Step
+from plcopen_sfc.model.sfc import PartialChart, SfcFlag, SfcNetwork, SfcSettings, Step
 from plcopen_sfc.model.text import MarkupText, MultilingualText, Text, plain
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import Item, Outcome
@@ -55,6 +55,8 @@ def captions(thing: Any, path: str, dialect: Dialect | None) -> Iterator[Caption
         return
     if isinstance(thing, Step):
         path = f"{path} / step {thing.name}"
+    elif isinstance(thing, PartialChart):
+        path = f"{path} / {thing.name}"
     elif isinstance(thing, ActionAssociation) and thing.target is not None:
         path = f"{path} / action {thing.target}"
     for name, value in vars(thing).items():

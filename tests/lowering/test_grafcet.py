@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -404,6 +405,17 @@ def test_a_time_of_an_edge_is_refused_and_one_of_a_negation_is_no_comment() -> N
     chart = chain("1", "2", conditions="a;20ms//a * b")
     lowered = lower(pou_with(chart, "a b", "Q"), "bits", profile="grafcet", verify=False)
     assert not [item for item in lowered.losses if item.what == "comment"]
+
+
+def test_a_comment_that_is_lost_has_the_line_of_its_chart() -> None:
+    path = "fixtures/grafcet/two_cylinders.gct"
+    lowered = lower(sfc.load(path), "flipflop", style="classic", language="FBD", profile="grafcet", verify=False)
+    lines = Path(path).read_text(encoding="utf-8").splitlines()
+    lost = [item for item in lowered.losses if item.what == "comment"]
+    assert lost
+    for item in lost:
+        said = item.why.removeprefix("not in the code: ")
+        assert said in lines[(item.line or 0) - 1], item
 
 
 @pytest.mark.parametrize("kind", ["onDeactivation", "onEvent"])

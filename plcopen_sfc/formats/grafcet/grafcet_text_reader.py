@@ -286,6 +286,7 @@ class _Reader:
         place = self._add(("chart", partial.name), start, end, 2)
         self._head(place, partial, said, start, end)
         self._chart = _Chart(partial.chart, f"{self._root.path} / {partial.name}", place)
+        self._note_line(self._chart.path)
 
     def _new_step(self, found: re.Match[str], said: str | None, start: int, end: int) -> None:
         chart = self._opened()
