@@ -246,7 +246,7 @@ def _digest(content: bytes) -> str:
 def project_files(paths: Iterable[str]) -> list[str]:
     """Return files and folders that are a project each, once.
 
-    A folder with documents of TIA Portal Openness or TwinCAT is one project; in others each file of a known format is.
+    The documents of TIA Portal Openness or TwinCAT in a folder are one project, each file of another tool is one.
     """
     found = (_in_folder(path) if folder_exists(path) else [path] for path in paths)
     return without_repeated(name for each in found for name in each)
@@ -282,7 +282,9 @@ def documents_in(folder: str) -> list[str]:
 
 def _in_folder(folder: str) -> list[str]:
     kinds = _kinds_in(folder)
-    return [folder] if any(kind.folders for kind in kinds.values()) else [*kinds]
+    if not any(kind.folders for kind in kinds.values()):
+        return [*kinds]
+    return [folder, *(path for path, kind in kinds.items() if kind.tool and not kind.folders)]
 
 
 def _kinds_in(folder: str) -> dict[str, Format]:

@@ -10,12 +10,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection
+from contextlib import suppress
 from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from pydantic import PrivateAttr, SerializerFunctionWrapHandler, model_serializer
 from pydantic_core import PydanticSerializationError
 
+from plcopen_sfc.errors import SfcError
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.owners import Owned, OwnedName
 
@@ -127,6 +129,14 @@ class Late(Owned):
         """Return the content for a pickle, not the file that it may still be in."""
         self.read()
         return super().__getstate__()
+
+    def __repr__(self) -> str:
+        """The object as any other; one that cannot be read shows what is known of it."""
+        with suppress(SfcError):
+            self.read()
+        return super().__repr__()
+
+    __str__ = __repr__
 
     @model_serializer(mode="wrap")
     def _serialize(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import wraps
-from types import TracebackType
-from typing import Any, Self, TypeVar, cast
+from functools import cache, wraps
+from inspect import signature
+from types import TracebackType, UnionType
+from typing import Any, Self, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 from plcopen_sfc.errors import ModelError, check_argument
 from plcopen_sfc.languages.binding import Declaration, Names
@@ -29,14 +30,32 @@ _Method = TypeVar("_Method", bound=Callable[..., Any])
 
 
 def _edit(method: _Method) -> _Method:
-    """Make a method a transaction, or a part of the one that is open."""
+    """Make a method a transaction, or a part of the one that is open; it refuses arguments of other types."""
 
     @wraps(method)
     def transaction(self: Editor, *args: Any, **kwargs: Any) -> Any:
         with self:
+            wanted = _argument_types(method)
+            for name, value in signature(method).bind(self, *args, **kwargs).arguments.items():
+                types = wanted.get(name, (object,))
+                needs = " or ".join(each.__name__ for each in types if each is not type(None))
+                check_argument(value, types, f"{method.__name__} needs as {name}: {needs}")
             return method(self, *args, **kwargs)
 
     return cast(_Method, transaction)
+
+
+@cache
+def _argument_types(method: Callable[..., Any]) -> dict[str, tuple[type, ...]]:
+    """Return the classes that each argument may have, by the annotations."""
+    return {name: _classes(hint) for name, hint in get_type_hints(method).items()}
+
+
+def _classes(hint: Any) -> tuple[type, ...]:
+    origin = get_origin(hint) or hint
+    if origin in (Union, UnionType):
+        return tuple(each for part in get_args(hint) for each in _classes(part))
+    return (origin,) if isinstance(origin, type) and origin is not Any else (object,)
 
 
 class Editor:

@@ -92,6 +92,13 @@ def test_standard_input_lists_files(cli, exports, monkeypatch):
     assert outcome.out.splitlines()[0].startswith("changed: exports/device_export.xml, ")
 
 
+def test_exports_of_another_tool_in_a_folder_of_tia_are_projects_of_their_own(fixtures, exports):
+    shutil.copy(fixtures / "simaticml-plc" / "Program blocks" / "FB_Drilling.xml", exports / "blocks.xml")
+    assert project_files(["exports"]) == ["exports", *(f"exports/{name}" for name in CODESYS)]
+    found = list(apply("script.py", project_files(["exports"]), settings={"prefix": "Z"}))
+    assert all(each.changes and not each.error for each in found)
+
+
 def test_a_folder_of_a_tia_export_is_one_project(fixtures, exports):
     folder = str(fixtures / "simaticml-plc")
     assert project_files([folder, folder]) == [folder]

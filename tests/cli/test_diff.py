@@ -82,6 +82,14 @@ def test_a_file_that_cannot_be_read_is_an_error(cli, fixtures):
     assert "jump" in outcome.err  # what is wrong with it is in no comparison
 
 
+def test_files_of_other_tools_in_a_folder_of_tia_are_named(cli, fixtures, tmp_path):
+    for source in ("simaticml-training-chain/Ablauf.xml", "training-chain/codesys.xml"):
+        (tmp_path / source.rpartition("/")[2]).write_bytes((fixtures / source).read_bytes())
+    outcome = cli("diff", tmp_path, tmp_path)
+    assert (outcome.code, outcome.out) == (0, "no differences\n")
+    assert "its files of codesys are no part of it: codesys.xml" in outcome.err
+
+
 def test_the_files_of_two_folders_are_compared_by_name(cli, edited, fixtures, tmp_path):
     for name, sources in {"a": ["codesys.xml", "plcopen_2.0.xml"], "b": ["codesys.xml", "iec-text.st"]}.items():
         (tmp_path / name / "sub").mkdir(parents=True)

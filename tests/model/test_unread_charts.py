@@ -34,6 +34,11 @@ def test_an_edit_reads_only_the_chart_that_it_is_in() -> None:
     assert len(unread(project)) == 2
 
 
+def test_a_chart_that_is_shown_is_not_empty() -> None:
+    chart = sfc.load(CONVEYOR).pou("FB_Pusher").chart
+    assert repr(chart).startswith("SfcNetwork(steps=[")
+
+
 @pytest.mark.slow
 def test_read_and_unread_projects_are_equal() -> None:
     one, other = sfc.load(CONVEYOR), sfc.loads(sfc.dumps(sfc.load(CONVEYOR), fresh=True))

@@ -9,7 +9,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import jump, selection, simultaneous, step
-from plcopen_sfc.errors import ModelError
+from plcopen_sfc.errors import ArgumentError, ModelError
 from plcopen_sfc.refactor.editor import Editor
 from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 
@@ -210,6 +210,29 @@ def test_a_refused_edit_changes_nothing(number: int) -> None:
     with pytest.raises(ModelError, match=message):
         do(project.edit(), project)
     assert project.model_dump() == before
+
+
+@pytest.mark.parametrize(
+    ("edit", "given"),
+    [
+        *(("rename", 2), ("replace_variable", 2), ("set", 1), ("insert_step", 2), ("delete_step", 1), ("renumber", 1)),
+        *(("split_transition", 1), ("join_transitions", 1), ("retarget", 2), ("add_branch", 1), ("remove_branch", 1)),
+        *(
+            ("extract_condition", 2),
+            ("inline_condition", 1),
+            ("extract_action", 2),
+            ("inline_action", 1),
+            ("redraw", 1),
+        ),
+        *(("use_iec_steps", 1), ("use_simple_steps", 1), ("move_to_macro", 2), ("dissolve_macro", 1), ("copy_pou", 2)),
+        *(("rename_many", 1), ("redraw", 1)),
+    ],
+)
+@pytest.mark.parametrize("value", [None, 5.5, object()], ids=["None", "number", "object"])
+def test_arguments_of_other_types_are_refused(edit: str, given: int, value: object) -> None:
+    project = plant()
+    with pytest.raises(ArgumentError, match=f"{edit} needs as "):
+        getattr(project.edit(), edit)(*[value] * given)
 
 
 def test_a_block_of_edits_is_one_transaction() -> None:

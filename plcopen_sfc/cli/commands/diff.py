@@ -110,11 +110,15 @@ def _show(screen: Screen, found: ProjectDiff) -> None:
 
 
 def _load(screen: Screen, name: str) -> Project | None:
-    """Load a file, and tell what could not be read in it: no comparison has that. None where git has no file."""
+    """Load a file, and tell what of it no comparison has. None where git has no file."""
     if name in _NO_FILE:
         return None
     project = load_input(screen, name)
     for finding in project.diagnostics:
-        if finding.severity is Severity.ERROR:
+        if finding.severity is Severity.ERROR or finding.code in _LEFT_OUT:
             screen.finding(finding, result=False)
     return project
+
+
+_LEFT_OUT = ("DIR105",)
+"""Findings about files that are no part of the project of their folder."""
