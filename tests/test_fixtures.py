@@ -71,6 +71,7 @@ FOUND = (
     "broken/numbers_of_5000_digits.st",
     "broken/step_times_that_are_none.EXP",
     "broken/text_without_a_beginning.EXP",
+    "broken/two_data_blocks_of_one_name.scl",
     "broken/two_macro_steps_of_one_name.grafcet",
     "broken/type_without_its_end.st",
     "broken/value_of_another_kind.json",

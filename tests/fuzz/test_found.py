@@ -20,6 +20,7 @@ FORMATS = {
     **{".st": "iec-text", ".json": "json", ".exp": "codesys23", ".gct": "grafcet-text", ".grafcet": "grafcet"},
     ".xml": "plcopen",
     ".csv": "csv",
+    ".scl": "scl",
     ".export": "codesys-export",
 }
 BROKEN = FIXTURES / "broken"

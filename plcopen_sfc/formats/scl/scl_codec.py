@@ -100,7 +100,7 @@ def write_pieces(project: Project, report: ConversionReport) -> WrittenBlock:
     other = {change.path for change in changes(plain_fields(back), plain_fields(_as_written(meant, types)))}
     told: set[str] = set()
     for change in left:
-        _report(project, change, report, says_the_same=change.path not in other, told=told)
+        _report(meant, change, report, says_the_same=change.path not in other, told=told)
     if left:
         rest = "\n".join(f"// {{plcopen_sfc {change}}}" for change in left)
         pieces.append(WrittenBlock(("rest", ""), rest, apart=True))

@@ -299,7 +299,8 @@ def outermost_elements(text: str, name: str) -> list[ElementSpan]:
     Looks at no other tag, and so takes a small part of the time of a `SourceTree`. An empty tag counts as an element
     whose content is behind it.
     """
-    if "<!DOCTYPE" in text:
+    prolog = _PROLOG.match(text)
+    if prolog is None or "<!DOCTYPE" in prolog[0]:  # a search of the whole text takes as long as the rest
         return []
     found: list[ElementSpan] = []
     depth = start = open_end = position = 0
