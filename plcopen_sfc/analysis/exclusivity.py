@@ -7,6 +7,7 @@ numbers: NaN is not considered.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -143,26 +144,36 @@ def covered(
 
 
 def overlapping(
-    conditions: Sequence[AnyCondition], *, dialect: Dialect = Dialect.IEC, knowledge: Knowledge | None = None
+    conditions: Sequence[AnyCondition],
+    *,
+    most: int,
+    dialect: Dialect = Dialect.IEC,
+    knowledge: Knowledge | None = None,
 ) -> Iterator[tuple[int, int]]:
-    """Yield the places of each two conditions that are not known to exclude each other.
+    """Yield the places of two conditions that are not known to exclude each other, for each later one at most `most`.
 
     Halves are compared as wholes first, so that a thousand conditions that exclude each other, as those that compare
-    a number do, cost a thousand questions and not half a million.
+    a number do, cost a thousand questions and not half a million. Where all are true together, half a million pairs
+    are the answer: `most` bounds it.
     """
     read = [_read(condition, dialect) for condition in conditions]
     judged = {place: one for place, one in enumerate(read) if isinstance(one, JudgedCondition) and not one.own}
     formula = Formula(dialect, knowledge)
     terms = dict(zip(judged, formula.terms([*judged.values()]), strict=True))
 
+    found: Counter[int] = Counter()
+
     def between(left: Sequence[int], right: Sequence[int]) -> Iterator[tuple[int, int]]:
+        if all(found[place] >= most for place in right):
+            return
         if terms.keys() >= {*left, *right}:
             either = [disjunction([terms[place] for place in side]) for side in (left, right)]
             if formula.can_be_true(either) is False:
                 return
         if len(left) == len(right) == 1:
+            found[right[0]] += 1
             yield left[0], right[0]
-        elif len(left) >= len(right):
+        elif len(left) > len(right):
             for half in _halves(left):
                 yield from between(half, right)
         else:

@@ -9,7 +9,7 @@ from functools import cached_property
 from itertools import combinations
 from typing import NamedTuple
 
-from plcopen_sfc.analysis.exclusivity import Truth, overlapping, truth
+from plcopen_sfc.analysis.exclusivity import Exclusivity, Truth, exclusive, overlapping, truth
 from plcopen_sfc.analysis.knowledge import Knowledge, ProjectKnowledge
 from plcopen_sfc.analysis.marking import MarkingGraph, marking_graph
 from plcopen_sfc.diagnostics import Severity
@@ -317,6 +317,8 @@ class CheckedProject:
             yield from self.charts_of(pou)
 
 
+MOST_TOGETHER = 8
+"""Transitions that are told for each one that is true together with them: every pair of 250 would take minutes."""
 _FEW = 3
 """Competing transitions that are compared two by two at once: most selections have no more."""
 
@@ -360,6 +362,7 @@ class CheckedChart:
         self._conditions: dict[int, NetworkExpression] = {}
         self._truths: dict[int, Truth] = {}
         self._overlaps: dict[tuple[int, ...], list[tuple[int, int]]] = {}
+        self._exclusive: dict[tuple[int, int], Exclusivity] = {}
         self._terms = _JudgedTerms()
 
     @cached_property
@@ -464,14 +467,26 @@ class CheckedChart:
         return found
 
     def overlaps(self, sheet: CheckedSheet, leaving: Sequence[Transition]) -> list[tuple[int, int]]:
-        """Return the places of each two competing transitions that are not known to exclude each other, in order."""
+        """Return the places of two competing transitions that are not known to exclude each other, in order.
+
+        With each later one at most `MOST_TOGETHER` others are paired.
+        """
         if len(leaving) <= _FEW:
             return [*combinations(range(len(leaving)), 2)]
         key = tuple(id(transition) for transition in leaving)
         if key not in self._overlaps:
             conditions = [self.condition(sheet, transition) for transition in leaving]
-            self._overlaps[key] = sorted(overlapping(conditions, dialect=self.dialect, knowledge=self.knowledge))
+            found = overlapping(conditions, most=MOST_TOGETHER, dialect=self.dialect, knowledge=self.knowledge)
+            self._overlaps[key] = sorted(found)
         return self._overlaps[key]
+
+    def exclusive(self, sheet: CheckedSheet, first: Transition, second: Transition) -> Exclusivity:
+        """Return whether the conditions of two competing transitions exclude each other."""
+        key = id(first), id(second)
+        if key not in self._exclusive:
+            conditions = [self.condition(sheet, transition) for transition in (first, second)]
+            self._exclusive[key] = exclusive(*conditions, dialect=self.dialect, knowledge=self.knowledge)
+        return self._exclusive[key]
 
     def place_of(self, element: NetStep | NetTransition) -> FindingPlace:
         """Return the place of a step or transition of the net."""

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
+from typing import NamedTuple
 
 from plcopen_sfc.analysis.checks.action_targets import continuous_operands, output_operands
-from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedSheet, Finding, Rule
-from plcopen_sfc.analysis.exclusivity import Truth, covered, exclusive
+from plcopen_sfc.analysis.checks.checked_chart import MOST_TOGETHER, CheckedChart, CheckedSheet, Finding, Rule
+from plcopen_sfc.analysis.exclusivity import Truth, covered
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import bind
@@ -33,9 +35,25 @@ def _selections(chart: CheckedChart) -> Iterator[tuple[CheckedSheet, Step, list[
                 yield sheet, step, leaving
 
 
-def _competing(chart: CheckedChart) -> Iterator[tuple[CheckedSheet, Step, Transition, Transition, Answer, str]]:
-    """Pairs of competing transitions that only their conditions keep apart, and if these exclude each other."""
+class _Pair(NamedTuple):
+    """Two competing transitions that only their conditions keep apart, and whether these exclude each other.
+
+    `is_last`: so many others are paired with the second one that more were not looked for.
+    """
+
+    sheet: CheckedSheet
+    step: Step
+    first: Transition
+    second: Transition
+    answer: Answer
+    why: str
+    is_last: bool
+
+
+def _competing(chart: CheckedChart) -> Iterator[_Pair]:
+    """Pairs of competing transitions that only their conditions keep apart."""
     seen: set[tuple[int, int]] = set()
+    together: Counter[int] = Counter()
     for sheet, step, leaving in _selections(chart):
         for first, second in ((leaving[one], leaving[other]) for one, other in chart.overlaps(sheet, leaving)):
             if first.priority is not None and second.priority is not None and first.priority != second.priority:
@@ -43,9 +61,11 @@ def _competing(chart: CheckedChart) -> Iterator[tuple[CheckedSheet, Step, Transi
             if (id(first), id(second)) in seen:
                 continue
             seen.add((id(first), id(second)))
-            conditions = [chart.condition(sheet, t) for t in (first, second)]
-            found = exclusive(*conditions, dialect=chart.dialect, knowledge=chart.knowledge)
-            yield sheet, step, first, second, found.answer, _witness(found.witness) or found.reason
+            found = chart.exclusive(sheet, first, second)
+            together[id(second)] += 1
+            is_last = together[id(second)] == MOST_TOGETHER
+            why = _witness(found.witness) or found.reason
+            yield _Pair(sheet, step, first, second, found.answer, why, is_last)
 
 
 def _witness(witness: object) -> str:
@@ -60,19 +80,20 @@ def _witness(witness: object) -> str:
 
 
 def _overlapping(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet, step, first, second, answer, why in _competing(chart):
-        if answer is Answer.NO:
-            other = sheet.label(first)
-            message = f"it can be true together with {other}, which leaves {step.name} too"
-            yield Finding(sheet.at(second), f"{message}: {chart.as_written(why)}" if why else message)
+    yield from _told(chart, Answer.NO, "it can be true together with")
 
 
 def _undecided(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet, step, first, second, answer, why in _competing(chart):
-        if answer is Answer.UNKNOWN:
-            other = sheet.label(first)
-            message = f"it is unknown whether it excludes {other}, which leaves {step.name} too"
-            yield Finding(sheet.at(second), f"{message}: {why}" if why else message)
+    yield from _told(chart, Answer.UNKNOWN, "it is unknown whether it excludes")
+
+
+def _told(chart: CheckedChart, answer: Answer, words: str) -> Iterator[Finding]:
+    for pair in _competing(chart):
+        if pair.answer is answer:
+            message = f"{words} {pair.sheet.label(pair.first)}, which leaves {pair.step.name} too"
+            message += f": {chart.as_written(pair.why)}" if pair.why else ""
+            message += "; there may be more, which were not looked for" if pair.is_last else ""
+            yield Finding(pair.sheet.at(pair.second), message)
 
 
 def _shadowed(chart: CheckedChart) -> Iterator[Finding]:

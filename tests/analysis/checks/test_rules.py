@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -848,3 +849,18 @@ TRANSITION FROM S1 TO S3 := n > 6; END_TRANSITION
 TRANSITION FROM S2 TO S1 := a; END_TRANSITION
 TRANSITION FROM S3 TO S1 := a; END_TRANSITION""")
     assert not {"SEL01", "SEL02"} & {finding.code for finding in sfc.check(project, profile="matiec")}
+
+
+def test_of_many_branches_that_are_true_together_some_pairs_are_told() -> None:
+    """All pairs of 250 took minutes: each branch is told with eight others at most, and that there may be more."""
+    count = 20
+    steps = "".join(f"STEP T{number}: END_STEP\n" for number in range(count))
+    there = "".join(f"TRANSITION FROM S TO T{number} := n >= {number}; END_TRANSITION\n" for number in range(count))
+    back = "".join(f"TRANSITION FROM T{number} TO S := a; END_TRANSITION\n" for number in range(count))
+    source = (
+        f"PROGRAM P\nVAR_INPUT n : INT; a : BOOL; END_VAR\nINITIAL_STEP S: END_STEP\n{steps}{there}{back}END_PROGRAM\n"
+    )
+    found = sfc.check(sfc.loads(source.encode(), format="iec-text"), profile="matiec", select=["SEL01"])
+    told = Counter(finding.location.path for finding in found)
+    assert sorted(told.values()) == [*range(1, 8), *[8] * (count - 8)]
+    assert sum("there may be more" in finding.message for finding in found) == count - 8
