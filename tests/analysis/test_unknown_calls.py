@@ -77,6 +77,7 @@ def test_other_calls_are_a_difference(first: str, second: str, shown: set[str]) 
     assert "unknown, taken as" in str(verdict)
 
 
+@pytest.mark.slow
 def test_results_are_the_same_in_every_scan() -> None:
     """A search finds a difference where a function answers otherwise later, which it cannot: that is none."""
     verdict = compared("q := F(TRUE);", "IF NOT old THEN q := F(TRUE); END_IF; old := TRUE;")

@@ -75,6 +75,7 @@ def test_letters_without_a_font_are_told(tmp_path: Path) -> None:
     assert [each.missing for each in sfc.draw(project, tmp_path / "x.svg")] == [""]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("extension", "start"), [("png", b"\x89PNG"), ("pdf", b"%PDF")])
 def test_other_formats(cli, fixtures, tmp_path, extension, start):
     require_cairo()

@@ -46,6 +46,7 @@ def test_a_graph_block(capsys: pytest.CaptureFixture[str]) -> None:
     assert file["totals"]["sequences"] == 2
 
 
+@pytest.mark.slow
 def test_rules_are_those_of_the_tool_whose_charts_a_file_keeps(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

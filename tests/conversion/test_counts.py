@@ -43,6 +43,7 @@ def sources() -> dict[str, list[Path]]:
     return dict(found)
 
 
+@pytest.mark.slow
 def test_the_page_has_all_pairs_and_their_sum() -> None:
     rows = documented()
     total = rows.pop("all")

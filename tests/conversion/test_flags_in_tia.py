@@ -171,6 +171,7 @@ END_ACTION
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("is_declared", [True, False])
 def test_an_action_may_push(is_declared: bool) -> None:
     """A memory that was set behind the action hid the edge; a flag that only the tool declares was another variable.

@@ -86,6 +86,7 @@ def test_conditions_and_names_are_those_of_the_tool() -> None:
     assert [step.interlock is not None for step in graph.steps] == [True, True]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["codesys", "simaticml", "plcopen-2.01"])
 def test_what_is_left_without_the_search_for_stability_is_told(form: str) -> None:
     """Inputs that come together told every GRAFCET apart, so that the verdict said nothing of the conversion."""
@@ -366,6 +367,7 @@ CHART G3
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["plcopen", "codesys", "simaticml"])
 def test_verdicts_compare_the_steps_of_all_charts(form: str) -> None:
     """Steps beside partial charts were compared with those of other charts, those in partial charts with none."""

@@ -599,6 +599,7 @@ END_FUNCTION_BLOCK
 """
 
 
+@pytest.mark.slow
 def test_a_type_that_no_file_declares_is_one_loss_and_its_variables_are_passed() -> None:
     """Actions that use a variable of the type were lost as well, and a chart that shares it ran with another one.
 

@@ -83,6 +83,7 @@ def plain_blocks(draw: st.DrawFn) -> m.Project:
     return m.Project(pous=pous)
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(40))
 @given(project=plain_blocks(), target=st.sampled_from(TARGETS))
 def test_what_needs_no_carrying_is_read_as_always(project: m.Project, target: str) -> None:

@@ -116,6 +116,7 @@ def test_step_actions_become_associations_and_step_actions_again() -> None:
     assert {i.what for i in report.with_outcome(Outcome.TRANSLATED)} >= {"entry action", "main action", "exit action"}
 
 
+@pytest.mark.slow
 def test_times_and_flags_are_carried_and_in_the_report() -> None:
     project = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
     data, report = sfc.convert(project, "plcopen-2.01", partial=True)
@@ -126,6 +127,7 @@ def test_times_and_flags_are_carried_and_in_the_report() -> None:
     assert first_chart(sfc.loads(data)).settings == first_chart(project).settings
 
 
+@pytest.mark.slow
 def test_every_item_of_a_report_says_where() -> None:
     project = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
     _, report = sfc.convert(project, "plcopen-2.01", partial=True)
@@ -247,6 +249,7 @@ def test_strict_stops_before_anything_is_written(tmp_path: Path) -> None:
     assert target.exists()
 
 
+@pytest.mark.slow
 def test_excluded_elements_are_no_silent_matter() -> None:
     project = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
     excluded = [t for chart in project.charts() for t in chart.chart.transitions if t.exclude]

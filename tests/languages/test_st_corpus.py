@@ -71,6 +71,7 @@ def right(parsed: Parses) -> Parses:
     return [(text, result) for text, result in parsed if not result.problems]
 
 
+@pytest.mark.slow
 def test_there_is_a_corpus(texts: list[CorpusText]) -> None:
     found = Counter((each.kind, each.dialect) for each in texts)
     assert found[Kind.STATEMENTS, Dialect.CODESYS] > 600

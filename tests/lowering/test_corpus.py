@@ -116,6 +116,7 @@ def skip_unless(name: str) -> None:
         pytest.skip(f"asked for with PLCOPEN_SFC_SWEEP={name}")
 
 
+@pytest.mark.slow
 def test_a_sample_does_the_same_or_is_refused() -> None:
     require_corpus()
     results: list[Result] = []

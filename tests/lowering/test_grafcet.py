@@ -373,6 +373,7 @@ def test_what_was_written_and_read_again_is_proven_too(form: str) -> None:
         assert found.kind is VerdictKind.PROVEN, f"{construction}: {found}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("flags", ["M20.0", "%MX20.0", "Merker"])
 def test_step_flags_elsewhere(flags: str) -> None:
     project = m.Project(name="Anlage", pous=[emergency_stop_of_the_seed()])

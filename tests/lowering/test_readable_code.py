@@ -228,6 +228,7 @@ def test_a_time_is_restarted_only_where_the_step_may_have_changed() -> None:
     assert "p := step_number = 3 AND step_time.ET < T#3s;" in text
 
 
+@pytest.mark.slow
 def test_actions_of_single_steps_are_one_case_behind_the_transitions() -> None:
     """An action of two steps between them stays where it is, and so does what comes behind it."""
     bodies = ["ACTION One: n := n + 1; END_ACTION", "ACTION Two: n := n + 2; // twice\nEND_ACTION"]

@@ -266,6 +266,7 @@ def test_instance_addresses_in_a_pou_are_told() -> None:
     assert section.encode() in sfc.dumps(project)
 
 
+@pytest.mark.slow
 def test_a_file_that_is_cut_off_anywhere_tells_so() -> None:
     """Between objects nothing did, where pragmas or the comment behind a list were cut."""
     data = BELT.read_bytes()

@@ -73,6 +73,7 @@ CHART G1
 """
 
 
+@pytest.mark.slow
 def test_times_in_terms_are_inputs_of_their_names() -> None:
     project = sfc.loads(TIMES.encode())
     data, report = sfc.convert(project, "grafcet")

@@ -116,6 +116,7 @@ def refused(report: ConversionReport) -> list[str]:
     return [item.why for item in report.items if "refuse" in item.why]
 
 
+@pytest.mark.slow
 def test_a_selection_behind_a_simultaneous_branch_waits_in_a_step() -> None:
     """TIA Portal has no branch directly behind a branch: a step is between, and is none of the chart."""
     chart = make(5, [([0], [1, 2]), ([1, 2], [3]), ([1, 2], [4]), ([3], [0]), ([4], [0])])

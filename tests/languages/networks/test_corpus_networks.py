@@ -148,6 +148,7 @@ def test_every_network_of_the_corpus_is_stable() -> None:
     assert not unstable(networks(True))
 
 
+@pytest.mark.slow
 @pytest.mark.corpus
 def test_how_many_networks_of_the_corpus_are_said_completely() -> None:
     require_corpus()
