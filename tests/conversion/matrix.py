@@ -31,6 +31,7 @@ CAUTIOUS = {
     ("qualifier P0", "codesys-export"): _IMPORT,
     ("retain", "codesys"): _IMPORT,
     ("macro-step", "codesys"): _IMPORT,
+    ("priority of a convergence", "codesys23"): "the text has the transition, which no drawing of CoDeSys 2.3 has",
     ("negated action", "codesys"): _IMPORT,
     ("action that is a chart", "simaticml"): "the chart in the action does not go on as the action ends",
     ("address", "simaticml"): "the simulation has no inputs and outputs at addresses",
