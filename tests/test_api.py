@@ -127,7 +127,7 @@ def test_unknown_formats_get_the_nearest_name_and_tools_their_format(name, messa
         (lambda: one_step().steps[0].actions.append("N q"), "`actions` of Step is a list of ActionAssociation, not"),
         (lambda: sfc.Project().pous.extend([one_step()]), "`pous` of Project is a list of Pou, not"),
         (lambda: one_step().steps.__setitem__(0, None), "`steps` of SfcNetwork is a list of Step, not None"),
-        (lambda: sfc.Project().edit().renumber("A"), "steps have whole numbers, not 'A' (str)"),
+        (lambda: sfc.Project().edit().renumber("A"), "renumber needs as start: int, not 'A' (str)"),
         (lambda: sfc.simulate(one_step(), scans=-1), "there are no -1 scans"),
     ],
 )

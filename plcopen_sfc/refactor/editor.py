@@ -222,8 +222,6 @@ class Editor:
         `names` renames the steps too: ``"S{number}"``, also ``"{number:03}_{name}"``. Refused where no step of a chart
         has a number and `names` is not given.
         """
-        for number in (start, increment):
-            check_argument(number, int, "steps have whole numbers")
         table: dict[Declaration | str, str] = {}
         declared = Names(self.project)
         by_holder = {id(each.holder): each for each in declared.declarations()} if names else {}

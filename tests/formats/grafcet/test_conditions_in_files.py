@@ -97,3 +97,17 @@ def test_conditions_that_cannot_be_read_are_told_in_every_file(form: str) -> Non
     assert texts_of(again) == WRONG
     found = sfc.check(again, profile="grafcet", select=["CND09"])
     assert [finding.code for finding in found] == ["CND09"] * len(WRONG)
+
+
+@pytest.mark.parametrize(
+    "condition", ["START . {}", "{} . START", "START . {} . a", "a . {} + /START", "(START . /{})"]
+)
+def test_a_dot_between_blanks_is_no_path_to_a_member(condition: str) -> None:
+    """The second name was a member of the first: it kept its name in a rename, and in a tool that has no `1B1`."""
+    head = "GRAFCET P\nINPUTS\n    START\n    1B1\n    a\nCHART G1\n    INITIAL STEP 1\n    STEP 2\n    2 -> 1 : /a\n"
+    project = sfc.loads(f"{head}    1 -> 2 : {condition.format('1B1')}\n".encode())
+    data, report = sfc.convert(project, "codesys")
+    assert "undeclared name" not in {item.what for item in report.losses}
+    assert b"_1B1" in data.partition(b"<condition>")[2]
+    project.rename("P.1B1", "Hinten")
+    assert condition.format("Hinten") in sfc.dumps(project, format="grafcet-text").decode()
