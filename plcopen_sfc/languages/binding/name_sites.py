@@ -162,7 +162,7 @@ def in_expression(text: str, role: Role, dialect: Dialect) -> Iterator[Reference
         yield Reference(text.strip('"'), (quotes, len(text) - quotes), role)
         return
     parsed = parse_condition(text, dialect)
-    is_grafcet = bool(parsed.problems) or (dialect is not Dialect.SCL and _DOT_BETWEEN_BLANKS.search(text) is not None)
+    is_grafcet = bool(parsed.problems) or (dialect is not Dialect.SCL and _DOT_BESIDE_BLANKS.search(text) is not None)
     if is_grafcet and role is Role.VALUE and (parts := program_parts(text)):
         for start, end in parts:
             if OVERLINE in text[start:end]:
@@ -177,8 +177,8 @@ def in_expression(text: str, role: Role, dialect: Dialect) -> Iterator[Reference
         yield replace(reference, role=role) if whole and role is not Role.VALUE else reference
 
 
-_DOT_BETWEEN_BLANKS = re.compile(r"\s\.\s")
-"""``START . 1B1`` of a GRAFCET is START AND 1B1; a path in a program has no blanks around its dots."""
+_DOT_BESIDE_BLANKS = re.compile(r"[ \t]\.|\.[ \t]")
+"""``START . 1B1`` of a GRAFCET is START AND 1B1; a path in a program has no blanks beside its dots."""
 _DURATION = re.compile(r"\s*(?:P[\dDT.]+[\dHMS.]*|[\d.]+ *(?:d|h|m|s|ms|us|ns))\s*", re.IGNORECASE)
 """Durations that are no literals of the language: ``PT0.02S`` of CODESYS exports, ``10s``."""
 

@@ -100,7 +100,8 @@ def test_conditions_that_cannot_be_read_are_told_in_every_file(form: str) -> Non
 
 
 @pytest.mark.parametrize(
-    "condition", ["START . {}", "{} . START", "START . {} . a", "a . {} + /START", "(START . /{})"]
+    "condition",
+    ["START . {}", "START .{}", "START. {}", "{} . START", "X2 . {} . a", "a . {} + /START", "(START . /{})"],
 )
 def test_a_dot_between_blanks_is_no_path_to_a_member(condition: str) -> None:
     """The second name was a member of the first: it kept its name in a rename, and in a tool that has no `1B1`."""
