@@ -68,7 +68,8 @@ def show_items(screen: Screen, items: Iterable[Item]) -> None:
         item = group.items[0]
         place = f"{item.what} {_listed(_places(group))}" if group.items[1:] else item.place + _position(item)
         screen.line(
-            (item.outcome.value, _STYLES.get(item.outcome, "")), f": {place}{f': {group.reason}' if item.why else ''}"
+            (item.outcome.value, _STYLES.get(item.outcome, "")),
+            f": {place}{f': {group.reason if group.items[1:] else item.why}' if item.why else ''}",
         )
     more = sum(len(group.items) for group in groups[len(shown) :])
     if more:

@@ -7,8 +7,10 @@
 `meaning`                 program text, conditions and values in a form that can be compared
 `comparison`              differences between two such trees
 `adaptation`              a project in terms that the target executes
-`reporting`               differences as items of a `ConversionReport`; source and result run against each other
-`causes`                  what a run has shown, in words, with its cause
+`reporting`               differences as items of a `ConversionReport`
+`running`                 source and result run against each other
+`assumed_types`           structures in the place of types that no file declares, for these runs
+`causes`                  differences that a run has shown, in words, with their causes
 """
 
 from plcopen_sfc.conversion.comparison import ExecutionDifference, compare

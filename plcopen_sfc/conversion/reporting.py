@@ -1,32 +1,20 @@
-"""Differences in what is executed as items of a `ConversionReport`, in the words of an engineer.
-
-Source and result of a conversion are run against each other, under the rules of their tools.
-"""
+"""Differences in what is executed as items of a `ConversionReport`, in the words of an engineer."""
 
 from __future__ import annotations
 
 import re
-import time
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
-from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
 
-from plcopen_sfc.conversion.assumed_types import assumed_types, with_types
-from plcopen_sfc.conversion.causes import concerns, times_among, told_apart, told_difference, told_while_held
 from plcopen_sfc.conversion.comparison import OF_LIBRARY, ExecutionDifference
 from plcopen_sfc.conversion.executed_parts import (
-    FIRST_SCAN,
-    HIDDEN_FLAG,
     OPERATING_INPUT,
     OPERATING_KINDS,
     PLAIN_VARIABLES,
     PROGRAM_CALL,
     RESTING_INPUT,
     SHOWN_STATE,
-    STABILITY,
-    START,
     STORED,
     UNDECLARED,
     UNDECLARED_TYPE,
@@ -34,311 +22,13 @@ from plcopen_sfc.conversion.executed_parts import (
 )
 from plcopen_sfc.conversion.meaning import UNREAD_CONDITION
 from plcopen_sfc.diagnostics import Diagnostic
-from plcopen_sfc.errors import SfcError
-from plcopen_sfc.languages.binding import names_in
-from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
-from plcopen_sfc.languages.declarations.kept_texts import inheritance
-from plcopen_sfc.model.actions import ActionAssociation, Qualifier
-from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import SfcFlag
-from plcopen_sfc.model.types import used_types
-from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import (
-    ARITHMETIC,
-    CHART_OF_ACTION,
-    FALLING_EDGE,
     LOSSES,
-    ORDER_OF_ACTIONS,
     ConversionReport,
     Item,
     Outcome,
 )
-from plcopen_sfc.semantics.net import Net
-from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder, default_profile
-from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
-from plcopen_sfc.semantics.subjects import resolve
-
-if TYPE_CHECKING:
-    from plcopen_sfc.analysis.verdict import Counterexample, Verdict
-
-    pass
-
-_CAP, _RUNS, _SCANS = 2_000, 10, 100
-"""States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
-
-_APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, FIRST_SCAN, CHART_OF_ACTION, ORDER_OF_ACTIONS, FALLING_EDGE}
-_APART |= {ARITHMETIC, "retain", "address", "interval", "max time", "maximum time"}
-"""Losses beside which a run shows more: what operates a chart rests, nothing looks at addresses or times of tasks, and
-the chart of a GRAFCET may have no step that is only passed, and begins one scan later. A block for the chart of an
-action may do the same, and actions in another order or calculations of other widths."""
-
-
-def report_running(
-    report: ConversionReport,
-    source: Project,
-    result: Project,
-    called: Mapping[str, str],
-    *,
-    tool: str,
-    target: Profile | None,
-    limit: float,
-) -> None:
-    """Run each chart of `source` and what the target `tool` reads of it, and add what came of it to `report`.
-
-    Charts in which something is not executed are left out: they differ. Where something is approximated, the run tells
-    whether that changes what the chart does; the report names it already, so a difference is no item of its own.
-    `called` gives the paths in the source of what has another name in the result, `target` the rules of the target
-    where they are not those of its files. `limit` is the time in seconds that all of this may take.
-    """
-    from plcopen_sfc.analysis.equivalence import equivalent  # noqa: PLC0415  # most conversions run nothing
-    from plcopen_sfc.analysis.pairing import Delay  # noqa: PLC0415
-    from plcopen_sfc.analysis.verdict import VerdictKind  # noqa: PLC0415
-
-    profiles = default_profile(source), target or default_profile(result)
-    end = time.monotonic() + limit
-    losses = [item for item in report.losses if not _is_apart(item) and item.what != UNDECLARED_TYPE]
-    undeclared = {item.why.split("`")[1].casefold() for item in report.losses if item.what == UNDECLARED_TYPE}
-    assumed = assumed_types(source, undeclared) if undeclared else []
-    undeclared -= {declaration.name.casefold() for declaration in assumed}
-    running = [with_types(project, assumed) if assumed else project for project in (source, result)]
-    for there, here in list(_pairs(source, result, called)):
-        named = {item.outcome for item in losses if concerns(item, there.report_path)}
-        types = [name for variable in there.pou.variables() for name in used_types(variable.type)]
-        unknown = next((name for name in types if name.casefold() in undeclared), None)
-        if here is not None and unknown is not None:  # no run knows what its members are, or that blocks share them
-            report.compared[there.report_path] = f"not compared: nothing declares the type `{unknown}` of its variables"
-            continue
-        if here is None or Outcome.NOT_EXECUTED in named:
-            what = "what is not executed" if named else f"nothing in {tool} that has its name"
-            report.compared[there.report_path] = f"not compared: the report names {what}"
-            continue
-        left = end - time.monotonic()
-        if left <= 0:
-            _note_untested(report, there.report_path, "not run: the time limit was reached")
-            continue
-        compared = partial(
-            equivalent,
-            resolve(running[0], there.name),
-            resolve(running[1], here.name),
-            profile=profiles,
-            step_flags=_step_flags(there, here, called, _hidden_flags(report, there)),
-            inputs=_renamed_variables(here, called) | _executed_inputs(report, there),
-            free_inputs=ALL_FREE,
-            cap=_CAP,
-            runs=_RUNS,
-            scans=_SCANS,
-        )
-        try:
-            verdict = compared(delay="auto", limit=left)
-            is_cut = verdict.delay.retimed and verdict.equal
-            other = profiles[0].order is not profiles[1].order
-            is_cut = is_cut and _lasts(there, source, verdict.inputs, has_other_inputs=other)
-            as_run = compared(delay=Delay(verdict.delay.scans), limit=left) if is_cut else verdict
-        except SfcError as error:
-            _note_untested(report, there.report_path, f"not run: {error.message}")
-            continue
-        run = _Run(there, verdict, as_run, profiles, tool)
-        if named:
-            report.compared[there.report_path] = run.told_with(losses)
-        elif verdict.kind is VerdictKind.UNTESTED:
-            _note_untested(report, there.report_path, *str(verdict).splitlines())
-        else:
-            times, left = times_among(verdict.inputs, there), end - time.monotonic()
-            is_held = verdict.counterexample is not None and times and left > 0
-            held = told_while_held(compared(delay="auto", limit=left, fixed=times), times) if is_held else ""
-            _report_run(report, run, held)
-        if profiles[0].evolution is Evolution.UNTIL_STABLE is not profiles[1].evolution and not as_run.equal:
-            single = replace(profiles[0], evolution=profiles[1].evolution), profiles[1]
-            report.compared[there.report_path] += _told_single(compared, single, end - time.monotonic())
-        if any(name.casefold() == declaration.name.casefold() for name in types for declaration in assumed):
-            report.compared[there.report_path] += "; types that nothing declares have the members that are used of them"
-
-
-def _told_single(compared: Callable[..., Verdict], profiles: tuple[Profile, Profile], limit: float) -> str:
-    """Return how a GRAFCET without the search for stability compares with its result, which has none; else nothing.
-
-    What is left of a difference then is one of the conversion: with the search, inputs that come together tell apart
-    every chart whose steps they pass.
-    """
-    try:
-        verdict = compared(profile=profiles, delay="auto", limit=limit) if limit > 0 else None
-    except SfcError:
-        return ""
-    if verdict is None or verdict.counterexample is not None:
-        return ""
-    return f"; without its search for stability: {str(verdict).splitlines()[0]}"
-
-
-class _Run(NamedTuple):
-    """A chart of the source that was run against its result.
-
-    `verdict`: what was found; `as_run`: the same with a constant delay only, where that is another question.
-    """
-
-    place: Chart
-    verdict: Verdict
-    as_run: Verdict
-    profiles: tuple[Profile, Profile]
-    tool: str
-
-    def told_with(self, losses: Sequence[Item]) -> str:
-        """Return what was found of a chart in which the report names something as approximated."""
-        example = self.as_run.counterexample
-        told = self.told(example, losses) if example is not None else str(self.as_run).splitlines()[0]
-        return f"{told}; what the report names as approximated is in it"
-
-    def told(self, example: Counterexample, losses: Sequence[Item], rule: str = "") -> str:
-        """Return a difference in words, with its cause, which is the `rule` of a tool where one is given."""
-        return told_difference(example, self.place, losses, self.profiles, self.tool, rule=rule)
-
-
-def _report_run(report: ConversionReport, run: _Run, held: str) -> None:
-    """Report what was found of a chart of which the report names no loss; `held`: while times of actions stay."""
-    verdict, as_run, path = run.verdict, run.as_run, run.place.report_path
-    report.compared[path] = str(as_run).splitlines()[0]
-    if not as_run.equal and verdict.equal:
-        report.compared[path] += "; the same but for the inputs that actions see, and the first scan"
-    if verdict.proven:
-        usual = 1 if run.profiles[1].order is ScanOrder.ACTIONS_FIRST else 0  # a later result passed other situations
-        if abs(verdict.delay.scans) <= usual:
-            _note_proven(report, path, STABILITY, "which fires transitions once in a scan")
-        _note_proven(report, path, CHART_OF_ACTION, "which calls a block for the chart of the action")
-        _note_proven(report, path, ORDER_OF_ACTIONS, "which executes actions in another order")
-        _note_proven(report, path, FALLING_EDGE, "which sees another first edge of F_TRIG")
-        if not run.profiles[1].initial_situation_held:  # of which no proof has the first scan
-            _note_proven(report, path, FIRST_SCAN, "whose actions have not seen the initial step then")
-        _note_proven(report, path, ARITHMETIC, "which calculates with other numbers of bits")
-    if verdict.counterexample is not None:
-        why = run.told(verdict.counterexample, report.losses)
-        report.add(Outcome.APPROXIMATED, "chart", path, why + held)
-    elif not as_run.equal:
-        example = as_run.counterexample
-        why = "it is not known to do the same"
-        if example is not None:
-            why = run.told(example, (), told_apart(example, run.profiles, run.tool))
-        report.add(Outcome.APPROXIMATED, "chart", path, why)
-
-
-def _lasts(chart: Chart, project: Project, inputs: Iterable[str], *, has_other_inputs: bool) -> bool:
-    """True if a chart can do something else for good where its actions see other inputs, or in the first scan.
-
-    A Boolean that follows its initial step is late or early once. What is stored, and what statements do, stays.
-    """
-    bodies = {action.name.casefold() for action in chart.pou.actions}
-
-    def follows(each: ActionAssociation) -> bool:
-        is_plain = each.qualifier in (Qualifier.N, Qualifier.L, Qualifier.D) and each.event is None
-        return is_plain and each.body is None and each.value is None and (each.target or "").casefold() not in bodies
-
-    for step in (step for inner in with_inner_charts(chart.chart) for step in inner.initial_steps):
-        if step.entry_action or step.main_action or step.exit_action or not all(map(follows, step.actions)):
-            return True
-    if not has_other_inputs:
-        return False
-    known = {name.casefold().partition("[")[0].rpartition(".")[2] for name in inputs}
-    return any(not known.isdisjoint(names) for names in _names_of_actions(chart, project))
-
-
-def _names_of_actions(chart: Chart, project: Project) -> Iterator[set[str]]:
-    """Yield the names (lower case) in the actions and steps of a chart, then in all POUs that these may call.
-
-    Without the variables that a called POU has of its own. Types of variables that are named tell the blocks.
-    """
-    pous = {pou.name.casefold(): pou for pou in project.pous}
-    types = {declared.name.casefold(): declared.type for declared in project.data_types}
-    global_ = [variable for section in project.global_sections() for variable in section.variables]
-    steps = (step for inner in with_inner_charts(chart.chart) for step in inner.steps)
-    texts = (*chart.pou.actions, *chart.pou.methods, *steps)
-    waiting = [(chart.pou, {name for each in texts for name in names_in(each, project.dialect)})]
-    seen, family = {chart.pou.name.casefold()}, {chart.pou.name.casefold()}
-    while waiting:
-        pou, names = waiting.pop()
-        bases = {base.casefold() for base in inheritance(pou.interface).extends}
-        family |= bases if pou.name.casefold() in family else set()
-        sections = pou.interface.sections if pou.interface is not None and pou.name.casefold() not in family else []
-        own = {v.name.casefold() for each in sections if each.kind is not SectionKind.EXTERNAL for v in each.variables}
-        yield names - own
-        reached = names | bases
-        kinds = [v.type for v in (*pou.variables(), *global_) if v.name.casefold() in names]
-        while kinds:
-            new = {name.casefold() for name in used_types(kinds.pop())} - reached
-            reached |= new
-            kinds += [types[name] for name in new & types.keys()]
-        called = reached & pous.keys() - seen
-        seen |= called
-        waiting += [(pous[each], names_in(pous[each], project.dialect)) for each in called]
-
-
-def _note_proven(report: ConversionReport, path: str, what: str, how: str) -> None:
-    """Tell that the target does the same, `how` says in what way, where the report was not sure of it."""
-    for at, item in enumerate(report.items):
-        if item.what == what and f"{item.path} / ".startswith(f"{path} / "):
-            why = f"with all inputs the target, {how}, does the same"
-            report.items[at] = replace(item, outcome=Outcome.TRANSLATED, why=why)
-
-
-def _hidden_flags(report: ConversionReport, chart: Chart) -> set[str]:
-    """Return the steps whose flags are FALSE in the result where others are active in their place."""
-    paths = [ObjectPath.of(item.path) for item in report.items if item.what == HIDDEN_FLAG]
-    return {path.last.removeprefix("step ") for path in paths if path.around == chart.report_path}
-
-
-def _step_flags(there: Chart, here: Chart, called: Mapping[str, str], hidden: Collection[str]) -> dict[str, str] | None:
-    """Return the steps of the result by those of the source but for `hidden` ones; None where all have their names."""
-    net, other = Net.of(there.chart), Net.of(here.chart)
-    paths = zip(other.steps, other.report_paths(here.report_path)[0], strict=True)
-    result = {in_the_source(path, called): step.path for step, path in paths}
-    own = zip(net.steps, net.report_paths(there.report_path)[0], strict=True)
-    found = {step.path: (step.step.name, result[path]) for step, path in own if path in result}
-    if not hidden and all(path == step for path, (_, step) in found.items()):
-        return None
-    return {path: step for path, (name, step) in found.items() if name not in hidden}
-
-
-def _renamed_variables(here: Chart, called: Mapping[str, str]) -> dict[str, str]:
-    """Return the names in the source of variables that a POU of the result sees and that have others there."""
-    own, shared = f"{here.pou.report_path} / ", "global variable "
-    found = {
-        new.removeprefix(shared): old.removeprefix(shared) for new, old in called.items() if new.startswith(shared)
-    }
-    plain = [path.removeprefix(own) for path in called if path.startswith(own) and "step " not in path]
-    external = {variable.name for variable in here.pou.variables(SectionKind.EXTERNAL)}
-    for variable in here.pou.variables():  # which hides a tag
-        if variable.name not in external:
-            found.pop(variable.name, None)
-    return found | {name: ObjectPath.of(called[own + name]).last for name in plain if " / " not in name}
-
-
-def _executed_inputs(report: ConversionReport, chart: Chart) -> dict[str, str]:
-    """The inputs that operate a chart of S7-GRAPH and are executed in the target; all others rest."""
-    executed = [item for item in report.with_outcome(Outcome.TRANSLATED) if item.what == OPERATING_INPUT]
-    paths = [ObjectPath.of(item.path) for item in executed]
-    found = {path.last: path.last for path in paths if path.around == chart.report_path}
-    enables = SfcFlag.ENABLE_LIMIT.variable
-    is_asked = any((each.what, each.path) == (enables, chart.report_path) for each in report.items)
-    if is_asked and any(each.name == enables for each in chart.pou.variables(SectionKind.INPUT)):
-        found[enables] = enables
-    return found
-
-
-def _note_untested(report: ConversionReport, path: str, found: str, *unreached: str) -> None:
-    report.compared[path] = found
-    report.untested[path] = list(unreached)
-
-
-def _pairs(source: Project, result: Project, called: Mapping[str, str]) -> Iterator[tuple[Chart, Chart | None]]:
-    """The charts of the source that are not empty, each with that of the result."""
-    found = {in_the_source(chart.report_path, called).casefold(): chart for chart in result.charts()}
-    for chart in source.charts():
-        if chart.chart.steps or chart.chart.partial_charts:
-            yield chart, found.get(chart.report_path.casefold())
-
-
-def _is_apart(item: Item) -> bool:
-    """True for a loss beside which a run shows more: a name that nothing declares is the same input on both sides."""
-    return item.what in _APART or (item.what == UNDECLARED and item.outcome is Outcome.APPROXIMATED)
-
 
 UNSAID = "; nothing was said of it while writing: please report this as a mistake of plcopen_sfc"
 """The end of what is said of a difference that the reader of the target found, and no writer had named."""

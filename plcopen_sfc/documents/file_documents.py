@@ -144,7 +144,7 @@ def _report_without_tool(
     report: ConversionReport, project: Project, data: bytes, kind: Format, called: Mapping[str, str], *, limit: float
 ) -> None:
     """Run the charts of a format that is no tool's: GRAFCETs by the rules of IEC 60848. Nothing executes step lists."""
-    from plcopen_sfc.conversion.reporting import report_running  # noqa: PLC0415  # brings the interpreter
+    from plcopen_sfc.conversion.running import report_running  # noqa: PLC0415  # brings the interpreter
     from plcopen_sfc.semantics.profile import profile_of_format  # noqa: PLC0415
 
     if profile_of_format(kind.name).grafcet_terms:
@@ -188,7 +188,7 @@ def report_behaviour(
     errors = [each for each in seen.diagnostics if each.severity is Severity.ERROR and each.code not in known]
     report_errors(report, errors, flavour or tool, called)
     if limit:
-        from plcopen_sfc.conversion.reporting import report_running  # noqa: PLC0415  # brings the interpreter
+        from plcopen_sfc.conversion.running import report_running  # noqa: PLC0415  # brings the interpreter
 
         report_running(report, project, seen, called, tool=flavour or tool, target=target, limit=limit)
 

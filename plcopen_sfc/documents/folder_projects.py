@@ -500,10 +500,8 @@ def _convert(
     options = replace(options, whole=copy)
 
     def write(document: PlannedDocument) -> bytes:
-        alone = document.project()
-        pairs = _pairs_of(
-            alone.objects(), document.things
-        )  # a document has copies of its objects, with ids of their own
+        alone = document.project()  # it has copies of the objects, with ids of their own
+        pairs = _pairs_of(alone.objects(), document.things)
         marks = {id(one): options.marks[id(thing)] for one, thing in pairs if id(thing) in options.marks}
         return codec.write(alone, replace(options, added=document.added, marks={**options.marks, **marks}), report)
 

@@ -64,11 +64,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     if profile.for_asks_ahead and kind.tool and not options.flavour and not kind.name.startswith("plcopen"):
         note_loops(project, report, kind.tool)  # a TC6 file is one of Beremiz by its header still
     if kind.tool and not options.same:
-        _note_wider_arithmetic(project, kind, dialect, report)
-        _note_operands(project, kind, options, report)
-        _note_sections(project, kind, report)
-        _note_falling_edges(project, kind, dialect, report)
-        _note_step_names(project, kind, dialect, report)
+        _note_differences(project, kind, options, dialect, report)
     results = bool(kind.tool) and kind.name != TIA_FORMAT and has_results(project)
     lacks_nothing = options.same or type(kind.codec()).replace_missing is Codec.replace_missing
     lacks_nothing = lacks_nothing and (not kind.tool or _has_flags(kind) is _has_flags(project))
@@ -138,6 +134,17 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         return Prepared(written, copy, replace(options, marks=marks, rewritten=copy), behaviour)
     written, options = _drawn(project, copy, kind, options, report)
     return Prepared(written, copy, options, behaviour)
+
+
+def _note_differences(
+    project: Project, kind: Format, options: WriteOptions, dialect: Dialect | None, report: ConversionReport
+) -> None:
+    """Report what the same texts do otherwise in another tool."""
+    _note_wider_arithmetic(project, kind, dialect, report)
+    _note_operands(project, kind, options, report)
+    _note_sections(project, kind, report)
+    _note_falling_edges(project, kind, dialect, report)
+    _note_step_names(project, kind, dialect, report)
 
 
 def _forget_replaced(project: Project) -> None:

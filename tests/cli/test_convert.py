@@ -256,6 +256,17 @@ def test_items_with_one_reason_are_in_one_place(cli, tmp_path):
     assert "POINTER" in cli("convert", source, tmp_path / "x.scl", "--to", "scl", "--quiet").err
 
 
+def test_an_item_alone_has_the_line_of_its_text(cli, tmp_path):
+    project = sfc.loads(
+        b"FUNCTION_BLOCK A\nVAR x : REAL; n : INT; END_VAR\nn := 0;\nn := REAL_TO_INT(x);\nEND_FUNCTION_BLOCK\n"
+    )
+    project.dialect = "codesys"
+    sfc.save(project, tmp_path / "a.xml", format="codesys")
+    for options in ((), ("--verbose",)):
+        outcome = cli("convert", tmp_path / "a.xml", tmp_path / "a.scl", "--to", "scl", *options)
+        assert re.search(r"approximated: text POU A \(line \d+\): line 2: REAL_TO_INT", outcome.out)
+
+
 @pytest.mark.slow
 def test_what_is_not_executed_is_refused(cli, fixtures, tmp_path):
     target, report = tmp_path / "drill.xml", tmp_path / "report.json"

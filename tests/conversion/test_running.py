@@ -10,7 +10,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.conversion.reporting import report_running
+from plcopen_sfc.conversion.running import report_running
 from plcopen_sfc.errors import LossError
 from plcopen_sfc.pages.report_words import german
 from plcopen_sfc.report import ConversionReport, Outcome

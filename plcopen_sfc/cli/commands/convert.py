@@ -139,7 +139,9 @@ def _write_page(
 ) -> None:
     from plcopen_sfc.pages import conversion_page  # noqa: PLC0415  # brings the checks with it
 
-    text = conversion_page(source, report, target, lang=lang, made_on=date.today())  # of whoever reads it
+    text = conversion_page(
+        source, report, target, lang=lang, made_on=date.today()
+    )  # as the clock of the reader shows it
     write_atomic(page, text.encode("ascii"))
     screen.note(f"written: {page}")
 

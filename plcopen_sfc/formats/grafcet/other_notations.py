@@ -30,7 +30,7 @@ TO_AUTOMATON = re.compile(r"(?m)^[ \t]*<GRAFCET>[ \t]*\r?$")
 
 
 @dataclass
-class TranslatedText:
+class ReadNotation:
     """A text in the words of this package. `lines` has the line in the file for each of its lines."""
 
     lines: list[int] = field(default_factory=list)
@@ -47,7 +47,7 @@ class TranslatedText:
         return "\n".join(self.parts) + "\n"
 
 
-def translated(text: str, file: str | None = None) -> TranslatedText | None:
+def translated(text: str, file: str | None = None) -> ReadNotation | None:
     """Return a text in another notation in the words of this package; None for one that is in no other.
 
     Raises `StructureError` at the first line that is not valid in the notation.
@@ -94,7 +94,7 @@ def _plain(text: str) -> str:
 class _Notation:
     def __init__(self, file: str | None) -> None:
         self._file = file
-        self._made = TranslatedText()
+        self._made = ReadNotation()
 
     def wrong(self, message: str, line: int, hint: str = "") -> StructureError:
         """Return the error for a line."""
@@ -117,7 +117,7 @@ class _Transition:
 
 
 class _Grafcet2Plc(_Notation):
-    def read(self, text: str) -> TranslatedText:
+    def read(self, text: str) -> ReadNotation:
         """Return the text; transitions are where the last of their arcs is known: behind all steps of their chart."""
         made = self._made
         made.add("GRAFCET Grafcet", 1)
@@ -182,7 +182,7 @@ _REMARK = re.compile(r"\(\*(.*?)\*\)", re.DOTALL)
 
 
 class _ToAutomaton(_Notation):
-    def read(self, text: str) -> TranslatedText:
+    def read(self, text: str) -> ReadNotation:
         """Return the text."""
         made = self._made
         bare = re.sub(r"#[^\r\n]*", lambda found: " " * len(found[0]), text)

@@ -607,9 +607,17 @@ def write_member(
         ctx.note(Outcome.TRANSLATED, "initial", variable.name, why)
     if start is not None and variable.initial is None:
         also = {"initial": None}
-    if type_ is not variable.type:
+    if _reports_type(ctx, variable, type_, spelled):
         native.discard("type")
         reported.add("type")
+    if "type" not in native or also or (variable.initial is not None and "initial" not in native):
+        also[WRITTEN] = member_digests(element)
+    finish(ctx, element, variable, frozenset(native), also=also, reported=frozenset(reported))
+
+
+def _reports_type(ctx: DocumentWriting, variable: Variable, type_: DataType, spelled: str) -> bool:
+    """Report the type of a variable that is written as `type_`, if that is another one or none of TIA Portal."""
+    if type_ is not variable.type:
         why = f"it is a variable of the type {spelled}"
         if (bounds := ctx.s7_types.bounds(variable.type)) is None:
             ctx.note(Outcome.TRANSLATED, "data type", variable.name, why)
@@ -617,13 +625,9 @@ def write_member(
             why += f", and values outside of {bounds.lower}..{bounds.upper} are no error"
             ctx.note(Outcome.APPROXIMATED, "data type", variable.name, why)
     if not is_tia_type(type_):
-        native.discard("type")
-        reported.add("type")
         why = f"TIA Portal has no type like this one; written as {spelled}, which does not compile"
         ctx.note(Outcome.NOT_EXECUTED, "data type", variable.name, why)
-    if "type" not in native or also or (variable.initial is not None and "initial" not in native):
-        also[WRITTEN] = member_digests(element)
-    finish(ctx, element, variable, frozenset(native), also=also, reported=frozenset(reported))
+    return type_ is not variable.type or not is_tia_type(type_)
 
 
 def _is_nested(type_: DataType) -> bool:
