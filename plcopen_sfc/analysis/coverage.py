@@ -513,7 +513,7 @@ class _Reasons:
         value = "" if part.value is None else str(part.value).upper()
         shown = f"{transition_shown}: {_quoted(part.text)}"
         is_dead = transition.index in self._unreachable.transitions.get(key[0], ())
-        is_dead |= self._unreachable.is_impossible([part.deciding], transition.chart)
+        is_dead |= self._unreachable.is_never_tested(key[0], transition, part.deciding)
         if is_dead or (
             part.value is not None and self._unreachable.has_never(key[0], transition, part.text, part.value)
         ):

@@ -63,6 +63,9 @@ _MOST_STATES = 20_000
 _BOUND_TRIES = 3
 """Limit for solving one bound of a comparison."""
 
+_LONGEST = 10
+"""Times the effort that a search takes at most, which goes on as long as it comes to something new."""
+
 _PHASES = 10
 """Parts of the effort: after one without anything new, what is left is looked at whether it is reachable at all.
 
@@ -113,8 +116,8 @@ class _End(Exception):  # noqa: N818  # no error: the effort is spent, or there 
 class DirectedSearch:
     """See the module.
 
-    `parts`: those of the conditions of both sides; `scans`: the effort; `seed`: of what is left to chance; `look` tells
-    why the search must end.
+    `parts`: those of the conditions of both sides; `scans`: the effort, in which something new must come or it ends;
+    `seed`: of what is left to chance; `look` tells why the search must end.
     """
 
     def __init__(
@@ -133,7 +136,7 @@ class DirectedSearch:
         self._sides = (left, right)
         self._signals = signals
         self._clock = clock
-        self._effort = scans
+        self._effort = self._end = scans
         self._look_at_time = look
         self._stopped = ""
         self._chance = Random(f"{seed}")  # noqa: S311  # no secret
@@ -143,8 +146,8 @@ class DirectedSearch:
         self._with_parts = [self._goals]
         other = self._sides[1 - leading]
         self._others = Goals(other, signals, parts[1 - leading])
-        for goal in self._others.branches:
-            goal.places = ()  # steps of the leading side are looked at
+        for goal in chain(self._others.branches, self._others.parts):
+            goal.leads = False
         has_outcomes = not all(branch.is_statement for branch in other.marks.branches)
         if any(parts[1 - leading]) or (has_outcomes and bool(other.instance.charts()) == bool(self._goals.charts)):
             self._with_parts.append(self._others)
@@ -231,7 +234,7 @@ class DirectedSearch:
     def _scan(self, row: Row, *, virtual: int = 0) -> bool:
         """Run one scan, after `virtual` ones in which nothing but clocks goes on; False where that ends the run."""
         self._stopped = self._look_at_time(self._scans)
-        if self._stopped or self._scans >= self._effort:
+        if self._stopped or self._scans >= self._end:
             raise _End
         self._scans += 1
         first = self._at == 0 and not self._way
@@ -277,6 +280,8 @@ class DirectedSearch:
         markings = self._goals.markings()
         reached = self._count()
         is_stuck = self._scans - self._progress > self._effort // _PHASES
+        if reached != self._reached:
+            self._end = min(max(self._end, self._scans + self._effort), self._effort * _LONGEST)
         if reached != self._reached or is_stuck:
             self._reached, self._progress = reached, self._scans
             self._turned |= is_stuck
@@ -289,7 +294,7 @@ class DirectedSearch:
                 self._looks_aside ^= is_stuck
             self._frontier = self._open()
         distances = [goal.distance() for goal in self._frontier]
-        key = (markings, tuple(map(_bucket, distances)), len(self._frontier))
+        key = (markings, tuple(map(_bucket, distances)), len(self._frontier), self._others.markings())
         number = self._by_key.get(key)
         distance = total(distances)
         if number is not None and distance >= self._states[number].distance:
@@ -339,8 +344,12 @@ class DirectedSearch:
         """True if a step is active in which something is looked at that is wanted."""
         if state.key is None:
             return False
-        markings = state.key[0]
-        return any(steps & markings[chart] for goal in self._frontier for chart, steps in goal.places)
+        leading, _, _, others = state.key
+        return any(
+            steps & (leading if goal.leads else others)[chart]
+            for goal in self._frontier
+            for chart, steps in goal.places
+        )
 
     def _next(self) -> int:
         while True:

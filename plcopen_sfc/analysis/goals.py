@@ -6,12 +6,13 @@ the present values of everything else.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import date, timedelta
 from functools import cached_property
 from itertools import chain, islice
-from typing import Any
+from typing import Any, cast
 
 from plcopen_sfc.analysis.deciding_parts import ConditionPart, ConditionParts
 from plcopen_sfc.analysis.exclusivity import association_condition, condition_of
@@ -20,12 +21,14 @@ from plcopen_sfc.analysis.knowledge import ProjectKnowledge
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.analysis.unreachable import Unreachable
 from plcopen_sfc.errors import SfcError
+from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.networks import normal_form
 from plcopen_sfc.languages.networks.wires import joined
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.literals import LiteralKind, LiteralValue, literal_value
 from plcopen_sfc.languages.st.nodes import Expression, Operator
+from plcopen_sfc.languages.st.walking import with_children
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
@@ -58,8 +61,9 @@ class Goal:
     `distance` tells how far the values of variables that are no inputs are from it; 0 where inputs alone decide.
     `part`: a part of a condition that decides it then; `action`: the bit of an action that it executes; `tries`: how
     often inputs that were to do it have not done it; `has_inputs`: it may be solved, as far as that was looked at.
-    `places`: numbers of charts, and bits of steps in one of which it is looked at, as far as that is known. `waits`: it
-    asks for an elapsed time.
+    `places`: numbers of charts, and bits of steps in one of which it is looked at, as far as that is known. `leads`:
+    these are charts of the leading side. `waits`: it asks for an elapsed time. `origin`: the same goal with the
+    expressions that its variables get in each scan in their places.
     """
 
     name: str
@@ -74,8 +78,10 @@ class Goal:
     tries: int = 0
     places: Sequence[tuple[int, int]] = ()
     waits: bool = False
+    leads: bool = True
     own: frozenset[str] = frozenset()
     distance: Distance = lambda: 0.0
+    origin: Goal | None = field(default=None, repr=False)
     _formula: _Solving | None = field(default=None, repr=False)
 
 
@@ -134,7 +140,7 @@ class Goals:
                 for node in walk(statement)
                 if isinstance(node, n.Name)
             )
-            goal.distance = self._distance(goal.tree, wanted=True)
+            self._measure(goal)
         return goal
 
     def _find_branches(self) -> None:
@@ -149,7 +155,7 @@ class Goals:
                 continue
             tree = normal_form(joined(Operator.AND, branch.guards))
             goal = Goal(branch.condition, tree, branch=number)
-            goal.distance = self._distance(tree, wanted=True)
+            self._measure(goal)
             goal.waits = any(map(self._is_elapsed, walk(tree)))
             goal.places = self._steps_asked(tree) or self._executing.get(branch.owner.casefold(), ())
             goals.append(goal)
@@ -196,15 +202,16 @@ class Goals:
                 if tree is not None:
                     tree = normal_form(tree)
                     goal = Goal(chart.reached.labels[action], tree, number, sources=steps, action=1 << action)
-                    goal.distance = self._distance(tree, wanted=True)
+                    self._measure(goal)
                     yield goal
 
     def _of_part(self, part: ConditionPart) -> Goal:
         number = next(number for number, (chart, _) in enumerate(self.charts) if chart is part.chart)
         transition = part.transition
         goal = Goal(part.text, part.deciding, number, transition.bit, transition.pre, part=part)
-        goal.has_inputs = self._reads_inputs(part.deciding)
-        goal.distance = self._distance(part.deciding, wanted=True)
+        goal.places = [(number, transition.pre)]
+        goal.has_inputs = self._reads_inputs(_inlined(part.deciding, self._assigned))
+        self._measure(goal)
         return goal
 
     def _of_bounds(self) -> Iterator[Goal]:
@@ -333,6 +340,16 @@ class Goals:
 
     # -- how far
 
+    def _measure(self, goal: Goal) -> None:
+        """Tell how far a goal is, by its condition or by what its variables get in the scan."""
+        assert goal.tree is not None  # noqa: S101  # the caller looked
+        goal.distance = distance = self._distance(goal.tree, wanted=True)
+        tree = _inlined(goal.tree, self._assigned)
+        if tree is not goal.tree:
+            goal.origin = replace(goal, tree=tree)
+            from_origin = self._distance(tree, wanted=True)
+            goal.distance = lambda: min(distance(), from_origin())
+
     def _distance(self, tree: Expression, *, wanted: bool) -> Distance:
         match tree:
             case n.Parenthesized(inner):
@@ -441,6 +458,9 @@ class Goals:
         cache = parts[0].found
         if key not in cache:
             cache[key] = self._solved(wanted, unwanted, known)
+            if cache[key] is None and any(each.origin is not None for each in goals):
+                first, other = ([each.origin or each for each in some] for some in (wanted, unwanted))
+                cache[key] = self.solve(first, other, hoping=hoping)
         return cache[key]
 
     def _solving(self, goal: Goal) -> _Solving:
@@ -451,6 +471,29 @@ class Goals:
             inner = [text for text in formula.names() if self._input(text) is None]
             goal._formula = _Solving(formula, term, inner)
         return goal._formula
+
+    @cached_property
+    def _assigned(self) -> Mapping[str, Expression]:
+        """The expression of each variable of the POU that one statement assigns and nothing else writes, by its name.
+
+        That is all that it depends on where the statement is executed in each scan: an edge of an input, a mode. A
+        variable that gets its value further down, or in another text, has that of the scan before there.
+        """
+        pou, dialect = self.system.subject.pou, self._project.dialect
+        texts = [bind(body, dialect) for _, _, body in pou.named_bodies()]
+        written = Counter(print_node(target).casefold() for text in texts for target in text.targets())
+        acting = {".".join(path) for text in texts for chart in text.charts for path in chart.acting.writes}
+        whole: dict[str, Expression] = {}
+        for text in texts:
+            inside: dict[str, Expression] = {}
+            for statement in text.statements:
+                match statement:
+                    case n.Assignment(n.Name(name), value, n.AssignmentKind.ASSIGN):
+                        key = name.casefold()
+                        if written[key] == 1 and key not in acting:
+                            inside[key] = _inlined(value, inside)
+            whole |= inside
+        return whole
 
     def _formula(self) -> Formula:
         chart = self.system.subject.pou.chart
@@ -493,6 +536,18 @@ class Goals:
         if names and isinstance(value, int) and not isinstance(value, bool):
             return next((name for name, number in names.items() if number == value), None)
         return value
+
+
+def _inlined(tree: Expression, assigned: Mapping[str, Expression]) -> Expression:
+    """Return an expression with those that are assigned to its variables in their places."""
+
+    def changed(node: n.Node) -> n.Node:
+        if isinstance(node, n.Name):
+            found = assigned.get(node.identifier.casefold())
+            return node if found is None else n.Parenthesized(found)
+        return node if isinstance(node, n.Member | n.Index | n.Call) else with_children(node, changed)
+
+    return cast("Expression", changed(tree))
 
 
 def _nothing() -> float:

@@ -27,8 +27,9 @@ from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork
 from plcopen_sfc.model.types import PointerType
 from plcopen_sfc.model.variables import SectionKind
-from plcopen_sfc.semantics.net import Net, NetStep, NetTransition, indexes
+from plcopen_sfc.semantics.net import Competing, Net, NetStep, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Evolution, ScanOrder
+from plcopen_sfc.semantics.programs.marks import may_act
 
 _MARKINGS = 20_000
 _POINTING = frozenset({"adr", "ref"})
@@ -106,6 +107,10 @@ class Unreachable:
         formula = Formula(self._system.subject.project.dialect, self._knowledge.at(self._system.called_pous()[called]))
         return formula.is_impossible(formula.terms([JudgedCondition(tree) for tree in trees]), {})
 
+    def is_never_tested(self, name: str, transition: NetTransition, tree: Expression) -> bool:
+        """True if `tree` is FALSE wherever a chart of this name tests the condition of a transition."""
+        return self._is_impossible([tree, *self._false_before(name, transition)], transition.chart, self._fixed)
+
     def frozen_by(self, trees: Sequence[Expression], chart: SfcNetwork | None) -> list[str]:
         """The variables whose values keep conditions from being TRUE together, as nothing writes or gives them."""
         frozen = {name.casefold(): name for name in self._system.frozen()}
@@ -159,6 +164,15 @@ class Unreachable:
         dialect = self._system.subject.project.dialect
         read = condition_of(transition.chart, transition.transition, dialect, transitions=self._pou.transitions)
         return None if not read.complete or read.before else read.tree
+
+    def _false_before(self, name: str, transition: NetTransition) -> list[Expression]:
+        """Return what is TRUE where a condition is tested: no transition fires that has priority over it."""
+        net, profile = self._nets.get(name), self._system.profile
+        if net is None or profile.competing is not Competing.PRIORITY:
+            return []
+        first = [t for t in net.transitions[: transition.index] if t.pre and not t.pre & ~transition.pre]
+        conditions = [tree for tree in map(self._condition, first) if tree is not None]
+        return [inverted(tree) for tree in conditions if not any(map(may_act, walk(tree)))]
 
     def _find(self) -> None:
         pou = self._pou
@@ -277,7 +291,8 @@ class Unreachable:
         if self._fired[name] & transition.bit:
             return False
         condition = self._condition(transition)
-        return condition is not None and self._is_impossible([condition], transition.chart, fixed)
+        trees = [] if condition is None else [condition, *self._false_before(name, transition)]
+        return bool(trees) and self._is_impossible(trees, transition.chart, fixed)
 
     def _is_impossible(self, trees: Sequence[Expression], chart: SfcNetwork | None, fixed: set[str]) -> bool:
         """Return True if one of some conditions is FALSE while some variables are not written."""

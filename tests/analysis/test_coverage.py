@@ -445,8 +445,8 @@ INITIAL_STEP S1: END_STEP
 STEP S2: Add(N); END_STEP
 STEP S3: END_STEP
 TRANSITION FROM S1 TO S2 := a; END_TRANSITION
-TRANSITION FROM S2 TO S1 := b OR flag; END_TRANSITION
 TRANSITION FROM S2 TO S3 := flag AND on; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b OR flag; END_TRANSITION
 TRANSITION FROM S3 TO S1 := a; END_TRANSITION
 ACTION Add: sum := sum + m / 3;
 {}
@@ -460,10 +460,25 @@ def flagged(first: str, action: str) -> Verdict:
 
 
 def test_a_variable_that_is_written_behind_a_line_break_is_written() -> None:
-    found = flagged("FALSE", "flag := sum = 123456789;\non := TRUE;")
+    found = flagged("FALSE", "flag := sum * 7919 MOD 1000003 = 4711;\non := TRUE;")
     step = next(each for each in found.coverage[0].unreached if each.kind == "step")
     assert not step.impossible, step.why
     assert found.kind is VerdictKind.UNTESTED
+
+
+@pytest.mark.parametrize(
+    ("condition", "never"),
+    [
+        ("b AND flag", {"S3": "unreachable (proven)"}),
+        ("flag OR b", {"S2 -> S3: `b`": "is never TRUE (proven)"}),
+    ],
+)
+def test_what_a_transition_with_priority_excludes_is_not_demanded(condition: str, never: dict[str, str]) -> None:
+    text = FLAGGED.format("FALSE", "flag := sum = 123456789;")
+    text = text.replace("flag AND on", "b").replace("TO S1 := b OR flag", f"TO S3 := {condition}")
+    text = text.replace("FROM S2 TO S3 := b;", "FROM S2 TO S1 := b;")
+    found = equivalent(*[sfc.loads(text.encode(), format="iec-text")] * 2, "iec", cap=20, runs=20, scans=40)
+    assert never.items() <= {each.name: each.why for each in found.coverage[0].unreached if each.impossible}.items()
 
 
 @pytest.mark.parametrize(

@@ -467,7 +467,7 @@ def test_beyond_the_cap_it_is_tried() -> None:
         chart_of(flow), EXACT["two phases"](flow), "iec", step_flags=step_flags(flow), cap=1, runs=12, scans=30
     )
     assert equal.kind is VerdictKind.TESTED
-    assert 0 < equal.scans <= 12 * 30
+    assert 0 < equal.scans <= 10 * 12 * 30
     assert "more than 1 states" in equal.reason
     assert "directed runs" in str(equal)
     deep = textbook(flow)
