@@ -43,6 +43,10 @@ _HINTS = {
     "Let the branches meet in one convergence; where one shall end early, let its last step wait for the others.": (
         "Die Zweige in einer Zusammenführung enden lassen; soll einer früher enden, wartet sein letzter Schritt dort."
     ),
+    "Write {} for what this step does then.": "{} schreiben für das, was der Schritt dann tut.",
+    "Write ON ACTIVATION {}, which is executed once, or the name of a BOOL alone.": (
+        "ON ACTIVATION {} schreiben, das einmal ausgeführt wird, oder allein den Namen eines BOOL."
+    ),
     "Add a step or a jump behind it.": "Dahinter einen Schritt oder einen Sprung ergänzen.",
     "Nothing, if the chart runs once. Else add the transition or jump that leads back.": (
         "Nichts, wenn die Ablaufkette einmal läuft. Sonst die Transition oder den Sprung zurück ergänzen."
@@ -228,6 +232,10 @@ _MESSAGES = {
         "das Ereignis {} tritt nie ein: der Schritt hat keine Überwachung"
     ),
     "the event of the action is no edge": "das Ereignis der Aktion ist keine Flanke",
+    "the event {} never comes while step {} is active": (
+        "das Ereignis {} tritt nie ein, solange der Schritt {} aktiv ist"
+    ),
+    "{} is no continuous action": "{} ist keine kontinuierliche Aktion",
     "the action has no event": "die Aktion hat kein Ereignis",
     "the condition of a continuous action is an edge": "die Bedingung einer kontinuierlichen Aktion ist eine Flanke",
     "{} is no BOOL but {}": "{} ist nicht vom Typ BOOL, sondern {}",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from itertools import combinations
 
@@ -52,10 +53,28 @@ def _drawn_edge(node: object) -> bool:
     return isinstance(node, Block) and node.type_name.upper() in _EDGES
 
 
+_FLAG_EDGE = re.compile(r"(?P<edge>[↑↓])\s*X(?P<step>\w+)")
+"""The edge of a step's flag."""
+
+
+def _own_edge(step: Step, condition: Condition | None) -> str:
+    """Return the edge of the step's own flag that an event needs: it comes before or after the step is active."""
+    text = condition.text if isinstance(condition, Expression) else ""
+    for factor in () if re.search(r"[+∨()\[]|\bX?OR\b", text) else re.split(r"[*·.∧&]|\bAND\b", text):
+        found = _FLAG_EDGE.fullmatch(factor.strip())
+        if found is not None and found["step"].casefold() in (step.name.casefold(), str(step.number)):
+            return found["edge"]
+    return ""
+
+
 def _no_edge(chart: CheckedChart) -> Iterator[Finding]:
     for sheet in chart.sheets:
         for step, association in sheet.actions():
-            if association.kind is ActionKind.ON_EVENT and not has_edge(association.condition, chart):
+            if association.kind is ActionKind.ON_EVENT and (edge := _own_edge(step, association.condition)):
+                word = "ON ACTIVATION" if edge == "↑" else "ON DEACTIVATION"
+                message = f"the event {edge}X{step.name} never comes while step {step.name} is active"
+                yield Finding(sheet.at(step, association), message, f"Write {word} for what this step does then.")
+            elif association.kind is ActionKind.ON_EVENT and not has_edge(association.condition, chart):
                 message = "the event of the action is no edge" if association.condition else "the action has no event"
                 yield Finding(sheet.at(step, association), message)
 
@@ -69,7 +88,17 @@ def _edge(chart: CheckedChart) -> Iterator[Finding]:
                 yield Finding(sheet.at(step, association), "the condition of a continuous action is an edge")
 
 
+def _assigning(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet in chart.sheets:
+        for step, association in sheet.actions():
+            if association.kind in _CONDITIONAL and association.value is not None:
+                done = f"{association.target} := {association.value}"
+                hint = f"Write ON ACTIVATION {done}, which is executed once, or the name of a BOOL alone."
+                yield Finding(sheet.at(step, association), f"{done} is no continuous action", hint)
+
+
 def _not_boolean(chart: CheckedChart) -> Iterator[Finding]:
+    yield from _assigning(chart)
     for use in uses(chart):
         if use.manner in (Manner.STORED, Manner.OTHER) or use.association.body is not None or len(use.path) != 1:
             continue
@@ -77,6 +106,8 @@ def _not_boolean(chart: CheckedChart) -> Iterator[Finding]:
         named = chart.pou is not None and chart.pou.find_action(use.path[0]) is not None
         if type_ is None or named or isinstance(type_, DerivedType | PointerType):
             continue
+        if use.association.kind in _CONDITIONAL and use.association.value is not None:
+            continue  # an assignment, which has its own finding
         if not (isinstance(type_, ElementaryType) and type_.name is Elementary.BOOL):
             said = type_.name.value if isinstance(type_, ElementaryType) else type_.kind
             yield Finding(use.sheet.at(use.step, use.association), f"{use.name} is no BOOL but {said}")
@@ -86,7 +117,8 @@ ACT11 = Rule(
     code="ACT11",
     title="The event of a stored action is an edge",
     why="An action on event writes its operand once, when the event comes while the step is active (IEC 60848:2013, "
-    "4.8). A condition that is just true is no event: it would have to be written all the time, or never.",
+    "4.8). A condition that is just true is no event: it would have to be written all the time, or never. Nor is "
+    "the edge of the step's own flag: that comes with its activation, or when it is left.",
     hint="Watch for the change: ↑a instead of a.",
     example="""
 GRAFCET Example

@@ -56,12 +56,17 @@ _STEP = re.compile(
 _TRANSITION = re.compile(
     rf"(?:\((?P<name>[^()]+)\)\s*)?(?P<sources>{_NAMES})?\s*->(?:\s*(?P<targets>{_NAMES}))?\s*(?::(?P<condition>.*))?$"
 )
+_NO_COLON = re.compile(rf"(?P<steps>(?:{_NAMES})?\s*->\s*{_NAMES})\s+(?P<condition>[^:>]+)$")
 _VARIABLE = re.compile(r"(?P<name>[^\s:]+)(?:\s+(?P<address>%\S+))?\s*(?::(?P<type>.*))?$")
 _FORCE = re.compile(r"FORCE\s+(?P<chart>[^\s{}]+)\s*\{(?P<situation>[^{}]*)\}$")
 _ON = re.compile(rf"ON\s+(?:(?P<when>{'|'.join(STORED)})|EVENT\s+(?P<event>.+?)\s*:(?!=))\s+(?P<done>.+)$")
 _CONTINUOUS = re.compile(
     r"(?P<done>\{.*\}|.+?)(?:\s+IF\s+(?P<condition>.+?))?(?:\s+(?P<kind>AFTER|FOR)\s+(?P<duration>\S+(?:\s*\w+)?))?$"
 )
+_LATE = re.compile(rf"(?P<done>[^\s{{}}].*?)\s+ON\s+(?P<when>{'|'.join(STORED)}|EVENT\b.*)$")
+_COUNTED = re.compile(r"(?P<on>ON\s+(?:ACTIVATION|DEACTIVATION)\s+)?(?P<name>\w+)\s*(?P<sign>[-+])(?P=sign)$")
+_EQUAL = re.compile(r"(?P<on>ON\s+(?:ACTIVATION|DEACTIVATION)\s+)?(?P<name>\w+)\s*=\s*(?P<value>.+)$")
+_EVENT = re.compile(r"ON\s+EVENT\s+(?P<event>[^\s:]+)\s+(?P<done>[^\s:]+\s*:=.*)$")
 _DONE = re.compile(r"(?:\{(?P<body>.*)\}|(?P<target>[^\s:={}]+)(?:\s*:=\s*(?P<value>.+))?)$")
 _ENCLOSURE = re.compile(r"(?P<chart>[^\s{},]+)\s*(?:\{(?P<steps>[^{}]*)\})?")
 _REMAINDER_CODES = {DAMAGED: "GRF202", OUTDATED: "GRF203"}
@@ -160,6 +165,8 @@ class _Reader:
             else:
                 self._file_place.inner.append(_Place(("rest", ""), start, end))
             return
+        if line.count('"') % 2:
+            raise self._wrong(f"a quotation mark is missing in {line!r}", 'Write comments as: a -> b : c "text"')
         comment = _COMMENT.search(line)
         if comment is not None and not line[: comment.start()].strip():
             self._comment_below(comment["comment"], end)
@@ -181,6 +188,8 @@ class _Reader:
             self._transition(found, said, start, end)
         elif "->" in content.partition(":")[0]:
             hint = "A transition leads from steps to steps: 1 -> 2 : condition, 1, 2 -> 3 : condition"
+            if (found := _NO_COLON.match(content)) is not None:
+                hint = f"Write a colon before the condition: {found['steps']} : {found['condition']}"
             raise self._wrong(f"{content!r} is no transition", hint)
         elif self._section is not None and (found := _VARIABLE.match(content)) is not None:
             self._variable(found, said, start, end)
@@ -253,6 +262,11 @@ class _Reader:
 
     def _variable(self, found: re.Match[str], said: str | None, start: int, end: int) -> None:
         assert self._section is not None  # noqa: S101  # the caller has looked
+        if re.fullmatch(r"\d+(?:[.,]\d+)?", found["name"]):
+            raise self._wrong(f"{found['name']!r} is a number and no name", "Write: name %I0.0 : TYPE := value")
+        declared = (variable.name.casefold() for section in self._sections() for variable in section.variables)
+        if found["name"].casefold() in declared:
+            raise self._wrong(f"there is a variable {found['name']} already", "Remove one of the lines, or rename it.")
         address = f" AT {found['address']}" if found["address"] else ""
         type_ = (found["type"] or "BOOL").strip()
         # a declaration of another name: people call variables what is no identifier (``2s/X3``)
@@ -267,6 +281,10 @@ class _Reader:
         place = self._add(("variable", variable.name), start, end, 3)
         variable.comment = said
         place.commented = _adding(variable)
+
+    def _sections(self) -> list[VariableSection]:
+        interface = self._pou.interface if self._pou is not None else None
+        return interface.sections if interface is not None else []
 
     def _partial(self, found: re.Match[str], said: str | None, start: int, end: int) -> None:
         assert self._root is not None  # noqa: S101  # the caller has looked
@@ -344,6 +362,8 @@ class _Reader:
 
     def _action(self, content: str, said: str | None, start: int, end: int) -> None:
         chart = self._opened()
+        if instead := _instead(content):
+            raise self._wrong(f"{content!r} is no action", instead)
         assert self._step is not None  # noqa: S101  # the caller has looked
         action = ActionAssociation(id=chart.new_id(), comment=said)
         if (found := _FORCE.match(content)) is not None:
@@ -437,6 +457,21 @@ _ACTIONS = (
     "Actions are: Q | Q IF condition | Q AFTER 3s | Q FOR 3s | ON ACTIVATION Q := value | ON DEACTIVATION Q := value | "
     "ON EVENT ↑a : Q := value | FORCE G1{INIT}"
 )
+
+
+def _instead(content: str) -> str:
+    """Return what to write instead of a line that people take for an action; empty if it is not known."""
+    if (found := _LATE.match(content)) is not None:
+        return f"Write: ON {found['when']} {found['done']}"
+    if (found := _COUNTED.match(content)) is not None:
+        return f"Write: {found['on'] or 'ON ACTIVATION '}{found['name']} := {found['name']} {found['sign']} 1"
+    if (found := _EQUAL.match(content)) is not None:
+        return f"Write: {found['on'] or 'ON ACTIVATION '}{found['name']} := {found['value']}"
+    if (found := _EVENT.match(content)) is not None:
+        return f"Write a colon behind the event: ON EVENT {found['event']} : {found['done']}"
+    return ""
+
+
 _Commented = Pou | VariableSection | PartialChart | Step | Transition | ActionAssociation | Variable
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+import plcopen_sfc as sfc
 from plcopen_sfc.errors import SimulationError, UnknownBehaviourError
 from plcopen_sfc.model import (
     ActionAssociation,
@@ -369,6 +370,29 @@ def test_enclosing_steps_in_enclosed_charts() -> None:
     bench = rig(chart, "Q").scan(c1=True)
     assert bench.active == "2 G1.10 G0.30"
     assert bench.scan(c1=False, c2=True).active == "3"
+
+
+@pytest.mark.parametrize(
+    ("order", "active"),
+    [("G2{}", "G1.1"), ("G2{INIT}", "G1.1 G2.20 G3.30"), ("G2{21}", "G1.1 G2.21 G3.31"), ("G2{*}", "G1.1 G2.20 G3.30")],
+)
+def test_an_order_of_the_start_rules_what_the_forced_steps_enclose(order: str, active: str) -> None:
+    text = f"""GRAFCET G
+CHART G1
+    INITIAL STEP 1
+        FORCE {order}
+CHART G2
+    INITIAL STEP 20 ENCLOSES G3{{30}}
+    STEP 21 ENCLOSES G3{{31}}
+ENCLOSED G3
+    INITIAL STEP 30
+    STEP 31
+"""
+    project = sfc.loads(text.encode())
+    assert f"  {active}  " in str(sfc.simulate(project, scans=1))
+    proof = sfc.lower(project, accept_untested=True).proof
+    assert proof is not None
+    assert proof.counterexample is None
 
 
 def test_macro_steps_of_expansions() -> None:

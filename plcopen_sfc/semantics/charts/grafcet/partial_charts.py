@@ -173,11 +173,20 @@ class Hierarchy:
         return situation
 
     def start(self, situation: int) -> int:
-        """Return the first situation: orders of initial steps act at once."""
+        """Return the first situation: orders of initial steps act at once, also on what the forced steps enclose."""
+        alone = situation
         for chart in self._ordered:
             order = self._order(chart, situation)
-            if order is not None and order.imposed is not None:
-                situation = situation & ~chart.steps | order.imposed
+            if order is not None:
+                own = situation & chart.steps if order.imposed is None else order.imposed
+            elif chart.enclosures and not any(situation & alone & e.steps for e in chart.enclosures):
+                # the net starts an enclosed chart by the steps that are initial in their own charts
+                own = 0
+                for enclosure in chart.enclosures:
+                    own |= enclosure.links if situation & enclosure.steps else 0
+            else:
+                continue
+            situation = situation & ~chart.steps | own
         return situation
 
     def held(self, situation: int) -> int:
