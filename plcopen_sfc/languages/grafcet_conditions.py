@@ -13,7 +13,8 @@ words of structured text too, since every GRAFCET's condition comes through here
 | time | ``3s/X2`` ``X2/5s`` ``2s/a/3s`` |
 | always, never | ``1`` ``0`` |
 
-A dot between two names without a blank is that of a member (``Timer.Q``). Up to the next word operator or parenthesis a
+A dot between two names without a blank is that of a member (``Timer.Q``); `grafcet-text`, which knows what the GRAFCET
+declares, puts blanks between BOOLs and flags of steps. Up to the next word operator or parenthesis a
 comparison makes ``+ - * /`` arithmetic, as in structured text; NOT before it negates all of it. Names may begin with
 a digit (``1B1``).
 """

@@ -7,7 +7,7 @@ comment, as in drawings of GRAFCETs: at the end of a line, or in the lines below
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
@@ -15,6 +15,7 @@ from plcopen_sfc.errors import Location, StructureError, nearest
 from plcopen_sfc.formats.remainder_comments import DAMAGED, OUTDATED, put_back, read_entries
 from plcopen_sfc.formats.text_patch import BlockSpan, Key, ReadText, SourceText, numbered
 from plcopen_sfc.languages.declarations import read_declarations
+from plcopen_sfc.languages.grafcet_conditions import NAME, OVERLINE
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind
 from plcopen_sfc.model.actions import ActionAssociation, ActionKind, ForcedSituation, ForcingOrder
 from plcopen_sfc.model.body import SfcBody, StBody
@@ -23,7 +24,7 @@ from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Enclosure, Macro, PartialChart, PartialChartKind, SfcNetwork, Step, Transition
 from plcopen_sfc.model.times import objection
-from plcopen_sfc.model.types import Variable
+from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.whole_numbers import whole_number
 
@@ -56,6 +57,7 @@ _STEP = re.compile(
 _TRANSITION = re.compile(
     rf"(?:\((?P<name>[^()]+)\)\s*)?(?P<sources>{_NAMES})?\s*->(?:\s*(?P<targets>{_NAMES}))?\s*(?::(?P<condition>.*))?$"
 )
+_PATH = re.compile(rf"(?<![\w.{OVERLINE}])(?:{NAME})(?:\.(?:{NAME}))+(?![\w(\[{OVERLINE}]|\.\d)")
 _NO_COLON = re.compile(rf"(?P<steps>(?:{_NAMES})?\s*->\s*{_NAMES})\s+(?P<condition>[^:>]+)$")
 _VARIABLE = re.compile(r"(?P<name>[^\s:]+)(?:\s+(?P<address>%\S+))?\s*(?::(?P<type>.*))?$")
 _FORCE = re.compile(r"FORCE\s+(?P<chart>[^\s{}]+)\s*\{(?P<situation>[^{}]*)\}$")
@@ -264,8 +266,7 @@ class _Reader:
         assert self._section is not None  # noqa: S101  # the caller has looked
         if re.fullmatch(r"\d+(?:[.,]\d+)?", found["name"]):
             raise self._wrong(f"{found['name']!r} is a number and no name", "Write: name %I0.0 : TYPE := value")
-        declared = (variable.name.casefold() for section in self._sections() for variable in section.variables)
-        if found["name"].casefold() in declared:
+        if any(each.name.casefold() == found["name"].casefold() for each in self._variables()):
             raise self._wrong(f"there is a variable {found['name']} already", "Remove one of the lines, or rename it.")
         address = f" AT {found['address']}" if found["address"] else ""
         type_ = (found["type"] or "BOOL").strip()
@@ -282,9 +283,10 @@ class _Reader:
         variable.comment = said
         place.commented = _adding(variable)
 
-    def _sections(self) -> list[VariableSection]:
+    def _variables(self) -> Iterator[Variable]:
         interface = self._pou.interface if self._pou is not None else None
-        return interface.sections if interface is not None else []
+        for section in interface.sections if interface is not None else ():
+            yield from section.variables
 
     def _partial(self, found: re.Match[str], said: str | None, start: int, end: int) -> None:
         assert self._root is not None  # noqa: S101  # the caller has looked
@@ -441,7 +443,30 @@ class _Reader:
                 names = [step.name for step in partial.chart.steps]
                 partial.entry_step = partial.entry_step or next((each for each in names if each[:1] in "Ee"), None)
                 partial.exit_step = partial.exit_step or next((each for each in names if each[:1] in "Ss"), None)
+        self._separate(self._root.network)
         self._root = self._chart = None
+
+    def _separate(self, network: SfcNetwork) -> None:
+        """Put blanks beside the dots between variables and flags, which are AND: ``a.b`` alone is a member of ``a``."""
+        charts = [network, *(partial.chart for partial in network.partial_charts)]
+        known = {f"x{step.name.casefold()}" for chart in charts for step in chart.steps}
+        for variable in self._variables():
+            if variable.type == ElementaryType(name=Elementary.BOOL):
+                known.add(variable.name.casefold())
+            else:
+                known.discard(variable.name.casefold())
+
+        def separated(found: re.Match[str]) -> str:
+            names = found[0].split(".")
+            are_known = all(name.replace(OVERLINE, "").casefold() in known for name in names)
+            return " . ".join(names) if are_known else found[0]
+
+        for chart in charts:
+            conditions = [transition.condition for transition in chart.transitions]
+            conditions += [action.condition for step in chart.steps for action in step.actions]
+            for condition in conditions:
+                if isinstance(condition, Expression) and '"' not in condition.text:
+                    condition.text = _PATH.sub(separated, condition.text)
 
     def _wrong(self, message: str, hint: str = "") -> StructureError:
         return StructureError(message, location=Location(self._file, self._number or 1), hint=hint)

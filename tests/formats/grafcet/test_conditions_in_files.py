@@ -112,3 +112,30 @@ def test_a_dot_between_blanks_is_no_path_to_a_member(condition: str) -> None:
     assert b"_1B1" in data.partition(b"<condition>")[2]
     project.rename("P.1B1", "Hinten")
     assert condition.format("Hinten") in sfc.dumps(project, format="grafcet-text").decode()
+
+
+def test_a_dot_between_bools_and_flags_is_and_in_text_with_tables() -> None:
+    """Other names with a dot are members, and the file keeps its dots."""
+    text = """GRAFCET G
+INPUTS
+    a
+    1B1
+INTERNALS
+    T1 : TON
+INITIAL STEP 1
+    Q IF X1.1B1
+1 -> 2 : a.1B1./X2 + a̅.1B1
+STEP 2
+    ON EVENT ↑X1.a : R := TRUE
+2 -> 1 : T1.Q * c.a
+"""
+    project = sfc.loads(text.encode())
+    assert sfc.dumps(project) == text.encode()
+    chart = project.pous[0].chart
+    assert chart is not None
+    holders = [*(t.condition for t in chart.transitions), *(a.condition for _, a in chart.associations())]
+    found = [each.text for each in holders if isinstance(each, Expression)]
+    assert found == ["a . 1B1./X2 + a̅ . 1B1", "T1.Q * c.a", "X1 . 1B1", "↑X1 . a"]
+    project.rename("G.a", "b")
+    renamed = text.replace("    a\n", "    b\n").replace("X1.a", "X1.b")
+    assert sfc.dumps(project).decode() == renamed.replace("a.1B1./X2 + a̅.1B1", "b.1B1./X2 + b̅.1B1")
