@@ -25,7 +25,8 @@ from typing import NamedTuple
 
 import plcopen_sfc as sfc
 from benchmarks.lowering import blocks, ring
-from plcopen_sfc.model.body import FbdBody, LdBody, SfcBody
+from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.sfc import SfcBody
 
 ROOT = Path(__file__).resolve().parents[1]
 CORPUS = Path(os.environ.get("PLCOPEN_SFC_CORPUS") or ROOT.parent / "shared" / "corpus")

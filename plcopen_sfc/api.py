@@ -16,10 +16,9 @@ from plcopen_sfc.errors import Location, UnknownFormatError, check_argument, nea
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.base import Model
-from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import ConversionReport, Converted, Outcome
 

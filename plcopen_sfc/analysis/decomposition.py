@@ -28,11 +28,9 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.walking import walk
-from plcopen_sfc.model.actions import ActionAssociation
-from plcopen_sfc.model.body import Body, SfcBody, StBody
-from plcopen_sfc.model.conditions import Condition
+from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.sfc import SfcNetwork, Step
+from plcopen_sfc.model.sfc import ActionAssociation, Body, Condition, SfcBody, SfcNetwork, Step
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.programs.addresses import address_of
 from plcopen_sfc.semantics.programs.controller import Instance

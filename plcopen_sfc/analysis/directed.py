@@ -28,7 +28,7 @@ from plcopen_sfc.analysis.search_limits import INTERRUPTED
 from plcopen_sfc.analysis.stimuli import patterns
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.analysis.timers import STEADY, Clocking, RunningClocks
-from plcopen_sfc.model.sfc import SfcFlag
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.semantics.inputs import samples
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 

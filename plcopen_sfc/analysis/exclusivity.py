@@ -21,11 +21,10 @@ from plcopen_sfc.languages.networks import NetworkExpression, condition_expressi
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk
 from plcopen_sfc.languages.st.nodes import Expression
-from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.conditions import Expression as Condition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import NamedTransition
-from plcopen_sfc.model.sfc import SfcNetwork, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Transition
 
 AnyCondition: TypeAlias = str | NetworkExpression | n.Node
 """A condition as text, as a tree, or as `condition_of` gives it."""

@@ -17,9 +17,10 @@ from typing import Any
 
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.errors import ModelError, UnstableChartError
-from plcopen_sfc.model.body import SfcBody, StBody
+from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.sfc import SfcBody
 from plcopen_sfc.model.types import Elementary, ElementaryType, SimpleValue, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.semantics.charts.sfc_flags import COMMANDS, flags_in_use

@@ -13,7 +13,7 @@ from plcopen_sfc.analysis.product import Explored, compare, end_of, failure_of
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.analysis.verdict import Counterexample, Difference
 from plcopen_sfc.errors import ModelError, SfcError
-from plcopen_sfc.model.sfc import SfcFlag
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.semantics.charts.graph.graph_parameters import PARAMETERS
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.types import MOST_ELEMENTS

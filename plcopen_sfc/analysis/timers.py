@@ -25,10 +25,9 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.languages.st.walking import children
-from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.conditions import Expression, WiredCondition
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import TermTexts
 from plcopen_sfc.semantics.programs.controller import Instance
 from plcopen_sfc.semantics.programs.types import INSTANT, Frame, Layout, StructureType

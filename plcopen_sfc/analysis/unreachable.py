@@ -23,8 +23,8 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, print_node, walk
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model.base import Model
-from plcopen_sfc.model.body import SfcBody
-from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork
+from plcopen_sfc.model.chart_settings import SfcFlag
+from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
 from plcopen_sfc.model.types import PointerType
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.net import Competing, Net, NetStep, NetTransition, indexes

@@ -28,13 +28,12 @@ from plcopen_sfc.cli.screen import Line
 from plcopen_sfc.documents.sources import FileSource, FolderSource, documents_of
 from plcopen_sfc.drawing.wording import EXCLUDED, Wording
 from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
-from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.conditions import NamedCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.drawing import SymbolKind
 from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork, Step, Transition
 from plcopen_sfc.semantics.profile import default_profile
 
 if TYPE_CHECKING:

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 from plcopen_sfc.conversion.executed_parts import FIRST_SCAN, STABILITY, START
 from plcopen_sfc.languages.binding import SharedScans
-from plcopen_sfc.model.actions import ActionAssociation, Qualifier
+from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.project import Chart
+from plcopen_sfc.model.sfc import ActionAssociation
 from plcopen_sfc.model.types import SimpleValue
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import Item

@@ -27,14 +27,25 @@ from plcopen_sfc.languages.networks import NetworkExpression, chart_statements, 
 from plcopen_sfc.languages.sfc_flag_uses import OPERATING_FLAGS, WATCHING_FLAGS
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform
-from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
+from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.base import Element
-from plcopen_sfc.model.body import Body, IlBody, SfcBody, StBody
-from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition
+from plcopen_sfc.model.body import IlBody, StBody
+from plcopen_sfc.model.chart_settings import SfcFlag
+from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import PermanentOperation, SfcFlag, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import (
+    ActionAssociation,
+    Body,
+    BodyCondition,
+    Condition,
+    PermanentOperation,
+    SfcBody,
+    SfcNetwork,
+    Step,
+    Transition,
+)
 from plcopen_sfc.model.text import plain as words_of
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts.sfc_flags import flags_in_use

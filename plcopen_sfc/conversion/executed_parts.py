@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 from plcopen_sfc.conversion.meaning import Meaning, literal_meaning
 from plcopen_sfc.languages.sfc_flag_uses import OPERATING_FLAGS
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.declaration import NamedObject
-from plcopen_sfc.model.sfc import SfcFlag
 
 UNDECLARED = "undeclared name"
 """The kind of parts that are names which nothing declares."""

@@ -47,15 +47,15 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.languages.standard_blocks import BOUND_FUNCTIONS, standard_block
 from plcopen_sfc.languages.task_schedules import schedule_of
-from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Element, ForeignData
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.body import FbdBody, LdBody, StBody
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.declaration import NamedObject
 from plcopen_sfc.model.dialect import STRING_LENGTHS, Dialect
 from plcopen_sfc.model.network import Block, Node
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Task, TaskWatchdog
-from plcopen_sfc.model.sfc import SfcFlag, Step
+from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, Step
 from plcopen_sfc.model.text import MultilingualText
 from plcopen_sfc.model.text import plain as words_of
 from plcopen_sfc.model.types import (

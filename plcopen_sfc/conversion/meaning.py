@@ -18,8 +18,9 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform, walk
 from plcopen_sfc.languages.st.literals import LiteralError, literal_value
 from plcopen_sfc.model.base import Model
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.dialect import COUNTING_BYTES, Dialect
+from plcopen_sfc.model.sfc import Body
 from plcopen_sfc.model.types import DataType
 from plcopen_sfc.whole_numbers import whole_number
 

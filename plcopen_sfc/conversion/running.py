@@ -26,9 +26,10 @@ from plcopen_sfc.errors import SfcError
 from plcopen_sfc.languages.binding import names_in
 from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
-from plcopen_sfc.model.actions import ActionAssociation, Qualifier
+from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import SfcFlag
+from plcopen_sfc.model.sfc import ActionAssociation
 from plcopen_sfc.model.types import used_types
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.object_path import ObjectPath

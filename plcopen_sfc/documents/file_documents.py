@@ -28,9 +28,9 @@ from plcopen_sfc.formats.provenance import (
 )
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.languages.translation.translation_context import family
-from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcBody
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import ConversionReport, Outcome
 

@@ -20,10 +20,9 @@ from plcopen_sfc.formats.steplist.list_codec import CODEC, ListCodec
 from plcopen_sfc.formats.steplist.list_tables import NAMES, Sheet, TableKind, tables_in
 from plcopen_sfc.formats.steplist.list_writer import is_listed, listed_transitions, tables_of
 from plcopen_sfc.languages.declarations import write_type
-from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Project, Tag, TagTable
-from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step, Transition
 from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.refactor.dialect import translate_project

@@ -12,9 +12,10 @@ from plcopen_sfc.documents.folder_documents import FileNames
 from plcopen_sfc.drawing.pictures import Theme, body_svg, chart_svg, dot_text, mermaid_text, sheets
 from plcopen_sfc.errors import ModelError, SfcError, check_argument, nearest
 from plcopen_sfc.files import folder_exists, refuse_empty, write_all
-from plcopen_sfc.model.body import FbdBody, LdBody, SfcBody
+from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.pou import NamedBody
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcBody
 
 PICTURE_FORMATS = {"svg": ".svg", "png": ".png", "pdf": ".pdf", "mermaid": ".mmd", "dot": ".dot"}
 """The formats of pictures and their extensions."""

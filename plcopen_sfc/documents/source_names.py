@@ -6,10 +6,10 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 
 from plcopen_sfc.languages.translation.translation_context import family
-from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
+from plcopen_sfc.model.sfc import SfcBody
 from plcopen_sfc.model.types import DerivedType, StructType, Variable
 
 

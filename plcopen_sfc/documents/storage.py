@@ -22,12 +22,11 @@ from plcopen_sfc.formats.provenance import is_untouched, may_have_controls, text
 from plcopen_sfc.formats.registry import TIA_FORMAT, all_formats, for_tia, format_named
 from plcopen_sfc.languages.words import IEC_KEYWORDS, is_plain, objection
 from plcopen_sfc.model import times
-from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import Project, TagTable
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration, EnumType, StructType
 from plcopen_sfc.model.variables import Interface
 from plcopen_sfc.report import ConversionReport

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from plcopen_sfc.errors import ModelError
-from plcopen_sfc.model.conditions import Condition, WiredCondition
+from plcopen_sfc.model.conditions import WiredCondition
 from plcopen_sfc.model.drawing import Symbol, SymbolKind
 from plcopen_sfc.model.network import Block, InputPin, Node, RightPowerRail
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import Condition, SfcNetwork
 
 
 def input_pins_of(node: Node) -> Iterator[InputPin]:

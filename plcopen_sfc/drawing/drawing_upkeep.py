@@ -21,12 +21,11 @@ from plcopen_sfc.drawing.document_order import renumber
 from plcopen_sfc.drawing.drawing_style import DrawingStyle, fits, in_order, link_fits
 from plcopen_sfc.drawing.new_drawing import Pen, draw, highest_id, sketch
 from plcopen_sfc.drawing.symbol_layout import has_positions, layout, place_nearby
-from plcopen_sfc.model.body import Body, SfcBody
-from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression
+from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.drawing import BARS, CONVERGENCES, DIVERGENCES, STEPS, Drawing, Places, Symbol, SymbolKind
 from plcopen_sfc.model.network import InputPin, OutputPin
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import Body, BodyCondition, Condition, SfcBody, SfcNetwork
 from plcopen_sfc.model.wiring import trace_drawing
 
 _TWO_SIDED = STEPS | {SymbolKind.TRANSITION}

@@ -17,8 +17,7 @@ from dataclasses import dataclass, field
 from plcopen_sfc.drawing.attached_symbols import block_owner
 from plcopen_sfc.drawing.document_order import feeding, input_pins_of
 from plcopen_sfc.drawing.forward_edges import ROOT, ForwardEdges
-from plcopen_sfc.model.actions import ActionAssociation
-from plcopen_sfc.model.conditions import BodyCondition, Expression, NamedCondition, WiredCondition
+from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.drawing import BARS, STEPS, ActionEntry, Drawing, Symbol, SymbolKind
 from plcopen_sfc.model.network import (
     Block,
@@ -32,7 +31,7 @@ from plcopen_sfc.model.network import (
     OutputVariable,
     Point,
 )
-from plcopen_sfc.model.sfc import SfcNetwork, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, BodyCondition, SfcNetwork, Transition
 
 LETTER = 8
 """Upper bound of the mean width of a letter."""

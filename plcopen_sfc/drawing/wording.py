@@ -9,11 +9,11 @@ from plcopen_sfc.languages.networks import condition_reader
 from plcopen_sfc.languages.networks.results import Helper, NetworkExpression
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
-from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
-from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, StBody
-from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
+from plcopen_sfc.model.actions import ActionKind, Qualifier
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
+from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.sfc import Enclosure, SfcNetwork, Step
+from plcopen_sfc.model.sfc import ActionAssociation, Body, BodyCondition, Condition, Enclosure, SfcNetwork, Step
 
 KINDS = {kind: "" if kind is ActionKind.CONTINUOUS else kind.words for kind in ActionKind}
 """The words of IEC 60848 for kinds of actions; the usual one, a continuous action, goes without saying."""

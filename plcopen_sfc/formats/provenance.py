@@ -15,11 +15,10 @@ from pydantic_core import PydanticSerializationError, to_json
 
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.model.base import Model
-from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.drawing import Drawing
 from plcopen_sfc.model.late import Late, ProjectObject
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
 
 L = TypeVar("L", bound=Late)
 P = TypeVar("P", bound=ProjectObject)

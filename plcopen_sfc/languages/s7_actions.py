@@ -33,13 +33,12 @@ from plcopen_sfc.languages.s7_start_values import InstanceStarts
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, print_node, walk
 from plcopen_sfc.languages.st.lexer import tokenize
-from plcopen_sfc.model.actions import ActionAssociation
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Method, Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import Step
+from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, Step
 from plcopen_sfc.model.types import SimpleValue, Variable
 from plcopen_sfc.model.variables import SectionKind
 

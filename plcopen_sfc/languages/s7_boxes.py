@@ -20,7 +20,6 @@ from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.translation.call_translation import HALVES, is_lacking, translated_truncation
 from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import FbdBody, LdBody
-from plcopen_sfc.model.conditions import BodyCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import (
     Block,
@@ -35,6 +34,7 @@ from plcopen_sfc.model.network import (
     OutputVariable,
 )
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import BodyCondition
 from plcopen_sfc.report import ConversionReport, Outcome
 
 BOX = "flip-flop"

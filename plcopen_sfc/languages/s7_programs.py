@@ -20,11 +20,12 @@ from plcopen_sfc.languages.networks.network_graph import wires_of
 from plcopen_sfc.languages.s7_globals import global_names, local_tags
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.task_schedules import FREEWHEELING, nanoseconds, schedule_of
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block, LogicNetwork
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import PouInstance, Project, Task
+from plcopen_sfc.model.sfc import Body
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome

@@ -6,9 +6,9 @@ from collections.abc import Collection, Iterable
 
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.s7_programs import instance_types
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.model.types import SimpleValue
 
 OPERATING_FLAGS = frozenset(

@@ -39,10 +39,9 @@ from plcopen_sfc.lowering.other_bodies import (
     without_unused_parts,
 )
 from plcopen_sfc.lowering.proof import ProofOptions, prove, refuse_untested
-from plcopen_sfc.model.body import Body
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import Body, SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.report import Item
 from plcopen_sfc.semantics.charts.graph.graph_parameters import OPERATING

@@ -10,14 +10,14 @@ from typing import Any, NamedTuple
 from plcopen_sfc.languages.grafcet_conditions import program_parts
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.lowering.code.lowered_code import names_of, without_marks
-from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import ExtensionData, Model
-from plcopen_sfc.model.body import IlBody, SfcBody, StBody
+from plcopen_sfc.model.body import IlBody, StBody
+from plcopen_sfc.model.chart_settings import SfcFlag, SfcSettings
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import NodeBase
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.sfc import PartialChart, SfcFlag, SfcNetwork, SfcSettings, Step
+from plcopen_sfc.model.sfc import ActionAssociation, PartialChart, SfcBody, SfcNetwork, Step
 from plcopen_sfc.model.text import MarkupText, MultilingualText, Text, plain
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import Item, Outcome

@@ -20,12 +20,13 @@ from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.lowering.construction import Constructed, construct, errors_of
 from plcopen_sfc.lowering.lowering_options import Construction, Language, LoweringRules
 from plcopen_sfc.model.base import Model
-from plcopen_sfc.model.body import Body, SfcBody, StBody
+from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Contact
 from plcopen_sfc.model.pou import Action, Pou, PouKind
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import Body, SfcBody
 from plcopen_sfc.model.variables import SectionKind
 
 _OPERAND = re.compile(r"[\w.]+")

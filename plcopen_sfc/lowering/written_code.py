@@ -22,10 +22,11 @@ from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.lowering_options import Construction, Style, tool_of
 from plcopen_sfc.lowering.proof import prove
 from plcopen_sfc.model.base import Model
-from plcopen_sfc.model.body import Body, StBody
+from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import Body
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import ConversionReport, Item, Outcome
 from plcopen_sfc.semantics.profile import ScanOrder

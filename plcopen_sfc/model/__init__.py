@@ -3,16 +3,14 @@
 `plcopen_sfc.model.project.Project` is the root; `plcopen_sfc.model.sfc.SfcNetwork` is a chart.
 
 * Projects: `project`, `pou`, `variables`, `types`, `body`, `network`, `dialect`; `declaration`, what of it has a name.
-* Charts: `sfc`, `actions`, `conditions`, `times`; `drawing`, and `wiring`, which interprets its wires.
+* Charts: `sfc`, `chart_settings`, `actions`, `conditions`, `times`; `drawing`, and `wiring`, the meaning of its wires.
 * Every object: `base`, `checked` (fields are checked), `owners` (what it is in), `text` (comments), `late` (read at the
   first access), `compare`, `numbering`.
 """
 
 from __future__ import annotations
 
-from plcopen_sfc.model import actions, conditions, sfc
 from plcopen_sfc.model.actions import (
-    ActionAssociation,
     ActionEvent,
     ActionKind,
     ForcedSituation,
@@ -22,8 +20,9 @@ from plcopen_sfc.model.actions import (
     SymbolAccess,
 )
 from plcopen_sfc.model.base import Element, ExtensionData, ForeignData, Model, UnknownDataRule
-from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
-from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
+from plcopen_sfc.model.chart_settings import AlarmCategory, FlagUse, GraphSettings, RuntimeLibrary, SfcFlag, SfcSettings
+from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.drawing import ActionEntry, Drawing, Places, StepActionKind, Symbol, SymbolKind
 from plcopen_sfc.model.network import (
@@ -73,19 +72,18 @@ from plcopen_sfc.model.project import (
     TreeNode,
 )
 from plcopen_sfc.model.sfc import (
-    AlarmCategory,
+    ActionAssociation,
+    Body,
+    BodyCondition,
+    Condition,
     Enclosure,
-    FlagUse,
-    GraphSettings,
     Macro,
     PartialChart,
     PartialChartKind,
     PermanentOperation,
-    RuntimeLibrary,
     Sequence,
-    SfcFlag,
+    SfcBody,
     SfcNetwork,
-    SfcSettings,
     Step,
     Supervised,
     Transition,
@@ -123,18 +121,6 @@ from plcopen_sfc.model.variables import (
     SectionKind,
     VariableSection,
 )
-
-# A body holds charts, a chart holds bodies: the types that name each other before both exist are completed here.
-for _model in (
-    conditions.BodyCondition,
-    actions.ActionAssociation,
-    sfc.Macro,
-    sfc.Step,
-    sfc.PermanentOperation,
-    sfc.PartialChart,
-    sfc.SfcNetwork,
-):
-    _model.model_rebuild(_types_namespace={"Body": Body, **vars(sfc), **vars(actions)}, raise_errors=False)
 
 __all__ = [
     "AccessDirection",

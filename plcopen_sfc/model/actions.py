@@ -1,20 +1,13 @@
-"""Actions of steps: action associations with their qualifiers, events and GRAFCET kinds."""
+"""Terms of actions: qualifiers, events of S7-GRAPH, kinds of GRAFCET actions and forcing orders."""
 
 from __future__ import annotations
 
 import re
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from pydantic import Field
 
-from plcopen_sfc.errors import ModelError
-from plcopen_sfc.model import times
-from plcopen_sfc.model.base import Element, ElementId, Model
-from plcopen_sfc.model.conditions import Condition
-
-if TYPE_CHECKING:
-    from plcopen_sfc.model.body import Body
+from plcopen_sfc.model.base import Model
 
 
 class Qualifier(StrEnum):
@@ -132,76 +125,6 @@ class SymbolAccess(StrEnum):
     READ = "read"
     WRITE = "write"
     READ_WRITE = "readWrite"
-
-
-class ActionAssociation(Element):
-    """One line of an action block: what is done, when, for how long.
-
-    `target` names a Boolean variable, an action of the POU, or an action of an instance (``Motor.ACT_Stop``); `body`
-    is an action programmed in place; TC6 allows both at once. `value` is what is assigned to the target (S7-GRAPH ``A
-    := B``, GRAFCET stored actions). `duration` is a time literal or a variable. `indicator` is the variable that
-    reports that the step is done. `negated` (TC6 action block): it acts while the step is *not* active.
-    `event` and `interlock` are S7-GRAPH's, `kind`, `condition` and `forcing` are GRAFCET's.
-    """
-
-    id: ElementId
-    qualifier: Qualifier = Qualifier.N
-    target: str | None = None
-    body: Body | None = None
-    value: str | None = None
-    duration: str | None = None
-    indicator: str | None = None
-    negated: bool = False
-    event: ActionEvent | None = None
-    interlock: bool = False
-    kind: ActionKind | None = None
-    condition: Condition | None = None
-    forcing: ForcingOrder | None = None
-    exclude: bool = False
-    symbol: SymbolAccess = SymbolAccess.UNSPECIFIED
-
-    TIMES: ClassVar[tuple[str, ...]] = ("duration",)
-
-    @classmethod
-    def parse(cls, text: str, id: int) -> Self:
-        """Return the association that a text describes, as people write it into an action block.
-
-        ``N Valve``, ``D T#2s Lamp``, ``S Count := Count + 1``; with an event of S7-GRAPH ``S1 R Valve`` (``C``: it
-        needs the interlock); ``Valve`` alone is N. Raises `ModelError` for a text that is no such line.
-        """
-        words = text.split(maxsplit=1)
-        fields: dict[str, Any] = {}
-        if len(words) == 2 and words[0].upper() in ActionEvent.__members__:
-            event = ActionEvent(words[0].upper())
-            fields |= {"interlock": True} if event is ActionEvent.C else {"event": event}
-            words = words[1].split(maxsplit=1)
-        if len(words) == 2 and words[0].upper() in Qualifier.__members__:
-            qualifier = fields["qualifier"] = Qualifier(words[0].upper())
-            words = words[1:]
-            if qualifier.needs_duration:
-                duration, _, target = words[0].partition(" ")
-                fields["duration"], words = duration, [target]
-        target, assigns, value = " ".join(words).partition(":=")
-        wrong = not target.strip() or (assigns and not value.strip()) or len(_ENCLOSED.sub("", target).split()) > 1
-        if wrong or ("duration" in fields and times.objection(fields["duration"])):
-            raise ModelError(
-                f"{text!r} is no action of a step",
-                hint='Write qualifier, time and target: "N Valve", "D T#2s Lamp", "S Count := Count + 1".',
-            )
-        return cls(id=id, target=target.strip(), value=value.strip() or None, **fields)
-
-    @property
-    def text(self) -> str:
-        """The association as `parse` takes it; of a body in place its language, of a GRAFCET its kind."""
-        event = "C" if self.interlock and self.event is None else self.event
-        when = self.kind if self.kind is not None else self.qualifier
-        target = self.target or (f"({self.body.language})" if self.body is not None else str(self.forcing or ""))
-        parts = (event, when if when is not Qualifier.NONE else None, self.duration, target)
-        return " ".join(str(part) for part in parts if part) + (f" := {self.value}" if self.value else "")
-
-
-_ENCLOSED = re.compile(r'"[^"]*"|\[[^\]]*\]')
-"""Parts of a target that may have blanks in them: quoted names and indices."""
 
 
 class Monitoring(StrEnum):

@@ -1,15 +1,17 @@
-"""Bodies: the implementation of a POU, action, transition or macro-step in one of the languages of IEC 61131-3."""
+"""Bodies in ST, IL, FBD and LD: the implementation of a POU, action, transition or macro-step.
+
+Those with a chart, and the type of any body, are in `plcopen_sfc.model.sfc`: charts hold bodies too.
+"""
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Literal
 
 from pydantic import Field
 
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.network import LogicNetwork
 from plcopen_sfc.model.owners import Owned
-from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.text import Text
 from plcopen_sfc.operations import provided
 
@@ -70,22 +72,9 @@ class LdBody(BodyBase, _Drawable):
     networks: list[LogicNetwork] = Field(default_factory=list)
 
 
-class SfcBody(BodyBase):
-    """Sequential function chart (AS). A reader may leave the chart unread until a script first looks at it."""
-
-    language: Literal["SFC"] = "SFC"
-    chart: SfcNetwork = Field(default_factory=SfcNetwork)
-
-    OWNS: ClassVar[tuple[str, ...]] = ("chart",)
-
-
 class OpaqueBody(BodyBase):
     """A body in a form that the model does not know, kept as it came: `content` in the format named `source`."""
 
     language: Literal["opaque"] = "opaque"
     source: str
     content: str
-
-
-Body = Annotated[StBody | IlBody | FbdBody | LdBody | SfcBody | OpaqueBody, Field(discriminator="language")]
-"""A body in any language."""

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
-from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import BodyBase
 from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.network import LogicNetwork
 from plcopen_sfc.model.pou import Action, Method, NamedTransition
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Tag, Task
-from plcopen_sfc.model.sfc import PartialChart, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, PartialChart, SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import MarkupText, MultilingualText
 from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import VariableSection

@@ -19,7 +19,7 @@ from plcopen_sfc.errors import check_argument
 from plcopen_sfc.model.base import Model
 
 if TYPE_CHECKING:
-    from plcopen_sfc.model.project import Project
+    import plcopen_sfc as sfc  # its public names have the project, which knows this module: decision 0010
     from plcopen_sfc.report import Use
 
 
@@ -38,7 +38,7 @@ class Owned(Model):
         return owner if owner is not None and owner._holds(self) else None
 
     @property
-    def project(self) -> Project | None:
+    def project(self) -> sfc.Project | None:
         """The project that the object is in, however deep."""
         owner = self.owner
         return owner.project if owner is not None else None

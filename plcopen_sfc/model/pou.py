@@ -10,10 +10,10 @@ from pydantic import Field
 
 from plcopen_sfc.errors import ModelError, check_argument, nearest
 from plcopen_sfc.model.base import Element
-from plcopen_sfc.model.body import Body, SfcBody, StBody
+from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.owners import OwnedName
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
 from plcopen_sfc.model.text import Text, local_name
 from plcopen_sfc.model.types import DataType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection

@@ -11,13 +11,12 @@ from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.diagnostics import OUTDATED, Diagnostic
 from plcopen_sfc.errors import Location, ModelError, check_argument, nearest
 from plcopen_sfc.model.base import Element, ExtensionData, Model
-from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.declaration import Declaration
 from plcopen_sfc.model.dialect import Dialect, address_dialect
 from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.owners import Owned
 from plcopen_sfc.model.pou import DataBlock, NamedBody, Pou, PouKind
-from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import SfcBody, SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import Text
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.model.variables import AccessSection, ConfigSection, Interface, VariableSection

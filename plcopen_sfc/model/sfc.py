@@ -1,4 +1,6 @@
-"""Sequential function charts: what a chart *does*. `plcopen_sfc.model.drawing` has how it is drawn.
+"""Sequential function charts: their steps, actions, transitions and conditions, and the bodies that hold charts.
+
+This is what a chart *does*; `plcopen_sfc.model.drawing` has how it is drawn.
 
 A chart is a net of steps and transitions. A selection is several transitions that leave a step, a simultaneous
 divergence is a transition with several targets, a simultaneous convergence one with several sources, a jump is a
@@ -7,16 +9,20 @@ transition to any step. (IEC 61131-3 ed. 3, 6.7; IEC 60848:2013, 4; S7-GRAPH V6.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Set
 from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeAlias
 
 from pydantic import BeforeValidator, Field
 
 from plcopen_sfc.errors import Location, ModelError, check_argument, nearest
-from plcopen_sfc.model.actions import ActionAssociation, Monitoring, SymbolAccess
+from plcopen_sfc.model import times
+from plcopen_sfc.model.actions import ActionEvent, ActionKind, ForcingOrder, Monitoring, Qualifier, SymbolAccess
 from plcopen_sfc.model.base import Element, ElementId, Model
-from plcopen_sfc.model.conditions import Condition
+from plcopen_sfc.model.body import BodyBase, FbdBody, IlBody, LdBody, OpaqueBody, StBody
+from plcopen_sfc.model.chart_settings import NEED_ERROR, GraphSettings, SfcFlag, SfcSettings
+from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.drawing import Drawing
 from plcopen_sfc.model.late import LateElement
 from plcopen_sfc.model.network import Node
@@ -25,8 +31,93 @@ from plcopen_sfc.model.text import Text
 from plcopen_sfc.operations import provided
 
 if TYPE_CHECKING:
-    from plcopen_sfc.model.body import Body
     from plcopen_sfc.report import RenameResult
+
+
+class BodyCondition(Model):
+    """A condition programmed in place as a body: LD, FBD, IL, or ST that is more than an expression."""
+
+    kind: Literal["body"] = "body"
+    body: Body
+    name: str = ""
+    negated: bool = False
+
+
+def _expression(value: Any) -> Any:
+    return {"kind": "expression", "text": value} if isinstance(value, str) else value
+
+
+Condition = Annotated[
+    Annotated[Expression | NamedCondition | BodyCondition | WiredCondition, Field(discriminator="kind")],
+    BeforeValidator(_expression),
+]
+"""Any condition. In Python a plain string is an expression: ``transition.condition = "Start AND NOT Fault"``."""
+
+
+class ActionAssociation(Element):
+    """One line of an action block: what is done, when, for how long.
+
+    `target` names a Boolean variable, an action of the POU, or an action of an instance (``Motor.ACT_Stop``); `body`
+    is an action programmed in place; TC6 allows both at once. `value` is what is assigned to the target (S7-GRAPH ``A
+    := B``, GRAFCET stored actions). `duration` is a time literal or a variable. `indicator` is the variable that
+    reports that the step is done. `negated` (TC6 action block): it acts while the step is *not* active.
+    `event` and `interlock` are S7-GRAPH's, `kind`, `condition` and `forcing` are GRAFCET's.
+    """
+
+    id: ElementId
+    qualifier: Qualifier = Qualifier.N
+    target: str | None = None
+    body: Body | None = None
+    value: str | None = None
+    duration: str | None = None
+    indicator: str | None = None
+    negated: bool = False
+    event: ActionEvent | None = None
+    interlock: bool = False
+    kind: ActionKind | None = None
+    condition: Condition | None = None
+    forcing: ForcingOrder | None = None
+    exclude: bool = False
+    symbol: SymbolAccess = SymbolAccess.UNSPECIFIED
+
+    TIMES: ClassVar[tuple[str, ...]] = ("duration",)
+
+    @classmethod
+    def parse(cls, text: str, id: int) -> Self:
+        """Return the association that a text describes, as people write it into an action block.
+
+        ``N Valve``, ``D T#2s Lamp``, ``S Count := Count + 1``; with an event of S7-GRAPH ``S1 R Valve`` (``C``: it
+        needs the interlock); ``Valve`` alone is N. Raises `ModelError` for a text that is no such line.
+        """
+        words = text.split(maxsplit=1)
+        fields: dict[str, Any] = {}
+        if len(words) == 2 and words[0].upper() in ActionEvent.__members__:
+            event = ActionEvent(words[0].upper())
+            fields |= {"interlock": True} if event is ActionEvent.C else {"event": event}
+            words = words[1].split(maxsplit=1)
+        if len(words) == 2 and words[0].upper() in Qualifier.__members__:
+            qualifier = fields["qualifier"] = Qualifier(words[0].upper())
+            words = words[1:]
+            if qualifier.needs_duration:
+                duration, _, target = words[0].partition(" ")
+                fields["duration"], words = duration, [target]
+        target, assigns, value = " ".join(words).partition(":=")
+        wrong = not target.strip() or (assigns and not value.strip()) or len(_ENCLOSED.sub("", target).split()) > 1
+        if wrong or ("duration" in fields and times.objection(fields["duration"])):
+            raise ModelError(
+                f"{text!r} is no action of a step",
+                hint='Write qualifier, time and target: "N Valve", "D T#2s Lamp", "S Count := Count + 1".',
+            )
+        return cls(id=id, target=target.strip(), value=value.strip() or None, **fields)
+
+    @property
+    def text(self) -> str:
+        """The association as `parse` takes it; of a body in place its language, of a GRAFCET its kind."""
+        event = "C" if self.interlock and self.event is None else self.event
+        when = self.kind if self.kind is not None else self.qualifier
+        target = self.target or (f"({self.body.language})" if self.body is not None else str(self.forcing or ""))
+        parts = (event, when if when is not Qualifier.NONE else None, self.duration, target)
+        return " ".join(str(part) for part in parts if part) + (f" := {self.value}" if self.value else "")
 
 
 class Macro(Owned):
@@ -159,72 +250,6 @@ class Transition(Element):
     monitoring: Monitoring = Monitoring.NONE
 
 
-class SfcFlag(StrEnum):
-    """The implicit variables that control and report on a chart (CODESYS V3 "SFC flags")."""
-
-    ENABLE_LIMIT = "EnableLimit"
-    INIT = "Init"
-    RESET = "Reset"
-    QUIT_ERROR = "QuitError"
-    PAUSE = "Pause"
-    ERROR = "Error"
-    TRANS = "Trans"
-    ERROR_STEP = "ErrorStep"
-    ERROR_POU = "ErrorPOU"
-    CURRENT_STEP = "CurrentStep"
-    CURRENT_STEPS = "CurrentSteps"
-    META_STEPS = "MetaSteps"
-    TIP = "Tip"
-    TIP_MODE = "TipMode"
-    MAX_FLAGS = "MaxFlags"
-    ERROR_ANALYZATION = "SFCErrorAnalyzation"
-    ERROR_ANALYZATION_TABLE = "SFCErrorAnalyzationTable"
-
-    @property
-    def variable(self) -> str:
-        """The name of the variable in programs: ``SFCInit``."""
-        return self.value if self.value.startswith("SFC") else f"SFC{self.value}"
-
-
-_NEED_ERROR = frozenset(
-    {
-        SfcFlag.ENABLE_LIMIT,
-        SfcFlag.ERROR_STEP,
-        SfcFlag.ERROR_POU,
-        SfcFlag.QUIT_ERROR,
-        SfcFlag.ERROR_ANALYZATION,
-        SfcFlag.ERROR_ANALYZATION_TABLE,
-    }
-)
-"""Flags that only work together with SFCError."""
-
-
-class FlagUse(Model):
-    """`use`: the chart obeys or sets the flag. `declare`: the tool declares its variable."""
-
-    use: bool = False
-    declare: bool = True
-
-
-class RuntimeLibrary(Model):
-    """The library that executes charts (CODESYS ``IecSfc``)."""
-
-    title: str = ""
-    company: str = ""
-    version: str = ""
-    namespace: str = ""
-
-
-class SfcSettings(Model):
-    """The SFC settings of a POU or action (CODESYS V3.5 SP8 on)."""
-
-    flags: dict[SfcFlag, FlagUse] = Field(default_factory=dict)
-    other_flags: dict[str, FlagUse] = Field(default_factory=dict)
-    library: RuntimeLibrary | None = None
-    active_transitions_only: bool | None = None
-    use_defaults: bool | None = None
-
-
 class PermanentOperation(Element):
     """A network or call that S7-GRAPH executes in every cycle, before or after the sequences.
 
@@ -243,43 +268,6 @@ class Sequence(Element):
 
     title: Text | None = None
     steps: list[ElementId] = Field(default_factory=list)
-
-
-class AlarmCategory(Model):
-    """An alarm category of an S7-GRAPH block: `name` as in the file, its id, display class and text."""
-
-    name: str
-    id: int
-    display_class: int | None = None
-    text: str | None = None
-
-
-class GraphSettings(Model):
-    """Block settings of S7-GRAPH (block attributes of TIA Openness). None: not stated.
-
-    `acknowledge_errors_required`: a supervision error stays until ACK_EF acknowledges it. `lock_operating_mode`: the
-    operating mode cannot be changed. `permanent_interlock_processing_in_manual_mode`: interlocks are evaluated in
-    manual mode too. `skip_steps`: a step is skipped when the transitions before and after it are satisfied at once.
-    `with_alarm_handling`: errors make alarms, in the `alarm_categories`. `version` is that of the library of
-    S7-GRAPH (``GraphVersion``), `network_language` that of new networks.
-
-    Inputs of the block control the chart: INIT_SQ activates the initial steps and no others; OFF_SQ deactivates all
-    steps; ACK_EF acknowledges errors. SW_AUTO, SW_TAP, SW_TOP and SW_MAN choose the operating mode: automatic (a
-    satisfied transition switches), inching (it needs a rising edge of T_PUSH too), automatic or inching (one of both
-    is enough), and manual (S_SEL is the number of the step, S_ON and S_OFF activate and deactivate it). S_PREV and
-    S_NEXT choose the step whose number the output S_NO shows; S_MORE: more steps are active, S_ACTIVE: this one is;
-    ERR_FLT: there is an error; AUTO_ON, TAP_ON, TOP_ON, MAN_ON: the mode. (S7-GRAPH V6)
-    """
-
-    version: str | None = None
-    acknowledge_errors_required: bool | None = None
-    lock_operating_mode: bool | None = None
-    permanent_interlock_processing_in_manual_mode: bool | None = None
-    skip_steps: bool | None = None
-    with_alarm_handling: bool | None = None
-    initial_values_acquisition: str | None = None
-    network_language: str | None = None
-    alarm_categories: list[AlarmCategory] = Field(default_factory=list)
 
 
 class PartialChartKind(StrEnum):
@@ -439,7 +427,7 @@ class SfcNetwork(LateElement):
             return declared(flag.variable)
 
         used = frozenset(flag for flag in SfcFlag if is_used(flag))
-        return used if SfcFlag.ERROR in used else used - _NEED_ERROR
+        return used if SfcFlag.ERROR in used else used - NEED_ERROR
 
     def label(self, transition: Transition, names: Mapping[int, str] | None = None) -> str:
         """Return the name of a transition, or from where to where it leads.
@@ -571,6 +559,23 @@ class SfcNetwork(LateElement):
             raise ModelError(f"this chart has a step {name!r} already", location=Location(path=f"step {name}"))
 
 
+class SfcBody(BodyBase):
+    """Sequential function chart (AS). A reader may leave the chart unread until a script first looks at it."""
+
+    language: Literal["SFC"] = "SFC"
+    chart: SfcNetwork = Field(default_factory=SfcNetwork)
+
+    OWNS: ClassVar[tuple[str, ...]] = ("chart",)
+
+
+Body = Annotated[StBody | IlBody | FbdBody | LdBody | SfcBody | OpaqueBody, Field(discriminator="language")]
+"""A body in any language."""
+
+# A body holds charts, a chart holds bodies: so these types are in one module, and are completed when all of them exist.
+for _model in (BodyCondition, ActionAssociation, Macro, Step, PermanentOperation, PartialChart, SfcNetwork, SfcBody):
+    _model.model_rebuild()
+
+
 def step_codes(step: Step, lines: Iterable[str | tuple[str, str | None]]) -> Iterator[tuple[str, str]]:
     """Statements of the actions of a step by the names of these, from the `lines` that `add_step` got for it."""
     for association, line in zip(step.actions, lines, strict=True):
@@ -587,3 +592,7 @@ def _not_found(kind: str, key: str | int, names: list[str]) -> ModelError:
 
 
 _LISTED = 12
+
+
+_ENCLOSED = re.compile(r'"[^"]*"|\[[^\]]*\]')
+"""Parts of a target that may have blanks in them: quoted names and indices."""

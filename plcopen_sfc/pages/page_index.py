@@ -13,10 +13,9 @@ from typing import Any, NamedTuple
 from plcopen_sfc.drawing.pictures import ChartPart, charts_in, part_prefix
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.binding.text_sites import SiteKind
-from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import Action, Method, NamedBody, NamedTransition, Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import SfcBody, SfcNetwork, Step, Transition
 from plcopen_sfc.model.types import StructType, Variable
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.pages.html_text import Html, joined, link

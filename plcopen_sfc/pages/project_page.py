@@ -15,12 +15,11 @@ from plcopen_sfc.drawing.wording import Wording
 from plcopen_sfc.errors import check_argument
 from plcopen_sfc.languages.declarations.declaration_writing import write_data_type, write_type, write_value
 from plcopen_sfc.languages.networks import shown_body
-from plcopen_sfc.model.actions import ActionAssociation
-from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
-from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
+from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project, Task
-from plcopen_sfc.model.sfc import Step, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, Body, BodyCondition, Condition, SfcBody, Step, Transition
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import VariableSection

@@ -27,9 +27,9 @@ from plcopen_sfc.languages.binding.text_sites import Role, Site
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition
 from plcopen_sfc.languages.st.walking import children
-from plcopen_sfc.model.conditions import Condition, Expression
+from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork, Step, StepKey, Transition, step_codes
+from plcopen_sfc.model.sfc import Condition, SfcNetwork, Step, StepKey, Transition, step_codes
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.refactor.queries import pou_of
 

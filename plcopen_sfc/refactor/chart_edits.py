@@ -9,10 +9,9 @@ from typing import Any
 from plcopen_sfc.errors import Location, ModelError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition
-from plcopen_sfc.model.body import SfcBody
-from plcopen_sfc.model.conditions import Condition, Expression
+from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.sfc import Macro, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import Condition, Macro, SfcBody, SfcNetwork, Step, Transition
 from plcopen_sfc.refactor.builder import append_branch
 from plcopen_sfc.refactor.journal import Journal
 from plcopen_sfc.refactor.queries import dialect_in, pou_of

@@ -51,9 +51,10 @@ from plcopen_sfc.model import (
     Variable,
 )
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody
-from plcopen_sfc.model.conditions import BodyCondition, WiredCondition
+from plcopen_sfc.model.conditions import WiredCondition
 from plcopen_sfc.model.declaration import Kind
 from plcopen_sfc.model.dialect import STRING_LENGTHS, Dialect
+from plcopen_sfc.model.sfc import BodyCondition
 from plcopen_sfc.model.types import (
     ArrayType,
     DerivedType,

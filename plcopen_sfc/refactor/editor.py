@@ -12,12 +12,10 @@ from typing import Any, Self, TypeVar, Union, cast, get_args, get_origin, get_ty
 from plcopen_sfc.errors import ModelError, check_argument
 from plcopen_sfc.languages.binding import Declaration, Names
 from plcopen_sfc.languages.binding.name_uses import unique_declaration
-from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Model
-from plcopen_sfc.model.conditions import Condition
 from plcopen_sfc.model.pou import Action, NamedTransition, Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, Condition, SfcNetwork, Step, Transition
 from plcopen_sfc.operations import provided
 from plcopen_sfc.refactor import chart_edits, name_edits, step_kinds
 from plcopen_sfc.refactor.chart_edits import refused

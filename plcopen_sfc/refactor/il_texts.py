@@ -11,11 +11,12 @@ from plcopen_sfc.languages.il import result_expression, statements
 from plcopen_sfc.languages.networks import shown_body, shown_named_condition
 from plcopen_sfc.languages.networks.exported_networks import network_statements
 from plcopen_sfc.languages.st import print_node
-from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, StBody
-from plcopen_sfc.model.conditions import BodyCondition, Expression
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
+from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Method
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import Body, BodyCondition
 
 
 def write_conditions_as_expressions(project: Project) -> Iterator[str]:

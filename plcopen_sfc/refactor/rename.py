@@ -23,12 +23,12 @@ from plcopen_sfc.languages.grafcet_conditions import OVERLINE
 from plcopen_sfc.languages.st.nodes import Quoting
 from plcopen_sfc.languages.words import needs_quotes, objection
 from plcopen_sfc.model.base import Model
-from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork
+from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
 from plcopen_sfc.refactor.journal import Journal
 from plcopen_sfc.report import RenameResult, Undecided
 

@@ -20,13 +20,13 @@ from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.il import statements
 from plcopen_sfc.languages.networks import shown_body
 from plcopen_sfc.languages.st import parse_statements, print_node
-from plcopen_sfc.model.actions import ActionAssociation, Qualifier
+from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.declaration import Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork, Step
+from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step
 from plcopen_sfc.refactor.chart_edits import refused
 from plcopen_sfc.refactor.journal import Journal
 from plcopen_sfc.refactor.name_edits import extract_action

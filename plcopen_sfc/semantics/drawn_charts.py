@@ -12,12 +12,12 @@ from typing import Any
 from plcopen_sfc.languages.networks import NetworkStatements, kept_conditions
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
-from plcopen_sfc.model.actions import ActionAssociation, Qualifier
-from plcopen_sfc.model.body import SfcBody, StBody
-from plcopen_sfc.model.conditions import BodyCondition, Expression, NamedCondition, WiredCondition
+from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou
-from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, BodyCondition, SfcBody, SfcNetwork, Step, Transition
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.semantics.profile import DrawnBlocks, Profile

@@ -15,8 +15,8 @@ from typing import Protocol, TypeAlias, TypeVar, runtime_checkable
 
 from plcopen_sfc.errors import InputError, Location, ModelError
 from plcopen_sfc.files import read_bytes
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts.graph.graph_parameters import ALL_INPUTS, ALL_OUTPUTS, PARAMETERS
 from plcopen_sfc.semantics.profile import Profile

@@ -13,8 +13,7 @@ from enum import StrEnum
 from functools import cached_property
 
 from plcopen_sfc.errors import CompetingTransitionsError
-from plcopen_sfc.model.body import SfcBody
-from plcopen_sfc.model.sfc import Macro, PartialChart, PartialChartKind, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import Macro, PartialChart, PartialChartKind, SfcBody, SfcNetwork, Step, Transition
 
 
 class Competing(StrEnum):

@@ -18,9 +18,10 @@ from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import LiteralKind, LiteralValue, literal_value
 from plcopen_sfc.model.body import StBody
-from plcopen_sfc.model.conditions import BodyCondition, NamedCondition
+from plcopen_sfc.model.conditions import NamedCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import NamedTransition
+from plcopen_sfc.model.sfc import BodyCondition
 from tests.analysis.nets import chart_of
 from tests.sweeps import examples
 

@@ -29,9 +29,10 @@ from plcopen_sfc.model import (
     Variable,
     VariableSection,
 )
+from plcopen_sfc.model.chart_settings import FlagUse, GraphSettings, SfcFlag, SfcSettings
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, PouKind
-from plcopen_sfc.model.sfc import FlagUse, GraphSettings, SfcFlag, SfcSettings, Supervised
+from plcopen_sfc.model.sfc import Supervised
 from plcopen_sfc.model.types import StructType
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import ConversionReport, Outcome

@@ -5,9 +5,8 @@ from __future__ import annotations
 import pytest
 
 from plcopen_sfc.drawing import DrawingStyle, draw, fits, limits, renumber
-from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.drawing import Drawing, SymbolKind
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork
 from tests.drawing.nets import links_of_chart, links_of_drawing, make
 
 SHORT = {

@@ -7,11 +7,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from plcopen_sfc.drawing import DrawingStyle, draw, fits, has_positions, layout, limits
-from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.conditions import WiredCondition
 from plcopen_sfc.model.drawing import Symbol, SymbolKind
 from plcopen_sfc.model.network import Connection, Contact, InputPin, LeftPowerRail, OutputPin
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork
 from tests.drawing.nets import any_net, make, nested_net
 from tests.sweeps import examples
 

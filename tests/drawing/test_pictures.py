@@ -18,12 +18,20 @@ import plcopen_sfc as sfc
 from plcopen_sfc.drawing import DrawingStyle, draw, fits, layout
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.model import SfcNetwork
-from plcopen_sfc.model.actions import ActionAssociation, ActionKind, ForcedSituation, ForcingOrder
-from plcopen_sfc.model.body import SfcBody, StBody
-from plcopen_sfc.model.conditions import BodyCondition
+from plcopen_sfc.model.actions import ActionKind, ForcedSituation, ForcingOrder
+from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.drawing import STEPS, Places
 from plcopen_sfc.model.project import Chart
-from plcopen_sfc.model.sfc import Enclosure, Macro, PartialChart, PartialChartKind, Supervised
+from plcopen_sfc.model.sfc import (
+    ActionAssociation,
+    BodyCondition,
+    Enclosure,
+    Macro,
+    PartialChart,
+    PartialChartKind,
+    SfcBody,
+    Supervised,
+)
 from tests.corpus import ROOT, corpus_files, require_corpus
 from tests.drawing.nets import any_net, entered_net, make, nested_net
 from tests.drawing.pictures import SVG, Picture, area, assert_tidy, links_in, points, read_picture

@@ -7,10 +7,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from plcopen_sfc.drawing import DrawingStyle, draw, fits, layout, redraw
-from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.drawing import Symbol, SymbolKind
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork
 from tests.drawing.nets import any_net, links_of_chart, links_of_drawing, make, nested_net
 from tests.sweeps import examples
 

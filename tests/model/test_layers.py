@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import graphlib
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -35,6 +37,26 @@ def test_no_module_of_the_model_names_a_higher_layer():
         for name in named_modules(ast.parse(path.read_text(encoding="utf-8"))):
             if name.startswith("plcopen_sfc."):
                 assert name.split(".")[1] in BELOW, f"{path.name} names {name}"
+
+
+IMPORT = re.compile(r"^ *(?:from (plcopen_sfc[\w.]*) import (\([^)]*\)|.*)|import (plcopen_sfc[\w.]*))", re.MULTILINE)
+
+
+def test_no_modules_import_each_other_in_a_circle():
+    """Late imports and those for annotations count: of such a circle no module can be understood or moved alone."""
+    paths = {
+        ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path
+        for path in (ROOT / "plcopen_sfc").rglob("*.py")
+    }
+    imports = {}
+    for module, path in paths.items():
+        found = set()
+        for package, names, alone in IMPORT.findall(path.read_text(encoding="utf-8")):
+            parts = {f"{package}.{name}" for name in re.findall(r"\w+", names)} & paths.keys()
+            found |= parts or {package or alone}
+        imports[module] = found & paths.keys() - {module}
+    assert sum(map(len, imports.values())) > 3000
+    graphlib.TopologicalSorter(imports).prepare()  # a `CycleError` names the modules
 
 
 @pytest.mark.slow

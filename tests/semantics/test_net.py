@@ -7,9 +7,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from plcopen_sfc.errors import CompetingTransitionsError
-from plcopen_sfc.model.actions import ActionAssociation, ForcedSituation, ForcingOrder
-from plcopen_sfc.model.body import SfcBody
-from plcopen_sfc.model.sfc import Enclosure, Macro, PartialChart, PartialChartKind, SfcNetwork, Transition
+from plcopen_sfc.model.actions import ForcedSituation, ForcingOrder
+from plcopen_sfc.model.sfc import (
+    ActionAssociation,
+    Enclosure,
+    Macro,
+    PartialChart,
+    PartialChartKind,
+    SfcBody,
+    SfcNetwork,
+    Transition,
+)
 from plcopen_sfc.semantics.net import Competing, Net, NetProblemKind
 from tests.analysis.nets import Arcs, any_nets, chart_of, chart_of_arcs
 from tests.sweeps import examples

@@ -11,9 +11,8 @@ from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.effects import Path, path_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk
-from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
-from plcopen_sfc.model.body import Body
-from plcopen_sfc.model.sfc import Step
+from plcopen_sfc.model.actions import ActionKind, Qualifier
+from plcopen_sfc.model.sfc import ActionAssociation, Body, Step
 from plcopen_sfc.model.variables import SectionKind
 
 

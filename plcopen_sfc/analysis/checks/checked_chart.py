@@ -23,14 +23,12 @@ from plcopen_sfc.languages.networks import NetworkExpression, condition_expressi
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_statements, transform, walk
 from plcopen_sfc.languages.standard_blocks import standard_block
-from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Element
-from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import PartialChart, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, Body, PartialChart, SfcBody, SfcNetwork, Step, Transition
 from plcopen_sfc.model.types import DataType, DerivedType, ElementaryType
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import TermTexts
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition

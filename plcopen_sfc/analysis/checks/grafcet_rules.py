@@ -12,9 +12,9 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk
 from plcopen_sfc.model.actions import ActionKind, ForcedSituation, ForcingOrder
-from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
+from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.network import Block, Contact, Edge, InputVariable
-from plcopen_sfc.model.sfc import PartialChart, PartialChartKind, Step
+from plcopen_sfc.model.sfc import BodyCondition, Condition, PartialChart, PartialChartKind, Step
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, PointerType
 from plcopen_sfc.semantics.net import NetProblemKind, NetStep
 

@@ -31,11 +31,10 @@ from plcopen_sfc.analysis.checks.checked_chart import (
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location, ModelError, PluginError, listed_names, nearest
 from plcopen_sfc.model.base import Element
-from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.network import CommentBox
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
 from plcopen_sfc.model.text import MarkupText, MultilingualText, Text
 from plcopen_sfc.plugins import provided_by_plugins
 from plcopen_sfc.semantics.profile import Profile, default_profile

@@ -20,9 +20,9 @@ from plcopen_sfc.languages.networks import NetworkExpression
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.standard_blocks import standard_block
-from plcopen_sfc.model.body import Body, IlBody
-from plcopen_sfc.model.conditions import BodyCondition, Expression, NamedCondition, WiredCondition
-from plcopen_sfc.model.sfc import Step, Transition
+from plcopen_sfc.model.body import IlBody
+from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
+from plcopen_sfc.model.sfc import Body, BodyCondition, Step, Transition
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, EnumType, StringType, StructType
 
 

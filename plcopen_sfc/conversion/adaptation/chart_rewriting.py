@@ -10,10 +10,10 @@ from plcopen_sfc.languages.networks import condition_reader, is_empty_network
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.translation.renames import identifier
 from plcopen_sfc.lowering.code.lowered_code import names_of
-from plcopen_sfc.model.body import Body, FbdBody, LdBody
-from plcopen_sfc.model.conditions import BodyCondition, Condition
+from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step
+from plcopen_sfc.model.sfc import Body, BodyCondition, Condition, SfcNetwork, Step
 from plcopen_sfc.model.types import DataType, Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome

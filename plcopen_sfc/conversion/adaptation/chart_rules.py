@@ -52,10 +52,11 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, transform
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
-from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, WiredCondition
+from plcopen_sfc.model.chart_settings import FlagUse, SfcFlag, SfcSettings
+from plcopen_sfc.model.conditions import Expression, WiredCondition
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import FlagUse, SfcFlag, SfcSettings, Step, Transition
+from plcopen_sfc.model.sfc import BodyCondition, Condition, Step, Transition
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType
 from plcopen_sfc.report import ORDER_OF_ACTIONS, ConversionReport, Outcome
 

@@ -27,11 +27,12 @@ from plcopen_sfc.languages.sfc_flag_uses import WATCHING_FLAGS, flags_at_rest, n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node
 from plcopen_sfc.languages.translation.renames import identifier
 from plcopen_sfc.languages.words import needs_quotes
-from plcopen_sfc.model.actions import ActionAssociation, Qualifier
+from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import PermanentOperation, SfcFlag, Step, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, PermanentOperation, Step, Transition
 from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome

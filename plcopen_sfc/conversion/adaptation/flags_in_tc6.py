@@ -24,9 +24,10 @@ from plcopen_sfc.formats.plcopen.source_marks import (
     text_digest,
 )
 from plcopen_sfc.languages.binding import Effects
-from plcopen_sfc.model.actions import ActionAssociation, Qualifier
-from plcopen_sfc.model.body import Body, SfcBody, StBody
-from plcopen_sfc.model.sfc import SfcFlag, Step, Transition
+from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.chart_settings import SfcFlag
+from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, Step, Transition
 from plcopen_sfc.model.types import Elementary, ElementaryType, StringType
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import Outcome

@@ -38,10 +38,11 @@ from plcopen_sfc.languages.task_schedules import FREEWHEELING
 from plcopen_sfc.languages.translation import NameScope, Renames
 from plcopen_sfc.languages.translation.literal_translation import translated_address
 from plcopen_sfc.languages.translation.renames import identifier, kept_names
-from plcopen_sfc.model.body import FbdBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, TagTable, Task, TaskSettings
+from plcopen_sfc.model.sfc import SfcBody
 from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, MemberValue, StructType, StructValue, Variable
 from plcopen_sfc.model.variables import SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome

@@ -29,13 +29,13 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform
 from plcopen_sfc.languages.translation.renames import identifier
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, disjunction
-from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, ActionKind, Qualifier
+from plcopen_sfc.model.actions import ActionEvent, ActionKind, Qualifier
 from plcopen_sfc.model.body import StBody
-from plcopen_sfc.model.conditions import Condition, Expression
+from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import PermanentOperation, SfcNetwork, Step, Supervised
+from plcopen_sfc.model.sfc import ActionAssociation, Condition, PermanentOperation, SfcNetwork, Step, Supervised
 from plcopen_sfc.model.sfc import Sequence as GraphSequence
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection

@@ -19,9 +19,8 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, print_node
 from plcopen_sfc.languages.st.nodes import Expression as Tree
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, conjunction, disjunction, negation, simplified
-from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.conditions import Expression
-from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step, Transition
 from plcopen_sfc.semantics.charts.chart_actions import Owner
 from plcopen_sfc.semantics.charts.grafcet.partial_charts import Hierarchy, RuledChart
 from plcopen_sfc.semantics.net import Net, indexes

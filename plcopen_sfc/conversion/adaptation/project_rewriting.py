@@ -38,11 +38,11 @@ from plcopen_sfc.languages.s7_types import is_system_data
 from plcopen_sfc.languages.syntax_problems import embedded_code
 from plcopen_sfc.languages.words import CODESYS23_KEYWORDS, CODESYS_KEYWORDS
 from plcopen_sfc.model.body import FbdBody, LdBody
-from plcopen_sfc.model.conditions import BodyCondition
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.network import Block, Coil, Node, OutputVariable
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcFlag
+from plcopen_sfc.model.sfc import BodyCondition
 from plcopen_sfc.model.types import StructType
 from plcopen_sfc.model.variables import Interface, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome

@@ -28,8 +28,8 @@ from plcopen_sfc.languages.networks import body_statements
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
-from plcopen_sfc.model.sfc import PermanentOperation, Step
+from plcopen_sfc.model.body import FbdBody, LdBody, StBody
+from plcopen_sfc.model.sfc import Body, PermanentOperation, Step
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import Outcome

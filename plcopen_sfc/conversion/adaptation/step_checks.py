@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, is_supervised
-from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
-from plcopen_sfc.model.sfc import Step
+from plcopen_sfc.model.actions import ActionEvent, Qualifier
+from plcopen_sfc.model.sfc import ActionAssociation, Step
 from plcopen_sfc.model.types import DataType
 from plcopen_sfc.model.variables import SectionKind
 

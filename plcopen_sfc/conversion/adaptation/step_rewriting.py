@@ -22,11 +22,11 @@ from plcopen_sfc.formats.format_interface import ChartHost
 from plcopen_sfc.formats.plcopen.source_marks import STEP_FIELDS, added_part, changed_element, rewritten_step
 from plcopen_sfc.languages.binding import STORING, Row, SharedScans, told_orders
 from plcopen_sfc.languages.networks import shown_body
-from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, ActionKind, Qualifier
-from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.actions import ActionEvent, ActionKind, Qualifier
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.pou import Action
-from plcopen_sfc.model.sfc import SfcNetwork, Step
+from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, SfcNetwork, Step
 from plcopen_sfc.report import ORDER_OF_ACTIONS, Outcome
 
 _COILS = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.D, Qualifier.L})

@@ -15,11 +15,10 @@ from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme, text_width, w
 from plcopen_sfc.drawing.pictures.symbol_pictures import PictureSheet, PictureStyle
 from plcopen_sfc.drawing.wording import KINDS, Told, Wording, english
 from plcopen_sfc.errors import ModelError, check_argument, nearest
-from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.owners import Owned
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import PartialChart, SfcNetwork, Step
+from plcopen_sfc.model.sfc import Body, PartialChart, SfcBody, SfcNetwork, Step
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.object_path import ObjectPath
 

@@ -21,9 +21,9 @@ from enum import StrEnum
 
 from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, text_width, widest, wrap
 from plcopen_sfc.drawing.wording import EXCLUDED, ActionLine, Wording, enclosure_words
-from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
-from plcopen_sfc.model.body import Body, IlBody, StBody
-from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.actions import ActionKind, Qualifier
+from plcopen_sfc.model.body import IlBody, StBody
+from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import plain
 
 SIZE = 12

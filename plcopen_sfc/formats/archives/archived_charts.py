@@ -57,10 +57,11 @@ from plcopen_sfc.formats.codesys.codesys_codec import LACKS
 from plcopen_sfc.formats.codesys.element_data import condition_text
 from plcopen_sfc.formats.plcopen.tc6_chart_meaning import DrawnChart, Line
 from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext, extension_data
-from plcopen_sfc.model.actions import ActionAssociation, Qualifier
+from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.chart_settings import RuntimeLibrary, SfcFlag, SfcSettings
 from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.drawing import CONVERGENCES, DIVERGENCES, STEPS, Symbol, SymbolKind
-from plcopen_sfc.model.sfc import RuntimeLibrary, SfcFlag, SfcNetwork, SfcSettings, Step, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.report import Outcome
 from plcopen_sfc.whole_numbers import whole_number

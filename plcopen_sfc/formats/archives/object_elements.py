@@ -25,11 +25,12 @@ from plcopen_sfc.formats.xml.extension_data import add_markup, markup
 from plcopen_sfc.languages.networks.condition_reading import shown_body, shown_named_condition
 from plcopen_sfc.languages.networks.exported_networks import SOURCES, network_statements
 from plcopen_sfc.model.base import Element, ExtensionData, ForeignData
-from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
+from plcopen_sfc.model.chart_settings import SfcSettings
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork, SfcSettings
+from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
 from plcopen_sfc.report import ConversionReport, Outcome
 
 KINDS = ("POU", "GVL", "DUT", "Itf")

@@ -18,13 +18,13 @@ from plcopen_sfc.formats.codesys import codesys_names as names
 from plcopen_sfc.formats.plcopen.tc6_reading import Fields, Tc6ReadContext, extension_data
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, Written
 from plcopen_sfc.formats.xml.extension_data import legal_text, markup, parsed_markup
-from plcopen_sfc.model.actions import ActionAssociation, Monitoring, SymbolAccess
+from plcopen_sfc.model.actions import Monitoring, SymbolAccess
 from plcopen_sfc.model.base import ExtensionData, Model, UnknownDataRule
-from plcopen_sfc.model.body import SfcBody
-from plcopen_sfc.model.conditions import BodyCondition, Expression, NamedCondition
+from plcopen_sfc.model.chart_settings import SfcFlag, SfcSettings
+from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.drawing import Symbol, SymbolKind
 from plcopen_sfc.model.network import Block, BlockCall, VendorElement
-from plcopen_sfc.model.sfc import SfcFlag, SfcSettings, Step, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, BodyCondition, SfcBody, Step, Transition
 
 _FLAGS = {flag.value for flag in SfcFlag}
 

@@ -32,12 +32,21 @@ from plcopen_sfc.languages.networks import shown_body, shown_condition
 from plcopen_sfc.languages.networks.exported_networks import EXPORTS
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.st.parsing import parse_expression
-from plcopen_sfc.model.actions import ActionAssociation, Qualifier
-from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
-from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression
+from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
+from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou
-from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import (
+    ActionAssociation,
+    Body,
+    BodyCondition,
+    Condition,
+    SfcBody,
+    SfcNetwork,
+    Step,
+    Transition,
+)
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.whole_numbers import whole_number

@@ -45,13 +45,14 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_statements, print_node, transform, walk
 from plcopen_sfc.languages.st.lexer import CommentKind, Token, tokenize
 from plcopen_sfc.languages.st.printing import render
-from plcopen_sfc.model.body import Body, IlBody, SfcBody, StBody
+from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.compare import path_of
-from plcopen_sfc.model.conditions import BodyCondition, Expression
+from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.numbering import take_ids
 from plcopen_sfc.model.pou import Action, Pou, PouKind
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import Body, BodyCondition, SfcBody
 from plcopen_sfc.model.text import Text, plain
 from plcopen_sfc.model.types import (
     ArrayType,

@@ -48,10 +48,11 @@ from plcopen_sfc.languages.networks.exported_networks import KNOWN_SECTIONS
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
 from plcopen_sfc.languages.st.parsing import statement_problems
-from plcopen_sfc.model.body import Body, StBody
+from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou, PouKind
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import Body
 from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.model.variables import VariableSection
 

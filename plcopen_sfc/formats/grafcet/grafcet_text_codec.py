@@ -20,15 +20,23 @@ from plcopen_sfc.formats.text_patch import BlockSpan, SourceText, WrittenBlock, 
 from plcopen_sfc.languages.declarations import write_type, write_value
 from plcopen_sfc.languages.networks.condition_reading import shown_condition
 from plcopen_sfc.languages.pragmas import RemainderEntry, changes, plain_fields
-from plcopen_sfc.model.actions import ActionAssociation, ActionKind, ForcedSituation, ForcingOrder, Qualifier
+from plcopen_sfc.model.actions import ActionKind, ForcedSituation, ForcingOrder, Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.compare import path_of
-from plcopen_sfc.model.conditions import Condition, Expression
+from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.numbering import take_ids
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import PartialChart, PartialChartKind, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import (
+    ActionAssociation,
+    Condition,
+    PartialChart,
+    PartialChartKind,
+    SfcNetwork,
+    Step,
+    Transition,
+)
 from plcopen_sfc.model.text import Text, plain
 from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
 from plcopen_sfc.report import ConversionReport, Outcome

@@ -17,12 +17,22 @@ from plcopen_sfc.formats.text_patch import BlockSpan, Key, ReadText, SourceText,
 from plcopen_sfc.languages.declarations import read_declarations
 from plcopen_sfc.languages.grafcet_conditions import NAME, OVERLINE
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind
-from plcopen_sfc.model.actions import ActionAssociation, ActionKind, ForcedSituation, ForcingOrder
-from plcopen_sfc.model.body import SfcBody, StBody
+from plcopen_sfc.model.actions import ActionKind, ForcedSituation, ForcingOrder
+from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import Enclosure, Macro, PartialChart, PartialChartKind, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import (
+    ActionAssociation,
+    Enclosure,
+    Macro,
+    PartialChart,
+    PartialChartKind,
+    SfcBody,
+    SfcNetwork,
+    Step,
+    Transition,
+)
 from plcopen_sfc.model.times import objection
 from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection

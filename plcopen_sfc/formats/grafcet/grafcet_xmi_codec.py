@@ -30,13 +30,13 @@ from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle
 from plcopen_sfc.formats.xml.xml_parsing import parse_xml
 from plcopen_sfc.languages.pragmas import changes, plain_fields
-from plcopen_sfc.model.actions import ActionAssociation, ActionKind
+from plcopen_sfc.model.actions import ActionKind
 from plcopen_sfc.model.compare import path_of
-from plcopen_sfc.model.conditions import Condition, Expression
+from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.numbering import take_ids
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import PartialChart, PartialChartKind, SfcNetwork, Step
+from plcopen_sfc.model.sfc import ActionAssociation, Condition, PartialChart, PartialChartKind, SfcNetwork, Step
 from plcopen_sfc.model.types import Elementary
 from plcopen_sfc.report import ConversionReport, Outcome
 

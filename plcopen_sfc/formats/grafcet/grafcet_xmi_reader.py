@@ -20,12 +20,21 @@ from plcopen_sfc.formats.grafcet.grafcet_xmi_terms import (
 from plcopen_sfc.formats.remainder_comments import DAMAGED, OUTDATED, put_back, read_entries
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind
-from plcopen_sfc.model.actions import ActionAssociation, ActionKind, ForcedSituation, ForcingOrder
-from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.actions import ActionKind, ForcedSituation, ForcingOrder
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import Enclosure, Macro, PartialChart, PartialChartKind, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import (
+    ActionAssociation,
+    Enclosure,
+    Macro,
+    PartialChart,
+    PartialChartKind,
+    SfcBody,
+    SfcNetwork,
+    Step,
+    Transition,
+)
 from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.whole_numbers import whole_number

@@ -9,11 +9,12 @@ from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.networks import is_empty_network
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, print_node, transform
-from plcopen_sfc.model.body import FbdBody, LdBody, SfcBody
+from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step
+from plcopen_sfc.model.sfc import SfcBody, SfcNetwork, Step
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import ConversionReport, Outcome
 

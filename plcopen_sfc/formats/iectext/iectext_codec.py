@@ -23,14 +23,14 @@ from plcopen_sfc.languages.edits import without
 from plcopen_sfc.languages.pragmas import NotationError, parse_change
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st.lexer import Comment
-from plcopen_sfc.model.actions import ActionAssociation, Qualifier
+from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.base import Element
-from plcopen_sfc.model.body import Body, IlBody, SfcBody, StBody
+from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Task
-from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.model.variables import SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport

@@ -40,11 +40,20 @@ from plcopen_sfc.languages.networks import shown_body, shown_condition, shown_na
 from plcopen_sfc.languages.pragmas import Fields, Numbered, RemainderEntry, Segment, changes, plain_fields
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.words import is_plain
-from plcopen_sfc.model.actions import ActionAssociation, Qualifier
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
-from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
+from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.body import FbdBody, LdBody, StBody
+from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou, PouKind
-from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import (
+    ActionAssociation,
+    Body,
+    BodyCondition,
+    Condition,
+    SfcBody,
+    SfcNetwork,
+    Step,
+    Transition,
+)
 from plcopen_sfc.report import Outcome
 
 _STEP_QUALIFIERS = {"entry": "P1", "main": "N", "exit": "P0"}

@@ -27,8 +27,9 @@ from plcopen_sfc.formats.iectext.text_source import (
 )
 from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, Segment, additions
 from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
-from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.sfc import SfcBody
 from plcopen_sfc.report import ConversionReport, Outcome
 
 DRAWN = "drawn"

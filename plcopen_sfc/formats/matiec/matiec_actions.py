@@ -19,11 +19,11 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, render, transform
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.words import is_plain
-from plcopen_sfc.model.actions import ActionAssociation, Qualifier
+from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.network import InputVariable
-from plcopen_sfc.model.sfc import SfcNetwork, Step
+from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step
 from plcopen_sfc.report import Outcome
 
 STEP_ACTIONS = (("entry", Qualifier.P1), ("main", Qualifier.N), ("exit", Qualifier.P0))

@@ -27,12 +27,12 @@ from plcopen_sfc.languages.networks import (
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.words import is_plain
-from plcopen_sfc.model.actions import ActionAssociation, Qualifier
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
-from plcopen_sfc.model.conditions import Condition, Expression, NamedCondition, WiredCondition
+from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.body import FbdBody, LdBody, StBody
+from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import Action
-from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, Body, Condition, SfcNetwork, Step, Transition
 from plcopen_sfc.model.types import DataType, DerivedType, Elementary, ElementaryType
 from plcopen_sfc.report import Outcome
 

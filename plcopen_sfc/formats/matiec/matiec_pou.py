@@ -17,7 +17,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, render, transform
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.words import IEC_KEYWORDS, is_plain
-from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import (
     Block,
@@ -36,6 +36,7 @@ from plcopen_sfc.model.network import (
     Storage,
 )
 from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.sfc import Body, SfcBody
 from plcopen_sfc.model.types import DataType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome

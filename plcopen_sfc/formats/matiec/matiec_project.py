@@ -24,11 +24,12 @@ from plcopen_sfc.formats.matiec.matiec_statements import (
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.task_schedules import duration_literal, iec_form, nanoseconds, schedule_of
-from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Task
+from plcopen_sfc.model.sfc import Body, SfcBody
 from plcopen_sfc.model.types import DataType, DataTypeDeclaration, Elementary, ElementaryType, used_types
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome

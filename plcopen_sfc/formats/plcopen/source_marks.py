@@ -14,15 +14,15 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import ValidationError
 
-from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import IlBody, StBody
-from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition
+from plcopen_sfc.model.chart_settings import FlagUse, GraphSettings, SfcFlag, SfcSettings
+from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.drawing import Drawing
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Configuration
-from plcopen_sfc.model.sfc import FlagUse, GraphSettings, SfcFlag, SfcNetwork, SfcSettings, Step, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, BodyCondition, Condition, SfcNetwork, Step, Transition
 from plcopen_sfc.model.variables import VariableSection
 
 if TYPE_CHECKING:

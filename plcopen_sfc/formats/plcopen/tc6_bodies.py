@@ -43,10 +43,10 @@ from plcopen_sfc.formats.plcopen.tc6_writing import (
 from plcopen_sfc.formats.provenance import read_later
 from plcopen_sfc.formats.xml.extension_data import add_markup, fields_left, misfit
 from plcopen_sfc.languages.networks.element_places import on_one_sheet
-from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.drawing import Drawing, Places
 from plcopen_sfc.model.pou import Action, NamedTransition, Pou, PouKind
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
 from plcopen_sfc.report import Outcome
 
 POU_KINDS = ("program", "functionBlock", "function")

@@ -49,12 +49,12 @@ from plcopen_sfc.formats.plcopen.tc6_writing import (
     write_point,
 )
 from plcopen_sfc.formats.xml.extension_data import fields_left
-from plcopen_sfc.model.actions import ActionAssociation, Qualifier
-from plcopen_sfc.model.body import Body, StBody
-from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
+from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.drawing import STEPS, ActionEntry, Drawing, Places, StepActionKind, Symbol, SymbolKind
 from plcopen_sfc.model.network import Node
-from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, Body, BodyCondition, Condition, SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import is_direct
 from plcopen_sfc.report import Outcome
 from plcopen_sfc.whole_numbers import xml_number

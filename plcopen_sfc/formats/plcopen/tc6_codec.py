@@ -64,9 +64,8 @@ from plcopen_sfc.formats.xml.extension_data import misfit
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
 from plcopen_sfc.languages.s7_boxes import put_logic
-from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.project import Configuration, Project, Scaling
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
 from plcopen_sfc.report import ConversionReport
 from plcopen_sfc.whole_numbers import xml_number
 

@@ -58,11 +58,12 @@ from plcopen_sfc.languages.s7_programs import is_void, report_program, report_ta
 from plcopen_sfc.languages.s7_types import NO_START, S7Types, s7_types
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.base import ExtensionData
-from plcopen_sfc.model.body import SfcBody, StBody
+from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.compare import in_order_of, path_of
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, Pou, PouKind
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcBody
 from plcopen_sfc.model.text import Text, plain
 from plcopen_sfc.model.types import (
     ArrayType,

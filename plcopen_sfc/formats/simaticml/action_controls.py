@@ -39,8 +39,9 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.languages.words import needs_quotes
-from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
-from plcopen_sfc.model.body import Body, LdBody, SfcBody, StBody
+from plcopen_sfc.model.actions import ActionKind, Qualifier
+from plcopen_sfc.model.body import LdBody, StBody
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import (
     Block,
@@ -53,7 +54,7 @@ from plcopen_sfc.model.network import (
 )
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step
+from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, SfcNetwork, Step
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import SectionKind, VariableSection
 

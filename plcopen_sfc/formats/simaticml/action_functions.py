@@ -33,13 +33,13 @@ from plcopen_sfc.languages.st import parse_expression, parse_statements, print_n
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, S7_VERSION, StandardBlock, standard_block
 from plcopen_sfc.languages.translation.renames import identifier
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import NamedCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import BlockVariable, Coil, OutputPin, OutputVariable
 from plcopen_sfc.model.pou import Action, Method, Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
 from plcopen_sfc.model.types import (
     ArrayType,
     DataType,

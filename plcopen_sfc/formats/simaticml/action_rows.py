@@ -32,12 +32,12 @@ from plcopen_sfc.languages.networks import body_statements
 from plcopen_sfc.languages.s7_actions import ActionCalls
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node
-from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, ActionKind, Qualifier
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody, SfcBody, StBody
+from plcopen_sfc.model.actions import ActionEvent, ActionKind, Qualifier
+from plcopen_sfc.model.body import FbdBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork, Step
+from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, SfcNetwork, Step
 from plcopen_sfc.model.types import DerivedType, StructType, Variable
 from plcopen_sfc.report import Outcome
 

@@ -23,8 +23,9 @@ from plcopen_sfc.formats.simaticml.element_reader import ADDED, Fields, attribut
 from plcopen_sfc.formats.simaticml.element_writer import DocumentWriting, keep_fields, sub
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK
 from plcopen_sfc.languages.s7_programs import OPERANDS, RESULT, rename_local, renamed_local
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.sfc import Body
 from plcopen_sfc.model.types import DataType
 from plcopen_sfc.report import Outcome
 

@@ -17,8 +17,7 @@ from plcopen_sfc.formats.simaticml.network_boxes import RESULTS
 from plcopen_sfc.formats.simaticml.network_operands import literal_type, parse_operand
 from plcopen_sfc.languages.networks.network_graph import wires_of
 from plcopen_sfc.languages.s7_types import s7_types
-from plcopen_sfc.model.body import Body, FbdBody, LdBody
-from plcopen_sfc.model.conditions import BodyCondition, Condition
+from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.network import (
     Block,
     BlockCall,
@@ -39,6 +38,7 @@ from plcopen_sfc.model.network import (
 )
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import Body, BodyCondition, Condition
 
 BOOLEAN = frozenset({"AND", "OR", "XOR", "NOT", "EQ", "NE", "GT", "GE", "LT", "LE"})
 """Operators whose result is of type BOOL; AND, OR, XOR and NOT of words are other boxes in TIA Portal."""

@@ -44,9 +44,9 @@ from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, code_digest
 from plcopen_sfc.formats.simaticml.scl_tokens import InterfaceNames, read_code, write_code
 from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup
 from plcopen_sfc.model.base import Element, ExtensionData
-from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.network import LogicNetwork, OutputVariable
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
 from plcopen_sfc.report import Outcome
 
 LANGUAGES = {"LAD": "LD", "FBD": "FBD", "SCL": "ST", "GRAPH": "SFC"}

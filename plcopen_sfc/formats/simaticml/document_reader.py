@@ -48,11 +48,11 @@ from plcopen_sfc.formats.simaticml.tia_versions import (
 )
 from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
-from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import TagTable
+from plcopen_sfc.model.sfc import SfcBody
 from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.whole_numbers import canonical_number
 

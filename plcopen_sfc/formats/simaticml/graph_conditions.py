@@ -35,8 +35,8 @@ from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.walking import transform
 from plcopen_sfc.languages.standard_blocks import Tool, standard_block
 from plcopen_sfc.model.base import ExtensionData
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody
-from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression
+from plcopen_sfc.model.body import FbdBody, LdBody, OpaqueBody
+from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import (
     Block,
@@ -52,6 +52,7 @@ from plcopen_sfc.model.network import (
     Node,
     OutputPin,
 )
+from plcopen_sfc.model.sfc import Body, BodyCondition, Condition
 from plcopen_sfc.report import Outcome
 
 _WORD_BOXES = {"AND": "And", "OR": "Or", "XOR": "Xor"}

@@ -52,19 +52,11 @@ from plcopen_sfc.languages.networks import chart_statements, condition_reader
 from plcopen_sfc.languages.sfc_flag_uses import WATCHING_FLAGS
 from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import LdBody
+from plcopen_sfc.model.chart_settings import AlarmCategory, SfcFlag
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.drawing import Symbol
-from plcopen_sfc.model.sfc import (
-    AlarmCategory,
-    PermanentOperation,
-    Sequence,
-    SfcFlag,
-    SfcNetwork,
-    Step,
-    Supervised,
-    Transition,
-)
+from plcopen_sfc.model.sfc import PermanentOperation, Sequence, SfcNetwork, Step, Supervised, Transition
 from plcopen_sfc.report import Outcome
 
 _WATCHED = "a network behind the sequence sets SFCError when a step is active longer than its maximum time"

@@ -66,7 +66,7 @@ from plcopen_sfc.formats.simaticml.program_comparison import (
 )
 from plcopen_sfc.languages.standard_blocks import S7_CONVERTED, S7_VERSION, StandardBlock, Tool, standard_block
 from plcopen_sfc.model.base import ExtensionData
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody
+from plcopen_sfc.model.body import FbdBody, LdBody, OpaqueBody
 from plcopen_sfc.model.network import (
     Block,
     BlockVariable,
@@ -86,6 +86,7 @@ from plcopen_sfc.model.network import (
     RightPowerRail,
     Storage,
 )
+from plcopen_sfc.model.sfc import Body
 from plcopen_sfc.report import Outcome
 
 _COIL_NAMES = {storage: name for name, storage in COILS.items()}

@@ -52,10 +52,10 @@ from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, counting_fi
 from plcopen_sfc.languages.s7_globals import UNCALLED, local_tags
 from plcopen_sfc.languages.s7_programs import report_program
 from plcopen_sfc.model.base import Element
-from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.chart_settings import GraphSettings
 from plcopen_sfc.model.pou import Action, DataBlock, DataBlockKind, Method, Pou, PouKind
 from plcopen_sfc.model.project import Tag, TagTable
-from plcopen_sfc.model.sfc import GraphSettings, SfcNetwork
+from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration, EnumType, SimpleValue, StructType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind
 from plcopen_sfc.report import CHART_OF_ACTION, ORDER_OF_ACTIONS, Outcome

@@ -36,7 +36,8 @@ from plcopen_sfc.formats.simaticml.tia_versions import (
 )
 from plcopen_sfc.formats.xml.schema_validation import MAX_FINDINGS, element_path, schema_faults, schema_findings
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
-from plcopen_sfc.model.sfc import AlarmCategory, SfcNetwork
+from plcopen_sfc.model.chart_settings import AlarmCategory
+from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.object_path import ObjectPath
 
 _FRAME = "simaticml/document"

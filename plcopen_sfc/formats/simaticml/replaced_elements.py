@@ -31,10 +31,9 @@ from plcopen_sfc.formats.simaticml.row_tokens import row_fields
 from plcopen_sfc.languages.networks import condition_reader
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.model.body import FbdBody, LdBody
-from plcopen_sfc.model.conditions import BodyCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import LogicNetwork
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import BodyCondition, SfcNetwork
 
 WRITTEN = "written"
 """Field in our comments that holds the digest. Files of older versions of this package have none."""

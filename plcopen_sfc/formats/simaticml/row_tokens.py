@@ -22,9 +22,10 @@ from plcopen_sfc.formats.simaticml.element_writer import sub
 from plcopen_sfc.formats.simaticml.network_operands import parse_operand
 from plcopen_sfc.formats.xml.extension_data import legal_text
 from plcopen_sfc.languages.st.parsing import parse_expression
-from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
+from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.sfc import ActionAssociation
 from plcopen_sfc.whole_numbers import whole_number
 
 _CALL_STATEMENT = re.compile(r'("[^"]+"|#?\w+(?:\.\w+)*)\((.*)\);?', re.DOTALL)

@@ -21,11 +21,11 @@ from plcopen_sfc.formats.steplist.list_tables import (
 )
 from plcopen_sfc.languages.declarations import read_declarations
 from plcopen_sfc.model import times
-from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
-from plcopen_sfc.model.body import SfcBody, StBody
+from plcopen_sfc.model.actions import ActionEvent, Qualifier
+from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.pou import Action, Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork, Step, Supervised, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, SfcBody, SfcNetwork, Step, Supervised, Transition
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.whole_numbers import whole_number
 

@@ -9,13 +9,12 @@ from plcopen_sfc.formats.steplist.list_reader import KINDS, MEMORY, NOWHERE, SEC
 from plcopen_sfc.formats.steplist.list_tables import ListTable, TableKind, TableRow
 from plcopen_sfc.languages.declarations import write_type, write_value
 from plcopen_sfc.languages.networks.condition_reading import shown_condition
-from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.body import StBody
-from plcopen_sfc.model.conditions import Condition, Expression
+from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project, TagTable
-from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, Condition, SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.model.variables import VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome

@@ -20,14 +20,14 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.base import Model
-from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.late import LateElement
 from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork, Step
+from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork, Step
 
 
 @dataclass(frozen=True, slots=True)

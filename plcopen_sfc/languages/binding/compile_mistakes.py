@@ -15,9 +15,10 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, StandardBlock, standard_block
-from plcopen_sfc.model.body import Body, IlBody
+from plcopen_sfc.model.body import IlBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.sfc import Body
 from plcopen_sfc.model.types import DerivedType, ElementaryType
 
 _JOINING = n.CONNECTIVES | n.COMPARISONS

@@ -20,12 +20,11 @@ from plcopen_sfc.languages.binding.text_sites import Site, TextSite
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.base import Element
-from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, DataBlock, Method, NamedTransition, Pou
 from plcopen_sfc.model.project import Configuration, Project, Resource, TreeNode
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
 from plcopen_sfc.model.types import DataType, DerivedType, EnumType, StructType
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 

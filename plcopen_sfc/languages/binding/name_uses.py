@@ -26,12 +26,12 @@ from plcopen_sfc.languages.binding.text_sites import Role, Site, SiteKind, TextS
 from plcopen_sfc.languages.grafcet_conditions import OVERLINE
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.model.base import Model
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.owners import Owned
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.model.types import DerivedType, StructType, Variable
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import Use

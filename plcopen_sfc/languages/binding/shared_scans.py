@@ -9,10 +9,10 @@ from itertools import chain, islice, product
 from plcopen_sfc.languages.binding.bound_bodies import actions_by_name, step_effects
 from plcopen_sfc.languages.effects import ANYTHING, Effects, may_change, path_of
 from plcopen_sfc.languages.st.parsing import parse_expression
-from plcopen_sfc.model.actions import ActionAssociation, Qualifier
+from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import local_name
 
 _MOST_SITUATIONS = 2_000

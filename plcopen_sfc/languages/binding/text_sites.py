@@ -18,7 +18,7 @@ from plcopen_sfc.model import body as b
 from plcopen_sfc.model import network as n
 from plcopen_sfc.model import sfc as s
 from plcopen_sfc.model import types as t
-from plcopen_sfc.model.actions import ActionAssociation, ForcingOrder
+from plcopen_sfc.model.actions import ForcingOrder
 from plcopen_sfc.model.base import ExtensionData, ForeignData, Model
 from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.late import LateElement
@@ -34,6 +34,7 @@ from plcopen_sfc.model.project import (
     TaskSettings,
     TreeNode,
 )
+from plcopen_sfc.model.sfc import ActionAssociation
 from plcopen_sfc.model.variables import AccessVariable, ConfigVariable, Interface, VariableSection
 
 
@@ -461,7 +462,7 @@ _ENTERING: dict[type[Model], _Entering] = {
     VariableSection: _section,
     t.Variable: lambda v, where: replace(where.at(v.name), language="declaration"),
     t.DataTypeDeclaration: _data_type,
-    **dict.fromkeys((b.StBody, b.IlBody, b.FbdBody, b.LdBody, b.SfcBody, b.OpaqueBody), _body),
+    **dict.fromkeys((b.StBody, b.IlBody, b.FbdBody, b.LdBody, s.SfcBody, b.OpaqueBody), _body),
     s.SfcNetwork: _chart,
     s.Step: lambda step, where: where.at(f"step {step.name}"),
     s.Transition: _transition,

@@ -19,12 +19,12 @@ from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import Assignment, Name, Statements
 from plcopen_sfc.languages.st.parsing import parse_expression, parse_statements
 from plcopen_sfc.languages.words import is_plain
-from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, StBody
-from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
+from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Coil, InputPin, Node
 from plcopen_sfc.model.pou import NamedTransition
-from plcopen_sfc.model.sfc import SfcNetwork, Transition
+from plcopen_sfc.model.sfc import Body, BodyCondition, Condition, SfcNetwork, Transition
 
 
 def shown_condition(

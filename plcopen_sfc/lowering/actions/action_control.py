@@ -29,8 +29,8 @@ from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ActionUse, ChartSource
 from plcopen_sfc.lowering.reading.step_variables import StepTimers
 from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.semantics.net import Net
 

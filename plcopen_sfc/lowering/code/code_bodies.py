@@ -22,10 +22,11 @@ from plcopen_sfc.languages.translation.text_translation import region_marks
 from plcopen_sfc.lowering.code.boolean_logic import remark
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode
 from plcopen_sfc.lowering.lowering_options import Language
-from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block, LogicNetwork, RightPowerRail
 from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.sfc import Body, SfcBody
 from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 

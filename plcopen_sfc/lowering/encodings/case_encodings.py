@@ -46,7 +46,7 @@ from plcopen_sfc.lowering.reading.chart_source import ActionSource, ActionUse, C
 from plcopen_sfc.lowering.reading.step_variables import TimedPart
 from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule, firing_together, refuse_classic
 from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.model.sfc import SfcFlag
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.semantics.net import NetStep, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Evolution, ScanOrder
 

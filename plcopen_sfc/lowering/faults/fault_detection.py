@@ -18,8 +18,9 @@ from plcopen_sfc.lowering.code.lowered_code import LoweredCode, Naming
 from plcopen_sfc.lowering.faults.fault_kinds import FaultKind
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource
 from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.sfc import Body
 from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import VariableSection
 from plcopen_sfc.semantics.net import Competing, indexes, mask

@@ -22,13 +22,12 @@ from plcopen_sfc.lowering.reading.chart_source import (
 from plcopen_sfc.lowering.reading.step_variables import bits_by_number
 from plcopen_sfc.lowering.reading.text_reading import ActionTargets, ConditionText, TextReader
 from plcopen_sfc.lowering.schedule.scan_schedule import refuse_classic
-from plcopen_sfc.model.actions import ActionAssociation, ActionKind, ForcedSituation, Qualifier
-from plcopen_sfc.model.body import SfcBody
-from plcopen_sfc.model.conditions import Condition, Expression
+from plcopen_sfc.model.actions import ActionKind, ForcedSituation, Qualifier
+from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import ActionAssociation, Condition, SfcBody, SfcNetwork
 from plcopen_sfc.semantics.charts.chart_actions import Owner
 from plcopen_sfc.semantics.charts.grafcet.grafcet_program import CONTINUOUS, STORED, has_grafcet
 from plcopen_sfc.semantics.charts.grafcet.partial_charts import Hierarchy

@@ -24,13 +24,12 @@ from plcopen_sfc.lowering.graph.sequencer_source import (
 )
 from plcopen_sfc.lowering.lowering_options import LoweringRules, tool_of
 from plcopen_sfc.lowering.reading.text_reading import ConditionText, TextReader
-from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
-from plcopen_sfc.model.conditions import Condition
+from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.declaration import Declaration
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import ActionAssociation, Condition, SfcNetwork
 from plcopen_sfc.model.types import DataType, DerivedType, Elementary, ElementaryType, StructType, Variable
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts.graph.graph_parameters import OPERATING, PARAMETERS, operating_inputs

@@ -19,14 +19,14 @@ from plcopen_sfc.lowering.reading.chart_source import (
 )
 from plcopen_sfc.lowering.reading.step_variables import asked_by_contacts, asked_outside
 from plcopen_sfc.lowering.reading.text_reading import ActionTargets, ConditionText, TextReader
-from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
-from plcopen_sfc.model.body import Body, SfcBody, StBody
-from plcopen_sfc.model.conditions import Condition
+from plcopen_sfc.model.actions import ActionKind, Qualifier
+from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.conditions import Expression as TextCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step
+from plcopen_sfc.model.sfc import ActionAssociation, Body, Condition, SfcBody, SfcNetwork, Step
 from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.semantics.charts.sfc_flags import flags_in_use
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes

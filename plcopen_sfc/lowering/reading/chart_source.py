@@ -12,9 +12,9 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
 from plcopen_sfc.lowering.code_texts import step_digits
 from plcopen_sfc.model.actions import ActionKind, Qualifier
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.model.text import Text
 from plcopen_sfc.semantics.charts.grafcet.partial_charts import RuledChart
 from plcopen_sfc.semantics.net import Net, indexes

@@ -25,10 +25,11 @@ from plcopen_sfc.lowering.code.boolean_logic import (
 from plcopen_sfc.lowering.code.lowered_code import TIME, LoweredCode, StepValue
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.model.base import Model
-from plcopen_sfc.model.body import LdBody, SfcBody
+from plcopen_sfc.model.body import LdBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Contact
 from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.sfc import SfcBody
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, StepVariables

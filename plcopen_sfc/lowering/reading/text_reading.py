@@ -23,13 +23,12 @@ from plcopen_sfc.languages.networks import (
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, walk
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE
-from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, StBody
-from plcopen_sfc.model.conditions import Condition
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.declaration import Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import Body, Condition, SfcNetwork
 from plcopen_sfc.model.types import (
     ArrayType,
     Elementary,

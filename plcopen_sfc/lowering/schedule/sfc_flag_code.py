@@ -28,7 +28,7 @@ from plcopen_sfc.lowering.code.lowered_code import BOOL, INT, LoweredCode, StepV
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, HoldingOperand, StepTimeLimit
 from plcopen_sfc.lowering.reading.step_variables import StepTimers
-from plcopen_sfc.model.sfc import SfcFlag
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.types import (
     ArrayType,
     DataTypeDeclaration,

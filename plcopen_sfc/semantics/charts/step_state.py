@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from plcopen_sfc.errors import Location, UnknownBehaviourError
-from plcopen_sfc.model.actions import ActionAssociation
+from plcopen_sfc.model.sfc import ActionAssociation
 from plcopen_sfc.semantics.charts.graph import step_data
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, StepVariables

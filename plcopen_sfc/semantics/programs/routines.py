@@ -17,10 +17,9 @@ from plcopen_sfc.languages.networks.results import NetworkText
 from plcopen_sfc.languages.st import Parsed, parse_expression, parse_statements
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.model import types as m
-from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
-from plcopen_sfc.model.conditions import Condition
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.declaration import Kind
-from plcopen_sfc.model.sfc import SfcNetwork, Transition
+from plcopen_sfc.model.sfc import Body, Condition, SfcBody, SfcNetwork, Transition
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.code_generation import Writer

@@ -6,7 +6,7 @@ from collections.abc import Callable, Hashable, Iterable, Iterator
 from itertools import product
 from typing import TypeGuard
 
-from plcopen_sfc.model.sfc import SfcFlag
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.code_generation import Linker
 from plcopen_sfc.semantics.programs.places import ANYWHERE

@@ -10,7 +10,8 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.cli.summary import summarise
 from plcopen_sfc.model.body import IlBody, OpaqueBody, StBody
-from plcopen_sfc.model.conditions import BodyCondition, Expression
+from plcopen_sfc.model.conditions import Expression
+from plcopen_sfc.model.sfc import BodyCondition
 from tests.corpus import ROOT, corpus_files, require_corpus
 
 BELT = ROOT / "fixtures" / "codesys23" / "distribution_belt.EXP"

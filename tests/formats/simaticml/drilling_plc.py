@@ -10,9 +10,10 @@ import shutil
 from pathlib import Path
 
 import plcopen_sfc as sfc
-from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
+from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.base import ExtensionData
-from plcopen_sfc.model.body import FbdBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.body import FbdBody, LdBody, StBody
+from plcopen_sfc.model.chart_settings import GraphSettings
 from plcopen_sfc.model.network import (
     Block,
     BlockCall,
@@ -27,7 +28,7 @@ from plcopen_sfc.model.network import (
 from plcopen_sfc.model.network import Connection as Wire
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import FileHeader, Tag, TagTable
-from plcopen_sfc.model.sfc import GraphSettings, PermanentOperation, Sequence, SfcNetwork, Supervised
+from plcopen_sfc.model.sfc import ActionAssociation, PermanentOperation, Sequence, SfcBody, SfcNetwork, Supervised
 from plcopen_sfc.model.text import MultilingualText
 from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection

@@ -23,7 +23,7 @@ from plcopen_sfc.formats.simaticml.tia_versions import (
     schema_of,
     version_named,
 )
-from plcopen_sfc.model.sfc import AlarmCategory
+from plcopen_sfc.model.chart_settings import AlarmCategory
 from plcopen_sfc.model.text import MultilingualText
 from plcopen_sfc.report import Outcome
 from tests.formats.simaticml.documents import CORPUS_PARAMS, FIXTURES, SOME_GRAPH_PARAMS, SOME_PARAMS, parsed

@@ -10,8 +10,8 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.languages.binding import ANYTHING, BoundBody, bind, called_actions, is_named_elsewhere
 from plcopen_sfc.languages.st import print_node
-from plcopen_sfc.model.body import Body
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.sfc import Body
 
 
 def st(text: str) -> m.StBody:
