@@ -23,7 +23,7 @@ from plcopen_sfc.model.body import IlBody
 from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.programs.controller import Instance
-from plcopen_sfc.semantics.programs.types import (
+from plcopen_sfc.semantics.programs.runtime_types import (
     Direction,
     Family,
     Layout,

@@ -23,7 +23,7 @@ from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.net import NetTransition
 from plcopen_sfc.semantics.programs.marks import deciding_booleans, deciding_parts, may_act
 from plcopen_sfc.semantics.programs.routines import Routines
-from plcopen_sfc.semantics.programs.types import Frame
+from plcopen_sfc.semantics.programs.runtime_types import Frame
 
 
 @dataclass(eq=False)

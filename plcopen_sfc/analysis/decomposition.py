@@ -34,7 +34,7 @@ from plcopen_sfc.model.sfc import ActionAssociation, Body, Condition, SfcBody, S
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.programs.addresses import address_of
 from plcopen_sfc.semantics.programs.controller import Instance
-from plcopen_sfc.semantics.programs.types import Family, ScalarType, StructureType, Type
+from plcopen_sfc.semantics.programs.runtime_types import Family, ScalarType, StructureType, Type
 
 Names = frozenset[str]
 """Names of variables and of members, in lower case."""

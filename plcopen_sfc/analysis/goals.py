@@ -35,7 +35,7 @@ from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.net import NetTransition
 from plcopen_sfc.semantics.programs.marks import bounds
 from plcopen_sfc.semantics.programs.routines import Routines
-from plcopen_sfc.semantics.programs.types import Family, ScalarType
+from plcopen_sfc.semantics.programs.runtime_types import Family, ScalarType
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 
 Distance = Callable[[], float]

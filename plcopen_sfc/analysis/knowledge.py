@@ -24,7 +24,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
-from plcopen_sfc.semantics.programs.types import elementary
+from plcopen_sfc.semantics.programs.runtime_types import elementary
 
 
 class ValueKind(StrEnum):

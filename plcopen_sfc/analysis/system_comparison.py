@@ -16,7 +16,7 @@ from plcopen_sfc.errors import ModelError, SfcError
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.semantics.charts.graph.graph_parameters import PARAMETERS
 from plcopen_sfc.semantics.profile import Profile
-from plcopen_sfc.semantics.programs.types import MOST_ELEMENTS
+from plcopen_sfc.semantics.programs.runtime_types import MOST_ELEMENTS
 from plcopen_sfc.semantics.signals import Signal, Value
 from plcopen_sfc.semantics.trace import Column, Trace
 

@@ -33,7 +33,7 @@ from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.controller import Controller, Instance
 from plcopen_sfc.semantics.programs.marks import Marks
 from plcopen_sfc.semantics.programs.runtime import UNREAD
-from plcopen_sfc.semantics.programs.types import ELAPSED, INSTANT, Family, Frame, OpaqueType, ScalarType
+from plcopen_sfc.semantics.programs.runtime_types import ELAPSED, INSTANT, Family, Frame, OpaqueType, ScalarType
 from plcopen_sfc.semantics.programs.unknown_calls import UnknownCalls
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.subjects import (

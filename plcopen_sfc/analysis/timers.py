@@ -30,7 +30,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import TermTexts
 from plcopen_sfc.semantics.programs.controller import Instance
-from plcopen_sfc.semantics.programs.types import INSTANT, Frame, Layout, StructureType
+from plcopen_sfc.semantics.programs.runtime_types import INSTANT, Frame, Layout, StructureType
 from plcopen_sfc.semantics.subjects import Subject
 
 _CLOCKS = frozenset({"time", "rd_sys_t", "time_tck"})

@@ -1,7 +1,7 @@
 """The command line ``plcopen-sfc``: calls the library and prints.
 
-`app` declares the commands, `options` their options, `commands` has modules for what they do. `reading` loads files,
-`many_files` finds them and works on each, `screen` prints and turns errors into
+`app` declares the commands, `options` their options, `commands` has modules for what they do.
+`command_files` loads files, `many_files` finds them and works on each, `screen` prints and turns errors into
 messages and exit codes, `summary` is about files and their charts.
 Exit codes: 0 fine, 1 findings or differences, 2 wrong usage or unreadable input.
 """

@@ -16,7 +16,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
-from plcopen_sfc.cli.reading import STANDARD_STREAM, error_data
+from plcopen_sfc.cli.command_files import STANDARD_STREAM, error_data
 from plcopen_sfc.cli.screen import UNREADABLE, Line, Screen, T, Table
 from plcopen_sfc.errors import FileAccessError, InputError, Location, SfcError, told_when_exhausted
 from plcopen_sfc.files import folder_exists, path_exists, read_bytes

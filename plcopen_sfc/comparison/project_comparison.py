@@ -27,7 +27,7 @@ from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.refactor.dialect import translate_project
+from plcopen_sfc.refactor.dialect_translation import translate_project
 from plcopen_sfc.refactor.rename import rename_many
 from plcopen_sfc.semantics.profile import default_profile
 from plcopen_sfc.semantics.programs.variable_use import ALL_FREE

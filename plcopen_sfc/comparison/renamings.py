@@ -13,8 +13,8 @@ from difflib import SequenceMatcher
 from typing import NamedTuple
 
 from plcopen_sfc.comparison.tree_comparison import matched_transitions
-from plcopen_sfc.conversion.comparison import ends
 from plcopen_sfc.conversion.executed_parts import STORED, Key, Part
+from plcopen_sfc.conversion.execution_differences import ends
 from plcopen_sfc.conversion.meaning import Meaning
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.model.project import Project

@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 from plcopen_sfc.comparison.changes import Change, ChangeKind
-from plcopen_sfc.conversion.comparison import alike, ends, matched_actions, renamed_tasks
 from plcopen_sfc.conversion.executed_parts import (
     OPERATING_KINDS,
     PLAIN_VARIABLES,
@@ -17,6 +16,7 @@ from plcopen_sfc.conversion.executed_parts import (
     Key,
     Part,
 )
+from plcopen_sfc.conversion.execution_differences import alike, ends, matched_actions, renamed_tasks
 from plcopen_sfc.conversion.meaning import Meaning, same
 from plcopen_sfc.model.sfc import Transition
 from plcopen_sfc.object_path import ObjectPath

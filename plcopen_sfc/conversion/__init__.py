@@ -5,7 +5,7 @@
 `executed_charts`         reads the charts in it
 `declared_values`         start values of elementary members, and declarations that the model keeps as text
 `meaning`                 program text, conditions and values in a form that can be compared
-`comparison`              differences between two such trees
+`execution_differences`   differences between two such trees
 `adaptation`              a project in terms that the target executes
 `reporting`               differences as items of a `ConversionReport`
 `running`                 source and result run against each other
@@ -13,9 +13,9 @@
 `causes`                  differences that a run has shown, in words, with their causes
 """
 
-from plcopen_sfc.conversion.comparison import ExecutionDifference, compare
 from plcopen_sfc.conversion.executed_parts import Detail, Part
 from plcopen_sfc.conversion.executed_projects import executed
+from plcopen_sfc.conversion.execution_differences import ExecutionDifference, compare
 from plcopen_sfc.conversion.reporting import report_errors, report_execution
 
 __all__ = ["Detail", "ExecutionDifference", "Part", "compare", "executed", "report_errors", "report_execution"]

@@ -7,7 +7,6 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
-from plcopen_sfc.conversion.comparison import OF_LIBRARY, ExecutionDifference
 from plcopen_sfc.conversion.executed_parts import (
     OPERATING_INPUT,
     OPERATING_KINDS,
@@ -20,6 +19,7 @@ from plcopen_sfc.conversion.executed_parts import (
     UNDECLARED_TYPE,
     UNUSED_INPUT,
 )
+from plcopen_sfc.conversion.execution_differences import OF_LIBRARY, ExecutionDifference
 from plcopen_sfc.conversion.meaning import UNREAD_CONDITION
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.object_path import ObjectPath

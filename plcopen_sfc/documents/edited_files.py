@@ -14,7 +14,7 @@ from plcopen_sfc.documents.sources import FileSource
 from plcopen_sfc.errors import FormatError
 from plcopen_sfc.formats.format_interface import DrawingNeed, Format, WriteOptions
 from plcopen_sfc.formats.provenance import is_from
-from plcopen_sfc.languages.edits import Edit, apply_edits
+from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.numbering import number_in_order, numbered_in_order
 from plcopen_sfc.model.pou import Pou

@@ -25,7 +25,7 @@ from plcopen_sfc.model.project import Project, Tag, TagTable
 from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step, Transition
 from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
-from plcopen_sfc.refactor.dialect import translate_project
+from plcopen_sfc.refactor.dialect_translation import translate_project
 from plcopen_sfc.report import ConversionReport
 
 _STEP_FIELDS = {

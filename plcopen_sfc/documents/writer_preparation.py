@@ -320,7 +320,7 @@ def _put_into_dialect(
     own = project.dialect
     if dialect is own:
         return
-    from plcopen_sfc.refactor.dialect import translate_foreign, translate_project  # noqa: PLC0415  # rarely needed
+    from plcopen_sfc.refactor.dialect_translation import translate_foreign, translate_project  # noqa: PLC0415  # rarely needed
 
     if Dialect.SCL not in (own, dialect) and not wholly:
         texts = translate_foreign(project, dialect) if family(own) is not family(dialect) else []
@@ -445,7 +445,7 @@ def _note_wider_arithmetic(project: Project, kind: Format, dialect: Dialect | No
     }.get(sides)
     if why is None:
         return
-    from plcopen_sfc.refactor.dialect import (  # noqa: PLC0415  # rarely needed
+    from plcopen_sfc.refactor.dialect_translation import (  # noqa: PLC0415  # rarely needed
         boxes_that_calculate_otherwise,
         texts_that_calculate_otherwise,
     )

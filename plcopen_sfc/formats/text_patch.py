@@ -20,7 +20,7 @@ from plcopen_sfc.errors import EncodingError, Location
 from plcopen_sfc.languages.declarations import Declared, Found, Head, write_variable
 from plcopen_sfc.languages.declarations.declaration_writing import indent_of, section_head, section_rest
 from plcopen_sfc.languages.declarations.kept_texts import kept
-from plcopen_sfc.languages.edits import Edit, apply_edits
+from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.variables import VariableSection

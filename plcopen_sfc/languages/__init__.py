@@ -6,7 +6,7 @@
 * `translation`: between dialects, with `expression_types`, `standard_blocks`, `start_values` and `words` (keywords).
 * S7 has its own `s7_actions`, `s7_boxes`, `s7_globals`, `s7_programs` and `s7_types`.
 * `task_schedules`: times of tasks.
-* `edits` of a text; `problems` of one, `syntax_problems` of those in a file.
+* `text_edits`; `problems` of one, `syntax_problems` of those in a file.
 """
 
 from plcopen_sfc.model.dialect import Dialect

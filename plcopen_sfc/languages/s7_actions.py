@@ -26,13 +26,13 @@ from itertools import zip_longest
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.name_sites import named
 from plcopen_sfc.languages.binding.text_sites import Site, TextSite
-from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.networks import body_statements
 from plcopen_sfc.languages.s7_programs import names_of_programs
 from plcopen_sfc.languages.s7_start_values import InstanceStarts
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, print_node, walk
 from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect

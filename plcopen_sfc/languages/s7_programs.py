@@ -15,11 +15,11 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from plcopen_sfc.languages.binding import Names
-from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.networks.network_graph import wires_of
 from plcopen_sfc.languages.s7_globals import global_names, local_tags
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.task_schedules import FREEWHEELING, nanoseconds, schedule_of
+from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block, LogicNetwork

@@ -15,10 +15,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
-from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, walk
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, standard_block
+from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import Pou

@@ -12,11 +12,11 @@ from dataclasses import replace
 
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.binding import called_actions, names_in
-from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.st.walking import walk
+from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.lowering.construction import Constructed, construct, errors_of
 from plcopen_sfc.lowering.lowering_options import Construction, Language, LoweringRules
 from plcopen_sfc.model.base import Model

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding.text_sites import SiteKind, text_sites
-from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.literal_translation import translated_address
 from plcopen_sfc.languages.translation.translation_context import PartText
 from plcopen_sfc.model.dialect import Dialect

@@ -10,9 +10,9 @@ from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.binding import Declaration, Kind, Names
 from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of, unique_declaration
 from plcopen_sfc.languages.binding.text_sites import Role, TextSite
-from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_statements
+from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.words import needs_quotes, objection
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import StBody

@@ -18,9 +18,9 @@ from plcopen_sfc.errors import Location, ModelError, check_argument
 from plcopen_sfc.languages.binding.name_sites import Reference
 from plcopen_sfc.languages.binding.name_uses import Names, Occurrence, unique_declaration
 from plcopen_sfc.languages.binding.text_sites import Role, SiteKind, TextSite
-from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.grafcet_conditions import OVERLINE
 from plcopen_sfc.languages.st.nodes import Quoting
+from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.words import needs_quotes, objection
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.chart_settings import SfcFlag

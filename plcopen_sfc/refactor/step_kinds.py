@@ -16,10 +16,10 @@ from textwrap import dedent, indent
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.binding.name_uses import Names, Occurrence, dialect_of
 from plcopen_sfc.languages.binding.text_sites import SiteKind
-from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.il import statements
 from plcopen_sfc.languages.networks import shown_body
 from plcopen_sfc.languages.st import parse_statements, print_node
+from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.declaration import Kind

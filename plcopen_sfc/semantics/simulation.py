@@ -27,7 +27,7 @@ from plcopen_sfc.semantics.inputs import (
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_named
 from plcopen_sfc.semantics.programs.controller import Controller, Instance
-from plcopen_sfc.semantics.programs.types import Direction
+from plcopen_sfc.semantics.programs.runtime_types import Direction
 from plcopen_sfc.semantics.signals import Signal, Value
 from plcopen_sfc.semantics.subjects import Subject, Watched, is_written, resolve, signal_of, step_marking, watched
 from plcopen_sfc.semantics.trace import Column, Trace

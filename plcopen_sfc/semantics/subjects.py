@@ -20,7 +20,7 @@ from plcopen_sfc.model.types import EnumType
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.programs.controller import Instance
-from plcopen_sfc.semantics.programs.types import (
+from plcopen_sfc.semantics.programs.runtime_types import (
     MOST_ELEMENTS,
     ArrayOf,
     Direction,

@@ -9,7 +9,7 @@ from plcopen_sfc.analysis.dead_variables import dead_cells
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.analysis.timers import clocking
 from plcopen_sfc.semantics.profile import profile
-from plcopen_sfc.semantics.programs.types import leaves
+from plcopen_sfc.semantics.programs.runtime_types import leaves
 from plcopen_sfc.semantics.subjects import resolve
 
 VARIABLES = (

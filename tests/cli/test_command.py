@@ -237,7 +237,7 @@ class TestWhatGoesWrong:
         def fail(*_arguments: object, **_options: object) -> None:
             raise error
 
-        monkeypatch.setattr("plcopen_sfc.cli.reading.load", fail)
+        monkeypatch.setattr("plcopen_sfc.cli.command_files.load", fail)
 
     def test_interrupted(self, cli, fixtures, monkeypatch):
         self._break(monkeypatch, KeyboardInterrupt())

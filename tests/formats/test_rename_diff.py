@@ -260,7 +260,7 @@ def initial_moved(subject: Subject) -> list[Span]:
 
 
 def variable_renamed(subject: Subject) -> list[Span]:
-    # a declaration text that no longer says what is declared is left out: see test_dialect
+    # a declaration text that no longer says what is declared is left out: see test_dialect_translation
     pous = [p for p in subject.project.pous if p.interface is not None and p.interface.declaration is None]
     pous = [p for p in pous if p.interface is not None and p.interface.variables()]
     pou = found(iter(pous))

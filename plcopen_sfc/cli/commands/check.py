@@ -16,8 +16,8 @@ from urllib.parse import quote
 
 from plcopen_sfc.analysis.checks import Rule, all_rules
 from plcopen_sfc.checking import check
+from plcopen_sfc.cli.command_files import finding_data, load_input
 from plcopen_sfc.cli.many_files import ManyFiles, for_each
-from plcopen_sfc.cli.reading import finding_data, load_input
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location, ModelError, SfcError

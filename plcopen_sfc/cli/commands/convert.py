@@ -9,8 +9,8 @@ from pathlib import Path
 
 from plcopen_sfc.api import load, save
 from plcopen_sfc.batch import is_folder_in, known_format
+from plcopen_sfc.cli.command_files import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.many_files import ManyFiles, for_each, targets
-from plcopen_sfc.cli.reading import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.report_items import show_counts, show_items, show_not_executed
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.documents.storage import SaveOptions

@@ -9,8 +9,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from plcopen_sfc.cli.command_files import STANDARD_STREAM, load_input
 from plcopen_sfc.cli.many_files import for_each
-from plcopen_sfc.cli.reading import STANDARD_STREAM, load_input
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.comparison import ChangeKind, ProjectDiff, diff
 from plcopen_sfc.diagnostics import Severity

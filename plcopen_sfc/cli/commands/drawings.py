@@ -9,8 +9,8 @@ from typing import Any
 
 from plcopen_sfc.analysis.equivalence import equivalent
 from plcopen_sfc.analysis.verdict import Verdict
+from plcopen_sfc.cli.command_files import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.many_files import ManyFiles, for_each, targets
-from plcopen_sfc.cli.reading import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.documents.picture_files import PICTURE_FORMATS, draw, drawn_bodies
 from plcopen_sfc.files import folder_exists, refuse_empty, write_atomic

@@ -15,8 +15,8 @@ from typing import Any
 
 from plcopen_sfc.api import load, save
 from plcopen_sfc.batch import AppliedFile, FileChange, apply, difference, documents_in, script_edit
+from plcopen_sfc.cli.command_files import STANDARD_STREAM, load_input, read_input, written_to_stdout
 from plcopen_sfc.cli.many_files import ManyFiles, PrintedLine, RecordedScreen, for_each, replay, show_counts
-from plcopen_sfc.cli.reading import STANDARD_STREAM, load_input, read_input, written_to_stdout
 from plcopen_sfc.cli.screen import UNREADABLE, Screen, Table
 from plcopen_sfc.documents.folder_projects import edited_files
 from plcopen_sfc.documents.list_merging import merge_list

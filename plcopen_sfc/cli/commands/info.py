@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
+from plcopen_sfc.cli.command_files import exit_code_for, finding_data, load_input
 from plcopen_sfc.cli.many_files import ManyFiles, for_each
-from plcopen_sfc.cli.reading import exit_code_for, finding_data, load_input
 from plcopen_sfc.cli.screen import Screen, Table
 from plcopen_sfc.cli.summary import FileSummary, all_charts, outline, summarise
 from plcopen_sfc.formats.registry import format_named

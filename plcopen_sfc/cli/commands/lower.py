@@ -9,7 +9,7 @@ from pathlib import Path
 from plcopen_sfc.analysis.search_limits import seconds
 from plcopen_sfc.analysis.verdict import UntestedError
 from plcopen_sfc.batch import functions_of, is_folder_in
-from plcopen_sfc.cli.reading import STANDARD_STREAM, error_data, exit_code_for, load_input, written_to_stdout
+from plcopen_sfc.cli.command_files import STANDARD_STREAM, error_data, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.report_items import show_items
 from plcopen_sfc.cli.screen import INTERRUPTED, UNREADABLE, Screen
 from plcopen_sfc.documents.lowered import LoweredFile, lower_to_file

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from plcopen_sfc.batch import functions_of
-from plcopen_sfc.cli.reading import load_input
+from plcopen_sfc.cli.command_files import load_input
 from plcopen_sfc.cli.screen import Screen, Table
 from plcopen_sfc.errors import InputError, SimulationError
 from plcopen_sfc.files import refuse_unwritable, write_atomic

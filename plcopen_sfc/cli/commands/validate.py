@@ -7,8 +7,8 @@ from functools import partial
 from typing import Any
 
 from plcopen_sfc.api import check_import, check_syntax
+from plcopen_sfc.cli.command_files import exit_code_for, finding_data, load_input
 from plcopen_sfc.cli.many_files import ManyFiles, for_each
-from plcopen_sfc.cli.reading import exit_code_for, finding_data, load_input
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.documents.sources import FileSource, documents_of

@@ -39,12 +39,12 @@ from plcopen_sfc.languages.binding.text_sites import SiteKind, text_sites
 from plcopen_sfc.languages.declarations import write_type, write_value
 from plcopen_sfc.languages.declarations.declaration_comments import LINE_END
 from plcopen_sfc.languages.declarations.kept_texts import kept
-from plcopen_sfc.languages.edits import Edit, apply_edits, without
 from plcopen_sfc.languages.pragmas import RemainderEntry, changes, plain_fields
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_statements, print_node, transform, walk
 from plcopen_sfc.languages.st.lexer import CommentKind, Token, tokenize
 from plcopen_sfc.languages.st.printing import render
+from plcopen_sfc.languages.text_edits import Edit, apply_edits, without
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.compare import path_of
 from plcopen_sfc.model.conditions import Expression

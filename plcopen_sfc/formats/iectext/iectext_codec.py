@@ -19,10 +19,10 @@ from plcopen_sfc.formats.matiec.matiec_project import fit_project, pous_in_order
 from plcopen_sfc.formats.matiec.matiec_statements import compilable_comments, plain_comment
 from plcopen_sfc.formats.text_patch import BlockSpan, Key, SourceText, WrittenBlock, decode_text, numbered
 from plcopen_sfc.languages.declarations import write_data_type, write_section, write_type, write_value
-from plcopen_sfc.languages.edits import without
 from plcopen_sfc.languages.pragmas import NotationError, parse_change
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st.lexer import Comment
+from plcopen_sfc.languages.text_edits import without
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import IlBody, StBody

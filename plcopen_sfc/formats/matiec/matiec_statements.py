@@ -16,7 +16,6 @@ from dataclasses import replace
 
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
-from plcopen_sfc.languages.edits import Edit, apply_edits, without
 from plcopen_sfc.languages.expression_types import (
     CALCULATING,
     INSTANTS,
@@ -30,6 +29,7 @@ from plcopen_sfc.languages.il import CALLS
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, render, transform, walk
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
+from plcopen_sfc.languages.text_edits import Edit, apply_edits, without
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import ElementaryType, SimpleValue, StringType

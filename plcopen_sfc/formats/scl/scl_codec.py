@@ -40,7 +40,6 @@ from plcopen_sfc.languages.declarations.declaration_comments import LINE_END, co
 from plcopen_sfc.languages.declarations.declaration_writing import indent_of, section_head, write_value
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.declarations.type_names import SECTION_KEYWORDS, is_unit_quoted_in_scl
-from plcopen_sfc.languages.edits import Edit, apply_edits, without
 from plcopen_sfc.languages.pragmas import DEFAULT, Named, RemainderEntry, changes, plain_fields
 from plcopen_sfc.languages.s7_globals import (
     UNCALLED,
@@ -57,6 +56,7 @@ from plcopen_sfc.languages.s7_globals import (
 from plcopen_sfc.languages.s7_programs import is_void, report_program, report_tasks, s7_programs
 from plcopen_sfc.languages.s7_types import NO_START, S7Types, s7_types
 from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.languages.text_edits import Edit, apply_edits, without
 from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.compare import in_order_of, path_of

@@ -21,7 +21,6 @@ from dataclasses import dataclass, field
 from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites, text_sites_in
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
-from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.effects import ANYTHING, Effects, Path, effects, path_of
 from plcopen_sfc.languages.library_blocks import library_blocks
 from plcopen_sfc.languages.networks import Helper, body_statements
@@ -32,6 +31,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, walk
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, S7_VERSION, StandardBlock, standard_block
+from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.renames import identifier
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import NamedCondition

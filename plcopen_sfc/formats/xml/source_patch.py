@@ -49,7 +49,7 @@ from plcopen_sfc.formats.xml.source_tree import (
     TextSegment,
 )
 from plcopen_sfc.formats.xml.xml_parsing import decode_xml, parse_xml
-from plcopen_sfc.languages.edits import Edit, apply_edits
+from plcopen_sfc.languages.text_edits import Edit, apply_edits
 
 if TYPE_CHECKING:
     from collections.abc import Hashable, Iterator, Mapping

@@ -12,7 +12,7 @@ from lxml import etree
 
 from plcopen_sfc.formats.xml.escaping import Habits, RawText, escape_attribute, escape_text
 from plcopen_sfc.formats.xml.source_tree import COMMENT, INSTRUCTION, XML_NAMESPACE, SourceNode, SourceTree, text_edits
-from plcopen_sfc.languages.edits import Edit, apply_edits
+from plcopen_sfc.languages.text_edits import Edit, apply_edits
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.formats.xml.escaping import RawText
-from plcopen_sfc.languages.edits import Edit
+from plcopen_sfc.languages.text_edits import Edit
 
 COMMENT = "#comment"
 INSTRUCTION = "#instruction"

@@ -21,7 +21,7 @@ from plcopen_sfc.formats.xml.escaping import encode_text
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, OWN_DATA, canonical_form
 from plcopen_sfc.formats.xml.source_tree import COMMENT, SourceNode, SourceTree
 from plcopen_sfc.formats.xml.xml_parsing import decode_xml, parse_xml
-from plcopen_sfc.languages.edits import without
+from plcopen_sfc.languages.text_edits import without
 from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork

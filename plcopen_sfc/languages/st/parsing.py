@@ -21,10 +21,10 @@ from lark.lexer import Lexer
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.languages.problems import Lines, Problem
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.builder import Builder, DeclarationBuilder, StatementList
 from plcopen_sfc.languages.st.declaration_nodes import Declarations, tokenize_declarations
 from plcopen_sfc.languages.st.lexer import MAX_PROBLEMS, Comment, Token, Tokens, tokenize
 from plcopen_sfc.languages.st.nodes import Node, Unreadable
+from plcopen_sfc.languages.st.tree_building import Builder, DeclarationBuilder, StatementList
 from plcopen_sfc.model.dialect import Dialect
 
 _CLOSED_BY = {

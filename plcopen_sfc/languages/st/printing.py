@@ -8,14 +8,14 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import islice
 from typing import Any
 
-from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.builder import ASSOCIATIVE, PRECEDENCE
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind
 from plcopen_sfc.languages.st.nodes import Branch, Node, Operation, Operator, Span, Statement, Statements, Unary
 from plcopen_sfc.languages.st.parsing import Parsed
+from plcopen_sfc.languages.st.tree_building import ASSOCIATIVE, PRECEDENCE
 from plcopen_sfc.languages.st.walking import parts, walk
+from plcopen_sfc.languages.text_edits import Edit, apply_edits
 
 INDENT = "    "
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeAlias
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.grafcet_conditions import condition_problem
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
@@ -16,6 +15,7 @@ from plcopen_sfc.languages.st.nodes import Expression, Node, Operator, Statement
 from plcopen_sfc.languages.st.parsing import Parsed, parse_condition, parse_expression, parse_statements
 from plcopen_sfc.languages.st.printing import print_node, render, tree_edits
 from plcopen_sfc.languages.st.walking import transform, walk
+from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.arithmetic_translation import ArithmeticTranslator
 from plcopen_sfc.languages.translation.translation_context import (
     TITLES,

@@ -28,7 +28,7 @@ from plcopen_sfc.semantics.charts.transition_firing import MOST_PLANS, Run, Writ
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import ActionControl, ActionOrder, BooleanTargets, Profile, ScanOrder
 from plcopen_sfc.semantics.programs.routines import Routines
-from plcopen_sfc.semantics.programs.types import ELEMENTARY, INSTANT, LINT, Frame, ScalarType, default
+from plcopen_sfc.semantics.programs.runtime_types import ELEMENTARY, INSTANT, LINT, Frame, ScalarType, default
 
 if TYPE_CHECKING:
     from plcopen_sfc.model import Body

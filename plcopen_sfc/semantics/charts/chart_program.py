@@ -35,7 +35,7 @@ from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder, StepVariables
 from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.runtime import fail
-from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, INSTANT, LINT, Frame
+from plcopen_sfc.semantics.programs.runtime_types import BOOL, ELEMENTARY, INSTANT, LINT, Frame
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope

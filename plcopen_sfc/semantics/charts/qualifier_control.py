@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 from plcopen_sfc.model import Qualifier
-from plcopen_sfc.semantics.programs.types import BOOL, ELAPSED, INSTANT, Frame, ScalarType
+from plcopen_sfc.semantics.programs.runtime_types import BOOL, ELAPSED, INSTANT, Frame, ScalarType
 
 ON = 1
 """The output Q of an action control."""
@@ -157,7 +157,7 @@ class _Timer:
     """The TON of a control: once its time is over that stays so until it is stopped, whatever happens to the time.
 
     IEC leaves it to the implementer what a change of PT does meanwhile (ed. 3, 6.6.3.5.5); so do the timers that
-    programs have (`plcopen_sfc.semantics.programs.standard_blocks.on_delay`).
+    programs have (`plcopen_sfc.semantics.programs.block_execution.on_delay`).
     """
 
     __slots__ = ("_done", "_start")

@@ -13,7 +13,7 @@ from plcopen_sfc.semantics.charts.step_state import override
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.routines import Routines
-from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, ArrayOf, Frame, ScalarType
+from plcopen_sfc.semantics.programs.runtime_types import BOOL, ELEMENTARY, ArrayOf, Frame, ScalarType
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope

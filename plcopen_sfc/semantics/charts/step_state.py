@@ -11,7 +11,7 @@ from plcopen_sfc.model.sfc import ActionAssociation
 from plcopen_sfc.semantics.charts.graph import step_data
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, StepVariables
-from plcopen_sfc.semantics.programs.types import BOOL, ELAPSED, INSTANT, Frame, ScalarType, StructureType, Type
+from plcopen_sfc.semantics.programs.runtime_types import BOOL, ELAPSED, INSTANT, Frame, ScalarType, StructureType, Type
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope

@@ -16,7 +16,7 @@ from plcopen_sfc.semantics.charts.sfc_flags import Analysis
 from plcopen_sfc.semantics.net import Competing, Net, NetTransition
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.routines import Routines
-from plcopen_sfc.semantics.programs.types import Family, Frame, ScalarType, StructureType
+from plcopen_sfc.semantics.programs.runtime_types import Family, Frame, ScalarType, StructureType
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope

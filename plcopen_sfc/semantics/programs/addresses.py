@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.model import types as m
-from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs import runtime_types as t
 from plcopen_sfc.semantics.programs.places import Place
 
 _ADDRESS = re.compile(

@@ -10,12 +10,12 @@ from plcopen_sfc.errors import SimulationError, UnknownFunctionError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.semantics.programs import runtime
-from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs import runtime_types as t
 from plcopen_sfc.semantics.programs.paths import PathTranslator
 from plcopen_sfc.semantics.programs.places import Place, Space, Unknown
+from plcopen_sfc.semantics.programs.runtime_types import Direction, Field
 from plcopen_sfc.semantics.programs.scopes import Callee, TranslatedMethod, TranslatedPou
 from plcopen_sfc.semantics.programs.standard_functions import StandardFunctions
-from plcopen_sfc.semantics.programs.types import Direction, Field
 from plcopen_sfc.semantics.programs.value_code import Code, ranged, settled
 
 _Given = tuple[Field, n.Argument]

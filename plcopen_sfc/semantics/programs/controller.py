@@ -19,7 +19,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_of
-from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs import runtime_types as t
 from plcopen_sfc.semantics.programs.addresses import MemoryAddress
 from plcopen_sfc.semantics.programs.code_generation import Writer
 from plcopen_sfc.semantics.programs.expressions import Translator
@@ -27,8 +27,8 @@ from plcopen_sfc.semantics.programs.places import Place, Unknown
 from plcopen_sfc.semantics.programs.project_library import Library
 from plcopen_sfc.semantics.programs.routines import ChartCompiler
 from plcopen_sfc.semantics.programs.runtime import UNREAD, bits_set, coerced
+from plcopen_sfc.semantics.programs.runtime_types import Direction, Field, Frame, Layout, Type, leaves
 from plcopen_sfc.semantics.programs.scopes import CompiledChart, TranslatedPou
-from plcopen_sfc.semantics.programs.types import Direction, Field, Frame, Layout, Type, leaves
 from plcopen_sfc.semantics.programs.unknown_calls import UnknownCalls
 
 _Store = Callable[[list[Any], int, int | None], tuple[Hashable, ...]]

@@ -7,7 +7,7 @@ from typing import Any
 from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import SHORT_TYPES, LiteralError, LiteralKind, literal_value
-from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs import runtime_types as t
 from plcopen_sfc.semantics.programs.calls import Calls
 from plcopen_sfc.semantics.programs.code_generation import Writer
 from plcopen_sfc.semantics.programs.operators import Operators

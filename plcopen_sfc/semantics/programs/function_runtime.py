@@ -21,7 +21,7 @@ from plcopen_sfc.languages.st.literals import (
 )
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs.runtime import half_even, truncated
-from plcopen_sfc.semantics.programs.types import Family, ScalarType
+from plcopen_sfc.semantics.programs.runtime_types import Family, ScalarType
 
 _DAY = 86_400 * SECOND
 _EPOCH = date(1970, 1, 1).toordinal()

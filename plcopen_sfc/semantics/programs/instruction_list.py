@@ -14,7 +14,7 @@ from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.languages.il import ARITHMETIC, COMPARISONS, LOGIC, Instruction, instructions
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs import runtime_types as t
 from plcopen_sfc.semantics.programs.expressions import Translator
 from plcopen_sfc.semantics.programs.operators import Operators
 from plcopen_sfc.semantics.programs.statements import StatementTranslator

@@ -9,7 +9,7 @@ from plcopen_sfc.languages.expression_types import ORDER, calculated_type, commo
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Operator
 from plcopen_sfc.semantics.programs import runtime
-from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs import runtime_types as t
 from plcopen_sfc.semantics.programs.paths import PathTranslator
 from plcopen_sfc.semantics.programs.places import Unknown
 from plcopen_sfc.semantics.programs.value_code import Code, constant, settled, wrapping

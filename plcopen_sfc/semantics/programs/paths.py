@@ -12,11 +12,11 @@ from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs import runtime_types as t
 from plcopen_sfc.semantics.programs.code_generation import Writer
 from plcopen_sfc.semantics.programs.places import Place, Space, Unknown
+from plcopen_sfc.semantics.programs.runtime_types import Direction
 from plcopen_sfc.semantics.programs.scopes import Scope, TranslatedPou
-from plcopen_sfc.semantics.programs.types import Direction
 from plcopen_sfc.semantics.programs.value_code import Code, constant, ranged, settled, wrapping
 
 _PART = re.compile(r"%?(?P<size>[XBWD]?)(?P<number>\d+)", re.IGNORECASE)

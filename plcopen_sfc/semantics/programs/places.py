@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.languages.binding.symbols import Level
 from plcopen_sfc.semantics.programs.code_generation import free_token
-from plcopen_sfc.semantics.programs.types import ArrayOf, Direction, Field, ScalarType, StructureType, Type
+from plcopen_sfc.semantics.programs.runtime_types import ArrayOf, Direction, Field, ScalarType, StructureType, Type
 from plcopen_sfc.semantics.programs.value_code import Code, ranged
 
 ANYWHERE = "*"

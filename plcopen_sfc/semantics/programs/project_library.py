@@ -23,15 +23,15 @@ from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import PouInstance, Project, Tag
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs import runtime
-from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs import runtime_types as t
 from plcopen_sfc.semantics.programs.addresses import Image
 from plcopen_sfc.semantics.programs.code_generation import Writer
 from plcopen_sfc.semantics.programs.expressions import Translator
 from plcopen_sfc.semantics.programs.marks import UNSEEN
 from plcopen_sfc.semantics.programs.places import Place, Space
 from plcopen_sfc.semantics.programs.routines import ChartCompiler, declare, translate
+from plcopen_sfc.semantics.programs.runtime_types import Direction, Field, Frame, Layout
 from plcopen_sfc.semantics.programs.scopes import Scope, TranslatedPou, TranslatedProject
-from plcopen_sfc.semantics.programs.types import Direction, Field, Frame, Layout
 from plcopen_sfc.semantics.programs.unknown_calls import UnknownCalls
 from plcopen_sfc.semantics.programs.value_code import Code
 from plcopen_sfc.semantics.programs.variable_use import is_plain

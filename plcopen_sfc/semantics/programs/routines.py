@@ -21,14 +21,14 @@ from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.declaration import Kind
 from plcopen_sfc.model.sfc import Body, Condition, SfcBody, SfcNetwork, Transition
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
-from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs import runtime_types as t
 from plcopen_sfc.semantics.programs.code_generation import Writer
 from plcopen_sfc.semantics.programs.expressions import Translator
 from plcopen_sfc.semantics.programs.instruction_list import InstructionTranslator
 from plcopen_sfc.semantics.programs.places import Broken, Place, Unknown
+from plcopen_sfc.semantics.programs.runtime_types import Direction, Frame, Layout
 from plcopen_sfc.semantics.programs.scopes import Callee, CompiledChart, Scope, TranslatedMethod, TranslatedPou
 from plcopen_sfc.semantics.programs.statements import StatementTranslator
-from plcopen_sfc.semantics.programs.types import Direction, Frame, Layout
 from plcopen_sfc.semantics.programs.value_code import Code, settled, truth
 
 ChartCompiler = Callable[[SfcNetwork, Scope, str], CompiledChart]

@@ -10,7 +10,7 @@ from inspect import signature
 from typing import Any
 
 from plcopen_sfc.errors import SimulationError
-from plcopen_sfc.semantics.programs.types import Family, Frame, ScalarType
+from plcopen_sfc.semantics.programs.runtime_types import Family, Frame, ScalarType
 
 
 class Processor:

@@ -20,13 +20,13 @@ from plcopen_sfc.model.pou import Method, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.text import local_name
 from plcopen_sfc.semantics.profile import Profile
-from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs import runtime_types as t
+from plcopen_sfc.semantics.programs.block_execution import BlockType, BlockTypes
 from plcopen_sfc.semantics.programs.code_generation import Linker, Writer
 from plcopen_sfc.semantics.programs.marks import Marks
 from plcopen_sfc.semantics.programs.places import Broken, Place, Unknown
 from plcopen_sfc.semantics.programs.runtime import Processor
-from plcopen_sfc.semantics.programs.standard_blocks import BlockType, BlockTypes
-from plcopen_sfc.semantics.programs.types import Direction, Field, Frame, Layout
+from plcopen_sfc.semantics.programs.runtime_types import Direction, Field, Frame, Layout
 from plcopen_sfc.semantics.programs.unknown_calls import UnknownBlocks, UnknownCalls
 from plcopen_sfc.semantics.programs.value_code import Code, Converter
 from plcopen_sfc.semantics.programs.variable_use import VariableUse

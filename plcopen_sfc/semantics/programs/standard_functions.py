@@ -15,7 +15,7 @@ from plcopen_sfc.languages.st.nodes import Operator
 from plcopen_sfc.languages.standard_blocks import BlockKind, StandardBlock, standard_block
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs import function_runtime
-from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs import runtime_types as t
 from plcopen_sfc.semantics.programs.operators import Operators
 from plcopen_sfc.semantics.programs.paths import PathTranslator
 from plcopen_sfc.semantics.programs.places import Place

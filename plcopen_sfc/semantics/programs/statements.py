@@ -14,12 +14,12 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Operator, Statement
 from plcopen_sfc.languages.standard_blocks import standard_block
-from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs import runtime_types as t
 from plcopen_sfc.semantics.programs.calls import Calls
 from plcopen_sfc.semantics.programs.expressions import Translator
 from plcopen_sfc.semantics.programs.marks import Decision, decided_arguments, decisions, may_act, parts_that_decide
 from plcopen_sfc.semantics.programs.places import Place
-from plcopen_sfc.semantics.programs.types import MOST_ELEMENTS, Direction, StructureType
+from plcopen_sfc.semantics.programs.runtime_types import MOST_ELEMENTS, Direction, StructureType
 from plcopen_sfc.semantics.programs.value_code import Code, constant, settled, truth
 
 _LEAVING = (n.ReturnStatement, n.Exit, n.Continue, n.Goto)

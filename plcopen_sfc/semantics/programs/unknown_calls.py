@@ -11,7 +11,7 @@ from hashlib import blake2b
 from typing import Any, TypeAlias
 
 from plcopen_sfc.semantics.programs.runtime import Pointer, Processor
-from plcopen_sfc.semantics.programs.types import INSTANT, LINT, Family, Frame, Layout, OpaqueType, ScalarType
+from plcopen_sfc.semantics.programs.runtime_types import INSTANT, LINT, Family, Frame, Layout, OpaqueType, ScalarType
 
 _SMALL = 12
 """Numbers below it are as likely as all others: programs compare with small ones."""

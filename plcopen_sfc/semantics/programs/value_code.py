@@ -9,7 +9,7 @@ from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs import runtime
 from plcopen_sfc.semantics.programs.code_generation import Linker
-from plcopen_sfc.semantics.programs.types import (
+from plcopen_sfc.semantics.programs.runtime_types import (
     ANY,
     BOOL,
     ArrayOf,

@@ -7,10 +7,10 @@ from itertools import product
 from typing import TypeGuard
 
 from plcopen_sfc.model.chart_settings import SfcFlag
-from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs import runtime_types as t
 from plcopen_sfc.semantics.programs.code_generation import Linker
 from plcopen_sfc.semantics.programs.places import ANYWHERE
-from plcopen_sfc.semantics.programs.types import MOST_ELEMENTS, Direction, Field, Layout
+from plcopen_sfc.semantics.programs.runtime_types import MOST_ELEMENTS, Direction, Field, Layout
 
 ALL_FREE = "all"
 """Stands for all variables that could be inputs."""

@@ -17,7 +17,7 @@ from lxml import etree
 from plcopen_sfc.formats.xml.source_patch import patch_xml
 from plcopen_sfc.formats.xml.source_tree import text_edits
 from plcopen_sfc.formats.xml.xml_parsing import decode_xml, parse_xml
-from plcopen_sfc.languages.edits import Edit
+from plcopen_sfc.languages.text_edits import Edit
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from plcopen_sfc.formats.xml.element_alignment import AlignedItem, align, longest_rising
 from plcopen_sfc.formats.xml.escaping import RawText
 from plcopen_sfc.formats.xml.source_tree import text_edits
-from plcopen_sfc.languages.edits import Edit, apply_edits
+from plcopen_sfc.languages.text_edits import Edit, apply_edits
 
 LINES = st.lists(st.sampled_from(["a", "b", "", "long line", "x := 1;"]), max_size=8).map("\n".join)
 

@@ -6,8 +6,8 @@ import pytest
 
 import plcopen_sfc.model as m
 from plcopen_sfc.languages.binding import find_uses
-from plcopen_sfc.languages.edits import Edit
 from plcopen_sfc.languages.il import instructions
+from plcopen_sfc.languages.text_edits import Edit
 from plcopen_sfc.refactor.rename import edit_markup
 from tests.languages.binding.projects import block, interface, pou, project, struct
 

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import pytest
 
-from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.st import (
     parse_expression,
     parse_statements,
@@ -34,6 +33,7 @@ from plcopen_sfc.languages.st.nodes import (
     Statements,
     Unary,
 )
+from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.model.dialect import Dialect
 
 TEXT = """\

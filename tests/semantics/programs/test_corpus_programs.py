@@ -14,7 +14,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc.errors import SfcError, SimulationError
 from plcopen_sfc.model import OpaqueBody, Project, SfcBody
 from plcopen_sfc.semantics.programs import Controller, Direction, Instance
-from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs import runtime_types as t
 from tests.corpus import corpus_files, require_corpus
 
 pytestmark = pytest.mark.corpus

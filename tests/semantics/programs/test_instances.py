@@ -11,10 +11,10 @@ from hypothesis import strategies as s
 from plcopen_sfc.errors import ModelError, SimulationError
 from plcopen_sfc.model import Expression, Project
 from plcopen_sfc.semantics.programs import Controller, Direction, Instance
-from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs import runtime_types as t
 from plcopen_sfc.semantics.programs.routines import Routines
+from plcopen_sfc.semantics.programs.runtime_types import Frame
 from plcopen_sfc.semantics.programs.scopes import Scope
-from plcopen_sfc.semantics.programs.types import Frame
 from tests.semantics.programs.running import MS, project_of, start
 from tests.sweeps import examples
 

@@ -20,7 +20,7 @@ from plcopen_sfc.semantics.charts.transition_firing import Cleared, Move, Run
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.routines import Routines
-from plcopen_sfc.semantics.programs.types import Frame
+from plcopen_sfc.semantics.programs.runtime_types import Frame
 
 if TYPE_CHECKING:
     from collections.abc import Callable

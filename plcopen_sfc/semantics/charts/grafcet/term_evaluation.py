@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from plcopen_sfc.languages.grafcet_conditions import ConditionError, to_structured_text
 from plcopen_sfc.model import Condition, Expression
 from plcopen_sfc.semantics.programs.routines import Routines
-from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, INSTANT, Frame
+from plcopen_sfc.semantics.programs.runtime_types import BOOL, ELEMENTARY, INSTANT, Frame
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope

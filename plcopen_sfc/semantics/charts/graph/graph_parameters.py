@@ -10,7 +10,7 @@ from plcopen_sfc.errors import ModelError, listed_names
 from plcopen_sfc.languages.sfc_flag_uses import OPERATING_FLAGS
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs.routines import Routines
-from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, Frame
+from plcopen_sfc.semantics.programs.runtime_types import BOOL, ELEMENTARY, Frame
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope

@@ -17,7 +17,7 @@ from plcopen_sfc.semantics.charts.graph import step_data
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.routines import Routines
-from plcopen_sfc.semantics.programs.types import Frame
+from plcopen_sfc.semantics.programs.runtime_types import Frame
 
 if TYPE_CHECKING:
     from plcopen_sfc.model import Condition as ModelCondition

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from plcopen_sfc.semantics.programs.types import BOOL, ELAPSED, ELEMENTARY, ScalarType
+from plcopen_sfc.semantics.programs.runtime_types import BOOL, ELAPSED, ELEMENTARY, ScalarType
 
 _BITS = "S1 S0 L1 L0 V1 V0 A1 R1 LA LS VA VS".split()
 STEP: dict[str, ScalarType] = {

@@ -27,7 +27,7 @@ from plcopen_sfc.model import (
     VariableSection,
 )
 from plcopen_sfc.model.types import DerivedType
-from plcopen_sfc.refactor.dialect import translate_project
+from plcopen_sfc.refactor.dialect_translation import translate_project
 from tests.corpus import corpus_files, require_corpus
 from tests.sweeps import some_files
 

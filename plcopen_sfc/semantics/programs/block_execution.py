@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs.runtime import Processor
-from plcopen_sfc.semantics.programs.types import BOOL, INSTANT, Direction, Frame, Layout, ScalarType, elementary
+from plcopen_sfc.semantics.programs.runtime_types import BOOL, INSTANT, Direction, Frame, Layout, ScalarType, elementary
 
 Run = Callable[[Frame], None]
 
