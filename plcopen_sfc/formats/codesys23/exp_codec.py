@@ -22,7 +22,15 @@ from functools import partial
 from plcopen_sfc.errors import EncodingError, Location
 from plcopen_sfc.formats.codesys23.chart_text import ChartNames, body_text, chart_blocks
 from plcopen_sfc.formats.codesys23.exp_outline import OWN_LINE
-from plcopen_sfc.formats.codesys23.exp_reader import CODE_PAGE, DIVIDER, HEADER, KINDS, footer_of, read_export
+from plcopen_sfc.formats.codesys23.exp_reader import (
+    CENTRAL_LETTERS,
+    CODE_PAGE,
+    DIVIDER,
+    HEADER,
+    KINDS,
+    footer_of,
+    read_export,
+)
 from plcopen_sfc.formats.format_interface import ReadResult, TextCodec, WriteOptions
 from plcopen_sfc.formats.provenance import content_digest
 from plcopen_sfc.formats.registry import CODE_PAGES
@@ -111,7 +119,7 @@ def decode_export(data: bytes, page: str = "") -> CodePageText:
     if not encoding and not marked:
         if data.isascii():
             return CodePageText(data.decode("ascii"), USUAL)
-        encoding = "cp1251" if _is_cyrillic(data) else USUAL
+        encoding = "cp1251" if _is_cyrillic(data) else "cp1250" if _is_central(data) else USUAL
         encoding = "utf-8" if _is_utf8(data) else encoding
     try:
         return CodePageText(data.decode(encoding), encoding, guessed=named is None)
@@ -143,6 +151,12 @@ def _is_utf8(data: bytes) -> bool:
 
 def _is_cyrillic(data: bytes) -> bool:
     return 2 * sum(map(len, _LONG_RUN.findall(data))) > len(_LETTERS.findall(data))
+
+
+def _is_central(data: bytes) -> bool:
+    """True if one in twenty letters speaks for Central Europe: umlauts and most accents are the same in both pages."""
+    found = sum(map(len, CENTRAL_LETTERS.findall(data)))
+    return bool(found) and 20 * found >= len(_LETTERS.findall(data))
 
 
 _DIALECT = Dialect.CODESYS

@@ -131,9 +131,11 @@ class _Reader:
     def _tell_mixture(self) -> None:
         """Report a word in another code page than the one that was guessed, such as one that was pasted."""
         guess = self.source.encoding
-        for found in _WORD.finditer(self.text) if guess in _RUNS else ():
+        for found in _WORD.finditer(self.text) if guess in _GUESSES else ():
             word = found.group()
             page = _page_of(word.encode(guess))
+            if page == "cp1252" and guess == "cp1250":  # no letter of a single word tells them apart
+                continue
             if page not in ("", guess):
                 shown = word.encode(guess).decode(page, "replace")
                 message = (
@@ -144,10 +146,13 @@ class _Reader:
 
     def _share(self) -> str:
         """Return how many of the letters beyond ASCII speak for the code page that was guessed."""
-        runs = _RUNS.get(self.source.encoding)
         letters = sum(map(len, _BEYOND_ASCII.findall(self.text)))
-        if runs is None or not letters:
+        if self.source.encoding not in _GUESSES or not letters:
             return ""
+        if self.source.encoding == "cp1250":
+            share = sum(map(len, CENTRAL_LETTERS.findall(self.text.encode("cp1250")))) / letters
+            return f": {share:.0%} of its letters beyond ASCII are inside words with ł, ą or š, as in Central Europe"
+        runs = _RUNS[self.source.encoding]
         share = sum(len(found.group()) for found in runs.finditer(self.text)) / letters
         if self.source.encoding == "cp1251":
             return f": {share:.0%} of its letters beyond ASCII are in runs, as in Cyrillic words"
@@ -372,7 +377,16 @@ class _Reader:
 
 
 _RUNS = {"cp1251": re.compile("[\u0400-\u04ff]{3,}"), "cp1252": re.compile("[\xa8\xb8\xc0-\xff]{3,}")}
-"""Letters beside each other, in each of the code pages that are guessed."""
+"""Letters beside each other, as Cyrillic words have them, in two of the code pages that are guessed."""
+_GUESSES = (*_RUNS, "cp1250")
+CENTRAL_LETTERS = re.compile(
+    rb"(?<=[A-Za-z])[\xc0-\xff]*[\xa3\xa5\xaf\xb3\xb9\xbc\xbe\xbf]+[\xc0-\xff]*(?=[A-Za-z])(?!h\b)"
+    rb"|(?<=[A-Za-z])[\x8a\x8d\x8e\x8f\x9a\x9d\x9e\x9f]|[\x8a\x8d\x8e\x8f\x9a\x9d\x9e\x9f](?=[A-Za-z])"
+)
+"""Letters of Central Europe (1250) in words: in 1252 they are signs such as ³ and £, nothing, or letters of few words.
+
+A unit such as m³h is no word.
+"""
 _WORD = re.compile(r"(?<![A-Za-z])[A-Za-z]*[^\x00-\x7f][A-Za-z\x80-\uffff]*")
 _THREE_LETTERS, _ASCII_LETTERS = re.compile(rb"[\xa8\xb8\xc0-\xff]{3}"), re.compile(rb"(?:[A-Za-z].*){3}")
 _BEYOND_ASCII = re.compile(r"[^\x00-\x7f]+")
