@@ -173,14 +173,16 @@ def report_behaviour(
     `called` gives the paths in the source of what has another name in the target; for `limit` seconds the charts run.
     """
     from plcopen_sfc.conversion import compare, executed, report_errors, report_execution  # noqa: PLC0415
-    from plcopen_sfc.semantics.profile import PROFILES  # noqa: PLC0415
+    from plcopen_sfc.semantics.profile import PROFILES, default_profile  # noqa: PLC0415
 
     target = PROFILES[flavour] if flavour else None
     own = family(project.dialect)
+    # a plan need not declare what it names, a program of any tool must
+    is_plan = default_profile(project).name == "grafcet" != default_profile(seen).name
     found = compare(
         behaviour,
         executed(seen, target, compared_with=behaviour),
-        other_tool=bool(flavour) or own is not family(seen.dialect),
+        other_tool=bool(flavour) or is_plan or own is not family(seen.dialect),
         has_libraries=own is not Dialect.IEC,
     )
     report_execution(report, found, flavour or tool, called)

@@ -725,3 +725,12 @@ CHART G1
     report = sfc.convert(sfc.loads(text.encode()), "codesys", partial=True, limit=60).report
     (item,) = [item for item in report.losses if item.what == "chart"]
     assert "executes the actions before the transitions, and so sees other inputs in them" in item.why
+
+
+@pytest.mark.parametrize("form", ["plcopen", "iec-text", "codesys", "twincat", "codesys23", "simaticml"])
+def test_names_that_a_plan_does_not_declare_are_told_in_every_tool(form: str) -> None:
+    text = "GRAFCET G\nINPUTS\n    a\nINITIAL STEP 1\n    Q1\n1 -> 2 : a\nSTEP 2\n2 -> 1 : b * /a\n"
+    _, report = sfc.convert(sfc.loads(text.encode()), form, limit=0)
+    told = [item.why for item in report.losses if item.what == "undeclared name"]
+    assert len(told) == 2
+    assert all(any(f"`{name}`" in why for why in told) for name in ("Q1", "b"))
