@@ -22,7 +22,7 @@ Action = tuple[str, str, str]
 """Qualifier, duration and what: a variable, or ST where it ends with a semicolon."""
 
 
-class Dialect(Protocol):
+class FileStyle(Protocol):
     """How a tool writes the elements of a chart. Each method gives the text of one, with its line end."""
 
     def head(self, charts: int) -> str:
@@ -437,7 +437,7 @@ class _Chart:
     """Builds one chart, element after element, in a dialect."""
 
     def __init__(self, dialect: Standard | Codesys) -> None:
-        self.write: Dialect = dialect
+        self.write: FileStyle = dialect
         self.wired_only = dialect.wired_only
         self.parts: list[str] = []
         self.count = 0

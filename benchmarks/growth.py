@@ -34,7 +34,7 @@ _RUNS = 2
 
 
 @dataclass(frozen=True)
-class Operation:
+class MeasuredOperation:
     """What is measured: `prepare` makes its input of a size, `run` is timed."""
 
     name: str
@@ -70,7 +70,7 @@ def _transition(number: int, source: int, target: int, condition: str) -> m.Tran
     return m.Transition(id=number, sources=[source], targets=[target], condition=m.Expression(text=condition))
 
 
-def operations(folder: Path, scale: float) -> list[Operation]:
+def operations(folder: Path, scale: float) -> list[MeasuredOperation]:
     """Return all operations; files are generated in `folder`."""
 
     def data(size: int) -> bytes:
@@ -101,19 +101,19 @@ def operations(folder: Path, scale: float) -> list[Operation]:
         return _program("x := x + 1; " * int(2_000 * size * scale))
 
     return [
-        Operation("load", data, sfc.loads),
-        Operation("load and read all", data, lambda content: sfc.loads(content).read_all()),
-        Operation("load text", as_text, lambda content: sfc.loads(content, format="iec-text")),
-        Operation("check", chart, sfc.check),
-        Operation("simulate 20 scans", chart, lambda project: sfc.simulate(project, scans=20)),
-        Operation("convert to CODESYS", chart, lambda project: sfc.dumps(project, format="codesys")),
-        Operation("convert to text", chart, lambda project: sfc.dumps(project, format="iec-text")),
-        Operation("long string to SCL", long_string, lambda project: sfc.dumps(project, format="scl")),
-        Operation("long line to SCL", long_line, lambda project: sfc.dumps(project, format="scl")),
-        Operation("lower, no proof", chart, lambda project: sfc.lower(project, verify=False)),
-        Operation("rename a step", loaded, step_of),
-        Operation("save an edit", lambda size: _edited(loaded(size)), sfc.dumps),
-        Operation("diff", lambda size: (loaded(size), _edited(loaded(size))), lambda pair: sfc.diff(*pair)),
+        MeasuredOperation("load", data, sfc.loads),
+        MeasuredOperation("load and read all", data, lambda content: sfc.loads(content).read_all()),
+        MeasuredOperation("load text", as_text, lambda content: sfc.loads(content, format="iec-text")),
+        MeasuredOperation("check", chart, sfc.check),
+        MeasuredOperation("simulate 20 scans", chart, lambda project: sfc.simulate(project, scans=20)),
+        MeasuredOperation("convert to CODESYS", chart, lambda project: sfc.dumps(project, format="codesys")),
+        MeasuredOperation("convert to text", chart, lambda project: sfc.dumps(project, format="iec-text")),
+        MeasuredOperation("long string to SCL", long_string, lambda project: sfc.dumps(project, format="scl")),
+        MeasuredOperation("long line to SCL", long_line, lambda project: sfc.dumps(project, format="scl")),
+        MeasuredOperation("lower, no proof", chart, lambda project: sfc.lower(project, verify=False)),
+        MeasuredOperation("rename a step", loaded, step_of),
+        MeasuredOperation("save an edit", lambda size: _edited(loaded(size)), sfc.dumps),
+        MeasuredOperation("diff", lambda size: (loaded(size), _edited(loaded(size))), lambda pair: sfc.diff(*pair)),
     ]
 
 
@@ -128,7 +128,7 @@ def _edited(project: sfc.Project) -> sfc.Project:
     return project
 
 
-def measured(operation: Operation, *, collecting: bool = True) -> list[float]:
+def measured(operation: MeasuredOperation, *, collecting: bool = True) -> list[float]:
     """Return the seconds of the processor that an operation takes with each size."""
     operation.run(operation.prepare(_SIZES[0]))
     best = []

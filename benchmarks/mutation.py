@@ -71,7 +71,7 @@ CONVERTED = (
 TARGETS = ("codesys", "plcopen-2.01", "iec-text", "simaticml")
 
 
-class Outcome(StrEnum):
+class MutantOutcome(StrEnum):
     """What became of a mutant."""
 
     PROVEN = "proven equal"
@@ -83,7 +83,7 @@ class Outcome(StrEnum):
     SURVIVED = "survived"
 
 
-LEFT = (Outcome.SURVIVED, Outcome.NOT_REACHED)
+LEFT = (MutantOutcome.SURVIVED, MutantOutcome.NOT_REACHED)
 
 _SETTLING = 20_000
 """States of the search for a proof while times rest."""
@@ -114,13 +114,13 @@ class Result:
 
 
 @dataclass(frozen=True)
-class Judged:
+class JudgedMutant:
     """A mutant by its kind and place, and what became of it. `why`: the verdict's first line, or the refusal."""
 
     result: str
     kind: str
     place: str
-    outcome: Outcome
+    outcome: MutantOutcome
     why: str
     seconds: float
 
@@ -189,7 +189,7 @@ def converted_result(path: Path, chart: str, target: str, effort: Effort) -> Res
     return Result(f"{path.stem} {chart} to {target}", result, mutants, compare, _times(source, chart.partition(".")[0]))
 
 
-def judged(result: Result, mutant: Mutant) -> Judged:
+def judged(result: Result, mutant: Mutant) -> JudgedMutant:
     """What becomes of a mutant."""
     start = time.process_time()
     try:
@@ -199,22 +199,22 @@ def judged(result: Result, mutant: Mutant) -> Judged:
         if kind in LEFT and result.times:
             again = result.compare(made, dict.fromkeys(result.times, _REST * verdict.scan_time))
             if again.proven:
-                kind = Outcome.PROVEN_AT_REST
+                kind = MutantOutcome.PROVEN_AT_REST
             elif again.counterexample is not None:
                 why = f"but while {', '.join(result.times)} rest: {str(again).splitlines()[0]}"
     except SfcError as error:
-        kind, why = Outcome.REFUSED, error.message.splitlines()[0]
+        kind, why = MutantOutcome.REFUSED, error.message.splitlines()[0]
     except Exception as error:
-        kind, why = Outcome.FAILED, repr(error)
-    return Judged(result.name, mutant.kind, mutant.place, kind, why, time.process_time() - start)
+        kind, why = MutantOutcome.FAILED, repr(error)
+    return JudgedMutant(result.name, mutant.kind, mutant.place, kind, why, time.process_time() - start)
 
 
-def _outcome(verdict: Verdict) -> Outcome:
+def _outcome(verdict: Verdict) -> MutantOutcome:
     if verdict.counterexample is not None:
-        return Outcome.FOUND
+        return MutantOutcome.FOUND
     if verdict.proven:
-        return Outcome.PROVEN
-    return Outcome.SURVIVED if verdict.equal else Outcome.NOT_REACHED
+        return MutantOutcome.PROVEN
+    return MutantOutcome.SURVIVED if verdict.equal else MutantOutcome.NOT_REACHED
 
 
 def sample(mutants: Iterable[Mutant], each: int | None, name: str) -> list[Mutant]:
@@ -258,7 +258,7 @@ def _charts_of(folder: Path) -> Iterator[tuple[Path, str]]:
                 yield path, chart.name
 
 
-def work(job: Job, each: int | None) -> tuple[str, str, list[Judged]]:
+def work(job: Job, each: int | None) -> tuple[str, str, list[JudgedMutant]]:
     """What becomes of the mutants of a result: its name, what it comes to without any mistake, and each of them."""
     make, path, chart, form, effort = job
     name = f"{path.stem} {chart} {form}"
@@ -273,17 +273,17 @@ def work(job: Job, each: int | None) -> tuple[str, str, list[Judged]]:
     return result.name, told, [judged(result, mutant) for mutant in sample(result.mutants, each, name)]
 
 
-def table(found: Iterable[Judged], by: Callable[[Judged], str], first: str) -> str:
+def table(found: Iterable[JudgedMutant], by: Callable[[JudgedMutant], str], first: str) -> str:
     """Counts by outcome, and the score, as a table of Markdown."""
-    counts: dict[str, Counter[Outcome]] = defaultdict(Counter)
+    counts: dict[str, Counter[MutantOutcome]] = defaultdict(Counter)
     for mutant in found:
         counts[by(mutant)][mutant.outcome] += 1
-    rows = [[first, "mutants", *Outcome, "score"]]
-    total: Counter[Outcome] = sum(counts.values(), Counter())
+    rows = [[first, "mutants", *MutantOutcome, "score"]]
+    total: Counter[MutantOutcome] = sum(counts.values(), Counter())
     for name, row in [*sorted(counts.items()), ("all", total)]:
-        open_ = sum(row[each] for each in (Outcome.FOUND, *LEFT))
-        score = f"{100 * row[Outcome.FOUND] / open_:.0f} %" if open_ else ""
-        rows.append([name, str(row.total()), *(str(row[each]) for each in Outcome), score])
+        open_ = sum(row[each] for each in (MutantOutcome.FOUND, *LEFT))
+        score = f"{100 * row[MutantOutcome.FOUND] / open_:.0f} %" if open_ else ""
+        rows.append([name, str(row.total()), *(str(row[each]) for each in MutantOutcome), score])
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = ["| " + " | ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)) + " |" for row in rows]
     return "\n".join([lines[0], "|" + "|".join("-" * (w + 2) for w in widths) + "|", *lines[1:]])
@@ -306,14 +306,14 @@ def main() -> None:
     effort = Effort(given.cap, given.runs, given.scans)
     wanted = list(jobs(effort, all_forms=given.all or given.forms, only=given.only, corpus=given.corpus))
     start = time.monotonic()
-    found: list[Judged] = []
+    found: list[JudgedMutant] = []
     with ProcessPoolExecutor(given.processes) as pool:
         for name, told, mutants in pool.map(partial(work, each=None if given.all else given.each), wanted):
             seconds = sum(each.seconds for each in mutants)
             print(f"{name}: {told}; {len(mutants)} mutants, {seconds:.1f} s", flush=True)
             found += mutants
             for each in mutants:
-                if given.list or each.outcome in (*LEFT, Outcome.FAILED):
+                if given.list or each.outcome in (*LEFT, MutantOutcome.FAILED):
                     print(f"    {each.outcome}: {each.kind}: {each.place}: {each.why}", flush=True)
     print(f"\n{table(found, lambda each: each.kind, 'kind')}\n")
     print(table(found, lambda each: "code" if each.result.rpartition(", ")[1] else "chart", "result"))

@@ -39,7 +39,7 @@ _WIRE = re.compile(r'<path class="wire" d="M([^"]*)"')
 _SIZE = re.compile(r' width="(\d+)" height="(\d+)"')
 
 
-class Picture(NamedTuple):
+class MeasuredPicture(NamedTuple):
     """What is measured of a picture."""
 
     elements: int
@@ -91,7 +91,7 @@ def crossings(svg: str) -> int:
     )
 
 
-def measure(draw: Callable[[], str], elements: int) -> Picture:
+def measure(draw: Callable[[], str], elements: int) -> MeasuredPicture:
     """Draw a picture twice and look at it."""
     seconds = []
     for _ in range(2):
@@ -100,10 +100,10 @@ def measure(draw: Callable[[], str], elements: int) -> Picture:
         seconds.append(time.process_time() - start)
     size = _SIZE.search(svg)
     area = int(size[1]) * int(size[2]) if size is not None else 0
-    return Picture(max(elements, 1), overlaps(svg), crossings(svg), area, min(seconds))
+    return MeasuredPicture(max(elements, 1), overlaps(svg), crossings(svg), area, min(seconds))
 
 
-def pictures(files: list[Path]) -> tuple[list[Picture], list[Picture]]:
+def pictures(files: list[Path]) -> tuple[list[MeasuredPicture], list[MeasuredPicture]]:
     """Draw all charts and all networks of files; what cannot be loaded is left out."""
     charts, networks = [], []
     for file in files:

@@ -27,7 +27,7 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.rglob("*.md"
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
-class Block(NamedTuple):
+class CodeBlock(NamedTuple):
     """A code block of a page."""
 
     language: str
@@ -35,9 +35,9 @@ class Block(NamedTuple):
     line: int
 
 
-def blocks(page: Path) -> list[Block]:
+def blocks(page: Path) -> list[CodeBlock]:
     text = page.read_text(encoding="utf-8")
-    return [Block(m[1], m[2], text.count("\n", 0, m.start()) + 2) for m in FENCE.finditer(text)]
+    return [CodeBlock(m[1], m[2], text.count("\n", 0, m.start()) + 2) for m in FENCE.finditer(text)]
 
 
 def name_of(page: Path) -> str:
@@ -78,7 +78,7 @@ def test_examples_of_a_page_run(
     monkeypatch.setenv("COLUMNS", "200")
     names: dict[str, object] = {"__name__": "example"}
     found = blocks(page)
-    for block, after in zip(found, [*found[1:], Block("", "", 0)], strict=True):
+    for block, after in zip(found, [*found[1:], CodeBlock("", "", 0)], strict=True):
         if block.language == "python":
             printed = io.StringIO()
             with contextlib.redirect_stdout(printed):

@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 @dataclass(frozen=True)
-class Outcome:
+class CommandRun:
     code: int
     out: str
     err: str
@@ -31,14 +31,14 @@ def fixtures(monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
-def cli(capsys: pytest.CaptureFixture[str]) -> Callable[..., Outcome]:
+def cli(capsys: pytest.CaptureFixture[str]) -> Callable[..., CommandRun]:
     """Run a command in this process, as in a pipe."""
 
-    def run(*arguments: object) -> Outcome:
+    def run(*arguments: object) -> CommandRun:
         capsys.readouterr()
         code = main([str(argument) for argument in arguments])
         captured = capsys.readouterr()
-        return Outcome(code, captured.out, captured.err)
+        return CommandRun(code, captured.out, captured.err)
 
     return run
 

@@ -123,7 +123,7 @@ class TestJson:
         assert second["findings"]
 
 
-class TestSelecting:
+class TestSelectedRules:
     def test_several_codes(self, cli, fixtures):
         together = cli("check", PRESS, "--json", "--select", "STR01,STR09")
         assert sorted(set(found_codes(together))) == ["STR01", "STR09"]

@@ -13,7 +13,7 @@ def plain(text: str) -> bool:
     return "\x1b" not in text and not any("\u2500" <= sign <= "\u257f" for sign in text)
 
 
-class TestFormats:
+class TestReportFormats:
     def test_text(self, cli):
         outcome = cli("formats")
         assert outcome.code == 0

@@ -17,7 +17,7 @@ from tests.sweeps import some_of
 
 
 @dataclass(frozen=True)
-class Places:
+class EditedPlaces:
     """Where a fixture is edited. `row` is an action of a step, `condition` a transition with its expression."""
 
     file: str
@@ -32,22 +32,22 @@ class Places:
 
 
 PLACES = [
-    Places("plcopen/filling_station_1.01.xml", "FillingStation", "Clamp", "Drip", ("Fill", "K2_DosingPump"),
+    EditedPlaces("plcopen/filling_station_1.01.xml", "FillingStation", "Clamp", "Drip", ("Fill", "K2_DosingPump"),
            "CheckBatch", "S1_Start", "FillingStation.ACT_CountBottle",
            ("Fill -> Drip", "LevelOk AND NOT B4_Overflow")),
-    Places("plcopen/filling_station_2.0.xml", "FillingStation", "Unclamp", "Cap", ("Drip", "Y3_DripTray"),
+    EditedPlaces("plcopen/filling_station_2.0.xml", "FillingStation", "Unclamp", "Cap", ("Drip", "Y3_DripTray"),
            "Infeed", "B5_Torque", "FillingStation.ACT_PrintLabel", ("Init -> Idle", "TankReady")),
-    Places("plcopen/filling_station_2.01.xml", "FillingStation", "FillDone", "Idle", ("Clamp", "H2_Horn"),
+    EditedPlaces("plcopen/filling_station_2.01.xml", "FillingStation", "FillDone", "Idle", ("Clamp", "H2_Horn"),
            "CheckBatch", "B2_Clamped", "LimitRate", ("BatchDone -> Idle", "S4_Reset")),
-    Places("codesys/sorting_conveyor.xml", "PLC_PRG", "WaitPart", "Homing", ("Measure", "bMeasure"),
+    EditedPlaces("codesys/sorting_conveyor.xml", "PLC_PRG", "WaitPart", "Homing", ("Measure", "bMeasure"),
            "Measure", "bFault", "PLC_PRG.ACT_Classify", ("CycleEnd -> Idle", "GVL_IO.S2_Stop")),
-    Places("twincat/press_station.xml", "FB_Press", "Close", "Jog", ("HoldForce", "bDone"),
+    EditedPlaces("twincat/press_station.xml", "FB_Press", "Close", "Jog", ("HoldForce", "bDone"),
            "Init_Press", "bSetup", "FB_Press.ACT_Open", ("Finish -> Init_Press", "NOT bExecute")),
-    Places("codesys23/distribution_belt.EXP", "Ablauf", "Warten", "Zu_Platz3", None,
+    EditedPlaces("codesys23/distribution_belt.EXP", "Ablauf", "Warten", "Zu_Platz3", None,
            "Pruefen", "Gependelt", "Ablauf.Zaehlen", ("Bereit -> Zu_Platz3", "S1_Start AND Platz1")),
-    Places("iectext/mixing_plant.st", "Mixer", "Done", "Drain", ("Stir", "M1_Rührer"),
+    EditedPlaces("iectext/mixing_plant.st", "Mixer", "Done", "Drain", ("Stir", "M1_Rührer"),
            "Fill", "LevelLow", "Mixer.CountBatch", ("Stir+Signal -> Drain", "Stir.T >= tStir")),
-    Places("simaticml-plc", "FB_Drilling", "Lift", "Clamp", ("Cool", "#coolant"),
+    EditedPlaces("simaticml-plc", "FB_Drilling", "Lift", "Clamp", ("Cool", "#coolant"),
            "Dwell", "guard", "FB_Chips", ("T_Deep", "#atBottom")),
 ]  # fmt: skip
 
@@ -61,7 +61,7 @@ def told(diff: sfc.ProjectDiff) -> list[str]:
     return sorted(f"{change.place}: {change.news}" for change in diff.changes)
 
 
-def edits(project: sfc.Project, at: Places) -> Iterator[str]:
+def edits(project: sfc.Project, at: EditedPlaces) -> Iterator[str]:
     """Edit a project in every way; yield the line that tells each edit."""
     pou = project.pou(at.pou)
     chart, main = pou.chart, pou.report_path

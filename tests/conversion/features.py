@@ -20,7 +20,7 @@ _IEC = ("codesys", "plcopen", "iec-text")
 _ALL = (*_IEC, "simaticml")
 
 
-class Rig(NamedTuple):
+class FeatureChart(NamedTuple):
     """A chart with the steps Idle, Work and Done in a ring, in a POU with inputs a, b, c, g and outputs q, r, n."""
 
     project: m.Project
@@ -79,7 +79,7 @@ class Feature:
 
     name: str
     sources: tuple[str, ...]
-    build: Callable[[Rig], None]
+    build: Callable[[FeatureChart], None]
 
 
 def feature_project(feature: Feature, source: str) -> m.Project:
@@ -98,7 +98,7 @@ def feature_project(feature: Feature, source: str) -> m.Project:
         interface=m.Interface(sections=sections),
         bodies=[m.SfcBody(chart=chart)],
     )
-    rig = Rig(m.Project(name="Matrix", dialect=dialect, pous=[pou]), pou, chart)
+    rig = FeatureChart(m.Project(name="Matrix", dialect=dialect, pous=[pou]), pou, chart)
     for start, end, condition in (("Idle", "Work", "a"), ("Work", "Done", "b"), ("Done", "Idle", "c")):
         rig.go(start, end, condition)
     feature.build(rig)
@@ -110,7 +110,7 @@ def variable(name: str, type_: str = "BOOL", **fields: object) -> m.Variable:
     return m.Variable.model_validate({"name": name, "type": type_, **fields})
 
 
-def st(rig: Rig, text: str) -> m.StBody:
+def st(rig: FeatureChart, text: str) -> m.StBody:
     """A body in structured text."""
     return m.StBody(text="\n".join(f"{rig.name(line)};" for line in text.split("; ")))
 
@@ -118,8 +118,8 @@ def st(rig: Rig, text: str) -> m.StBody:
 # -- the features
 
 
-def _qualifier(qualifier: str, duration: str | None = None) -> Callable[[Rig], None]:
-    def build(rig: Rig) -> None:
+def _qualifier(qualifier: str, duration: str | None = None) -> Callable[[FeatureChart], None]:
+    def build(rig: FeatureChart) -> None:
         rig.act("Work", "q", qualifier, duration=duration)
         if qualifier in ("S", "SD", "DS", "SL"):
             rig.act("Idle", "q", "R")
@@ -127,14 +127,14 @@ def _qualifier(qualifier: str, duration: str | None = None) -> Callable[[Rig], N
     return build
 
 
-def _reset(rig: Rig) -> None:
+def _reset(rig: FeatureChart) -> None:
     rig.act("Idle", "q", "S")
     rig.act("Work", "q", "R")
     rig.act("Done", "r", "N")
 
 
-def _program(qualifier: str, language: str = "ST") -> Callable[[Rig], None]:
-    def build(rig: Rig) -> None:
+def _program(qualifier: str, language: str = "ST") -> Callable[[FeatureChart], None]:
+    def build(rig: FeatureChart) -> None:
         body: m.Body = st(rig, "n := n + 1; r := NOT r")
         if language == "IL":
             body = m.IlBody(text="LD n\nADD 1\nST n\nLD r\nNOT\nST r")
@@ -154,13 +154,13 @@ def drawn(text: str, language: str, dialect: m.Dialect = m.Dialect.IEC) -> m.Bod
     return draw_fbd(statements, rules).body if language == "FBD" else draw_ld(statements, rules).body
 
 
-def _in_place(rig: Rig) -> None:
+def _in_place(rig: FeatureChart) -> None:
     rig.act("Work", None, "N", body=st(rig, "n := n + 1"))
     rig.act("Done", "q")
 
 
-def _step_action(kind: str) -> Callable[[Rig], None]:
-    def build(rig: Rig) -> None:
+def _step_action(kind: str) -> Callable[[FeatureChart], None]:
+    def build(rig: FeatureChart) -> None:
         rig.action("Count", st(rig, "n := n + 1; r := NOT r"))
         setattr(rig.chart.step("Work"), f"{kind}_action", "Count")
         rig.act("Done", "q")
@@ -168,14 +168,14 @@ def _step_action(kind: str) -> Callable[[Rig], None]:
     return build
 
 
-def _shared_exit_action(rig: Rig) -> None:
+def _shared_exit_action(rig: FeatureChart) -> None:
     rig.action("Count", st(rig, "n := n + 1; r := NOT r"))
     for step in ("Work", "Done"):
         rig.chart.step(step).exit_action = "Count"
     rig.act("Done", "q")
 
 
-def _calls_a_method(rig: Rig) -> None:
+def _calls_a_method(rig: FeatureChart) -> None:
     sections = [m.VariableSection(kind=m.SectionKind.INPUT, variables=[variable("more", "INT")])]
     number = m.ElementaryType(name=m.Elementary.INT)
     interface = m.Interface(return_type=number, sections=sections)
@@ -185,13 +185,13 @@ def _calls_a_method(rig: Rig) -> None:
     rig.act("Done", "q")
 
 
-def _reads_a_step(rig: Rig) -> None:
+def _reads_a_step(rig: FeatureChart) -> None:
     rig.action("Count", m.StBody(text="IF Done.x THEN n := n + 1; END_IF;"))
     rig.act("Work", "Count")
     rig.act("Done", "q")
 
 
-def _chart_action(rig: Rig) -> None:
+def _chart_action(rig: FeatureChart) -> None:
     inner = m.SfcNetwork()
     one, two = inner.add_step("One", initial=True), inner.add_step("Two")
     inner.add_transition(one, two, "TRUE")
@@ -202,14 +202,14 @@ def _chart_action(rig: Rig) -> None:
     rig.act("Done", "q")
 
 
-def _calls_an_action(rig: Rig) -> None:
+def _calls_an_action(rig: FeatureChart) -> None:
     rig.action("Count", m.StBody(text="n := n + 1;\nIF n > 3 THEN Clear(); END_IF;"))
     rig.action("Clear", m.StBody(text="n := 0;\nr := NOT r;"))
     rig.act("Work", "Count")
     rig.act("Done", "q")
 
 
-def _priority(rig: Rig) -> None:
+def _priority(rig: FeatureChart) -> None:
     rig.chart.add_step("Other")
     first = rig.chart.transitions[0]
     first.priority = 2
@@ -219,7 +219,7 @@ def _priority(rig: Rig) -> None:
     rig.act("Other", "r")
 
 
-def _parallel(rig: Rig) -> None:
+def _parallel(rig: FeatureChart) -> None:
     chart = rig.chart
     left, right = chart.add_step("Left"), chart.add_step("Right")
     chart.transitions[0].targets = [left.id, right.id]
@@ -229,8 +229,8 @@ def _parallel(rig: Rig) -> None:
     rig.act("Right", "r")
 
 
-def _condition(text: str) -> Callable[[Rig], None]:
-    def build(rig: Rig) -> None:
+def _condition(text: str) -> Callable[[FeatureChart], None]:
+    def build(rig: FeatureChart) -> None:
         rig.chart.transition(rig.chart.transitions[1].id).condition = m.Expression(text=rig.name(text))
         rig.act("Work", "q")
         rig.act("Done", "r")
@@ -238,13 +238,13 @@ def _condition(text: str) -> Callable[[Rig], None]:
     return build
 
 
-def _negated_condition(rig: Rig) -> None:
+def _negated_condition(rig: FeatureChart) -> None:
     rig.chart.transitions[1].condition = m.Expression(text="g", negated=True)
     rig.act("Work", "q")
 
 
-def _named(language: str, *, negated: bool = False) -> Callable[[Rig], None]:
-    def build(rig: Rig) -> None:
+def _named(language: str, *, negated: bool = False) -> Callable[[FeatureChart], None]:
+    def build(rig: FeatureChart) -> None:
         body: m.Body = m.StBody(text="b AND NOT g")
         if language == "IL":
             body = m.IlBody(text="LD b\nANDN g")
@@ -257,7 +257,7 @@ def _named(language: str, *, negated: bool = False) -> Callable[[Rig], None]:
     return build
 
 
-def _wired(rig: Rig) -> None:
+def _wired(rig: FeatureChart) -> None:
     tree = parse_expression("b AND NOT g").tree
     assert tree is not None
     drawing = draw_fbd_expression(tree, first_id=rig.chart.new_id())
@@ -267,13 +267,13 @@ def _wired(rig: Rig) -> None:
     rig.act("Work", "q")
 
 
-def _drawn_logic(rig: Rig) -> None:
+def _drawn_logic(rig: FeatureChart) -> None:
     drawing = draw_fbd(parse_statements("r := Work.X AND g;").tree.statements, first_id=rig.chart.new_id())
     rig.chart.logic = drawing.body.networks[0].nodes
     rig.act("Work", "q")
 
 
-def _priority_of_convergence(rig: Rig) -> None:
+def _priority_of_convergence(rig: FeatureChart) -> None:
     chart = rig.chart
     left, right = chart.add_step("Left"), chart.add_step("Right")
     chart.transitions.clear()
@@ -286,7 +286,7 @@ def _priority_of_convergence(rig: Rig) -> None:
     rig.act("Done", "r")
 
 
-def _end(rig: Rig) -> None:
+def _end(rig: FeatureChart) -> None:
     rig.chart.add_step("Last")
     rig.go("Idle", "Last", "g")
     rig.go("Last", "Idle", "c")
@@ -295,19 +295,19 @@ def _end(rig: Rig) -> None:
     rig.act("Last", "r")
 
 
-def _minimum(rig: Rig) -> None:
+def _minimum(rig: FeatureChart) -> None:
     rig.chart.step("Work").min_time = "T#100ms"
     rig.act("Work", "q")
 
 
-def _maximum(rig: Rig) -> None:
+def _maximum(rig: FeatureChart) -> None:
     rig.chart.step("Work").max_time = "T#50ms"
     rig.declare(m.SectionKind.OUTPUT, variable("SFCError"), variable("SFCEnableLimit", initial="TRUE"))
     rig.chart.settings = settings(m.SfcFlag.ERROR)
     rig.act("Work", "q")
 
 
-def _quitted(rig: Rig) -> None:
+def _quitted(rig: FeatureChart) -> None:
     rig.chart.step("Work").max_time = "T#30ms"
     rig.declare(m.SectionKind.INPUT, variable("SFCQuitError"))
     rig.declare(m.SectionKind.OUTPUT, variable("SFCError"))
@@ -315,7 +315,7 @@ def _quitted(rig: Rig) -> None:
     rig.act("Work", "q")
 
 
-def _current_step(rig: Rig) -> None:
+def _current_step(rig: FeatureChart) -> None:
     rig.declare(m.SectionKind.OUTPUT, variable("SFCCurrentStep", "STRING"))
     rig.chart.settings = settings(m.SfcFlag.CURRENT_STEP)
     rig.action("Count", m.StBody(text="n := LEN(SFCCurrentStep);"))
@@ -328,8 +328,8 @@ def settings(*flags: m.SfcFlag) -> m.SfcSettings:
     return m.SfcSettings(flags={flag: m.FlagUse(use=True, declare=False) for flag in flags})
 
 
-def _flag(flag: m.SfcFlag) -> Callable[[Rig], None]:
-    def build(rig: Rig) -> None:
+def _flag(flag: m.SfcFlag) -> Callable[[FeatureChart], None]:
+    def build(rig: FeatureChart) -> None:
         rig.declare(m.SectionKind.INPUT, variable(flag.variable))
         rig.chart.settings = settings(flag)
         rig.act("Work", "q")
@@ -338,7 +338,7 @@ def _flag(flag: m.SfcFlag) -> Callable[[Rig], None]:
     return build
 
 
-def _initial_value(rig: Rig) -> None:
+def _initial_value(rig: FeatureChart) -> None:
     rig.declare(m.SectionKind.LOCAL, variable("limit", "INT", initial="3"))
     rig.action("Count", st(rig, "n := n + limit"))
     if rig.project.dialect is m.Dialect.SCL:
@@ -349,14 +349,14 @@ def _initial_value(rig: Rig) -> None:
     rig.act("Done", "q")
 
 
-def _constant(rig: Rig) -> None:
+def _constant(rig: FeatureChart) -> None:
     kind = m.SectionKind.CONSTANT if rig.project.dialect is m.Dialect.SCL else m.SectionKind.LOCAL
     rig.declare(kind, variable("LIMIT", "INT", initial="5"), constant=kind is m.SectionKind.LOCAL)
     rig.declare(m.SectionKind.INPUT, variable("level", "INT"))
     _condition("level > LIMIT")(rig)
 
 
-def _address(rig: Rig) -> None:
+def _address(rig: FeatureChart) -> None:
     name = "%QX4.0" if rig.project.dialect is not m.Dialect.SCL else "%Q4.0"
     if rig.project.dialect is m.Dialect.SCL:
         rig.project.tag_tables.append(m.TagTable(name="Tags", tags=[m.Tag(name="Lamp", type="Bool", address=name)]))
@@ -368,7 +368,7 @@ def _address(rig: Rig) -> None:
     rig.act("Work", "q")
 
 
-def _globals(rig: Rig) -> None:
+def _globals(rig: FeatureChart) -> None:
     kind, lamp = m.SectionKind.GLOBAL, variable("lamp")
     text = "GVL.lamp"
     if rig.project.dialect is m.Dialect.SCL:
@@ -383,7 +383,7 @@ def _globals(rig: Rig) -> None:
     rig.act("Done", "q")
 
 
-def _enumeration(rig: Rig) -> None:
+def _enumeration(rig: FeatureChart) -> None:
     values = [m.EnumValue(name=name) for name in ("Low", "High")]
     rig.project.data_types.append(m.DataTypeDeclaration(name="E_Level", type=m.EnumType(values=values)))
     rig.declare(m.SectionKind.LOCAL, variable("level", "E_Level"))
@@ -393,7 +393,7 @@ def _enumeration(rig: Rig) -> None:
     rig.act("Done", "q")
 
 
-def _excluded(rig: Rig) -> None:
+def _excluded(rig: FeatureChart) -> None:
     rig.chart.add_step("Test")
     rig.chart.step("Test").exclude = True
     rig.go("Idle", "Test", "g", exclude=True)
@@ -402,17 +402,17 @@ def _excluded(rig: Rig) -> None:
     rig.act("Work", "q")
 
 
-def _retain(rig: Rig) -> None:
+def _retain(rig: FeatureChart) -> None:
     rig.declare(m.SectionKind.LOCAL, variable("total", "INT"), retain=True)
     rig.action("Count", st(rig, "total := total + 1; n := total"))
     rig.act("Work", "Count", "P1" if rig.project.dialect is m.Dialect.IEC else "P")
 
 
-def _negated_action(rig: Rig) -> None:
+def _negated_action(rig: FeatureChart) -> None:
     rig.act("Work", "q", "N", negated=True)
 
 
-def _macro(rig: Rig) -> None:
+def _macro(rig: FeatureChart) -> None:
     inner = m.SfcNetwork()
     one, two = inner.add_step("One", initial=True), inner.add_step("Two")
     inner.add_transition(one, two, "g")
@@ -423,8 +423,8 @@ def _macro(rig: Rig) -> None:
 # -- S7-GRAPH
 
 
-def _event(event: str, qualifier: str = "N", **fields: object) -> Callable[[Rig], None]:
-    def build(rig: Rig) -> None:
+def _event(event: str, qualifier: str = "N", **fields: object) -> Callable[[FeatureChart], None]:
+    def build(rig: FeatureChart) -> None:
         if event in ("V1", "V0", "A1"):
             rig.chart.step("Work").supervision = m.Supervised(condition=m.Expression(text="#g"))
         if event in ("L1", "L0"):
@@ -435,16 +435,16 @@ def _event(event: str, qualifier: str = "N", **fields: object) -> Callable[[Rig]
     return build
 
 
-def _value(value: str, target: str = "n") -> Callable[[Rig], None]:
-    def build(rig: Rig) -> None:
+def _value(value: str, target: str = "n") -> Callable[[FeatureChart], None]:
+    def build(rig: FeatureChart) -> None:
         rig.act("Work", target, "N", value=value)
         rig.act("Done", "r")
 
     return build
 
 
-def _interlock(qualifier: str, duration: str | None = None) -> Callable[[Rig], None]:
-    def build(rig: Rig) -> None:
+def _interlock(qualifier: str, duration: str | None = None) -> Callable[[FeatureChart], None]:
+    def build(rig: FeatureChart) -> None:
         rig.chart.step("Work").interlock = m.Supervised(condition=m.Expression(text="#g"))
         rig.act("Work", "q", qualifier, interlock=True, duration=duration)
         rig.act("Idle", "q", "R")
@@ -452,14 +452,14 @@ def _interlock(qualifier: str, duration: str | None = None) -> Callable[[Rig], N
     return build
 
 
-def _supervision(rig: Rig) -> None:
+def _supervision(rig: FeatureChart) -> None:
     rig.chart.step("Work").supervision = m.Supervised(condition=m.Expression(text="#g"))
     rig.act("Work", "q")
     rig.act("Done", "r")
 
 
-def _permanent(when: str) -> Callable[[Rig], None]:
-    def build(rig: Rig) -> None:
+def _permanent(when: str) -> Callable[[FeatureChart], None]:
+    def build(rig: FeatureChart) -> None:
         operation = m.PermanentOperation(body=drawn("#r := #g;", "LD", m.Dialect.SCL))
         getattr(rig.chart, f"permanent_{when}").append(operation)
         rig.act("Work", "q")
@@ -467,8 +467,8 @@ def _permanent(when: str) -> Callable[[Rig], None]:
     return build
 
 
-def _input(name: str) -> Callable[[Rig], None]:
-    def build(rig: Rig) -> None:
+def _input(name: str) -> Callable[[FeatureChart], None]:
+    def build(rig: FeatureChart) -> None:
         rig.chart.graph_settings = m.GraphSettings(acknowledge_errors_required=False)
         rig.declare(m.SectionKind.INPUT, variable(name))
         rig.act("Work", "q")
@@ -477,13 +477,13 @@ def _input(name: str) -> Callable[[Rig], None]:
     return build
 
 
-def _skip(rig: Rig) -> None:
+def _skip(rig: FeatureChart) -> None:
     rig.chart.graph_settings = m.GraphSettings(skip_steps=True)
     rig.act("Work", "q")
     rig.act("Done", "r")
 
 
-def _second_sequence(rig: Rig) -> None:
+def _second_sequence(rig: FeatureChart) -> None:
     chart = rig.chart
     one, two = chart.add_step("One", initial=True), chart.add_step("Two")
     chart.add_transition(one, two, "#g")
@@ -497,7 +497,7 @@ def _second_sequence(rig: Rig) -> None:
     ]
 
 
-def _switch(rig: Rig) -> None:
+def _switch(rig: FeatureChart) -> None:
     rig.chart.add_step("Side")
     rig.go("Side", "Idle", "c")
     rig.act("Work", None, "ON", event="S1")
@@ -506,13 +506,13 @@ def _switch(rig: Rig) -> None:
     rig.act("Done", "q")
 
 
-def _counter(rig: Rig) -> None:
+def _counter(rig: FeatureChart) -> None:
     rig.declare(m.SectionKind.INPUT, variable("C1", "COUNTER"))
     rig.act("Work", "C1", "CU", event="S1")
     rig.act("Done", "q")
 
 
-def _calls_a_block(rig: Rig) -> None:
+def _calls_a_block(rig: FeatureChart) -> None:
     sections = [
         m.VariableSection(kind=m.SectionKind.INPUT, variables=[variable("up")]),
         m.VariableSection(kind=m.SectionKind.OUTPUT, variables=[variable("odd")]),
@@ -526,21 +526,21 @@ def _calls_a_block(rig: Rig) -> None:
     rig.act("Done", "r")
 
 
-def _calls_a_timer(rig: Rig) -> None:
+def _calls_a_timer(rig: FeatureChart) -> None:
     rig.declare(m.SectionKind.LOCAL, variable("timer", "TON"))
     rig.action("Wait", m.StBody(text="timer(IN := a, PT := T#30ms);\nIF timer.Q THEN q := TRUE; END_IF;"))
     rig.act("Work", "Wait")
     rig.act("Done", "r")
 
 
-def _string(rig: Rig) -> None:
+def _string(rig: FeatureChart) -> None:
     rig.declare(m.SectionKind.LOCAL, variable("text", "STRING"))
     rig.action("Note", m.StBody(text="text := 'abc';\nIF LEN(text) = 3 THEN r := NOT r; END_IF;"))
     rig.act("Work", "Note")
     rig.act("Done", "q")
 
 
-def _retained_member(rig: Rig) -> None:
+def _retained_member(rig: FeatureChart) -> None:
     count = variable("count", "INT", attributes={"Remanence": "Retain"})
     rig.declare(m.SectionKind.LOCAL, count, variable("other", "INT"))
     rig.act("Work", "count", value="n")
@@ -620,11 +620,11 @@ def _features() -> Iterator[Feature]:
     yield Feature("counter", ("simaticml",), _counter)
 
 
-def _count(rig: Rig) -> None:
+def _count(rig: FeatureChart) -> None:
     rig.act("Work", "n", "N", value="n + 1", event="S1")
 
 
-def _set(rig: Rig) -> None:
+def _set(rig: FeatureChart) -> None:
     rig.act("Idle", "q", "S")
 
 

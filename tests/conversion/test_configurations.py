@@ -93,7 +93,7 @@ def called_blocks(project: m.Project) -> dict[str, list[str]]:
 
 
 @dataclass(frozen=True)
-class Case:
+class ConfigurationCase:
     """A source, whether the target does the same, and words of which one is in the report where it does not."""
 
     source: bytes
@@ -105,7 +105,7 @@ class Case:
 NO_BLOCK = "no organization block"
 SET_CYCLE = "set the cycle time"
 CASES = {
-    "cycles": Case(
+    "cycles": ConfigurationCase(
         configured("TASK Fast(INTERVAL := T#10ms, PRIORITY := 1); PROGRAM Left1 WITH Fast : Counter;"),
         lambda p: (
             cycle(p, "Fast") in ("T#10ms", "PT0.01S", "00:00:00.01", ("t#10ms", "ms"))
@@ -113,22 +113,22 @@ CASES = {
         ),
         (SET_CYCLE,),
     ),
-    "cycles of microseconds": Case(
+    "cycles of microseconds": ConfigurationCase(
         configured("TASK Fast(INTERVAL := T#1500us, PRIORITY := 1); PROGRAM Left1 WITH Fast : Counter;"),
         lambda p: cycle(p, "Fast") in ("T#1500us", "T#1ms500us", "00:00:00.0015", ("1500", "us")),
         (SET_CYCLE,),
     ),
-    "edges": Case(
+    "edges": ConfigurationCase(
         configured("TASK T1(SINGLE := start, PRIORITY := 1); PROGRAM Left1 WITH T1 : Counter;"),
         lambda p: edge(p, "T1") == "start",
         (NO_BLOCK,),
     ),
-    "priorities": Case(
+    "priorities": ConfigurationCase(
         configured("TASK Fast(INTERVAL := T#10ms, PRIORITY := 7); PROGRAM Left1 WITH Fast : Counter;"),
         lambda p: [task.priority for task in tasks_of(p)] == [7] or len(called_blocks(p)) == 1,
         (NO_BLOCK,),
     ),
-    "instances of one program": Case(
+    "instances of one program": ConfigurationCase(
         configured(
             "TASK Fast(INTERVAL := T#10ms, PRIORITY := 1); TASK Slow(INTERVAL := T#1s, PRIORITY := 5);"
             "PROGRAM Left1 WITH Fast : Counter; PROGRAM Right1 WITH Slow : Counter;"
@@ -139,7 +139,7 @@ CASES = {
         ),
         (NO_BLOCK, "no variables of its own"),
     ),
-    "programs without a task": Case(
+    "programs without a task": ConfigurationCase(
         configured("PROGRAM Idle1 : Counter;"),
         lambda p: (
             [i.name for c in p.configurations for r in c.resources for i in r.instances if p.source.format != "codesys"]
@@ -148,7 +148,7 @@ CASES = {
         ),
         (NO_BLOCK, "`Idle1` is NOT executed"),
     ),
-    "VAR_CONFIG": Case(
+    "VAR_CONFIG": ConfigurationCase(
         configured(
             "TASK Fast(INTERVAL := T#10ms, PRIORITY := 1); PROGRAM Left1 WITH Fast : Counter;",
             "VAR_CONFIG R.Left1.n : INT := 77; END_VAR\n",
@@ -156,43 +156,43 @@ CASES = {
         lambda p: p.source.format != "codesys" and any(c.config_variables is not None for c in p.configurations),
         ("`R.Left1.n` is NOT executed", "gives variables no values", "S7 has no such section"),
     ),
-    "VAR_CONFIG outside": Case(
+    "VAR_CONFIG outside": ConfigurationCase(
         IN_CODESYS + b"PROGRAM Main VAR v AT %I* : INT; END_VAR END_PROGRAM VAR_CONFIG Main.v AT %IW0 : INT; END_VAR\n",
         lambda p: p.config_variables is not None,
         ("`Main.v` is NOT executed", "gives variables no values"),
     ),
-    "calls of programs": Case(
+    "calls of programs": ConfigurationCase(
         IN_CODESYS
         + b"PROGRAM Main VAR n : INT; END_VAR Pump(x := 3); n := Pump.y; END_PROGRAM\n"
         + b"PROGRAM Pump VAR_INPUT x : INT; END_VAR VAR y : INT; END_VAR y := y + x; END_PROGRAM\n",
         lambda p: p.dialect is m.Dialect.CODESYS or "Pump_DB" in {block.name for block in p.data_blocks},
         ("`Pump` is a program",),
     ),
-    "cycles in settings": Case(
+    "cycles in settings": ConfigurationCase(
         exported('KindOfTask="Cyclic" Interval="30000" IntervalUnit="us"'),
         lambda p: cycle(p, "MainTask") in ("T#30ms", "00:00:00.03", ("30000", "us")),
         (SET_CYCLE,),
         "codesys",
     ),
-    "a variable as cycle": Case(
+    "a variable as cycle": ConfigurationCase(
         exported('KindOfTask="Cyclic" Interval="GVL_EA.tCycle" IntervalUnit="ms"'),
         lambda p: cycle(p, "MainTask") in ("tCycle", "GVL_EA.tCycle", ("GVL_EA.tCycle", "ms")),
         (NO_BLOCK, "MainTask does not run every GVL_EA.tCycle", "the variable tCycle", "the variable GVL_EA.tCycle"),
         "codesys",
     ),
-    "edges in settings": Case(
+    "edges in settings": ConfigurationCase(
         exported('KindOfTask="Event" Event="GVL_EA.S1_Start"'),
         lambda p: edge(p, "MainTask") in ("S1_Start", "GVL_EA.S1_Start"),
         (NO_BLOCK,),
         "codesys",
     ),
-    "levels in settings": Case(
+    "levels in settings": ConfigurationCase(
         exported('KindOfTask="Status" Event="GVL_EA.S1_Start"'),
         lambda p: p.source.format == "codesys",
         (NO_BLOCK, "of the kind Status"),
         "codesys",
     ),
-    "freewheeling": Case(
+    "freewheeling": ConfigurationCase(
         exported('KindOfTask="Freewheeling"'),
         lambda p: p.source.format == "codesys" or called_blocks(p).get("MainTask") == ["PLC_PRG_DB"],
         (NO_BLOCK, "of the kind Freewheeling"),

@@ -9,7 +9,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.report import LOSSES, Item, Outcome
-from tests.conversion.features import Feature, Rig, feature_project, variable
+from tests.conversion.features import Feature, FeatureChart, feature_project, variable
 
 OUTPUT, LOCAL = m.SectionKind.OUTPUT, m.SectionKind.LOCAL
 
@@ -33,7 +33,7 @@ def test_outputs_that_show_the_state_of_a_sequence_are_not_set_elsewhere(name: s
 
 
 def test_an_output_that_the_chart_sets_itself_shows_no_state() -> None:
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         rig.declare(OUTPUT, variable("ERROR"))
         rig.act("Work", "ERROR")
 
@@ -46,7 +46,7 @@ def test_an_output_that_the_chart_sets_itself_shows_no_state() -> None:
 )
 @pytest.mark.parametrize("target", ["codesys", "plcopen", "iec-text"])
 def test_a_variable_that_nothing_declares_is_told_in_another_tool(condition: str, name: str, target: str) -> None:
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         rig.chart.transitions[1].condition = m.Expression(text=condition)
 
     _, losses = converted(build, "simaticml", target)
@@ -66,7 +66,7 @@ def test_strict_refuses_a_name_that_nothing_declares() -> None:
 @pytest.mark.parametrize(("name", "section"), [("RT_DATA", LOCAL), ("S_NO", LOCAL), ("S_CRITLOC", OUTPUT)])
 @pytest.mark.parametrize("source", ["codesys", "plcopen", "iec-text"])
 def test_variables_with_names_of_a_sequence_are_told(source: str, name: str, section: m.SectionKind) -> None:
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         rig.declare(section, variable(name))
         rig.act("Work", name)
 
@@ -83,7 +83,7 @@ def test_steps_with_names_of_members_of_the_block_are_told(source: str, name: st
 
 
 def test_transitions_with_the_names_of_steps_and_of_transitions_are_told() -> None:
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         first, second, third = rig.chart.transitions
         first.name, second.name, third.name = "Ready", "Done", "ready"
 
@@ -98,7 +98,7 @@ def test_transitions_with_the_names_of_steps_and_of_transitions_are_told() -> No
 def test_what_the_reader_of_the_target_calls_an_error_is_told(target: str) -> None:
     """A second initial step of one chart; those of S7-GRAPH become loops."""
 
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         rig.chart.step("Done").initial = True
 
     assert not converted(build, "simaticml", target)[1]
@@ -109,7 +109,7 @@ def test_what_the_reader_of_the_target_calls_an_error_is_told(target: str) -> No
 
 @pytest.mark.parametrize("place", ["out.xml", "out/"])
 def test_types_and_names_that_nothing_declares_are_told_in_files_and_folders(place: str, tmp_path: Path) -> None:
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         rig.declare(LOCAL, variable("timer", "LibraryType"))
         rig.chart.transitions[1].condition = m.Expression(text="b AND Mystery")
 

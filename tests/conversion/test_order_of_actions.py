@@ -9,7 +9,7 @@ from plcopen_sfc import model as m
 from plcopen_sfc.errors import LossError
 from plcopen_sfc.pages.report_words import german
 from plcopen_sfc.report import Item, Outcome
-from tests.conversion.features import Feature, Rig, feature_project, variable
+from tests.conversion.features import Feature, FeatureChart, feature_project, variable
 
 CHART = """PROGRAM Main
 VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT n, m : INT; END_VAR
@@ -106,7 +106,7 @@ def test_orders_by_names_and_by_first_use_are_told_without_a_run(
 
 
 def with_control(step: str, qualifier: str) -> m.Project:
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         sections = [m.VariableSection(kind=m.SectionKind.OUTPUT, variables=[variable("count", "INT")])]
         turn = m.Action(name="Turn", body=m.StBody(text="count := 3 - count;"))
         interface = m.Interface(sections=sections)

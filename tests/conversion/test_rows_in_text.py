@@ -7,13 +7,13 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.report import Outcome
-from tests.conversion.features import Feature, Rig, feature_project
+from tests.conversion.features import Feature, FeatureChart, feature_project
 
 
 def graph(target: str | None, qualifier: str, **fields: object) -> m.Project:
     """A chart of S7-GRAPH with one row."""
 
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         rig.act("Idle", "q", "S")
         rig.act("Work", target, qualifier, **fields)
         rig.declare(m.SectionKind.LOCAL, m.Variable(name="late", type=m.DerivedType(name="TON_TIME")))
@@ -35,7 +35,7 @@ def test_a_call_is_an_action_that_runs_while_the_step_is_active() -> None:
 
 @pytest.mark.parametrize("target", ["iec-text", "plcopen", "codesys"])
 def test_the_other_name_of_r_is_r(target: str) -> None:
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         rig.act("Idle", "q", "S")
         rig.act("Work", "q", "R0")
 

@@ -11,7 +11,7 @@ from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import equivalent
 from plcopen_sfc.errors import LossError
 from plcopen_sfc.report import Outcome
-from tests.conversion.features import Feature, Rig, feature_project
+from tests.conversion.features import Feature, FeatureChart, feature_project
 
 Row = tuple[str, str, dict[str, str]]
 IN_WORK: Row = ("Work", "N", {})
@@ -49,7 +49,7 @@ DIFFERENT = {
 def graph(rows: list[Row]) -> m.Project:
     """A chart of S7-GRAPH with these rows of the operand q."""
 
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         for step, qualifier, fields in rows:
             rig.act(step, "q", qualifier, **fields)
 
@@ -88,7 +88,7 @@ def test_the_order_of_rows_is_found_without_running_them(target: str) -> None:
         ("Done", "S", {"target": "r", "event": "V1"}),
     ]
 
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         for step, qualifier, fields in rows:
             rig.act(step, fields.pop("target", "q"), qualifier, **fields)
 

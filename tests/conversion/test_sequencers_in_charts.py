@@ -11,7 +11,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.report import Outcome
-from tests.conversion.features import FEATURES, Feature, Rig, drawn, feature_project
+from tests.conversion.features import FEATURES, Feature, FeatureChart, drawn, feature_project
 from tests.conversion.matrix import same_behaviour
 from tests.sweeps import in_turn
 
@@ -30,7 +30,7 @@ def sequencer(
 ) -> m.Project:
     """A sequencer as TIA Portal would read it; its step Work has the conditions that `rows` need."""
 
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         for text, operations in ((before, rig.chart.permanent_pre), (after, rig.chart.permanent_post)):
             if text is not None:
                 operations.append(m.PermanentOperation(body=drawn(text, "LD", m.Dialect.SCL)))
@@ -129,7 +129,7 @@ def test_what_a_step_does_at_its_end_is_reported_where_the_next_one_is_first(tar
 def test_an_operand_that_two_active_steps_write_in_another_order_is_reported(target: str) -> None:
     """S7-GRAPH drives coils before it sets anything; Work comes before Side in TC6, and after it in CODESYS."""
 
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         side = rig.chart.add_step("Side")
         rig.chart.transitions[0].targets.append(side.id)
         rig.chart.transitions[1].sources.append(side.id)
@@ -219,7 +219,7 @@ def test_outputs_show_the_state_of_the_sequence(fields: dict[str, Any], target: 
 @pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 def test_the_step_displayed_stays_while_it_is_active(target: str) -> None:
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         chart = rig.chart
         side = chart.add_step("Side")
         chart.transitions[0].targets = [chart.step("Work").id, side.id]

@@ -9,7 +9,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.model.compare import differences
-from tests.conversion.features import Feature, Rig, feature_project, variable
+from tests.conversion.features import Feature, FeatureChart, feature_project, variable
 from tests.conversion.matrix import same_behaviour
 from tests.conversion.test_sequencers_in_charts import as_file
 from tests.sweeps import in_turn
@@ -17,11 +17,11 @@ from tests.sweeps import in_turn
 TARGETS = ("codesys", "plcopen-2.01", "twincat", "codesys23")
 
 
-def _switch(rig: Rig, step: str, qualifier: str, target: str, event: str = "S1") -> None:
+def _switch(rig: FeatureChart, step: str, qualifier: str, target: str, event: str = "S1") -> None:
     rig.act(step, None, qualifier, event=event).target = target
 
 
-def _two_sequences(rig: Rig) -> None:
+def _two_sequences(rig: FeatureChart) -> None:
     chart = rig.chart
     rest, turn = chart.add_step("Rest", initial=True), chart.add_step("Turn")
     chart.add_transition(rest, turn, "#g")
@@ -32,25 +32,25 @@ def _two_sequences(rig: Rig) -> None:
     chart.sequences = [m.Sequence(steps=[ids[name] for name in each]) for each in names]
 
 
-def _on(rig: Rig) -> None:
+def _on(rig: FeatureChart) -> None:
     rig.chart.add_step("Side")
     rig.go("Side", "Idle", "c")
     _switch(rig, "Work", "ON", "Side")
     rig.act("Side", "r")
 
 
-def _on_and_off(rig: Rig) -> None:
+def _on_and_off(rig: FeatureChart) -> None:
     _two_sequences(rig)
     _switch(rig, "Work", "ON", "Turn")
     _switch(rig, "Done", "OFF", "Rest")
 
 
-def _all_off(rig: Rig) -> None:
+def _all_off(rig: FeatureChart) -> None:
     _switch(rig, "Done", "OFF", "S_ALL", event="S0")
     _switch(rig, "Work", "OFF", "Done")
 
 
-def _branches(rig: Rig) -> None:
+def _branches(rig: FeatureChart) -> None:
     """Two simultaneous branches, one of them of two steps, with an alternative end."""
     chart = rig.chart
     side, late = chart.add_step("Side"), chart.add_step("Late")
@@ -61,7 +61,7 @@ def _branches(rig: Rig) -> None:
     rig.act("Done", "r", "R")
 
 
-CASES: dict[str, tuple[Callable[[Rig], None], tuple[str, ...]]] = {
+CASES: dict[str, tuple[Callable[[FeatureChart], None], tuple[str, ...]]] = {
     "ON": (_on, ()),
     "ON and OFF in another sequence": (_on_and_off, ()),
     "OFF of all steps": (_all_off, ()),
@@ -77,7 +77,7 @@ CASES: dict[str, tuple[Callable[[Rig], None], tuple[str, ...]]] = {
 def built(name: str, inputs: tuple[str, ...] = (), outputs: tuple[str, ...] = ()) -> m.Project:
     build, own = CASES[name]
 
-    def whole(rig: Rig) -> None:
+    def whole(rig: FeatureChart) -> None:
         rig.chart.graph_settings = m.GraphSettings(acknowledge_errors_required=False)
         for kind, names in ((m.SectionKind.INPUT, (*own, *inputs)), (m.SectionKind.OUTPUT, outputs)):
             rig.declare(kind, *(variable(each, "INT" if each in ("S_SEL", "S_NO") else "BOOL") for each in names))

@@ -21,7 +21,7 @@ BLOCK_PARTS = ("inVariable", "outVariable", "variable", "contact", "coil")
 
 
 @dataclass(frozen=True)
-class Difference:
+class FreshDifference:
     """`attribute` = `value` of `element` is left out. No attribute: the element itself, where it is empty."""
 
     elements: tuple[str, ...]
@@ -38,23 +38,23 @@ STATES_DEFAULT = "states what the schema says for a missing attribute"
 HAS_NOTHING = "an optional element with nothing in it"
 
 LEFT_OUT = (
-    Difference(("step",), "initialStep", ("false",), STATES_DEFAULT),
-    Difference((*BLOCK_PARTS, "step", "condition", "actionBlock"), "negated", ("false",), STATES_DEFAULT),
-    Difference(("inOutVariable",), "negatedIn", ("false",), STATES_DEFAULT),
-    Difference(("inOutVariable",), "negatedOut", ("false",), STATES_DEFAULT),
-    Difference(BLOCK_PARTS, "edge", ("none",), STATES_DEFAULT),
-    Difference(BLOCK_PARTS, "storage", ("none",), STATES_DEFAULT),
-    Difference(("inOutVariable",), "edgeIn", ("none",), STATES_DEFAULT),
-    Difference(("inOutVariable",), "edgeOut", ("none",), STATES_DEFAULT),
-    Difference(("inOutVariable",), "storageIn", ("none",), STATES_DEFAULT),
-    Difference(("inOutVariable",), "storageOut", ("none",), STATES_DEFAULT),
-    Difference(("variable",), "hidden", ("false",), STATES_DEFAULT),
-    Difference(("action",), "qualifier", ("N",), STATES_DEFAULT),
-    Difference(("globalVars", "localVars"), "constant", ("false",), STATES_DEFAULT),
-    Difference(("localVars", "inputVars", "outputVars"), "retain", ("false",), STATES_DEFAULT),
-    Difference(("actions", "transitions"), "", ("",), HAS_NOTHING),
-    Difference(("addData",), "", ("",), HAS_NOTHING),
-    Difference(
+    FreshDifference(("step",), "initialStep", ("false",), STATES_DEFAULT),
+    FreshDifference((*BLOCK_PARTS, "step", "condition", "actionBlock"), "negated", ("false",), STATES_DEFAULT),
+    FreshDifference(("inOutVariable",), "negatedIn", ("false",), STATES_DEFAULT),
+    FreshDifference(("inOutVariable",), "negatedOut", ("false",), STATES_DEFAULT),
+    FreshDifference(BLOCK_PARTS, "edge", ("none",), STATES_DEFAULT),
+    FreshDifference(BLOCK_PARTS, "storage", ("none",), STATES_DEFAULT),
+    FreshDifference(("inOutVariable",), "edgeIn", ("none",), STATES_DEFAULT),
+    FreshDifference(("inOutVariable",), "edgeOut", ("none",), STATES_DEFAULT),
+    FreshDifference(("inOutVariable",), "storageIn", ("none",), STATES_DEFAULT),
+    FreshDifference(("inOutVariable",), "storageOut", ("none",), STATES_DEFAULT),
+    FreshDifference(("variable",), "hidden", ("false",), STATES_DEFAULT),
+    FreshDifference(("action",), "qualifier", ("N",), STATES_DEFAULT),
+    FreshDifference(("globalVars", "localVars"), "constant", ("false",), STATES_DEFAULT),
+    FreshDifference(("localVars", "inputVars", "outputVars"), "retain", ("false",), STATES_DEFAULT),
+    FreshDifference(("actions", "transitions"), "", ("",), HAS_NOTHING),
+    FreshDifference(("addData",), "", ("",), HAS_NOTHING),
+    FreshDifference(
         ("project",),
         f"{XSI}schemaLocation",
         tuple(f"{TC6[0]} {location}" for location in (TC6[0], "tc6_xml_v10_b.xsd")),
@@ -63,11 +63,11 @@ LEFT_OUT = (
 )
 
 ADDED = (
-    Difference(("action",), "localId", ("0",), "TC6 2.0 requires it; the file left it out"),
-    Difference(("relPosition",), "", ("",), "TC6 2.0 requires it of an action; the file left it out"),
-    Difference(("relPosition",), "x", ("0",), "TC6 2.0 requires it of an action; the file left it out"),
-    Difference(("relPosition",), "y", ("0",), "TC6 2.0 requires it of an action; the file left it out"),
-    Difference(("pouInstance",), "typeName", ("",), "TC6 2.0 requires it; the file left it out"),
+    FreshDifference(("action",), "localId", ("0",), "TC6 2.0 requires it; the file left it out"),
+    FreshDifference(("relPosition",), "", ("",), "TC6 2.0 requires it of an action; the file left it out"),
+    FreshDifference(("relPosition",), "x", ("0",), "TC6 2.0 requires it of an action; the file left it out"),
+    FreshDifference(("relPosition",), "y", ("0",), "TC6 2.0 requires it of an action; the file left it out"),
+    FreshDifference(("pouInstance",), "typeName", ("",), "TC6 2.0 requires it; the file left it out"),
 )
 
 

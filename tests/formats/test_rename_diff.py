@@ -128,7 +128,7 @@ def test_more_steps_of_the_bigger_files(path: Path) -> None:
 # -- edits of other kinds ---------------------------------------------------------------------------------------------
 
 
-class Subject:
+class EditedProject:
     """A project that is edited, and the file that it was loaded from."""
 
     def __init__(self, data: bytes) -> None:
@@ -173,7 +173,7 @@ class Subject:
         return block, lines[[e.association for e in symbol.entries or ()].index(association.id)]
 
 
-Edit = Callable[[Subject], list[Span]]
+Edit = Callable[[EditedProject], list[Span]]
 """Edits a project; returns the elements of the file in which the diff may lie."""
 
 
@@ -184,7 +184,7 @@ def found(things: Iterator[object]) -> object:
     return thing
 
 
-def condition_text(subject: Subject) -> list[Span]:
+def condition_text(subject: EditedProject) -> list[Span]:
     places = (
         (n, c, t)
         for n, c, t in subject.transitions()
@@ -199,7 +199,7 @@ def condition_text(subject: Subject) -> list[Span]:
     return spans
 
 
-def inline_condition(subject: Subject) -> list[Span]:
+def inline_condition(subject: EditedProject) -> list[Span]:
     places = (
         (n, t)
         for n, _, t in subject.transitions()
@@ -212,44 +212,44 @@ def inline_condition(subject: Subject) -> list[Span]:
     return [subject.span(number, transition.id)]
 
 
-def qualifier(subject: Subject) -> list[Span]:
+def qualifier(subject: EditedProject) -> list[Span]:
     number, chart, _, association = found(subject.associations())  # type: ignore[misc]
     association.qualifier = Qualifier.R if association.qualifier is not Qualifier.R else Qualifier.S
     return [subject.block(number, chart, association)[1]]
 
 
-def duration(subject: Subject) -> list[Span]:
+def duration(subject: EditedProject) -> list[Span]:
     timed = (a for a in subject.associations() if a[3].duration)
     number, chart, _, association = found(timed)  # type: ignore[misc]
     association.duration = "T#1h2m3s"
     return [subject.block(number, chart, association)[1]]
 
 
-def new_comment(subject: Subject) -> list[Span]:
+def new_comment(subject: EditedProject) -> list[Span]:
     number, _, step = found(s for s in subject.steps() if s[2].comment is None)  # type: ignore[misc]
     step.comment = "Füllen < Leeren & „Übergang“"
     return [subject.span(number, step.id)]
 
 
-def other_comment(subject: Subject) -> list[Span]:
+def other_comment(subject: EditedProject) -> list[Span]:
     number, _, step = found(s for s in subject.steps() if isinstance(s[2].comment, str))  # type: ignore[misc]
     step.comment = "kurz"
     return [subject.span(number, step.id)]
 
 
-def max_time(subject: Subject) -> list[Span]:
+def max_time(subject: EditedProject) -> list[Span]:
     number, _, step = found(s for s in subject.steps() if s[2].max_time is None and s[2].macro is None)  # type: ignore[misc]
     step.max_time = "T#12s"
     return [subject.span(number, step.id)]
 
 
-def min_time_removed(subject: Subject) -> list[Span]:
+def min_time_removed(subject: EditedProject) -> list[Span]:
     number, _, step = found(s for s in subject.steps() if s[2].min_time)  # type: ignore[misc]
     step.min_time = None
     return [subject.span(number, step.id)]
 
 
-def initial_moved(subject: Subject) -> list[Span]:
+def initial_moved(subject: EditedProject) -> list[Span]:
     for number, chart in enumerate(subject.charts):
         others = [s for s in chart.steps if not s.initial and s.macro is None]
         if chart.initial_steps and others:
@@ -259,7 +259,7 @@ def initial_moved(subject: Subject) -> list[Span]:
     pytest.skip("no chart with two steps")
 
 
-def variable_renamed(subject: Subject) -> list[Span]:
+def variable_renamed(subject: EditedProject) -> list[Span]:
     # a declaration text that no longer says what is declared is left out: see test_dialect_translation
     pous = [p for p in subject.project.pous if p.interface is not None and p.interface.declaration is None]
     pous = [p for p in pous if p.interface is not None and p.interface.variables()]
@@ -271,7 +271,7 @@ def variable_renamed(subject: Subject) -> list[Span]:
     return [Span("variable", {}, None, element.start, element.start)]
 
 
-def st_line(subject: Subject) -> list[Span]:
+def st_line(subject: EditedProject) -> list[Span]:
     bodies = [b for _, _, b in subject.project.bodies() if isinstance(b, StBody) and b.text.count("\n") > 1]
     body = found(b for b in bodies if not b.markup)
     assert isinstance(body, StBody)
@@ -283,14 +283,14 @@ def st_line(subject: Subject) -> list[Span]:
     return [Span("line", {}, None, inner.start + 1, inner.start + 1)]
 
 
-def association_added(subject: Subject) -> list[Span]:
+def association_added(subject: EditedProject) -> list[Span]:
     number, chart, step, association = found(subject.associations())  # type: ignore[misc]
     new = ActionAssociation(id=chart.new_id(), qualifier=Qualifier.D, target="bNeu", duration="T#3s")
     step.actions.append(new)
     return [subject.block(number, chart, association)[0]]
 
 
-def association_removed(subject: Subject) -> list[Span]:
+def association_removed(subject: EditedProject) -> list[Span]:
     number, chart, step, association = found(a for a in subject.associations() if len(a[2].actions) > 1)  # type: ignore[misc]
     block, line = subject.block(number, chart, association)
     step.actions.remove(association)
@@ -299,14 +299,14 @@ def association_removed(subject: Subject) -> list[Span]:
     return [block]
 
 
-def all_associations_removed(subject: Subject) -> list[Span]:
+def all_associations_removed(subject: EditedProject) -> list[Span]:
     number, chart, step, _ = found(subject.associations())  # type: ignore[misc]
     blocks = [subject.block(number, chart, a)[0] for a in step.actions]
     step.actions.clear()
     return [*blocks, subject.span(number, step.id)]
 
 
-def step_added(subject: Subject) -> list[Span]:
+def step_added(subject: EditedProject) -> list[Span]:
     for number, chart in enumerate(subject.charts):
         single = [t for t in chart.transitions if len(t.sources) == len(t.targets) == 1]
         if single and len({s for t in chart.transitions for s in t.sources}) == len(chart.transitions):
@@ -338,8 +338,8 @@ STRUCTURAL: tuple[Edit, ...] = (association_added, all_associations_removed, ste
 ONE_LINE = {"variable_renamed", "st_line"}
 
 
-def edited(path: Path, edit: Edit) -> tuple[Subject, list[Span], bytes, list[Hunk]]:
-    subject = Subject(path.read_bytes())
+def edited(path: Path, edit: Edit) -> tuple[EditedProject, list[Span], bytes, list[Hunk]]:
+    subject = EditedProject(path.read_bytes())
     spans = edit(subject)
     after = sfc.dumps(subject.project)
     return subject, spans, after, difference(subject.data, after)

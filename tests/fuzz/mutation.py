@@ -60,7 +60,7 @@ _IN_XML = re.compile(r'(?<![A-Za-z0-9_])\d+(?![A-Za-z0-9_])|(?<==")[^"]*(?=")|(?
 _TOKEN = re.compile(r"\w+|[^\w\s]")
 
 
-class Mutant(NamedTuple):
+class MutatedFile(NamedTuple):
     """A damaged file: its format, the file it was, and its bytes."""
 
     format: str
@@ -90,7 +90,7 @@ def sources(kind: str) -> tuple[tuple[str, bytes], ...]:
     return tuple(found)
 
 
-def mutant(kind: str, seed: int) -> Mutant:
+def mutant(kind: str, seed: int) -> MutatedFile:
     """The mutant number `seed` of a format."""
     chance = Random(f"{kind} {seed}")  # noqa: S311  # no secret
     pool = sources(kind)
@@ -109,7 +109,7 @@ def mutant(kind: str, seed: int) -> Mutant:
         else:
             damage = _damaged_text
         data = damage(data, chance, others)
-    return Mutant(kind, name, data)
+    return MutatedFile(kind, name, data)
 
 
 _ROUGH, _STRUCTURAL = 0.04, 0.6

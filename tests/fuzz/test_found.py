@@ -12,7 +12,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from tests.fuzz.mutation import Mutant
+from tests.fuzz.mutation import MutatedFile
 from tests.fuzz.trial import faults
 from tests.samples import FIXTURES, UNREADABLE
 
@@ -30,7 +30,7 @@ BROKEN = FIXTURES / "broken"
     "path", sorted(path for path in BROKEN.iterdir() if path.name not in UNREADABLE), ids=lambda path: path.name
 )
 def test_nothing_but_own_errors_comes_of_a_broken_file_and_nothing_is_lost(path: Path) -> None:
-    mutant = Mutant(FORMATS[path.suffix.casefold()], path.name, path.read_bytes())
+    mutant = MutatedFile(FORMATS[path.suffix.casefold()], path.name, path.read_bytes())
     assert [fault for seed in range(9) for fault in faults(mutant, seed)] == []
 
 

@@ -16,7 +16,7 @@ from typing import Any
 import plcopen_sfc as sfc
 from plcopen_sfc.errors import FormatError, UnknownFormatError
 from plcopen_sfc.model.compare import differences
-from tests.fuzz.mutation import FORMATS, Mutant
+from tests.fuzz.mutation import FORMATS, MutatedFile
 
 CPU_SECONDS = 10
 """More than this is a hang."""
@@ -41,7 +41,7 @@ _TARGETS = {**dict.fromkeys(FORMATS, _VERSIONS), "grafcet": ("grafcet-text", "js
 
 
 @dataclass(frozen=True)
-class Fault:
+class FuzzFault:
     """Something that must not be. `kind` is short and the same for the same cause."""
 
     kind: str
@@ -52,17 +52,17 @@ class HangError(BaseException):
     """More than `CPU_SECONDS` of the processor."""
 
 
-def faults(mutant: Mutant, seed: int) -> list[Fault]:
+def faults(mutant: MutatedFile, seed: int) -> list[FuzzFault]:
     """Do everything with a mutant and return what must not be."""
     return _Trial(mutant, Random(seed)).run()  # noqa: S311  # no secret
 
 
 class _Trial:
-    def __init__(self, mutant: Mutant, chance: Random) -> None:
+    def __init__(self, mutant: MutatedFile, chance: Random) -> None:
         self.mutant, self.chance = mutant, chance
-        self.found: list[Fault] = []
+        self.found: list[FuzzFault] = []
 
-    def run(self) -> list[Fault]:
+    def run(self) -> list[FuzzFault]:
         data = self.mutant.data
         project = self.attempt("load", lambda: self.load(data), placed=True)
         if project is None:
@@ -71,7 +71,7 @@ class _Trial:
         is_read = self.attempt("read all", lambda: project.read_all() or True, placed=True)
         written = self.attempt("dumps", lambda: sfc.dumps(project))
         if written is not None and written != data:
-            self.found.append(Fault("identity", f"{len(data)} bytes came back as {len(written)} others"))
+            self.found.append(FuzzFault("identity", f"{len(data)} bytes came back as {len(written)} others"))
         if not is_read:
             return self.found
         self.attempt("check", lambda: sfc.check(project))
@@ -102,7 +102,7 @@ class _Trial:
                 return
         if kind == "json":
             for difference in differences(project, back):
-                self.found.append(Fault(f"loss {what}", str(difference)[:300]))
+                self.found.append(FuzzFault(f"loss {what}", str(difference)[:300]))
                 break
 
     def executed(self, project: sfc.Project) -> None:
@@ -132,11 +132,11 @@ class _Trial:
             return
         names = [each.name for one in back.charts() for each in one.chart.steps]
         if "Zz9_New" not in names and not saved.report.items:
-            self.found.append(Fault("loss edit", f"the new name of {step.name} is gone"))
+            self.found.append(FuzzFault("loss edit", f"the new name of {step.name} is gone"))
         elif not saved.report.items:
             wanted, got = self.content(project), self.content(back)
             if wanted != got:
-                self.found.append(Fault("loss around an edit", f"{[a for a in wanted if a not in got][:3]}"))
+                self.found.append(FuzzFault("loss around an edit", f"{[a for a in wanted if a not in got][:3]}"))
 
     @staticmethod
     def content(project: sfc.Project) -> list[str]:
@@ -158,18 +158,18 @@ class _Trial:
         except sfc.SfcError as error:
             self.judge(what, error, placed=placed, must=must)
         except HangError as error:
-            self.found.append(Fault(f"hang: {what} in {_where(error, 4)}", _trace(error)))
+            self.found.append(FuzzFault(f"hang: {what} in {_where(error, 4)}", _trace(error)))
         except Exception as error:
-            self.found.append(Fault(f"raw: {what}: {type(error).__name__} in {_where(error, 2)}", _trace(error)))
+            self.found.append(FuzzFault(f"raw: {what}: {type(error).__name__} in {_where(error, 2)}", _trace(error)))
         return None
 
     def judge(self, what: str, error: sfc.SfcError, *, placed: bool, must: bool) -> None:
         if must:
             kind = f"not read back: {what}: {type(error).__name__} in {_where(error, 1)}"
-            self.found.append(Fault(kind, f"{error}\n{_trace(error)}"))
+            self.found.append(FuzzFault(kind, f"{error}\n{_trace(error)}"))
         elif isinstance(error, FormatError) and not placed and not isinstance(error, UnknownFormatError):
             self.found.append(
-                Fault(f"unreadable result: {what}: {type(error).__name__} in {_where(error, 1)}", str(error))
+                FuzzFault(f"unreadable result: {what}: {type(error).__name__} in {_where(error, 1)}", str(error))
             )
         elif (
             placed
@@ -177,12 +177,12 @@ class _Trial:
             and self.mutant.format not in _WITHOUT_LINES
             and not isinstance(error, UnknownFormatError)
         ):
-            self.found.append(Fault(f"no line: {what}: {type(error).__name__} in {_where(error, 1)}", str(error)))
+            self.found.append(FuzzFault(f"no line: {what}: {type(error).__name__} in {_where(error, 1)}", str(error)))
         elif placed and error.location.file is None:
-            self.found.append(Fault(f"no file: {what}: {type(error).__name__} in {_where(error, 1)}", str(error)))
+            self.found.append(FuzzFault(f"no file: {what}: {type(error).__name__} in {_where(error, 1)}", str(error)))
         twin = pickle.loads(pickle.dumps(error))  # noqa: S301  # our own
         if str(twin) != str(error):
-            self.found.append(Fault("pickle", f"{error} became {twin}"))
+            self.found.append(FuzzFault("pickle", f"{error} became {twin}"))
 
 
 @contextmanager

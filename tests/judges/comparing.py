@@ -14,7 +14,7 @@ from plcopen_sfc.report import ConversionReport
 from plcopen_sfc.semantics.profile import DrawnBlocks, Profile, ScanOrder, default_profile
 from plcopen_sfc.semantics.simulation import Simulation
 from plcopen_sfc.semantics.subjects import resolve
-from tests.judges.matiec import Machine, require_matiec
+from tests.judges.matiec import CompiledProgram, require_matiec
 
 SCANS = 100
 PERIOD = 10_000_000
@@ -67,7 +67,7 @@ def _profile(project: sfc.Project, losses: set[str]) -> Profile:
     return replace(found, final_scan=False)
 
 
-def _places(run: Simulation, pou: Pou, compiled: Compiled, machine: Machine) -> dict[str, str]:
+def _places(run: Simulation, pou: Pou, compiled: Compiled, machine: CompiledProgram) -> dict[str, str]:
     """What is compared: the steps and variables of `pou` by their names in the source, with those in the machine.
 
     Without times and real numbers: matiec makes 3999999 ns of T#4ms.

@@ -47,7 +47,7 @@ class MatiecError(Exception):
 
 
 @dataclass(frozen=True)
-class Variable:
+class CompiledVariable:
     """A variable of the compiled program: its type, and the C expression of its value."""
 
     type: str
@@ -55,11 +55,11 @@ class Variable:
 
 
 @dataclass(frozen=True)
-class Machine:
+class CompiledProgram:
     """A compiled program. `period` is the time of a scan in nanoseconds."""
 
     executable: Path
-    variables: Mapping[str, Variable]
+    variables: Mapping[str, CompiledVariable]
     program: str
     period: int
 
@@ -118,7 +118,7 @@ class Matiec:
         source.write_text(text, encoding="utf-8")
         _call("iec2c", [self.compiler, "-I", self.library, "-T", folder, source])
 
-    def build(self, text: str, folder: Path, *, program: str = "", period_ms: int = 10) -> Machine:
+    def build(self, text: str, folder: Path, *, program: str = "", period_ms: int = 10) -> CompiledProgram:
         """Compile `text` in `folder`, and get the instance of `program` (the first one) ready to run.
 
         `period_ms` is the interval of the task where the text has no configuration. Raises `MatiecError`.
@@ -140,7 +140,7 @@ class Matiec:
         executable = folder / "program"
         include = ["-I", _compiled_header(self), "-I", self.library / "C", "-I", folder]
         _call("cc", [self.cc, "-w", "-O0", *include, "-o", executable, *sources, "-lm"])
-        return Machine(executable, variables, kind, period)
+        return CompiledProgram(executable, variables, kind, period)
 
 
 @cache
@@ -198,11 +198,11 @@ def _instance(table: str, program: str) -> tuple[str, str]:
     raise MatiecError("iec2c", f"no instance of a program {program}")
 
 
-def _variables(table: str, instance: str) -> dict[str, Variable]:
+def _variables(table: str, instance: str) -> dict[str, CompiledVariable]:
     """The variables of an instance by their paths in it, then the global ones by theirs."""
     _, resource, name = instance.split(".")
-    own: dict[str, Variable] = {}
-    others: dict[str, Variable] = {}
+    own: dict[str, CompiledVariable] = {}
+    others: dict[str, CompiledVariable] = {}
     for row in table.split("// Variables")[1].split("// Ticktime", maxsplit=1)[0].splitlines():
         _, *fields = row.split(";")
         if len(fields) < 5 or fields[0] == "FB":
@@ -212,18 +212,18 @@ def _variables(table: str, instance: str) -> dict[str, Variable]:
             continue
         if path.startswith(f"{instance}."):
             code = f"{resource}__{name}.{code.removeprefix(f'{instance}.')}.value"
-            own[path.removeprefix(f"{instance}.")] = Variable(kind, f"(*{code})" if use in _POINTERS else code)
+            own[path.removeprefix(f"{instance}.")] = CompiledVariable(kind, f"(*{code})" if use in _POINTERS else code)
             if "__step_list[" in code:
                 short = path.removeprefix(f"{instance}.")[: -len("X")]
-                own[f"{short}T"] = Variable("TIME", code.replace("].X.", "].T."))
+                own[f"{short}T"] = CompiledVariable("TIME", code.replace("].X.", "].T."))
         elif path.count(".") == 1:
             code = f"{code.replace('.', '__')}.value"
-            others[path.split(".")[1]] = Variable(kind, f"(*{code})" if use in _POINTERS else code)
+            others[path.split(".")[1]] = CompiledVariable(kind, f"(*{code})" if use in _POINTERS else code)
     return {**others, **own}
 
 
-def _main(folder: Path, instance: str, kind: str, variables: Mapping[str, Variable]) -> str:
-    """The C code that sets variables, runs scans and prints variables, as `Machine.run` tells it."""
+def _main(folder: Path, instance: str, kind: str, variables: Mapping[str, CompiledVariable]) -> str:
+    """The C code that sets variables, runs scans and prints variables, as `CompiledProgram.run` tells it."""
     _, resource, name = instance.split(".")
     located = _LOCATED.findall((folder / "LOCATED_VARIABLES.h").read_text(encoding="utf-8"))
     places = "\n".join(f"{kind} of_{place}; {kind} *{place} = &of_{place};" for kind, place in dict.fromkeys(located))
@@ -290,7 +290,7 @@ int main(void) {{
 """
 
 
-def _set(variable: Variable) -> str:
+def _set(variable: CompiledVariable) -> str:
     if variable.type in _TIMES:
         code = variable.code
         return f"{code}.tv_sec = atoll(word) / 1000000000LL; {code}.tv_nsec = atoll(word) % 1000000000LL;"
@@ -299,7 +299,7 @@ def _set(variable: Variable) -> str:
     return "" if "STRING" in variable.type else f"{variable.code} = atoll(word);"
 
 
-def _show(variable: Variable) -> str:
+def _show(variable: CompiledVariable) -> str:
     code = variable.code
     if variable.type in _TIMES:
         return f'printf("%lld", (long long){code}.tv_sec * 1000000000LL + {code}.tv_nsec);'

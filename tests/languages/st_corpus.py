@@ -21,7 +21,7 @@ from tests.corpus import CORPUS, corpus_files
 from tests.languages.st_simaticml import scl_text
 
 
-class Kind(StrEnum):
+class TextKind(StrEnum):
     """What a text is."""
 
     STATEMENTS = "statements"
@@ -34,7 +34,7 @@ class Kind(StrEnum):
 class CorpusText:
     """A text of the corpus. `file` is relative to the corpus; `place` says where in the file."""
 
-    kind: Kind
+    kind: TextKind
     dialect: Dialect
     text: str
     file: str
@@ -44,7 +44,7 @@ class CorpusText:
         return f"{self.file}, {self.place}"
 
 
-Found = tuple[Kind, str, str]
+Found = tuple[TextKind, str, str]
 """A kind, a text and its place."""
 
 
@@ -56,7 +56,7 @@ def corpus_texts() -> tuple[CorpusText, ...]:
 
 def distinct(texts: Iterable[CorpusText]) -> list[CorpusText]:
     """The first of each group of texts that say the same in the same dialect."""
-    first: dict[tuple[Kind, Dialect, str], CorpusText] = {}
+    first: dict[tuple[TextKind, Dialect, str], CorpusText] = {}
     for each in texts:
         first.setdefault((each.kind, each.dialect, each.text), each)
     return list(first.values())
@@ -88,29 +88,29 @@ def _all_texts() -> Iterator[CorpusText]:
 
 # -- PLCopen XML, of which CODESYS and TwinCAT have theirs ------------------------------------------------------------
 
-_FIELDS: dict[type[BaseModel], dict[str, Kind]] = {
-    m.StBody: {"text": Kind.STATEMENTS},
-    m.Expression: {"text": Kind.CONDITION},
-    m.Block: {"code": Kind.STATEMENTS, "instance": Kind.EXPRESSION},
-    m.ActionAssociation: dict.fromkeys(("target", "value", "duration", "indicator"), Kind.EXPRESSION),
+_FIELDS: dict[type[BaseModel], dict[str, TextKind]] = {
+    m.StBody: {"text": TextKind.STATEMENTS},
+    m.Expression: {"text": TextKind.CONDITION},
+    m.Block: {"code": TextKind.STATEMENTS, "instance": TextKind.EXPRESSION},
+    m.ActionAssociation: dict.fromkeys(("target", "value", "duration", "indicator"), TextKind.EXPRESSION),
     m.Step: dict.fromkeys(
-        ("entry_action", "main_action", "exit_action", "min_time", "max_time", "warning_time"), Kind.EXPRESSION
+        ("entry_action", "main_action", "exit_action", "min_time", "max_time", "warning_time"), TextKind.EXPRESSION
     ),
-    m.SimpleValue: {"text": Kind.EXPRESSION},
-    m.EnumValue: {"value": Kind.EXPRESSION},
-    m.Dimension: {"lower": Kind.EXPRESSION, "upper": Kind.EXPRESSION},
-    m.StringType: {"length": Kind.EXPRESSION},
-    m.Task: {"interval": Kind.EXPRESSION, "single": Kind.EXPRESSION},
-    m.Interface: {"declaration": Kind.DECLARATIONS},
-    m.VariableSection: {"declaration": Kind.DECLARATIONS},
-    m.DataTypeDeclaration: {"declaration": Kind.DECLARATIONS},
-    m.InputVariable: {"expression": Kind.EXPRESSION},
-    m.OutputVariable: {"expression": Kind.EXPRESSION},
-    m.InOutVariable: {"expression": Kind.EXPRESSION},
-    m.InputPin: {"expression": Kind.EXPRESSION},
-    m.OutputPin: {"expression": Kind.EXPRESSION},
-    m.Contact: {"variable": Kind.EXPRESSION},
-    m.Coil: {"variable": Kind.EXPRESSION},
+    m.SimpleValue: {"text": TextKind.EXPRESSION},
+    m.EnumValue: {"value": TextKind.EXPRESSION},
+    m.Dimension: {"lower": TextKind.EXPRESSION, "upper": TextKind.EXPRESSION},
+    m.StringType: {"length": TextKind.EXPRESSION},
+    m.Task: {"interval": TextKind.EXPRESSION, "single": TextKind.EXPRESSION},
+    m.Interface: {"declaration": TextKind.DECLARATIONS},
+    m.VariableSection: {"declaration": TextKind.DECLARATIONS},
+    m.DataTypeDeclaration: {"declaration": TextKind.DECLARATIONS},
+    m.InputVariable: {"expression": TextKind.EXPRESSION},
+    m.OutputVariable: {"expression": TextKind.EXPRESSION},
+    m.InOutVariable: {"expression": TextKind.EXPRESSION},
+    m.InputPin: {"expression": TextKind.EXPRESSION},
+    m.OutputPin: {"expression": TextKind.EXPRESSION},
+    m.Contact: {"variable": TextKind.EXPRESSION},
+    m.Coil: {"variable": TextKind.EXPRESSION},
 }
 
 
@@ -137,7 +137,7 @@ def _of_model(item: Any, place: str) -> Iterator[Found]:
             text = getattr(item, field)
             if isinstance(text, str) and text:
                 condition = isinstance(item, m.StBody) and _is_condition(text, place)
-                yield Kind.CONDITION if condition else kind, text, f"{here}.{field}"
+                yield TextKind.CONDITION if condition else kind, text, f"{here}.{field}"
         for field in type(item).model_fields:
             yield from _of_model(getattr(item, field), here)
     elif isinstance(item, list | tuple):
@@ -166,10 +166,10 @@ def _of_twincat(path: Path) -> Iterator[Found]:
             continue
         place = f"line {element.sourceline}, {owner.tag} {owner.get('Name', '')}"
         if element.tag == "Declaration":
-            yield Kind.DECLARATIONS, element.text, place
+            yield TextKind.DECLARATIONS, element.text, place
         else:
             is_condition = owner.tag == "Transition" and ":=" not in element.text
-            yield Kind.CONDITION if is_condition else Kind.STATEMENTS, element.text, place
+            yield TextKind.CONDITION if is_condition else TextKind.STATEMENTS, element.text, place
     for attribute in root.iterfind(".//l2[@n='Attributes']/o"):
         what = attribute.getparent().getparent()
         kind = what.get("t") or what.getparent().get("cet") or ""
@@ -178,10 +178,14 @@ def _of_twincat(path: Path) -> Iterator[Found]:
         named = identifier == _NAME and kind in {"SFCTransition", "SFCActionAssociation"}
         if value and (named or identifier in _STEP_ACTIONS):
             is_condition = kind == "SFCTransition"
-            yield Kind.CONDITION if is_condition else Kind.EXPRESSION, value, f"line {attribute.sourceline}, {kind}"
+            yield (
+                TextKind.CONDITION if is_condition else TextKind.EXPRESSION,
+                value,
+                f"line {attribute.sourceline}, {kind}",
+            )
     for operand in root.iter("v"):
         if operand.get("n") == "Operand" and (text := (operand.text or "").strip('"')):
-            yield Kind.EXPRESSION, text, f"line {operand.sourceline}, operand"
+            yield TextKind.EXPRESSION, text, f"line {operand.sourceline}, operand"
 
 
 # -- text files -------------------------------------------------------------------------------------------------------
@@ -191,7 +195,7 @@ def _read(path: Path, encoding: str = "utf-8-sig") -> str:
     return path.read_bytes().decode(encoding)
 
 
-def _matches(pattern: str, text: str, kind: Kind, what: str) -> Iterator[Found]:
+def _matches(pattern: str, text: str, kind: TextKind, what: str) -> Iterator[Found]:
     for found in re.finditer(pattern, text, re.IGNORECASE | re.DOTALL | re.MULTILINE):
         if body := found.group(1).strip():
             yield kind, body, f"line {text.count(chr(10), 0, found.start(1)) + 1}, {what}"
@@ -206,40 +210,40 @@ def _of_export(path: Path) -> Iterator[Found]:
     text = _read(path, "cp1251")
     marker = re.search(r"\(\* @END_DECLARATION := '0' \*\)", text)
     assert marker is not None
-    yield Kind.DECLARATIONS, text[: marker.start()], "declaration"
+    yield TextKind.DECLARATIONS, text[: marker.start()], "declaration"
     if "_CFC_BODY" in text:
         # a comment is an element of its own type, and its text is no expression
         pattern = r"^_TYPE: _(?:INPUT|OUTPUT)\s*^_TEXT: ([^\r\n]*)"
-        yield from _matches(pattern, text, Kind.EXPRESSION, "element of CFC")
+        yield from _matches(pattern, text, TextKind.EXPRESSION, "element of CFC")
     elif re.search(r"^INITIAL_STEP\b", text, re.MULTILINE):
-        yield from _matches(r"^(?:INITIAL_)?STEP \w+:(.*?)^END_STEP", text, Kind.STATEMENTS, "step")
-        yield from _matches(_CONDITION, text, Kind.CONDITION, "transition")
+        yield from _matches(r"^(?:INITIAL_)?STEP \w+:(.*?)^END_STEP", text, TextKind.STATEMENTS, "step")
+        yield from _matches(_CONDITION, text, TextKind.CONDITION, "transition")
     else:
         body = re.compile(r"(.*?)^END_(?:PROGRAM|FUNCTION_BLOCK|FUNCTION)\b", re.DOTALL | re.MULTILINE)
         found = body.match(text, marker.end())
         assert found is not None
-        yield Kind.STATEMENTS, found.group(1), "body"
-    yield from _matches(_ACTION, text, Kind.STATEMENTS, "action")
+        yield TextKind.STATEMENTS, found.group(1), "body"
+    yield from _matches(_ACTION, text, TextKind.STATEMENTS, "action")
 
 
 def _of_iec_text(path: Path) -> Iterator[Found]:
     text = _read(path)
-    yield from _matches(_ACTION, text, Kind.STATEMENTS, "action")
-    yield from _matches(_CONDITION, text, Kind.CONDITION, "transition")
-    yield from _matches(r"\b(VAR(?:_\w+)?\b.*?\bEND_VAR\b)", text, Kind.DECLARATIONS, "variables")
+    yield from _matches(_ACTION, text, TextKind.STATEMENTS, "action")
+    yield from _matches(_CONDITION, text, TextKind.CONDITION, "transition")
+    yield from _matches(r"\b(VAR(?:_\w+)?\b.*?\bEND_VAR\b)", text, TextKind.DECLARATIONS, "variables")
 
 
 def _of_scl_source(path: Path) -> Iterator[Found]:
     text = _read(path)
     blocks = r"^(?:FUNCTION_BLOCK|FUNCTION|ORGANIZATION_BLOCK)\b"
-    yield from _matches(rf"({blocks}.*?)^BEGIN\b", text, Kind.DECLARATIONS, "head of a block")
+    yield from _matches(rf"({blocks}.*?)^BEGIN\b", text, TextKind.DECLARATIONS, "head of a block")
     end = r"^END_(?:FUNCTION_BLOCK|FUNCTION|ORGANIZATION_BLOCK)\b"
-    yield from _matches(rf"^BEGIN\b(.*?){end}", text, Kind.STATEMENTS, "block")
+    yield from _matches(rf"^BEGIN\b(.*?){end}", text, TextKind.STATEMENTS, "block")
 
 
 def _of_simatic_sd(path: Path) -> Iterator[Found]:
     network = r"""S7_Language := "SCL"[^}]*\}\s*NETWORK\b(.*?)^\s*END_NETWORK\b"""
-    yield from _matches(network, _read(path), Kind.STATEMENTS, "network")
+    yield from _matches(network, _read(path), TextKind.STATEMENTS, "network")
 
 
 # -- other XML --------------------------------------------------------------------------------------------------------
@@ -256,10 +260,10 @@ def _of_simaticml(path: Path) -> Iterator[Found]:
     root = _tree(path)
     for element in root.iter("{*}StructuredText"):
         if text := scl_text(element):
-            yield Kind.STATEMENTS, text, f"line {element.sourceline}, network"
+            yield TextKind.STATEMENTS, text, f"line {element.sourceline}, network"
     for element in root.iter("{*}StartValue"):
         if element.text:
-            yield Kind.EXPRESSION, element.text, f"line {element.sourceline}, start value"
+            yield TextKind.EXPRESSION, element.text, f"line {element.sourceline}, start value"
 
 
 def _of_l5x(path: Path) -> Iterator[Found]:
@@ -267,7 +271,7 @@ def _of_l5x(path: Path) -> Iterator[Found]:
         lines = [(line.text or "").strip("\r\n") for line in content.iterchildren("Line")]
         if text := "\n".join(lines):
             owner = content.getparent().tag
-            kind = Kind.CONDITION if owner == "Condition" else Kind.STATEMENTS
+            kind = TextKind.CONDITION if owner == "Condition" else TextKind.STATEMENTS
             yield kind, text, f"line {content.sourceline}, {owner}"
 
 
@@ -275,7 +279,7 @@ def _of_schneider(path: Path) -> Iterator[Found]:
     root = _tree(path)
     for element in root.iter("STSource"):
         if element.text:
-            yield Kind.STATEMENTS, element.text, f"line {element.sourceline}, section"
+            yield TextKind.STATEMENTS, element.text, f"line {element.sourceline}, section"
     for element in root.iterfind(".//transitionCondition/variableName"):
         if element.text:
-            yield Kind.CONDITION, element.text, f"line {element.sourceline}, condition"
+            yield TextKind.CONDITION, element.text, f"line {element.sourceline}, condition"

@@ -25,7 +25,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.dialect import Dialect
 from tests.corpus import require_corpus
-from tests.languages.st_corpus import CorpusText, Kind, corpus_texts, distinct
+from tests.languages.st_corpus import CorpusText, TextKind, corpus_texts, distinct
 from tests.languages.st_invariants import assert_tree_fits
 
 pytestmark = pytest.mark.corpus
@@ -41,11 +41,11 @@ WRONG: dict[str, str] = {
 
 SHARE = 0.99
 
-PARSERS: dict[Kind, Callable[[str, Dialect], Parsed[Any]]] = {
-    Kind.STATEMENTS: parse_statements,
-    Kind.EXPRESSION: parse_expression,
-    Kind.CONDITION: parse_condition,
-    Kind.DECLARATIONS: parse_declarations,
+PARSERS: dict[TextKind, Callable[[str, Dialect], Parsed[Any]]] = {
+    TextKind.STATEMENTS: parse_statements,
+    TextKind.EXPRESSION: parse_expression,
+    TextKind.CONDITION: parse_condition,
+    TextKind.DECLARATIONS: parse_declarations,
 }
 
 
@@ -74,13 +74,13 @@ def right(parsed: Parses) -> Parses:
 @pytest.mark.slow
 def test_there_is_a_corpus(texts: list[CorpusText]) -> None:
     found = Counter((each.kind, each.dialect) for each in texts)
-    assert found[Kind.STATEMENTS, Dialect.CODESYS] > 600
-    assert found[Kind.STATEMENTS, Dialect.TWINCAT] > 100
-    assert found[Kind.STATEMENTS, Dialect.IEC] > 100
-    assert found[Kind.STATEMENTS, Dialect.SCL] > 40
-    assert found[Kind.EXPRESSION, Dialect.CODESYS] > 1500
-    assert found[Kind.CONDITION, Dialect.CODESYS] > 1000
-    assert found[Kind.DECLARATIONS, Dialect.CODESYS] > 150
+    assert found[TextKind.STATEMENTS, Dialect.CODESYS] > 600
+    assert found[TextKind.STATEMENTS, Dialect.TWINCAT] > 100
+    assert found[TextKind.STATEMENTS, Dialect.IEC] > 100
+    assert found[TextKind.STATEMENTS, Dialect.SCL] > 40
+    assert found[TextKind.EXPRESSION, Dialect.CODESYS] > 1500
+    assert found[TextKind.CONDITION, Dialect.CODESYS] > 1000
+    assert found[TextKind.DECLARATIONS, Dialect.CODESYS] > 150
     assert len(distinct(texts)) > 2000
 
 
@@ -93,7 +93,7 @@ def test_every_text_parses_but_the_listed_ones(parsed: Parses) -> None:
 
 
 @pytest.mark.parametrize("kind", PARSERS)
-def test_of_each_kind_nearly_all_parse(parsed: Parses, texts: list[CorpusText], kind: Kind) -> None:
+def test_of_each_kind_nearly_all_parse(parsed: Parses, texts: list[CorpusText], kind: TextKind) -> None:
     of_kind = [result for text, result in parsed if text.kind is kind]
     assert sum(not result.problems for result in of_kind) / len(of_kind) >= SHARE
     wrong = {(text.text, text.dialect) for text, result in parsed if text.kind is kind and result.problems}
@@ -122,7 +122,7 @@ def test_tokens_and_comments_are_all_of_the_text(parsed: Parses) -> None:
 @pytest.mark.slow
 def test_printed_trees_say_the_same(parsed: Parses) -> None:
     for text, result in right(parsed):
-        if text.kind is Kind.DECLARATIONS:
+        if text.kind is TextKind.DECLARATIONS:
             continue  # they have no printer
         again = PARSERS[text.kind](print_node(result.tree), text.dialect)
         assert again.problems == (), f"{text}: {again.text}"
@@ -155,7 +155,7 @@ def test_renamed_names_change_and_nothing_else(parsed: Parses) -> None:
 @pytest.mark.slow
 def test_every_statement_can_go_and_the_rest_stays(parsed: Parses) -> None:
     for text, result in right(parsed):
-        if text.kind is not Kind.STATEMENTS:
+        if text.kind is not TextKind.STATEMENTS:
             continue
         body = result.tree.statements
         for index in {0, len(body) // 2, len(body) - 1} if body else ():

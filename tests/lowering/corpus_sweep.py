@@ -87,7 +87,7 @@ REASONS = {
 
 
 @dataclass(frozen=True)
-class Result:
+class SweepResult:
     """What became of a chart in a form for a target.
 
     `outcome`: ``proven``, ``tested``, ``refused``, ``incomparable``, or ``along`` (lowered with the chart that calls
@@ -124,7 +124,7 @@ class Charts:
 
 
 @dataclass(frozen=True)
-class Effort:
+class SweepEffort:
     """How much is done to compare a program with its chart: at most `cap` states, then `runs` of `scans` scans."""
 
     cap: int
@@ -154,7 +154,7 @@ def corpus_charts(families: Iterable[str] = FAMILIES) -> Iterator[Charts]:
 class Sweep:
     """Lowers the charts of one file; what has been compared is not compared again."""
 
-    def __init__(self, charts: Charts, effort: Effort) -> None:
+    def __init__(self, charts: Charts, effort: SweepEffort) -> None:
         self.charts = charts
         self.effort = effort
         self._verdicts: dict[tuple[str, str], tuple[str, str]] = {}
@@ -165,7 +165,7 @@ class Sweep:
         forms: Sequence[tuple[str, str]] = FORMS,
         targets: Sequence[str] = TARGETS,
         names: Sequence[str] | None = None,
-    ) -> Iterator[Result]:
+    ) -> Iterator[SweepResult]:
         """What became of each chart, or those of these names, in each form for each target.
 
         All charts of a form stand in one written file.
@@ -179,7 +179,7 @@ class Sweep:
                     for name in wanted:
                         outcome, why = found[name]
                         place = (self.charts.family, self.charts.file, name, f"{construction} {language}", target)
-                        yield Result(*place, outcome, why)
+                        yield SweepResult(*place, outcome, why)
 
     def _lowered(
         self, names: Sequence[str], construction: str, language: str, tool: str

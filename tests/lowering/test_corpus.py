@@ -22,9 +22,9 @@ from tests.lowering.corpus_sweep import (
     LARGE,
     REASONS,
     TARGETS,
-    Effort,
-    Result,
     Sweep,
+    SweepEffort,
+    SweepResult,
     corpus_charts,
     reason,
 )
@@ -36,7 +36,7 @@ WANTED = set(os.environ.get("PLCOPEN_SFC_SWEEP", "").split(","))
 PAIRS = [(form, target) for form in FORMS for target in TARGETS]
 EVERY = 6
 """Of so many charts one is in the sample, in one form for one target; those of `LARGE` files are not."""
-WHOLE = Effort(cap=200, runs=2, scans=40)
+WHOLE = SweepEffort(cap=200, runs=2, scans=40)
 SAMPLE = {
     "code only in a comment": (0, 0, 0, 0, 0, 0, 0, 1, 0),
     "older TIA Portal": (0, 0, 0, 0, 0, 0, 0, 0, 1),
@@ -100,7 +100,7 @@ REFUSED_FORMS: dict[str, dict[str, int]] = {
 """How many charts of bodies each form refuses, whatever the target is."""
 
 
-def refused(results: Sequence[Result]) -> dict[str, tuple[int, ...]]:
+def refused(results: Sequence[SweepResult]) -> dict[str, tuple[int, ...]]:
     """What was refused, or cannot be compared: by reason, for each of the `TARGETS`. Nothing may be wrong."""
     for result in results:
         assert not result.is_fault, str(result)
@@ -119,12 +119,12 @@ def skip_unless(name: str) -> None:
 @pytest.mark.slow
 def test_a_sample_does_the_same_or_is_refused() -> None:
     require_corpus()
-    results: list[Result] = []
+    results: list[SweepResult] = []
     number = 0
     for charts in corpus_charts():
         if charts.file in LARGE:
             continue
-        sweep = Sweep(charts, Effort(cap=100, runs=1, scans=30))
+        sweep = Sweep(charts, SweepEffort(cap=100, runs=1, scans=30))
         for name in charts.names:
             number += 1
             if number % EVERY == 0:

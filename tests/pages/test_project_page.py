@@ -93,7 +93,7 @@ def test_findings_are_at_their_places() -> None:
     assert "found-warning" in tree.get_element_by_id(row.get("id").removesuffix("-row")).get("class").split()
 
 
-class TestGrafcet:
+class TestGrafcetPage:
     LINES = (
         "conditional Q1 [a * b]",
         "delayed T#3s H1",

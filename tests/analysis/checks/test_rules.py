@@ -53,7 +53,7 @@ from tests.analysis.checks.charts import project_of, ring
 Subject = Project | SfcNetwork
 
 
-class Case(NamedTuple):
+class RuleCase(NamedTuple):
     """What breaks a rule (with what is said of it) and what does not, under a profile."""
 
     code: str
@@ -63,7 +63,7 @@ class Case(NamedTuple):
     profile: str = "iec"
 
 
-CASES: list[Case] = []
+CASES: list[RuleCase] = []
 
 
 def text(source: str) -> Callable[[], Subject]:
@@ -157,7 +157,7 @@ def part(name: str, kind: PartialChartKind, *names: str, initial: bool = True) -
 def case(
     code: str, breaks: Callable[[], Subject], fine: Callable[[], Subject], says: str, profile: str = "iec"
 ) -> None:
-    CASES.append(Case(code, breaks, fine, says, profile))
+    CASES.append(RuleCase(code, breaks, fine, says, profile))
 
 
 STEP, TRANSITION, JUMP = SymbolKind.STEP, SymbolKind.TRANSITION, SymbolKind.JUMP
@@ -833,7 +833,7 @@ case("CHK01", remark("plcopen-sfc: ignore"), remark("nothing to say"), "names no
 
 
 @pytest.mark.parametrize("each", CASES, ids=[f"{c.code}-{n}" for n, c in enumerate(CASES)])
-def test_a_breach_is_found_and_what_is_beside_it_is_not(each: Case) -> None:
+def test_a_breach_is_found_and_what_is_beside_it_is_not(each: RuleCase) -> None:
     found = sfc.check(each.breaks(), profile=each.profile, select=[each.code])
     assert found, "the breach is not found"
     assert any(each.says in finding.message for finding in found), [finding.message for finding in found]

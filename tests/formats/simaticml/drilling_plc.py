@@ -119,7 +119,7 @@ def section(kind: SectionKind, **types: str) -> VariableSection:
     return VariableSection(kind=kind, variables=variables)
 
 
-class Builder:
+class DrillingActions:
     """Actions of one chart; they are numbered as they come."""
 
     def __init__(self, chart: SfcNetwork) -> None:
@@ -198,7 +198,7 @@ def drilling_chart() -> SfcNetwork:
 
 
 def _actions(chart: SfcNetwork) -> None:
-    build, q, e = Builder(chart), Qualifier, ActionEvent
+    build, q, e = DrillingActions(chart), Qualifier, ActionEvent
     build.act("Clamp", q.S, "#hold", interlock=True)
     build.act("Drill", q.N, "#spindle", interlock=True)
     build.act("Drill", q.D, "#feedDown", duration="T#500ms")

@@ -7,7 +7,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.report import Outcome
-from tests.conversion.features import Feature, Rig, feature_project, variable
+from tests.conversion.features import Feature, FeatureChart, feature_project, variable
 
 
 def project_of(build: object) -> m.Project:
@@ -47,7 +47,7 @@ def motor() -> m.Pou:
     )
 
 
-def own(rig: Rig) -> None:
+def own(rig: FeatureChart) -> None:
     """An action that calls another one, in each way that CODESYS has."""
     rig.action("Count", m.StBody(text="n := n + 1;\nIF n > 3 THEN Clear(); END_IF;\nTHIS^.Swap(); Swap;"))
     rig.action("Clear", m.StBody(text="n := 0;\nr := NOT r;"))
@@ -55,7 +55,7 @@ def own(rig: Rig) -> None:
     rig.act("Work", "Count")
 
 
-def of_instances(rig: Rig) -> None:
+def of_instances(rig: FeatureChart) -> None:
     """An action that calls those of an instance in another one, with an argument."""
     rig.project.pous.append(motor())
     axis = m.VariableSection(kind=m.SectionKind.LOCAL, variables=[variable("motor", "Motor")])
@@ -84,7 +84,7 @@ def method(name: str, text: str, *inputs: m.Variable, result: str | None = None)
     return m.Method(name=name, interface=m.Interface(return_type=type_, sections=sections), body=m.StBody(text=text))
 
 
-def methods(rig: Rig) -> None:
+def methods(rig: FeatureChart) -> None:
     """Methods that call each other, in expressions and among the arguments, and one of an instance in another one."""
     of_instances(rig)
     more = variable("more", "INT", initial=m.SimpleValue(text="1"))
@@ -148,7 +148,7 @@ def test_edited_statements_count() -> None:
 
 
 def test_the_action_of_a_program_is_that_of_its_data_block() -> None:
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         section = m.VariableSection(kind=m.SectionKind.LOCAL, variables=[variable("lamp")])
         rig.project.pous.append(
             m.Pou(
@@ -176,7 +176,7 @@ def test_the_action_of_a_program_is_that_of_its_data_block() -> None:
     ],
 )
 def test_what_no_statements_do_is_told(text: str, why: str) -> None:
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         rig.action("Count", m.StBody(text="n := n + 1;\nInner();"))
         rig.action("Inner", m.StBody(text=text))
         rig.act("Work", "Count")
@@ -187,7 +187,7 @@ def test_what_no_statements_do_is_told(text: str, why: str) -> None:
 
 
 def test_variables_that_nobody_else_reaches_are_told() -> None:
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         block = motor()
         assert block.interface is not None
         block.interface.sections.append(
@@ -216,7 +216,7 @@ def inner_chart(condition: str, *names: str) -> m.SfcNetwork:
     return chart
 
 
-def nested(rig: Rig) -> None:
+def nested(rig: FeatureChart) -> None:
     """A chart in an action whose step executes the chart of another action, which has actions of the block."""
     inner = inner_chart("b", "One", "Two")
     inner.step("Two").actions.append(m.ActionAssociation(id=inner.new_id(), target="r"))
@@ -247,7 +247,7 @@ def test_charts_of_actions_are_blocks_that_do_the_same() -> None:
 @pytest.mark.parametrize("source", ["plcopen", "iec-text"])
 @pytest.mark.parametrize("qualifier", ["S", "D"])
 def test_charts_of_actions_are_stored_and_delayed(source: str, qualifier: str) -> None:
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         inner = inner_chart("a", "One", "Two")
         inner.step("Two").actions.append(m.ActionAssociation(id=inner.new_id(), target="r"))
         rig.action("Inner", m.SfcBody(chart=inner))
@@ -262,7 +262,7 @@ def test_charts_of_actions_are_stored_and_delayed(source: str, qualifier: str) -
 @pytest.mark.slow
 @pytest.mark.parametrize("qualifier", ["S", "D"])
 def test_actions_of_instances_are_stored_and_delayed(qualifier: str) -> None:
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         block = motor()
         block.actions.append(m.Action(name="Turn", body=m.StBody(text="count := 3 - count;")))
         rig.project.pous.append(block)
@@ -293,7 +293,7 @@ def test_charts_of_actions_come_back() -> None:
 
 @pytest.mark.slow
 def test_the_chart_of_an_instance_is_called_there() -> None:
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         block = motor()
         block.actions.append(m.Action(name="Seek", body=m.SfcBody(chart=inner_chart("slow", "Near", "Far"))))
         rig.project.pous.append(block)
@@ -315,7 +315,7 @@ def test_the_chart_of_an_instance_is_called_there() -> None:
 def test_a_step_that_shows_later_in_codesys_is_told() -> None:
     """The action ends in the scan in which its chart goes on: CODESYS acts on that when the action begins again."""
 
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         inner = inner_chart("b", "One", "Two")
         inner.step("Two").actions.append(m.ActionAssociation(id=inner.new_id(), target="r"))
         rig.action("Inner", m.SfcBody(chart=inner))
@@ -328,7 +328,7 @@ def test_a_step_that_shows_later_in_codesys_is_told() -> None:
 
 
 def test_what_a_block_for_a_chart_cannot_have_is_told() -> None:
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         inner = inner_chart("b", "One", "Two")
         inner.step("Two").actions.append(m.ActionAssociation(id=inner.new_id(), target="a"))
         rig.action("Inner", m.SfcBody(chart=inner))
@@ -342,7 +342,7 @@ def test_what_a_block_for_a_chart_cannot_have_is_told() -> None:
 # -- maximum times
 
 
-def watched(rig: Rig, *, limited: bool = True) -> None:
+def watched(rig: FeatureChart, *, limited: bool = True) -> None:
     """A step that sets SFCError when it lasts too long, which an action reads."""
     rig.chart.step("Work").max_time = "T#50ms"
     rig.declare(m.SectionKind.OUTPUT, variable("SFCError"))
@@ -367,7 +367,7 @@ def test_a_step_that_lasts_too_long_sets_sfc_error(limited: bool) -> None:
 
 
 def test_flags_without_a_counterpart_are_told_with_the_reason() -> None:
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         watched(rig)
         flags = (m.SfcFlag.ERROR, m.SfcFlag.QUIT_ERROR, m.SfcFlag.RESET)
         rig.chart.settings = m.SfcSettings(flags={flag: m.FlagUse(use=True, declare=False) for flag in flags})
@@ -382,7 +382,7 @@ def test_flags_without_a_counterpart_are_told_with_the_reason() -> None:
 def test_inlined_statements_are_readable_and_whole() -> None:
     """A branch has a statement, a negative constant parentheses, and each statement a line of its own."""
 
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         block = motor()
         assert block.interface is not None
         block.interface.sections[-1].variables[0].initial = m.SimpleValue(text="-2")
@@ -414,7 +414,7 @@ def test_inlined_statements_are_readable_and_whole() -> None:
 def test_inputs_that_nobody_passes_are_static_variables() -> None:
     """An instance, or a variable that the block writes itself: no input of S7 is that, and no parameter gets it."""
 
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         rig.project.pous.append(motor())
         inner = inner_chart("b", "One", "Two")
         inner.step("Two").actions.append(m.ActionAssociation(id=inner.new_id(), target="Go"))
@@ -449,7 +449,7 @@ def test_inputs_that_nobody_passes_are_static_variables() -> None:
 
 
 def test_inputs_of_blocks_without_an_instance_stay_inputs() -> None:
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         rig.action("Count", m.StBody(text="g := NOT g;\nIF g THEN n := 1; END_IF;"))
         rig.act("Work", "Count")
 
@@ -460,7 +460,7 @@ def test_inputs_of_blocks_without_an_instance_stay_inputs() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("qualifier", ["N", "S", "P1"])
 def test_an_action_that_uses_data_of_steps_gets_them_passed(qualifier: str) -> None:
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         rig.declare(m.SectionKind.LOCAL, variable("Done_X"))
         rig.action("Go", m.StBody(text="IF Done.x THEN q := NOT q; END_IF;\nDone_X := NOT Work.x AND Work.t > T#1h;"))
         rig.act("Work", "Go", qualifier)
@@ -524,7 +524,7 @@ def test_a_method_that_a_block_further_down_has_too_is_no_function() -> None:
 
 
 def test_a_method_that_uses_a_step_names_it() -> None:
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         rig.pou.methods = [method("Look", "q := Done.x;")]
         rig.action("Go", m.StBody(text="Look();"))
         rig.act("Work", "Go")
@@ -535,7 +535,7 @@ def test_a_method_that_uses_a_step_names_it() -> None:
     assert item.why.endswith("let the step set a variable (N), and use that in its place")
 
 
-def edges(rig: Rig) -> None:
+def edges(rig: FeatureChart) -> None:
     """Two actions in LD with contacts of edges, which need a memory of their own."""
     for name, edge, storage in (("Mark", m.Edge.RISING, m.Storage.SET), ("Clear", m.Edge.FALLING, m.Storage.RESET)):
         nodes = [
@@ -551,7 +551,7 @@ def wired(source: int) -> m.InputPin:
     return m.InputPin(connections=[m.Connection(source=source)])
 
 
-def inner_steps(rig: Rig) -> None:
+def inner_steps(rig: FeatureChart) -> None:
     """An action that reads steps of the chart of another one."""
     rig.action("Inner", m.SfcBody(chart=inner_chart("b", "One", "Two")))
     rig.action("Tell", m.StBody(text="q := Two.X;\nr := NOT Two.X AND g;"))

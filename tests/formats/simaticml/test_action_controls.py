@@ -9,7 +9,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.report import Outcome
-from tests.conversion.features import Feature, Rig, feature_project
+from tests.conversion.features import Feature, FeatureChart, feature_project
 from tests.conversion.matrix import same_behaviour
 
 T = "T#50ms"
@@ -18,7 +18,7 @@ T = "T#50ms"
 def _chart(*rows: tuple[str, str, str, str | None], source: str = "plcopen") -> m.Project:
     """A ring of three steps with actions: step, target, qualifier, time."""
 
-    def build(rig: Rig) -> None:
+    def build(rig: FeatureChart) -> None:
         for step, target, qualifier, duration in rows:
             rig.act(step, target, qualifier, duration=duration)
 

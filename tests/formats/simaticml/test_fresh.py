@@ -75,7 +75,7 @@ def last(fact: Fact) -> str:
     return fact[0].rpartition("/")[2].partition("[")[0]
 
 
-class Written:
+class WrittenDocument:
     """A document, and the one that is written anew from its model."""
 
     def __init__(self, path: Path) -> None:
@@ -86,20 +86,20 @@ class Written:
 
 
 @pytest.fixture(scope="module", params=SOME_PARAMS)
-def written(request: pytest.FixtureRequest) -> Written:
+def written(request: pytest.FixtureRequest) -> WrittenDocument:
     """Each document once for all tests."""
-    return Written(request.param)
+    return WrittenDocument(request.param)
 
 
 @pytest.mark.slow
-def test_a_fresh_document_means_the_same(written: Written) -> None:
+def test_a_fresh_document_means_the_same(written: WrittenDocument) -> None:
     again = sfc.loads(written.fresh)
     if written.path.name not in NOT_EQUAL:
         assert again == written.project
     assert sfc.dumps(again, fresh=True) == written.fresh
 
 
-def test_a_fresh_document_says_all_but_the_documented_exceptions(written: Written) -> None:
+def test_a_fresh_document_says_all_but_the_documented_exceptions(written: WrittenDocument) -> None:
     old, new = facts(written.data), facts(written.fresh)
     differing = {last(fact) for fact in (old - new) + (new - old)}
     assert differing == DIFFERENCES.get(written.path.name, set())

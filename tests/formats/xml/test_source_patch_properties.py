@@ -57,7 +57,7 @@ def elements(draw: st.DrawFn, depth: int = 3) -> etree._Element:
 
 
 @dataclass
-class Style:
+class WritingStyle:
     """How the source is written, and what it says that the trees do not."""
 
     choose: Callable[[int], int]
@@ -79,10 +79,10 @@ _ENCODINGS = (
 
 
 @st.composite
-def styles(draw: st.DrawFn, *, unknown: bool) -> Style:
+def styles(draw: st.DrawFn, *, unknown: bool) -> WritingStyle:
     encoding, bom, declaration = draw(st.sampled_from(_ENCODINGS))
     random = draw(st.randoms(use_true_random=False))
-    return Style(
+    return WritingStyle(
         choose=random.randrange,
         newline=draw(st.sampled_from(["\n", "\r\n"])),
         indent=draw(st.sampled_from(["  ", "\t", "    ", None])),
@@ -93,7 +93,7 @@ def styles(draw: st.DrawFn, *, unknown: bool) -> Style:
     )
 
 
-def write(root: etree._Element, style: Style) -> bytes:
+def write(root: etree._Element, style: WritingStyle) -> bytes:
     """The tree as a file in an untidy handwriting."""
     newline = style.newline if style.indent is not None else ""
     text = _written(root, style, {}, 0)
@@ -104,7 +104,7 @@ def write(root: etree._Element, style: Style) -> bytes:
     return style.bom + text.encode(style.encoding, "xmlcharrefreplace")
 
 
-def _written(element: etree._Element, style: Style, scope: dict[str, str], level: int) -> str:
+def _written(element: etree._Element, style: WritingStyle, scope: dict[str, str], level: int) -> str:
     scope = dict(scope)
     parts: list[str] = []
     name = _name(element.tag, scope, parts, style, attribute=False)
@@ -121,7 +121,7 @@ def _written(element: etree._Element, style: Style, scope: dict[str, str], level
     return f"<{head}{('/>', ' />', f'></{name}>')[style.choose(3)]}"
 
 
-def _inner(element: etree._Element, style: Style, scope: dict[str, str], level: int) -> str:
+def _inner(element: etree._Element, style: WritingStyle, scope: dict[str, str], level: int) -> str:
     mixed = bool((element.text or "").strip()) or any((child.tail or "").strip() for child in element)
     pieces: list[str] = []
     for child in element:
@@ -137,7 +137,7 @@ def _inner(element: etree._Element, style: Style, scope: dict[str, str], level: 
     return lines + style.newline + style.indent * level
 
 
-def _name(tag: str, scope: dict[str, str], parts: list[str], style: Style, *, attribute: bool) -> str:
+def _name(tag: str, scope: dict[str, str], parts: list[str], style: WritingStyle, *, attribute: bool) -> str:
     uri, _, local = tag.rpartition("}")
     uri = uri[1:]
     if not uri:
@@ -154,7 +154,7 @@ def _name(tag: str, scope: dict[str, str], parts: list[str], style: Style, *, at
     return f"{prefix}:{local}" if prefix else local
 
 
-def _attribute(name: str, value: str, style: Style) -> str:
+def _attribute(name: str, value: str, style: WritingStyle) -> str:
     quote = "\"'"[style.choose(2)]
     table = {"&": "&amp;", "<": "&lt;", "\n": "&#xA;", quote: "&quot;" if quote == '"' else "&apos;"}
     if style.choose(2):
@@ -163,7 +163,7 @@ def _attribute(name: str, value: str, style: Style) -> str:
     return f"{name}{('=', ' = ')[style.choose(8) == 0]}{quote}{raw}{quote}"
 
 
-def _text(value: str, style: Style) -> str:
+def _text(value: str, style: WritingStyle) -> str:
     encodable = value.encode(style.encoding, "ignore").decode(style.encoding) == value
     if style.choose(3) == 0 and "]]>" not in value and encodable:
         cut = style.choose(len(value) + 1) if style.unknown else 0
@@ -172,7 +172,7 @@ def _text(value: str, style: Style) -> str:
     return _escaped(value, style)
 
 
-def _escaped(value: str, style: Style) -> str:
+def _escaped(value: str, style: WritingStyle) -> str:
     raw = value.replace("&", "&amp;").replace("<", "&lt;")
     raw = raw.replace(">", "&gt;") if style.choose(2) else raw.replace("]]>", "]]&gt;")
     if style.choose(2):

@@ -6,7 +6,7 @@ import pytest
 
 from plcopen_sfc.languages.declarations import read_declarations, write_data_type, write_section
 from tests.corpus import require_corpus
-from tests.languages.st_corpus import Kind, corpus_texts, distinct
+from tests.languages.st_corpus import TextKind, corpus_texts, distinct
 
 pytestmark = pytest.mark.corpus
 
@@ -14,7 +14,7 @@ pytestmark = pytest.mark.corpus
 @pytest.mark.slow
 def test_every_declaration_parses_and_comes_back() -> None:
     require_corpus()
-    texts = distinct(text for text in corpus_texts() if text.kind is Kind.DECLARATIONS)
+    texts = distinct(text for text in corpus_texts() if text.kind is TextKind.DECLARATIONS)
     assert len(texts) >= 165
     variables = 0
     for text in texts:

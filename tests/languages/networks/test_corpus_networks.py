@@ -37,7 +37,7 @@ from tests.samples import fixture_files, real_files
 KINDS = {WiredCondition: "wired", NamedCondition: "named", BodyCondition: "body"}
 
 
-class Found(NamedTuple):
+class CorpusNetwork(NamedTuple):
     """A network of a file, as text."""
 
     file: str
@@ -68,25 +68,25 @@ def bodies_in(body: Body | str | None, name: str) -> Iterator[tuple[str, FbdBody
                 yield from bodies_in(transition.condition.body, f"{name}.{transition.id}")
 
 
-def networks_in(path: Path, pou: Pou, dialect: Dialect) -> Iterator[Found]:
+def networks_in(path: Path, pou: Pou, dialect: Dialect) -> Iterator[CorpusNetwork]:
     for name, _, body in pou.named_bodies():
         for inner, network in bodies_in(body, name):
-            yield Found(path.name, inner, network.language, dialect, body_statements(network, dialect))
+            yield CorpusNetwork(path.name, inner, network.language, dialect, body_statements(network, dialect))
         if isinstance(body, SfcBody):
             chart = body.chart
             if chart.logic:
-                yield Found(path.name, name, "chart logic", dialect, chart_statements(chart, dialect))
+                yield CorpusNetwork(path.name, name, "chart logic", dialect, chart_statements(chart, dialect))
             for transition in chart.transitions:
                 if transition.condition is not None and not isinstance(transition.condition, Expression):
                     read = condition_expression(chart, transition, dialect, transitions=pou.transitions)
                     kind = f"condition ({KINDS[type(transition.condition)]})"
-                    yield Found(path.name, f"{name}: {chart.label(transition)}", kind, dialect, read)
+                    yield CorpusNetwork(path.name, f"{name}: {chart.label(transition)}", kind, dialect, read)
 
 
 @cache
-def networks(corpus: bool) -> list[Found]:
+def networks(corpus: bool) -> list[CorpusNetwork]:
     """Every network, each text of a network once."""
-    found: dict[object, Found] = {}
+    found: dict[object, CorpusNetwork] = {}
     for path in real_files() if corpus else fixture_files():
         for pou in sfc.load(path).pous:
             for one in networks_in(path, pou, dialect_of(path)):
@@ -94,14 +94,14 @@ def networks(corpus: bool) -> list[Found]:
     return list(found.values())
 
 
-def again(found: Found, *, ladder: bool) -> NetworkStatements:
+def again(found: CorpusNetwork, *, ladder: bool) -> NetworkStatements:
     """A text drawn and read again. Of a condition, what must be executed before it is drawn too."""
     rules = DrawingRules(found.dialect, instances=found.read.instances)
     drawn = (draw_ld if ladder else draw_fbd)(statements_of(found).statements, rules)
     return body_statements(drawn.body, found.dialect)
 
 
-def statements_of(found: Found) -> n.Statements:
+def statements_of(found: CorpusNetwork) -> n.Statements:
     read = found.read
     if isinstance(read, NetworkStatements):
         return read.tree
@@ -109,11 +109,11 @@ def statements_of(found: Found) -> n.Statements:
     return n.Statements((*read.before, n.Assignment(n.Name("Condition"), read.tree)))
 
 
-def errors(found: Found) -> list[str]:
+def errors(found: CorpusNetwork) -> list[str]:
     return [problem.message for problem in found.read.problems if problem.severity is Severity.ERROR]
 
 
-def unstable(all_networks: list[Found]) -> list[str]:
+def unstable(all_networks: list[CorpusNetwork]) -> list[str]:
     """The networks that do not come back the same from being drawn."""
     failed = []
     for found in all_networks:
@@ -194,9 +194,9 @@ def test_what_of_the_corpus_is_assumed() -> None:
 
 
 @cache
-def networks_of_tia_portal() -> list[Found]:
+def networks_of_tia_portal() -> list[CorpusNetwork]:
     """Every network of TIA Portal, each text once."""
-    found: dict[object, Found] = {}
+    found: dict[object, CorpusNetwork] = {}
     for path in corpus_files("simaticml"):
         try:
             project = sfc.load(path)

@@ -28,7 +28,7 @@ from plcopen_sfc.languages.st.literals import (
 )
 from plcopen_sfc.model.dialect import Dialect
 from tests.corpus import require_corpus
-from tests.languages.st_corpus import Kind, corpus_texts, distinct
+from tests.languages.st_corpus import TextKind, corpus_texts, distinct
 
 MS = SECOND // 1000
 HOUR = 3600 * SECOND
@@ -279,8 +279,8 @@ def test_every_literal_of_the_corpus_has_a_value() -> None:
     require_corpus()
     unknown = set()
     count = 0
-    for each in distinct(text for text in corpus_texts() if text.kind is not Kind.DECLARATIONS):
-        parse = parse_expression if each.kind is Kind.EXPRESSION else parse_statements
+    for each in distinct(text for text in corpus_texts() if text.kind is not TextKind.DECLARATIONS):
+        parse = parse_expression if each.kind is TextKind.EXPRESSION else parse_statements
         parsed: Parsed[Any] = parse(each.text, each.dialect)
         for node in walk(parsed.tree):
             if isinstance(node, n.Literal):

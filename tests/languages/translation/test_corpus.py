@@ -11,7 +11,7 @@ from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.translation import Translated, TranslationContext, translate, translate_text
 from plcopen_sfc.model.dialect import Dialect
 from tests.corpus import require_corpus
-from tests.languages.st_corpus import CorpusText, Kind, corpus_texts, distinct
+from tests.languages.st_corpus import CorpusText, TextKind, corpus_texts, distinct
 from tests.sweeps import WHOLE, in_turn
 
 # What stays and does not parse in the target: references of CODESYS, jumps in IEC 61131-3.
@@ -24,12 +24,12 @@ LEFT_AS_THEY_STAND = {
 
 def _texts() -> list[CorpusText]:
     require_corpus()
-    return distinct(text for text in corpus_texts() if text.kind in (Kind.STATEMENTS, Kind.EXPRESSION))
+    return distinct(text for text in corpus_texts() if text.kind in (TextKind.STATEMENTS, TextKind.EXPRESSION))
 
 
 def _translated(text: CorpusText, target: Dialect, context: TranslationContext) -> Translated:
     return translate_text(
-        text.text, "statements" if text.kind is Kind.STATEMENTS else "expression", text.dialect, target, context
+        text.text, "statements" if text.kind is TextKind.STATEMENTS else "expression", text.dialect, target, context
     )
 
 

@@ -168,7 +168,7 @@ def test_what_something_writes_is_no_free_input() -> None:
     assert recorder.asked == ["e"]
 
 
-class Probe:
+class AnyNumber:
     """Stands for any number."""
 
     def __gt__(self, other: object) -> bool:
@@ -177,7 +177,7 @@ class Probe:
 
 def test_free_inputs_may_be_anything_that_can_be_compared() -> None:
     text = "PROGRAM Main\nVAR_INPUT n : INT; END_VAR VAR x, y : BOOL; END_VAR\nx := n > 5; y := n > 6;\nEND_PROGRAM"
-    instance = start(text, read_input=lambda _: Probe())
+    instance = start(text, read_input=lambda _: AnyNumber())
     instance.scan()
     assert (instance["x"], instance["y"]) == (True, False)
 
