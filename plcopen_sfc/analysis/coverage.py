@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -206,9 +206,14 @@ class Tally:
         return len(self.reached(kind) & everything), len(everything)
 
     def coverage(
-        self, *, complete: bool, chart: Unreachable | None = None, never: Sequence[Expression] = ()
+        self,
+        *,
+        complete: bool,
+        chart: Unreachable | None = None,
+        never: Sequence[Expression] = (),
+        is_late: Callable[[], bool] = lambda: False,
     ) -> Coverage:
-        """Return the coverage. `complete`: all that the system can do was searched.
+        """Return the coverage. `complete`: all that the system can do was searched; `is_late`: no time is left.
 
         Of code that does the same as a chart: what nothing reaches there, and flags of steps that are `never` TRUE.
         """
@@ -229,26 +234,31 @@ class Tally:
         unreached: list[Unreached] = []
         if any(missing.values()):
             deciding = {_key(part): part for part in self.parts or ()}
-            unreachable = unreachable_in(self.system, chart, never)
+            unreachable = unreachable_in(self.system, chart, never, is_late)
             reasons = _Reasons(self.system, reached, deciding, unreachable, complete=complete)
             unreached = [reasons.of(kind, key) for kind in kinds for key in missing[kind]]
         return Coverage(self.system.subject.name, counts, tuple(unreached))
 
 
 def coverage_of(
-    tallies: tuple[Tally, Tally], pairs: Iterable[tuple[Observation, Observation]], *, complete: bool
+    tallies: tuple[Tally, Tally],
+    pairs: Iterable[tuple[Observation, Observation]],
+    *,
+    complete: bool,
+    is_late: Callable[[], bool] = lambda: False,
 ) -> tuple[Coverage, Coverage]:
     """Return the coverage of two sides, of which `pairs` are compared: a chart tells of code beside it."""
     left, right = tallies
+    own = left.coverage(complete=complete, is_late=is_late)
     if not _charts(left.system) or _charts(right.system):
-        return left.coverage(complete=complete), right.coverage(complete=complete)
-    chart = unreachable_in(left.system)
+        return own, right.coverage(complete=complete, is_late=is_late)
+    chart = unreachable_in(left.system, is_late=is_late)
     dead = chart.dead_paths()
     flags = [
         parse_condition(str(code), right.system.subject.project.dialect) for own, code in pairs if own.path in dead
     ]
     never = [flag.tree for flag in flags if flag.tree is not None]
-    return left.coverage(complete=complete), right.coverage(complete=complete, chart=chart, never=never)
+    return own, right.coverage(complete=complete, chart=chart, never=never, is_late=is_late)
 
 
 def any_untested(coverage: Sequence[Coverage]) -> bool:
@@ -344,7 +354,10 @@ def _outcome_key(branch: MarkedBranch, text: str, value: bool) -> Key:
 
 
 def unreachable_in(
-    system: ProgramSystem, chart: Unreachable | None = None, never: Sequence[Expression] = ()
+    system: ProgramSystem,
+    chart: Unreachable | None = None,
+    never: Sequence[Expression] = (),
+    is_late: Callable[[], bool] = lambda: False,
 ) -> Unreachable:
     """Return what nothing can reach; of sequencers of S7-GRAPH and charts with forcing orders that is not known.
 
@@ -353,7 +366,8 @@ def unreachable_in(
     charts = _charts(system)
     fired = {name: chart.reached.transitions for name, chart in charts}
     known = not any(isinstance(each, GraphProgram) or each.net.hierarchy for _, each in charts)
-    return Unreachable(system, {name: each.net for name, each in charts} if known else {}, fired, chart, never)
+    nets = {name: each.net for name, each in charts} if known else {}
+    return Unreachable(system, nets, fired, chart, never, is_late=is_late)
 
 
 class _Reasons:

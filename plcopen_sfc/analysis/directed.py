@@ -141,11 +141,11 @@ class DirectedSearch:
         self._stopped = ""
         self._chance = Random(f"{seed}")  # noqa: S311  # no secret
         leading = int(not left.instance.charts() and bool(right.instance.charts()))
-        self._goals = Goals(self._sides[leading], signals, parts[leading])
+        self._goals = Goals(self._sides[leading], signals, parts[leading], look)
         self._parts = parts
         self._with_parts = [self._goals]
         other = self._sides[1 - leading]
-        self._others = Goals(other, signals, parts[1 - leading])
+        self._others = Goals(other, signals, parts[1 - leading], look)
         for goal in chain(self._others.branches, self._others.parts):
             goal.leads = False
         has_outcomes = not all(branch.is_statement for branch in other.marks.branches)
@@ -288,7 +288,7 @@ class DirectedSearch:
             if is_stuck and self._dead is None:
                 leading = self._goals.system
                 present = leading.snapshot()  # first values are asked for, too
-                self._dead = self._goals.impossible(unreachable_in(leading))
+                self._dead = self._goals.impossible(unreachable_in(leading, is_late=self._is_late))
                 leading.restore(present)
             else:
                 self._looks_aside ^= is_stuck
@@ -302,6 +302,9 @@ class DirectedSearch:
         if len(self._states) >= _MOST_STATES:
             return
         self._keep(row, self._at, self._way, key, distance)
+
+    def _is_late(self) -> bool:
+        return bool(self._look_at_time(self._scans))
 
     def _keep(self, row: Row, parent: int, way: list[Step], key: Any = None, distance: float = float("inf")) -> None:
         number = len(self._states)

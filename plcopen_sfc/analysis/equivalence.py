@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from time import monotonic
 from typing import Any, NamedTuple, Protocol, TypedDict
@@ -186,16 +186,28 @@ def equivalent(
 
 
 def _best_of(wanted: Sequence[Delay], compared: _Compared, tries: _Tries) -> Verdict:
-    """Compare with several delays: the first proof counts, else the best verdict, else the longest trace."""
-    longest: tuple[int, Delay] | None = None
+    """Compare with several delays: the first proof counts, else the best verdict, else the longest trace.
+
+    Both sides are prepared for each delay, which takes longer than a short limit where they are large. Then the
+    likeliest delay comes first, and no other where that one shows no difference. A delay that no time is left for is
+    not known to make a difference.
+    """
+    longest: tuple[int, Delay, Verdict | None] | None = None
     best: Verdict | None = None
     end = monotonic() + tries.limit if tries.limit is not None else None
+    if tries.limit is not None and 2 * len(wanted) * compared.preparing > tries.limit:
+        wanted = sorted(wanted, key=lambda each: not each.retimed)
     for each in wanted:
+        length: int | None = None
+        found: Verdict | None = None
+        is_short = False
         if end is not None:
             tries = tries._replace(limit=end - monotonic())
-            if best is not None and end <= monotonic():
+            is_short = end <= monotonic() + compared.preparing
+            if best is not None and is_short:
                 break
-        length = compared.quick_difference(each, tries)
+        if not is_short:
+            length = compared.quick_difference(each, tries)
         if length is None:
             found = compared.verdict(each, tries)
             if found.proven or found.interrupted:
@@ -208,10 +220,14 @@ def _best_of(wanted: Sequence[Delay], compared: _Compared, tries: _Tries) -> Ver
             length = len(found.counterexample.inputs)
         length -= abs(each.queued)  # scans without a counterpart
         if longest is None or length > longest[0]:
-            longest = length, each
+            longest = length, each, found
     if best is not None:
         return best
     assert longest is not None  # noqa: S101  # at least one was tried
+    if longest[2] is not None:
+        return longest[2]
+    if end is not None and tries.whole is not None:
+        tries = tries._replace(limit=max(end - monotonic(), tries.whole / 2))
     return compared.verdict(longest[1], tries)
 
 
@@ -260,10 +276,17 @@ class _Compared:
     free_inputs: tuple[str, ...]
     left_out: str | None
     functions: Mapping[str, Callable[..., Any]]
+    spans: list[float] = field(default_factory=list)
+    """Seconds that it took to prepare both sides, each time."""
+
+    @property
+    def preparing(self) -> float:
+        """Seconds that it takes to prepare both sides for a delay; 0 where that was not done yet."""
+        return max(self.spans, default=0.0)
 
     def check_freed(self) -> None:
         """Refuse names of variables that neither system can have as an input."""
-        systems = self._systems(NO_DELAY) if self.free_inputs else ()
+        systems = self._plain if self.free_inputs else ()
         names = {name.casefold() for system in systems for name in system.inputs}
         known = names | {re.split(r"[.\[]", name)[0] for name in names}
         for name in self.free_inputs:
@@ -284,7 +307,7 @@ class _Compared:
     @cached_property
     def can_be_retimed(self) -> bool:
         """True if the scans of sides that execute actions first can be cut elsewhere."""
-        left, right = self._systems(NO_DELAY)
+        left, right = self._plain
         return all(
             system.is_retimable
             for system, profile in zip((left, right), self.profiles, strict=True)
@@ -298,7 +321,7 @@ class _Compared:
         if not own:
             return {}
         named = {name.upper() for pair in self.inputs.items() for name in pair}
-        found = {name: signal for system in self._systems(NO_DELAY) for name, signal in system.inputs.items()}
+        found = {name: signal for system in self._plain for name, signal in system.inputs.items()}
         return {n: signal.default for n, signal in found.items() if n.upper() in own - named}
 
     @cached_property
@@ -313,7 +336,13 @@ class _Compared:
         steps = step_observations(left, right, self.step_flags)
         return [], [other.path for _, _, other in steps if not other.bit]
 
+    @cached_property
+    def _plain(self) -> tuple[ProgramSystem, ProgramSystem]:
+        """Both sides without a delay, to look at what they have."""
+        return self._systems(NO_DELAY)
+
     def _systems(self, delay: Delay) -> tuple[ProgramSystem, ProgramSystem]:
+        start = monotonic()
         profiles = [retimed(each) if delay.retimed else each for each in self.profiles]
         later_start = 0
         if self.passes_start:
@@ -330,6 +359,7 @@ class _Compared:
             )
             for subject, profile, flags in zip(self.subjects, profiles, self._flags, strict=True)
         )
+        self.spans.append(monotonic() - start)
         if self.left_out is not None:
             right.leave_out(self.left_out)
         heed_instability(left, right)
@@ -493,7 +523,7 @@ class _Attempt:
         frozen = tuple(dict.fromkeys([*left.frozen(), *right.frozen()]))
         failed = next((note for note in found.notes if note.startswith(BOTH_FAIL)), "")
         covered = found.complete and not frozen and not failed
-        coverage = coverage_of(self._tallies, comparison.pairs, complete=covered)
+        coverage = coverage_of(self._tallies, comparison.pairs, complete=covered, is_late=self._watch.is_late)
         equal = VerdictKind.PROVEN if found.complete else VerdictKind.TESTED
         reason = "; ".join(dict.fromkeys(filter(None, (found.reason, ran.stopped))))
         interrupted = reason.endswith(INTERRUPTED)

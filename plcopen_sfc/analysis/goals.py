@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import date, timedelta
 from functools import cached_property
-from itertools import chain, islice
+from itertools import chain, islice, takewhile
 from typing import Any, cast
 
 from plcopen_sfc.analysis.deciding_parts import ConditionPart, ConditionParts
@@ -96,9 +96,14 @@ class _Solving:
 
 
 class Goals:
-    """The conditions of one system, and what is known of them. `signals`: the inputs that both systems share."""
+    """The conditions of one system, and what is known of them. `signals`: the inputs that both systems share.
 
-    def __init__(self, system: ProgramSystem, signals: Mapping[str, Signal], parts: ConditionParts) -> None:
+    `look` tells when there is no time to look at more of them.
+    """
+
+    def __init__(
+        self, system: ProgramSystem, signals: Mapping[str, Signal], parts: ConditionParts, look: Callable[[int], str]
+    ) -> None:
         self.system = system
         self._signals = signals
         self._shared = {own.casefold(): name for own, name in system.shared_names().items()}
@@ -118,9 +123,9 @@ class Goals:
             if chart in self._own:
                 self.transitions[number] = [self._of_transition(number, each) for each in chart.net.transitions]
         self.actions = [goal for number, _ in enumerate(self.charts) for goal in self._of_actions(number)]
-        self._find_branches()
-        self.parts = [self._of_part(part) for part in parts]
-        self.bounds = list(islice(self._of_bounds(), _MOST_BRANCHES))
+        self._find_branches(look)
+        self.parts = [self._of_part(part) for part in parts if not look(0)]
+        self.bounds = list(islice(takewhile(lambda _: not look(0), self._of_bounds()), _MOST_BRANCHES))
         self._library.link()
 
     # -- which
@@ -143,12 +148,12 @@ class Goals:
             self._measure(goal)
         return goal
 
-    def _find_branches(self) -> None:
+    def _find_branches(self, look: Callable[[int], str]) -> None:
         marks = self.system.marks
         own = self.system.subject.pou.name
         for number, branch in enumerate(marks.branches):
             goals = self.branches if branch.is_statement else self.outcomes
-            if len(goals) >= _MOST_BRANCHES:
+            if len(goals) >= _MOST_BRANCHES or look(0):
                 continue
             inside = branch.owner == own or branch.owner.startswith((f"{own}.", f"{own} "))
             if not branch.guards or not inside:

@@ -31,6 +31,9 @@ INTERRUPTED = "interrupted"
 _PROVING = 0.5
 """The part of the time that the search for a proof may take, so that some is left where it finds none."""
 
+_EXPLAINING = 0.5
+"""The part of the time that may come on top of it, to find out why something was not reached."""
+
 _PAUSE = 0.1
 """Seconds between two reports of progress."""
 
@@ -92,6 +95,12 @@ class SearchWatch:
         if self.proving and self._limit > 0:
             share = "half of " if self._limit == self._whole else "half of what was left of "
         return f"{share}the time limit of {self._whole:.3g} s was reached"
+
+    def is_late(self) -> bool:
+        """True if no time is left to find out why something was not reached."""
+        if self._limit is None:
+            return False
+        return monotonic() - self._start >= self._limit + (self._whole or 0) * _EXPLAINING
 
 
 def seconds(limit: float | str | None) -> float | None:

@@ -7,7 +7,7 @@ transitions are looked at in turn until nothing more is found to be possible.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 
 from plcopen_sfc.analysis.exclusivity import condition_of
@@ -40,7 +40,7 @@ class Unreachable:
     """Looks at the charts of a system; `nets` are those that are looked at, by name, `fired` what fired somewhere.
 
     Code that does the same as a `chart` executes no text of it that the chart never executes; `never`: conditions that
-    are then never TRUE in the code.
+    are then never TRUE in the code. `is_late` tells that no more can be proven, for want of time.
     """
 
     def __init__(
@@ -50,8 +50,11 @@ class Unreachable:
         fired: Mapping[str, int],
         chart: Unreachable | None = None,
         never: Sequence[Expression] = (),
+        *,
+        is_late: Callable[[], bool] = lambda: False,
     ) -> None:
         self._system = system
+        self._is_late = is_late
         self._pou = system.subject.pou
         self._nets = nets
         self._fired = fired
@@ -102,6 +105,8 @@ class Unreachable:
 
     def is_impossible(self, trees: Sequence[Expression], chart: SfcNetwork | None, called: str | None = None) -> bool:
         """True if conditions in a chart, or in a called POU of a name, are never TRUE together."""
+        if self._is_late():
+            return False
         if called is None:
             return self._is_impossible(trees, chart, self._fixed)
         formula = Formula(self._system.subject.project.dialect, self._knowledge.at(self._system.called_pous()[called]))
@@ -296,6 +301,8 @@ class Unreachable:
 
     def _is_impossible(self, trees: Sequence[Expression], chart: SfcNetwork | None, fixed: set[str]) -> bool:
         """Return True if one of some conditions is FALSE while some variables are not written."""
+        if self._is_late():
+            return False
         formula = Formula(self._system.subject.project.dialect, self._knowledge.at(self._pou, chart))
         terms = formula.terms([JudgedCondition(tree) for tree in (*trees, *self._known)])
         known = {}

@@ -1,4 +1,6 @@
-"""Structures in the place of types that no file of a project declares, so that its charts can be run.
+"""Declarations that the charts of a project need to be run beside those of another: missing types, and inputs.
+
+Structures are in the place of types that no file of a project declares.
 
 An export of single blocks lacks the types that other files declare. What the blocks use of their variables tells the
 members: the simulator takes each such name for a variable of the type that its first use asks for. As a structure, the
@@ -8,12 +10,13 @@ variable can also be passed to the functions that a conversion makes of actions.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from copy import deepcopy
 
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import DataTypeDeclaration, DerivedType, StructType, Variable
+from plcopen_sfc.model.variables import SectionKind, VariableSection
 from plcopen_sfc.semantics.simulation import Simulation
 from plcopen_sfc.semantics.subjects import resolve
 
@@ -52,6 +55,21 @@ def with_types(project: Project, types: list[DataTypeDeclaration]) -> Project:
     """Return a copy of a project that declares `types`, too."""
     copied = deepcopy(project)
     copied.data_types += deepcopy(types)
+    return copied
+
+
+def with_inputs(project: Project, names: Mapping[str, Collection[str]]) -> Project:
+    """Return a project in which local variables are inputs: their names by those of the POUs."""
+    if not names:
+        return project
+    copied = deepcopy(project)
+    for pou in copied.pous:
+        inputs = names.get(pou.name, ())
+        if inputs and pou.interface is not None:
+            moved = [variable for variable in pou.variables(SectionKind.LOCAL) if variable.name in inputs]
+            for section in pou.interface.sections:
+                section.variables = [each for each in section.variables if each not in moved]
+            pou.interface.sections.append(VariableSection(kind=SectionKind.INPUT, variables=moved))
     return copied
 
 

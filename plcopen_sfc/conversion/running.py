@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
-from plcopen_sfc.conversion.assumed_types import assumed_types, with_types
+from plcopen_sfc.conversion.assumed_types import assumed_types, with_inputs, with_types
 from plcopen_sfc.conversion.causes import concerns, times_among, told_apart, told_difference, told_while_held
 from plcopen_sfc.conversion.executed_parts import (
     FIRST_SCAN,
@@ -87,8 +87,10 @@ def report_running(
     undeclared = {item.why.split("`")[1].casefold() for item in report.losses if item.what == UNDECLARED_TYPE}
     assumed = assumed_types(source, undeclared) if undeclared else []
     undeclared -= {declaration.name.casefold() for declaration in assumed}
-    running = [with_types(project, assumed) if assumed else project for project in (source, result)]
-    for there, here in list(_pairs(source, result, called)):
+    pairs = list(_pairs(source, result, called))
+    asked = with_inputs(result, _kept_inside(pairs, called))
+    running = [with_types(project, assumed) if assumed else project for project in (source, asked)]
+    for there, here in pairs:
         named = {item.outcome for item in losses if concerns(item, there.report_path)}
         types = [name for variable in there.pou.variables() for name in used_types(variable.type)]
         unknown = next((name for name in types if name.casefold() in undeclared), None)
@@ -294,6 +296,21 @@ def _renamed_variables(here: Chart, called: Mapping[str, str]) -> dict[str, str]
         if variable.name not in external:
             found.pop(variable.name, None)
     return found | {name: ObjectPath.of(called[own + name]).last for name in plain if " / " not in name}
+
+
+def _kept_inside(pairs: Sequence[tuple[Chart, Chart | None]], called: Mapping[str, str]) -> dict[str, set[str]]:
+    """Return the inputs of the source that are static variables in the result, by POUs of it: S7 writes no inputs.
+
+    Nothing passes them: in both tools others write them between calls.
+    """
+    found: dict[str, set[str]] = {}
+    for there, here in pairs:
+        if here is not None:
+            renamed = _renamed_variables(here, called)
+            inputs = {each.name.casefold() for each in there.pou.variables(SectionKind.INPUT)}
+            inside = {each.name for each in here.pou.variables(SectionKind.LOCAL)}
+            found[here.pou.name] = {name for name in inside if renamed.get(name, name).casefold() in inputs}
+    return {pou: names for pou, names in found.items() if names}
 
 
 def _executed_inputs(report: ConversionReport, chart: Chart) -> dict[str, str]:

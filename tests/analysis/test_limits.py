@@ -7,8 +7,9 @@ from time import monotonic
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
+from plcopen_sfc.analysis import Verdict, VerdictKind, equivalence, equivalent
 from plcopen_sfc.analysis.search_limits import seconds
+from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.analysis.verdict import UntestedError
 from plcopen_sfc.errors import InputError
 from plcopen_sfc.model import Project
@@ -60,6 +61,17 @@ def test_nothing_is_called_equal_before_the_first_scan() -> None:
     assert (verdict.equal, verdict.scans) == (False, 0)
     assert "no scan was run" in str(verdict)
     assert "equal" not in str(verdict)
+
+
+def test_no_more_delays_are_prepared_than_there_is_time_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[object] = []
+    monkeypatch.setattr(equivalence, "ProgramSystem", lambda *a, **k: made.append(a) or ProgramSystem(*a, **k))
+    both = project("c"), project("NOT c")
+    verdict = equivalent(*both, ("iec", "codesys"), delay="auto", limit=0.000_001)
+    assert verdict.kind is VerdictKind.UNTESTED  # other delays might do, so nothing is called different either
+    assert verdict.delay.retimed  # the likeliest delay between tools that execute actions first and last
+    assert len(made) == 4  # two to look at, two to compare
+    assert "(proven)" not in str(verdict)  # and no time for reasons
 
 
 @pytest.mark.parametrize("limit", ["abc", "5 x", "T#1", "0s", "1,5"])

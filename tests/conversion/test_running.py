@@ -101,6 +101,15 @@ def test_a_pulse_of_the_initial_step_that_matiec_does_not_execute_is_told_as_suc
     assert "keine Aktivierung des Anfangsschritts" in german(item.why)
 
 
+def test_an_input_that_its_block_writes_is_one_in_the_run_as_well() -> None:
+    text = CHART.format(first="Take(N);", second="", initial="", edge="", actions="ACTION Take: a := FALSE; END_ACTION")
+    user = "PROGRAM User VAR main : Main; END_VAR main.a := main.m = 0; main(b := TRUE); END_PROGRAM"
+    report = saved(sfc.loads((text + user).encode(), format="iec-text"), "simaticml")
+    assert [item.path for item in report.items if item.what == "section"] == ["POU Main / a"]  # static: S7 writes none
+    assert report.compared["POU Main"].startswith("equal (proof")
+    assert not [item for item in report.losses if item.what == "chart"]
+
+
 CALLED = """VAR_GLOBAL b : BOOL; END_VAR
 FUNCTION_BLOCK Inner VAR_OUTPUT seen : BOOL; END_VAR VAR_EXTERNAL b : BOOL; END_VAR seen := b; END_FUNCTION_BLOCK
 FUNCTION_BLOCK Sampler VAR inner : Inner; END_VAR VAR_OUTPUT seen : BOOL; END_VAR
