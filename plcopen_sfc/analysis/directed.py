@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import heapq
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain, islice
@@ -94,6 +95,11 @@ class _State:
     distance: float
     rounds: int = 0
 
+    @property
+    def situation(self) -> Any:
+        """The situations of the charts of both sides."""
+        return self.key and (self.key[0], self.key[3])
+
 
 @dataclass(frozen=True)
 class Directed:
@@ -170,6 +176,7 @@ class DirectedSearch:
         self._states: list[_State] = []
         self._by_key: dict[Any, int] = {}
         self._waiting: list[tuple[int, int, float, int, int]] = []
+        self._visits: Counter[Any] = Counter()
         self._frontier: list[Goal] = []
         self._reached = -1
         self._progress = 0
@@ -340,7 +347,7 @@ class DirectedSearch:
     def _push(self, number: int) -> None:
         state = self._states[number]
         is_near = self._is_near(state)
-        order = (0.0, -number) if is_near else (state.distance, number)
+        order = (float(self._visits[state.situation]), -number) if is_near else (state.distance, number)
         heapq.heappush(self._waiting, (state.rounds, not is_near, *order, number))
 
     def _is_near(self, state: _State) -> bool:
@@ -356,12 +363,15 @@ class DirectedSearch:
 
     def _next(self) -> int:
         while True:
-            _, was_far, *_, number = heapq.heappop(self._waiting)
+            _, was_far, visits, _, number = heapq.heappop(self._waiting)
             state = self._states[number]
-            if not was_far and not self._is_near(state):  # what it was near to was reached meanwhile
-                self._push(number)
+            if not was_far and not (self._is_near(state) and visits == self._visits[state.situation]):
+                self._push(
+                    number
+                )  # what it was near to was reached meanwhile, or others of its situation had their turn
                 continue
             if state.rounds == 0 or self._by_key.get(state.key) == number:  # else a nearer one is in its place
+                self._visits[state.situation] += 1
                 return number
 
     # -- going on
@@ -418,6 +428,16 @@ class DirectedSearch:
             return values is not None
 
         hoped: list[Row] = []
+        after: list[Row] = []
+
+        def try_part(goals: Goals, goal: Goal, values: Row | None) -> None:
+            if goal.tries >= _TRIES:
+                return
+            later = goals.solve_after(goal) if values is None else None
+            if add(values) or later is not None:
+                goal.tries += 1
+            after.extend([later] if later is not None else [])
+
         for goal in enabled:
             others = [each for each in enabled if each is not goal and each.tree is not None]
             before = [each for each in others if each.sources & goal.sources and each.chart == goal.chart]
@@ -436,17 +456,20 @@ class DirectedSearch:
                     add(goals.solve([goal], []))
         for goals in self._with_parts:
             for goal in chain(goals.open_actions(), goals.open_parts()):
-                if goal.tries < _TRIES and add(goals.solve_part(goal)):
-                    goal.tries += 1
+                try_part(goals, goal, goals.solve_part(goal))
             for goal in goals.open_bounds(_BOUND_TRIES):
                 bounds += self._at_bound(goals.solve([goal], []))
             for goal in goals.open_outcomes():
-                if goal.tries < _TRIES and add(goals.solve([goal], [])):
-                    goal.tries += 1
+                try_part(goals, goal, goals.solve([goal], []))
         for row in rows:
             self._begin(number)
             if self._scan(row):
                 self._wait(row)
+        for values in after:
+            row = {**state.row, **values}
+            self._begin(number)
+            if self._scan({name: False if name in values and value is True else value for name, value in row.items()}):
+                self._scan(row)
         for values in bounds:
             self._begin(number)
             self._scan({**state.row, **values})

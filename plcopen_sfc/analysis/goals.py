@@ -339,6 +339,12 @@ class Goals:
         found = self.solve([goal], competing)
         return found if found is not None or not competing else self.solve([goal], [])
 
+    def solve_after(self, goal: Goal) -> dict[str, Value] | None:
+        """Values of inputs with which a goal is reached if a scan with other ones comes before, as an edge asks for."""
+        if goal.origin is None or (goal.sources and goal.sources & ~self.markings()[goal.chart]):
+            return None
+        return self.solve([goal.origin], [], remembering=False)
+
     def markings(self) -> tuple[int, ...]:
         """Return the situations of all charts in which the next scan begins."""
         return tuple([chart.situation(frame) for chart, frame in self.charts])
@@ -444,28 +450,31 @@ class Goals:
     # -- which inputs
 
     def solve(
-        self, wanted: Sequence[Goal], unwanted: Sequence[Goal], *, hoping: bool = False
+        self, wanted: Sequence[Goal], unwanted: Sequence[Goal], *, hoping: bool = False, remembering: bool = True
     ) -> dict[str, Value] | None:
         """Values of inputs with which some conditions are TRUE and others FALSE now; None where there are none.
 
-        All but inputs have their present values, or, `hoping`, any. Only as good as what z3 knows of the conditions.
+        All but inputs have their present values, or, `hoping`, any. Not `remembering`, what permanent statements keep
+        from scan to scan has any value. Only as good as what z3 knows of the conditions.
         """
         goals = [*wanted, *unwanted]
         if any(goal.tree is None for goal in goals):
             return None
         parts = [self._solving(goal) for goal in goals]
         known: dict[str, Any] = {}
+        kept = self._assigned
         for goal, part in zip(goals, parts, strict=True):
             for text in part.inner if not hoping else ():
-                if text.casefold().partition(".")[0] not in goal.own:
+                if text.casefold().partition(".")[0] not in goal.own and (remembering or text.casefold() not in kept):
                     known[text] = self._present(text)
-        key = (hoping, tuple(map(id, wanted)), tuple(sorted(known.items(), key=lambda each: each[0])))
+        of = tuple(map(id, wanted)), tuple(map(id, unwanted))
+        key = (hoping, of, tuple(sorted(known.items(), key=lambda each: each[0])))
         cache = parts[0].found
         if key not in cache:
             cache[key] = self._solved(wanted, unwanted, known)
             if cache[key] is None and any(each.origin is not None for each in goals):
                 first, other = ([each.origin or each for each in some] for some in (wanted, unwanted))
-                cache[key] = self.solve(first, other, hoping=hoping)
+                cache[key] = self.solve(first, other, hoping=hoping, remembering=remembering)
         return cache[key]
 
     def _solving(self, goal: Goal) -> _Solving:

@@ -332,3 +332,25 @@ def test_a_situation_is_held_for_branches_that_wait_for_a_time_in_it() -> None:
     assert proof.equal, str(proof)
     reached, of_all = proof.coverage[1].counts["assignment"]
     assert reached == of_all > 90
+
+
+EDGES = """PROGRAM Main VAR_INPUT go, man, auto, back : BOOL; sel : INT; END_VAR
+VAR go_edge, go_before, man_edge, man_before, auto_edge, auto_before, is_man : BOOL; END_VAR
+INITIAL_STEP S1: Edges(S); END_STEP
+STEP S2: END_STEP
+TRANSITION FROM S1 TO S2 := (is_man AND sel = 7 AND go_edge) OR (NOT is_man AND back); END_TRANSITION
+TRANSITION FROM S2 TO S1 := is_man AND sel = 8 AND go_edge; END_TRANSITION
+ACTION Edges:
+go_edge := go AND NOT go_before; go_before := go;
+man_edge := man AND NOT man_before; man_before := man;
+auto_edge := auto AND NOT auto_before; auto_before := auto;
+is_man := man_edge OR (is_man AND NOT auto_edge);
+END_ACTION
+END_PROGRAM"""
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
+def test_edges_and_modes_of_permanent_statements_are_reached(profile: str) -> None:
+    chart = sfc.loads(EDGES.encode(), format="iec-text")
+    found = equivalent(chart, chart, profile, cap=1, runs=10, scans=50)
+    assert found.kind is VerdictKind.TESTED, str(found)
