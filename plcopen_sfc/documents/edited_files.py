@@ -165,14 +165,14 @@ class _Excerpt:
 
     An edit of one POU of many then costs what that POU costs. `content` is the file, `before` the project in it and
     `project` that with the edits; both have the emptied POUs. `contents` are what these have in the file, by their
-    numbers among all POUs.
+    numbers among all POUs, without copies of it.
     """
 
     content: bytes
     before: Project
     project: Project
     tag: str
-    contents: Mapping[int, str]
+    contents: Mapping[int, memoryview]
 
     @classmethod
     def of(cls, project: Project, source: FileSource, codec: XmlCodec) -> _Excerpt | None:
@@ -185,9 +185,11 @@ class _Excerpt:
             return None
         text, encoding = decode_xml(source.content)
         spans = outermost_elements(text, codec.pou_tag)
-        if len(spans) != len(project.pous) or encoding.encode(text) != source.content:
+        if len(spans) != len(project.pous) or not encoding.is_reversible(text, source.content):
             return None
-        contents = {number: text[spans[number].open_end : spans[number].close_start] for number in same}
+        places = iter(encoding.positions(text, [each for span in spans for each in (span.open_end, span.close_start)]))
+        inner = [memoryview(source.content)[start:end] for start, end in zip(places, places, strict=True)]
+        contents = {number: inner[number] for number in same}
         edits = [Edit(spans[number].open_end, spans[number].close_start, "") for number in same]
         content = encoding.encode(apply_edits(text, edits))
         before = codec.read(content).project
@@ -209,13 +211,17 @@ class _Excerpt:
         old, _ = decode_xml(self.content)
         new, encoding = decode_xml(data)
         were, are = outermost_elements(old, self.tag), outermost_elements(new, self.tag)
-        edits: list[Edit] = []
-        for number, content in self.contents.items() if len(were) == len(are) else ():
+        if len(were) != len(are):
+            return None
+        parts: list[bytes | memoryview] = [encoding.bom]
+        position = 0
+        for number, content in sorted(self.contents.items()):
             was, now = were[number], are[number]
             if old[was.start : was.end] != new[now.start : now.end]:
                 return None
-            edits.append(Edit(now.open_end, now.open_end, content))
-        return encoding.encode(apply_edits(new, edits)) if len(were) == len(are) else None
+            parts += (new[position : now.open_end].encode(encoding.codec), content)
+            position = now.open_end
+        return b"".join([*parts, new[position:].encode(encoding.codec)])
 
 
 class _Merged(NamedTuple):

@@ -75,12 +75,6 @@ class Owned(Model):
             if name in self.OWNS:
                 self._adopt_field(name)
 
-    def __eq__(self, other: object) -> bool:
-        """Equal content, wherever the objects are."""
-        return type(self) is type(other) and self.__dict__ == other.__dict__
-
-    __hash__ = None  # type: ignore[assignment]  # mutable, as every pydantic model
-
     def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
         """A copy that is in nothing, and has copies of its own."""
         private = self.__pydantic_private__ or {}

@@ -294,13 +294,11 @@ class ElementComparison:
         """True if two elements are equal, down to the last descendant."""
         return before is after or self.bytes_of(before) == self.bytes_of(after)
 
-    def tree_item(self, element: etree._Element, *, exact: bool = True) -> AlignedItem:
+    def tree_item(self, element: etree._Element) -> AlignedItem:
         """Return an element of `before` or `after`."""
         tag = kind_of(element)
-        keys: Keys = () if tag.startswith("#") else self._keys(tag, cast("Any", element.attrib))
-        return AlignedItem(
-            tag, keys, partial(self.bytes_of, element) if exact else None, partial(_tree_features, element, keys)
-        )
+        keys: Keys = () if tag.startswith("#") else self._keys(tag, dict(cast("Any", element.attrib)))
+        return AlignedItem(tag, keys, partial(self.bytes_of, element), partial(_tree_features, element, keys))
 
     def source_item(self, node: SourceNode) -> AlignedItem:
         """Return a node of the source."""

@@ -244,7 +244,7 @@ class RemovedElements:
             return
         places = align(
             [self._comparison.source_item(child) for child in node.children],
-            [self._comparison.tree_item(child, exact=False) for child in children],
+            [self._comparison.tree_item(child) for child in children],
         )
         for place, child in zip(places, children, strict=True):
             if place is not None and (len(child) or child.text):
@@ -379,20 +379,22 @@ class SourceMerge:
 
     def _match(
         self, node: SourceNode, old: list[etree._Element], new: list[etree._Element]
-    ) -> tuple[list[SourceNode | None], list[int | None]]:
-        """For every node of `old` its place in the source, and for every node of `new` its index in `old`."""
+    ) -> tuple[list[SourceNode | None], list[int | None], set[int]]:
+        """For every node of `old` its place in the source, and for every node of `new` its index in `old`.
+
+        Also the indices in `new` of those that are equal to what they are in `old`.
+        """
         item = self._comparison.tree_item
-        places = align(
-            # the source has more in each element than `before`: equal bytes mean nothing between these two, keys and
-            # names do
-            [self._comparison.source_item(child) for child in node.children],
-            [item(element, exact=False) for element in old],
-        )
-        origins = align([item(element) for element in old], [item(element) for element in new])
-        return [None if place is None else node.children[place] for place in places], origins
+        left, right = [item(element) for element in old], [item(element) for element in new]
+        # by keys and names: the source has more in each element than `before`, so that equal bytes would mean nothing
+        places = align([self._comparison.source_item(child) for child in node.children], left)
+        origins = align(left, right)
+        pairs = [(origin, index) for index, origin in enumerate(origins) if origin is not None]
+        equal = {index for origin, index in pairs if left[origin].exact == right[index].exact}
+        return [None if place is None else node.children[place] for place in places], origins, equal
 
     def _children(self, node: SourceNode, old: list[etree._Element], new: list[etree._Element]) -> None:
-        places, origins = self._match(node, old, new)
+        places, origins, equal = self._match(node, old, new)
         stays, going = self._sort_out(places, origins, old, new)
         layout = ChildLayout(self._style, node, going)
         # From the end, to know of every new node which one that stays follows it.
@@ -405,7 +407,8 @@ class SourceMerge:
         for index, element in enumerate(new):
             if index in stays:
                 place, original = stays[index]
-                self._element(place, original, element)
+                if index not in equal:
+                    self._element(place, original, element)
                 anchor, insertion = place, None
                 continue
             origin = origins[index]
@@ -485,7 +488,7 @@ class SourceMerge:
 
     def _mixed(self, node: SourceNode, before: etree._Element, after: etree._Element) -> None:
         old, new = nodes_of(before), nodes_of(after)
-        places, origins = self._match(node, old, new)
+        places, origins, _ = self._match(node, old, new)
         found = [place for place in places if place is not None]
         in_order = found == sorted(found, key=lambda place: place.start)
         if origins == list(range(len(old))) and len(found) == len(old) and in_order:
@@ -626,8 +629,8 @@ def patch_xml(
     if before is after:
         return source
     text, encoding = decode_xml(source)
-    # Some codecs are not reversible byte for byte; a patch must not change the rest of such a file.
-    if encoding.encode(text) != source:
+    # a patch must not change the rest of the file
+    if not encoding.is_reversible(text, source):
         raise PatchError(f"the source text does not come back the same from {encoding.codec}")
     try:
         edited = SourceMerge(SourceTree(text), encoding.codec, before, after, keys=keys).run()

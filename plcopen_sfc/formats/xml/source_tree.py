@@ -1,15 +1,17 @@
 """The text of an XML file as a tree of positions, and the smallest edits that turn one text into another.
 
 lxml forgets how a file was written: quotes, CDATA, blanks inside tags, the position of each element. `SourceTree` reads
-the same text once more with one regular expression and keeps nothing but positions. It parses the inside of a tag
-(attributes, namespaces) only for the few elements that a caller asks about.
+the same text once more with regular expressions and keeps nothing but positions. It looks for what is in an element,
+and parses the inside of a tag (attributes, namespaces), only for the few elements that a caller asks about.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from difflib import SequenceMatcher
+from functools import lru_cache
 from typing import NamedTuple
 
 from plcopen_sfc.errors import SfcError
@@ -32,16 +34,38 @@ class SourceNode:
     content, and for `<a/>`, both are `end`. `name` is the tag as written, or `COMMENT` or `INSTRUCTION`.
     """
 
-    __slots__ = ("attributes", "children", "close_start", "declared", "end", "name", "open_end", "parent", "start")
+    __slots__ = (
+        "_children",
+        "attributes",
+        "close_start",
+        "declared",
+        "end",
+        "name",
+        "open_end",
+        "parent",
+        "start",
+        "text",
+    )
 
-    def __init__(self, name: str, start: int, open_end: int, parent: SourceNode | None) -> None:
-        self.name = name
-        self.start = start
-        self.open_end = self.close_start = self.end = open_end
+    def __init__(self, text: str, token: re.Match[str], parent: SourceNode | None) -> None:
+        kind = token.lastgroup or ""
+        self.text = text
+        self.name = token["open"] if kind == "open" else COMMENT if kind == "comment" else INSTRUCTION
+        self.start = token.start()
+        self.open_end = self.close_start = self.end = token.end()
+        if kind == "open" and text[self.open_end - 2] != "/":
+            self.close_start, self.end = _end_tag(text, self.name, self.open_end)
         self.parent = parent
-        self.children: list[SourceNode] = []
+        self._children: list[SourceNode] | None = None
         self.attributes: list[SourceAttribute] | None = None
         self.declared: dict[str, str] | None = None
+
+    @property
+    def children(self) -> list[SourceNode]:
+        """What is directly in this element, in its order; looked for when it is asked for."""
+        if self._children is None:
+            self._children = [*_nodes(self.text, self.open_end, self.close_start, self)]
+        return self._children
 
     @property
     def is_element(self) -> bool:
@@ -102,33 +126,14 @@ class SourceTree:
         self.text = text
         self.newline = "\r\n" if 2 * text.count("\r\n") > text.count("\n") else "\n"
         self.root = self._read()
+        self._inherited: dict[tuple[SourceNode, str], str] = {}
 
     def _read(self) -> SourceNode:
         prolog = _PROLOG.match(self.text)
-        text = self.text
-        top = SourceNode("", 0, 0, None)
-        current = top
-        for token in _TOKEN.finditer(text, prolog.end() if prolog else 0):
-            kind = token.lastgroup
-            end = token.end()
-            if kind == "open":
-                node = SourceNode(token["open"], token.start(), end, current)
-                current.children.append(node)
-                if text[end - 2] != "/":
-                    current = node
-            elif kind == "close":
-                current.close_start = token.start()
-                current.end = end
-                if current.parent is None:
-                    break
-                current = current.parent
-            elif kind != "cdata":
-                name = COMMENT if kind == "comment" else INSTRUCTION
-                current.children.append(SourceNode(name, token.start(), end, current))
-        root = next((child for child in top.children if child.is_element), None)
-        if current is not top or root is None:
+        nodes = _nodes(self.text, prolog.end() if prolog else 0, len(self.text), None)
+        root = next((node for node in nodes if node.is_element), None)
+        if root is None:
             raise PatchError("the source text is not well-formed")
-        root.parent = None
         return root
 
     # Parts of a tag
@@ -182,13 +187,15 @@ class SourceTree:
 
     def namespace(self, node: SourceNode, prefix: str) -> str:
         """Return the namespace that `prefix` means in `node`; "" for none."""
-        here: SourceNode | None = node
-        while here is not None:
-            found = self.declared(here).get(prefix)
-            if found is not None:
-                return found
-            here = here.parent
-        return XML_NAMESPACE if prefix == "xml" else ""
+        found = self.declared(node).get(prefix)
+        if found is not None:
+            return found
+        if node.parent is None:
+            return XML_NAMESPACE if prefix == "xml" else ""
+        known = (node.parent, prefix)
+        if known not in self._inherited:
+            self._inherited[known] = self.namespace(*known)
+        return self._inherited[known]
 
     def tag(self, node: SourceNode) -> str:
         """Return the tag as lxml names it, `{namespace}local`; `COMMENT` or `INSTRUCTION`."""
@@ -303,25 +310,59 @@ def outermost_elements(text: str, name: str) -> list[ElementSpan]:
     if prolog is None or "<!DOCTYPE" in prolog[0]:  # a search of the whole text takes as long as the rest
         return []
     found: list[ElementSpan] = []
-    depth = start = open_end = position = 0
-    marks = re.compile(rf"<(?:{name}(?=[\s/>])|/{name}(?=[\s>])|!--|!\[CDATA\[|\?)")
+    position = 0
+    marks = re.compile(rf"<(?:{name}(?=[\s/>])|!--|!\[CDATA\[|\?)")
     while mark := marks.search(text, position):
-        kind = mark[0]
-        position = text.index(_ENDS[kind], mark.end()) if kind in _ENDS else text.index(">", mark.end()) + 1
-        if kind == f"</{name}":
-            depth -= 1
-            if depth == 0:
-                found.append(ElementSpan(start, open_end, mark.start(), position))
-        elif kind == f"<{name}":
-            token = _TOKEN.match(text, mark.start())
-            position = token.end() if token is not None else position
-            if depth == 0:
-                start, open_end = mark.start(), position
-            if text[position - 2] != "/":
-                depth += 1
-            elif depth == 0:
-                found.append(ElementSpan(start, position, position, position))
+        token = _TOKEN.match(text, mark.start()) if mark[0] not in _ENDS else None
+        if token is None:
+            position = text.index(_ENDS.get(mark[0], ">"), mark.end())
+            continue
+        close_start = position = open_end = token.end()
+        if text[open_end - 2] != "/":
+            close_start, position = _end_tag(text, name, open_end)
+        found.append(ElementSpan(mark.start(), open_end, close_start, position))
     return found
+
+
+def _nodes(text: str, start: int, end: int, parent: SourceNode | None) -> Iterator[SourceNode]:
+    """Yield the nodes between two positions that are in no other one there."""
+    while token := _TOKEN.search(text, start, end):
+        start = token.end()
+        if token.lastgroup == "close":
+            raise PatchError("the source text is not well-formed")
+        if token.lastgroup != "cdata":
+            node = SourceNode(text, token, parent)
+            start = node.end
+            yield node
+
+
+def _end_tag(text: str, name: str, position: int) -> tuple[int, int]:
+    """Return the start and the end of the end tag of an element whose start tag ends at `position`.
+
+    Looks at no other tag, which takes a small part of the time.
+    """
+    depth = 1
+    while mark := _marks(name).search(text, position):
+        kind = mark[0]
+        if kind in _ENDS:
+            position = text.find(_ENDS[kind], mark.end())
+        elif kind.startswith("</"):
+            depth -= 1
+            position = text.find(">", mark.end()) + 1
+            if depth == 0 and position > 0:
+                return mark.start(), position
+        else:
+            token = _TOKEN.match(text, mark.start())
+            position = token.end() if token is not None else -1
+            depth += text[position - 2] != "/"
+        if position <= 0:
+            break
+    raise PatchError("the source text is not well-formed")
+
+
+@lru_cache(maxsize=256)
+def _marks(name: str) -> re.Pattern[str]:
+    return re.compile(rf"<(?:/?{re.escape(name)}(?=[\s/>])|!--|!\[CDATA\[|\?)")
 
 
 _ENDS = {"<!--": "-->", "<![CDATA[": "]]>", "<?": "?>"}

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import codecs
 import re
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, cast
 from xml.parsers import expat
@@ -62,6 +63,19 @@ class Encoding:
     def encode(self, text: str) -> bytes:
         """Return `text` as bytes of the file, byte order mark included; raises `UnicodeEncodeError`."""
         return self.bom + text.encode(self.codec)
+
+    def is_reversible(self, text: str, data: bytes) -> bool:
+        """True if `text`, which was decoded from `data`, would be written as it was; some codecs do not do that."""
+        return self.codec == "utf-8" or self.encode(text) == data
+
+    def positions(self, text: str, places: Iterable[int]) -> Iterator[int]:
+        """Yield where rising `places` of `text`, each beside a tag, are in the bytes of the file."""
+        start, offset = 0, len(self.bom)
+        is_same = text.isascii() and self.codec == "utf-8"
+        for place in places:
+            offset += place - start if is_same else len(text[start:place].encode(self.codec))
+            start = place
+            yield offset
 
 
 def detect_encoding(data: bytes, *, file: str | None = None) -> Encoding:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import codecs
 import copy
+import difflib
 
 import pytest
 from lxml import etree
 
+import plcopen_sfc as sfc
 from plcopen_sfc.errors import EncodingError
 from plcopen_sfc.formats.xml.source_patch import patch_xml
 from plcopen_sfc.formats.xml.source_tree import PatchError
 from plcopen_sfc.formats.xml.xml_parsing import parse_xml
+from tests.samples import FIXTURES
 
 
 def edit(source: str, before: str, after: str) -> str:
@@ -410,3 +413,26 @@ def test_large_flat_lists() -> None:
     changed = [row.replace('name="S', 'name="T') if n % 100 == 0 else row for n, row in enumerate(rows) if n % 99]
     result = edit(source, before, "<r>" + "".join(changed) + "</r>")
     assert result == "<r>\n" + "\n".join(changed) + "\n</r>"
+
+
+@pytest.mark.parametrize(
+    ("codec", "mark", "declared"),
+    [
+        ("utf-8", b"", "utf-8"),
+        ("utf-8", codecs.BOM_UTF8, "utf-8"),
+        ("utf-16-le", codecs.BOM_UTF16_LE, "utf-16"),
+        ("cp1252", b"", "windows-1252"),
+    ],
+)
+def test_an_edit_of_one_pou_leaves_the_bytes_of_others_in_every_encoding(
+    codec: str, mark: bytes, declared: str
+) -> None:
+    text = (FIXTURES / "codesys" / "sorting_conveyor.xml").read_bytes().decode("utf-8-sig")
+    text = text.replace('encoding="utf-8"', f'encoding="{declared}"').replace("<pous>", "<pous><!-- für Öl -->", 1)
+    text = text.replace("bBeltRun", "bLäuft")  # of a POU that is not edited
+    project = sfc.loads(mark + text.encode(codec))
+    project.pou("FB_Pusher").chart.steps[0].comment = "grün"
+    after = sfc.dumps(project)[len(mark) :].decode(codec)
+    changed = [*difflib.unified_diff(text.splitlines(), after.splitlines(), n=0, lineterm="")][3:]
+    assert [line[0] for line in changed] == ["+"]
+    assert changed[0].endswith(">grün</attribute>")
