@@ -49,7 +49,8 @@ class Mistake(NamedTuple):
 def refuse_mistakes(project: Project, kind: Format, *, of_grafcet: bool = False) -> None:
     """Raise `ModelError` for what cannot be saved; `of_grafcet`: the steps get other names in the target (``Step1``).
 
-    That are ids that two objects have, times that are not valid, and names and characters that the target cannot have.
+    That are ids that two objects and names that two steps of a chart have, times that are not valid, and names and
+    characters that the target cannot have.
     """
     # what was not edited has the mistakes of its source, which are taken out again, but for those of GRAFCETs
     grafcet = any(_has_numbers_for_names(source.format) for source in _sources(project))
@@ -187,7 +188,10 @@ def _chart_mistakes(chart: SfcNetwork, path: str, names: Dialect | None) -> Iter
     for number, thing in things:
         if counts[number] > 1:
             yield Mistake(f"{path} / {thing}", f"the id {number} belongs to another object of the chart too")
+    spelled = Counter(step.name.casefold() for step in chart.steps)
     for step in chart.steps:
+        if step.name and spelled[step.name.casefold()] > 1:
+            yield Mistake(f"{path} / step {step.name}", f"another step of the chart is called {step.name} too")
         place = f"{path} / step {step.name}"
         if names is not None:
             yield from _name(step.name, place, names)
@@ -353,21 +357,34 @@ def format_to_write(project: Project, format: str | None, tia: str = "", path: s
         return for_tia(format or TIA_FORMAT, tia)
     if format:
         return format
-    extension = Path(path).suffix.lower() if path is not None else ""
-    named = [kind.name for kind in all_formats() if extension in kind.extensions]
+    named = _formats_by_extension(path)
     own = project.source.format if project.source is not None else None
     if own is not None and (not named or own in named):
         return own
-    if len(named) == 1:
-        return named[0]
     if named:
-        message = f"files with the extension {extension} are of several formats: {', '.join(named)}"
-        raise UnknownFormatError(message, location=Location(path), hint=f'Name one of them: format="{named[0]}".')
+        return format_of_extension(path or "")
     raise UnknownFormatError(
         "the format to save in is not known: the project was not loaded from a file",
         location=Location(path),
         hint='Name one, such as format="plcopen", or save to a file with the extension of a format (.scl, .json).',
     )
+
+
+def _formats_by_extension(path: str | None) -> list[str]:
+    extension = Path(path).suffix.lower() if path is not None else ""
+    return [kind.name for kind in all_formats() if extension in kind.extensions]
+
+
+def format_of_extension(path: str) -> str:
+    """Return the one format whose files have the extension of `path`; `UnknownFormatError` where that is not one."""
+    named = _formats_by_extension(path)
+    if len(named) == 1:
+        return named[0]
+    what, hint = f"the extension {Path(path).suffix or '(none)'} is of no format", "`plcopen-sfc formats` lists them"
+    if named:
+        what = f"files with the extension {Path(path).suffix} are of several formats: {', '.join(named)}"
+        hint = f'Name one of them: format="{named[0]}", --to {named[0]}'
+    raise UnknownFormatError(what, location=Location(path), hint=f"{hint}.")
 
 
 def is_folder(path: str, project: Project, name: str) -> bool:

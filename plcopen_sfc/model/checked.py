@@ -132,6 +132,18 @@ class Checked(BaseModel, metaclass=_Constructor):
                 super().__setattr__(name, value)
             except ValidationError as error:
                 raise misfit(type(self), _called(self), error) from None
+            except AttributeError:
+                found = getattr(type(self), name, None)
+                if not isinstance(found, property):
+                    raise
+                message = f"{name} of {_called(self)} cannot be assigned: it follows from the fields"
+                raise ModelError(message, hint=(found.__doc__ or "").partition("\n")[0]) from None
+
+    def __eq__(self, other: object) -> bool:
+        """Equal content, wherever the objects are; pydantic asks for more, and takes twice the time."""
+        return type(self) is type(other) and self.__dict__ == other.__dict__
+
+    __hash__ = None  # type: ignore[assignment]  # mutable, as every pydantic model
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """Return a copy; fields in `update` get those values, and their own are not copied."""

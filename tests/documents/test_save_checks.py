@@ -62,6 +62,7 @@ def test_durations_and_expressions_are_times(time):
             lambda c: c.steps[0].actions.append(sfc.ActionAssociation(id=9, target="x", duration="a b")),
             "step Wait: the duration 'a b' cannot be saved",
         ),
+        (lambda c: setattr(c.steps[0], "name", "FILL"), "step FILL: another step of the chart is called FILL too"),
     ],
 )  # fmt: skip
 def test_what_a_script_built_wrong_is_refused_when_it_is_saved(tmp_path, format, change, message):

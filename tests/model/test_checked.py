@@ -143,3 +143,10 @@ def test_a_step_shows_what_was_stated():
     step = small().step("Fill")
     step.max_time = "T#5s"
     assert repr(step) == str(step) == "Step(name='Fill', id=1, max_time='T#5s')"
+
+
+def test_what_follows_from_fields_cannot_be_assigned():
+    pou = m.Pou(name="Main", kind="program", bodies=[m.SfcBody(chart=small())])
+    with pytest.raises(sfc.ModelError, match="chart of Pou 'Main' cannot be assigned") as caught:
+        pou.chart = None
+    assert caught.value.hint == "The chart of the first SFC body."
