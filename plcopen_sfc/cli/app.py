@@ -188,7 +188,7 @@ def _rules(screen: Screen, codes: o.Codes = None, markdown: o.Markdown = False) 
 def _convert(
     screen: Screen,
     files: o.Sources,
-    to: o.To,
+    to: o.To = "",
     flavour: o.For = "",
     tia: o.Tia = "",
     partial: o.Partial = False,
@@ -373,7 +373,7 @@ def _simulate(
 def _lower(
     screen: Screen,
     file: o.File,
-    to: o.To,
+    to: o.To = "",
     target: o.Target = None,
     pou: o.PouName = None,
     construction: o.Construction = "auto",

@@ -12,7 +12,9 @@ from typing import Any
 from plcopen_sfc.api import load, loads
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.errors import Location, SfcError
+from plcopen_sfc.documents.storage import format_of_extension
+from plcopen_sfc.errors import InputError, Location, SfcError
+from plcopen_sfc.formats.registry import TIA_FORMAT
 from plcopen_sfc.model.project import Project
 
 STANDARD_STREAM = "-"
@@ -31,6 +33,16 @@ def load_input(screen: Screen, name: str, *, as_tool: bool = False) -> Project:
     if name == STANDARD_STREAM:
         return loads(read_input(), path="standard input", as_tool=as_tool)
     return load(name, progress=lambda files: screen.progress(files, "Loading", len(files)), as_tool=as_tool)
+
+
+def format_of_target(named: str, target: str | None, tia: str = "") -> str:
+    """Return the format to write: the one that is `named`, or else that of the extension of `target`."""
+    if named or tia:
+        return named or TIA_FORMAT
+    if target is None or target == STANDARD_STREAM:
+        hint = "--to FORMAT names it, as the extension of a file to write to does: line24.scl, line24.json."
+        raise InputError("the format to write is not named", hint=hint)
+    return format_of_extension(target)
 
 
 @contextmanager

@@ -62,7 +62,13 @@ Target = Annotated[
     ),
 ]
 To = Annotated[
-    str, _option("--to", "The format to write. `plcopen-sfc formats` lists them.", "FORMAT", autocompletion=_formats)
+    str,
+    _option(
+        "--to",
+        "The format to write, of `plcopen-sfc formats`. Not needed where the extension of DST tells it.",
+        "FORMAT",
+        autocompletion=_formats,
+    ),
 ]
 For = Annotated[
     str, _option("--for", "Write for a tool that reads less: beremiz or matiec.", "TOOL", autocompletion=_flavours)

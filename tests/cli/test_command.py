@@ -89,7 +89,7 @@ def test_help_is_plain_text_in_a_pipe(cli, arguments):
         (["infoo"], "No such command 'infoo'"),
         (["info"], "Missing argument 'FILE"),
         (["info", "--colour", "x.xml"], "No such option"),
-        (["convert", "x.xml"], "Missing option '--to'"),
+        (["convert", "x.xml"], "the format to write is not named"),
         (["validate"], "Missing argument"),
     ],
 )

@@ -381,3 +381,19 @@ def test_a_single_file_for_tia_portal_names_the_folder_form(cli: Any, fixtures: 
     )
     outcome = cli("convert", BELT, f"{tmp_path}/belt/", "--partial", *arguments)
     assert "for the import" not in outcome.out + outcome.err
+
+
+def test_the_extension_of_the_target_tells_the_format_and_else_it_is_to_be_named(tmp_path, cli, fixtures):
+    assert cli("convert", BELT, tmp_path / "belt.json", "--limit", 0).code == 0
+    assert sfc.load(tmp_path / "belt.json").source.format == "json"
+    for arguments, message in [
+        ((BELT,), "the format to write is not named"),
+        ((BELT, "-"), "the format to write is not named"),
+        ((BELT, BELT, f"{tmp_path}/"), "the format to write is not named"),
+        ((BELT, tmp_path / "out.xml"), "of several formats: codesys, plcopen, simaticml"),
+        ((BELT, tmp_path / "out.txt"), "the extension .txt is of no format"),
+    ]:
+        refused = cli("convert", *arguments)
+        assert refused.code == 2
+        assert message in refused.err
+    assert "the format to write is not named" in cli("lower", BELT).err

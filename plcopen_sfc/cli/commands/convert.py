@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import date
 from functools import partial
 from pathlib import Path
 
 from plcopen_sfc.api import load, save
 from plcopen_sfc.batch import is_folder_in, known_format
-from plcopen_sfc.cli.command_files import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
+from plcopen_sfc.cli.command_files import (
+    STANDARD_STREAM,
+    exit_code_for,
+    format_of_target,
+    load_input,
+    written_to_stdout,
+)
 from plcopen_sfc.cli.many_files import ManyFiles, for_each, targets
 from plcopen_sfc.cli.report_items import show_counts, show_items, show_not_executed
 from plcopen_sfc.cli.screen import Screen
@@ -53,9 +59,11 @@ def run(screen: Screen, files: ManyFiles, how: ConvertOptions, journal: Path | N
     """
     if how.page is not None:
         refuse_unwritable(how.page)
-    kind = format_named(how.format)[0]
-    extension = kind.extensions[0]
     sources, target = files.with_target()
+    name = format_of_target(how.format, target if sources.alone else None, how.saving["tia"])
+    how = replace(how, saving={**how.saving, "format": name})
+    kind = format_named(name)[0]
+    extension = kind.extensions[0]
     for name in sources.named:
         refuse_empty(name)
     if sources.alone and journal is None:

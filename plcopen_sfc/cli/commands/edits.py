@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from plcopen_sfc.api import load, save
+from plcopen_sfc.api import save
 from plcopen_sfc.batch import AppliedFile, FileChange, apply, difference, documents_in, script_edit
 from plcopen_sfc.cli.command_files import STANDARD_STREAM, load_input, read_input, written_to_stdout
 from plcopen_sfc.cli.many_files import ManyFiles, PrintedLine, RecordedScreen, for_each, replay, show_counts
@@ -137,7 +137,7 @@ class _Merge(_Edit):
     source: str
 
     def on(self, screen: Screen, project: Project) -> dict[str, Any]:
-        edited = load(self.source)
+        edited = load_input(screen, self.source)
         for finding in edited.diagnostics:
             screen.finding(finding, result=False)
         changes = merge_list(project, edited)

@@ -9,7 +9,14 @@ from pathlib import Path
 from plcopen_sfc.analysis.search_limits import seconds
 from plcopen_sfc.analysis.verdict import UntestedError
 from plcopen_sfc.batch import functions_of, is_folder_in
-from plcopen_sfc.cli.command_files import STANDARD_STREAM, error_data, exit_code_for, load_input, written_to_stdout
+from plcopen_sfc.cli.command_files import (
+    STANDARD_STREAM,
+    error_data,
+    exit_code_for,
+    format_of_target,
+    load_input,
+    written_to_stdout,
+)
 from plcopen_sfc.cli.report_items import show_items
 from plcopen_sfc.cli.screen import INTERRUPTED, UNREADABLE, Screen
 from plcopen_sfc.documents.lowered import LoweredFile, lower_to_file
@@ -49,6 +56,7 @@ def run(screen: Screen, source: str, target: str | None, how: LowerOptions) -> i
     ``-`` is standard input and standard output.
     """
     seconds(how.limit)  # a wrong one is a mistake of the command line, not of a chart
+    how = replace(how, to=format_of_target(how.to, target, how.tia))
     if target is None:
         target = STANDARD_STREAM if source == STANDARD_STREAM else _beside(Path(source), how.to)
     project = load_input(screen, source)
