@@ -14,7 +14,7 @@ from types import FrameType
 from typing import Any
 
 import plcopen_sfc as sfc
-from plcopen_sfc.errors import FormatError, UnknownFormatError
+from plcopen_sfc.errors import EncodingError, FormatError, UnknownFormatError
 from plcopen_sfc.model.compare import differences
 from tests.fuzz.mutation import FORMATS, MutatedFile
 
@@ -167,7 +167,11 @@ class _Trial:
         if must:
             kind = f"not read back: {what}: {type(error).__name__} in {_where(error, 1)}"
             self.found.append(FuzzFault(kind, f"{error}\n{_trace(error)}"))
-        elif isinstance(error, FormatError) and not placed and not isinstance(error, UnknownFormatError):
+        elif (
+            isinstance(error, FormatError)
+            and not placed
+            and not isinstance(error, UnknownFormatError | EncodingError)  # the file's code page lacks a character
+        ):
             self.found.append(
                 FuzzFault(f"unreadable result: {what}: {type(error).__name__} in {_where(error, 1)}", str(error))
             )

@@ -123,7 +123,7 @@ class SharedScans:
         for writes, uses in ((mine.writes, its.reads | its.writes), (its.writes, mine.reads)):
             for path in sorted(writes):
                 if may_change(uses, frozenset({path}), frozenset()):
-                    named = path or next(iter(sorted(uses)), ("?",))
+                    named = path or next(filter(None, sorted(uses)), ("?",))  # the empty path is any variable
                     return ".".join([self._names.get(named[0], named[0]), *named[1:]])
         return ""
 
