@@ -118,7 +118,7 @@ class Late(Owned):
         other.read()
         return self.__dict__ == other.__dict__
 
-    __hash__ = None  # mutable, as every pydantic model
+    __hash__ = None  # type: ignore[assignment]  # mutable, as every pydantic model
 
     def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
         """A copy that is read: two that are not would share what their reader has prepared."""
