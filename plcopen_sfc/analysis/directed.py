@@ -154,6 +154,8 @@ class DirectedSearch:
         self._others = Goals(other, signals, parts[1 - leading], look)
         for goal in chain(self._others.branches, self._others.parts):
             goal.leads = False
+        for goal in self._goals.parts:
+            goal.places = ()  # most are decided on the way to transitions and branches
         has_outcomes = not all(branch.is_statement for branch in other.marks.branches)
         if any(parts[1 - leading]) or (has_outcomes and bool(other.instance.charts()) == bool(self._goals.charts)):
             self._with_parts.append(self._others)
