@@ -1,4 +1,4 @@
-"""What conversions of real files come to, for each pair of formats, and whether running both agrees with the report.
+"""Outcomes of conversions of real files, for each pair of formats, and whether running both agrees with the report.
 
     python -m benchmarks.conversions                     the fixtures, to every other format
     python -m benchmarks.conversions --corpus FOLDER     the files of a folder, too
@@ -46,7 +46,7 @@ COLUMNS = (*COUNTED, "the same", "unknown", "different")
 
 @dataclass
 class Judged:
-    """What became of a file in a target: the pair of formats, counts by column, and what to list."""
+    """Outcome of a file in a target: the pair of formats, counts by column, and what to list."""
 
     pair: str
     file: str

@@ -26,10 +26,10 @@ class FileStyle(Protocol):
     """How a tool writes the elements of a chart. Each method gives the text of one, with its line end."""
 
     def head(self, charts: int) -> str:
-        """What stands before the first chart."""
+        """Return the text before the first chart."""
 
     def tail(self, charts: int) -> str:
-        """What stands behind the last chart."""
+        """Return the text behind the last chart."""
 
     def open(self, chart: int, names: list[str]) -> str:
         """The POU and its variables."""
@@ -498,7 +498,7 @@ class _Chart:
         return self.transition(both, f"Printed{index}")
 
     def _pulse(self, index: int) -> Action:
-        """What is done once; CODESYS has no P1."""
+        """Return the text of an action that is executed once; CODESYS has no P1."""
         return ("P", "", f"Count{index}") if self.wired_only else ("P1", "", f"Count{index} := NOT Count{index};")
 
 

@@ -35,7 +35,7 @@ _RUNS = 2
 
 @dataclass(frozen=True)
 class MeasuredOperation:
-    """What is measured: `prepare` makes its input of a size, `run` is timed."""
+    """An operation that is measured: `prepare` makes its input of a size, `run` is timed."""
 
     name: str
     prepare: Callable[[int], object]

@@ -1,4 +1,4 @@
-"""What is measured: for each contestant what it prepares from the path of a file, and what it then does with that."""
+"""The jobs measured: for each contestant what it prepares from the path of a file, and what it then does with that."""
 
 from __future__ import annotations
 

@@ -72,7 +72,7 @@ TARGETS = ("codesys", "plcopen-2.01", "iec-text", "simaticml")
 
 
 class MutantOutcome(StrEnum):
-    """What became of a mutant."""
+    """The outcome of a mutant."""
 
     PROVEN = "proven equal"
     PROVEN_AT_REST = "while times rest"
@@ -190,7 +190,7 @@ def converted_result(path: Path, chart: str, target: str, effort: Effort) -> Res
 
 
 def judged(result: Result, mutant: Mutant) -> JudgedMutant:
-    """What becomes of a mutant."""
+    """Return the outcome of a mutant."""
     start = time.process_time()
     try:
         made = mutant.made()
@@ -259,7 +259,7 @@ def _charts_of(folder: Path) -> Iterator[tuple[Path, str]]:
 
 
 def work(job: Job, each: int | None) -> tuple[str, str, list[JudgedMutant]]:
-    """What becomes of the mutants of a result: its name, what it comes to without any mistake, and each of them."""
+    """Return the outcomes of the mutants of a result: its name, that without a mistake, and each."""
     make, path, chart, form, effort = job
     name = f"{path.stem} {chart} {form}"
     try:

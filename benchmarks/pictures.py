@@ -40,7 +40,7 @@ _SIZE = re.compile(r' width="(\d+)" height="(\d+)"')
 
 
 class MeasuredPicture(NamedTuple):
-    """What is measured of a picture."""
+    """Measures of a picture."""
 
     elements: int
     overlaps: int

@@ -80,7 +80,7 @@ def save(
     With a `limit` (seconds, or ``2m30s``) the charts of a conversion are also run in both tools, as `equivalent` does;
     a difference is an approximated item, and `compared` of the report has what was found of each chart.
 
-    `at_rest` names inputs of S7-GRAPH that nobody operates (``INIT_SQ``; ``all``): it is no loss that they have
+    `at_rest` names inactive inputs of S7-GRAPH (``INIT_SQ``; ``all``): it is no loss that they have
     no effect in the target.
 
     Raises `LossError` and writes nothing where the target would not execute something that the source tool executes.

@@ -25,7 +25,7 @@ OUTDATED = "XML214"
 class Diagnostic:
     """One finding. `code` is stable (``SFC101``) and documented in docs/diagnostics.md, or docs/checks.md (``STR01``).
 
-    `hint` says what to do about it; it may be empty.
+    `hint` tells how to mend it; it may be empty.
     """
 
     code: str

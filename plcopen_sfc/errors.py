@@ -53,7 +53,7 @@ class Location:
 class SfcError(Exception):
     """Base of all errors of this package.
 
-    `message` says what is wrong, `location` where, `hint` what to do about it (may be empty).
+    `message` is the fault, `location` its place, `hint` how to mend it (may be empty).
     """
 
     def __init__(self, message: str, *, location: Location | None = None, hint: str = "") -> None:
@@ -104,7 +104,7 @@ class FileAccessError(SfcError, OSError):
 
 
 class FormatError(SfcError, ValueError):
-    """The content is not what its format says: the base of all reading errors."""
+    """The content does not fit its format: the base of all reading errors."""
 
 
 class UnknownFormatError(FormatError):
@@ -112,7 +112,7 @@ class UnknownFormatError(FormatError):
 
 
 class UnreadFormatError(UnknownFormatError):
-    """The file of a tool whose format is recognised and not read; `hint` says what the tool exports that is."""
+    """The file of a tool whose format is recognised and not read; `hint` names an export of the tool that is."""
 
 
 class XmlSyntaxError(FormatError):
@@ -191,7 +191,7 @@ class PluginError(SfcError):
 
 
 def check_argument(value: object, types: type | tuple[type, ...], need: str, hint: str = "") -> None:
-    """Raise `ArgumentError` if `value` is not of `types`; `need` says who needs what: ``loads needs bytes``."""
+    """Raise `ArgumentError` if `value` is not of `types`; `need` is the requirement: ``loads needs bytes``."""
     if not isinstance(value, types):
         shown = repr(value)
         shown = shown if len(shown) <= _REPR else f"{shown[:_REPR]}.."

@@ -53,7 +53,7 @@ def path_exists(path: str | os.PathLike[str]) -> bool:
 
 
 def refuse_empty(path: str | os.PathLike[str]) -> None:
-    """Raise `FileAccessError` for an empty path: the system would take it for the current folder, nobody means that."""
+    """Raise `FileAccessError` for an empty path: the system would take it for the current folder."""
     if not os.fspath(path):
         hint = "Write . for the current folder. A variable of a script may be empty."
         raise FileAccessError("the path is empty", location=Location('""'), hint=hint)

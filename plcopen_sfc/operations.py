@@ -1,6 +1,6 @@
 """Operations of the model that higher layers provide, such as renaming, which must understand program text.
 
-`plcopen_sfc/__init__.py` provides them: it runs before any other module of the package and stands above all of them. So
+`plcopen_sfc/__init__.py` provides them: it runs before any other module of the package and is above all of them. So
 no module of the model names a higher layer. See decision 0010.
 """
 

@@ -63,7 +63,7 @@ def _in_processes(
             try:
                 made = future.result()
             except BrokenProcessPool:
-                # it is not known whose process has ended: this thing is tried alone, the others start anew
+                # it is not known whose process has ended: this thing is tried alone, the others start again
                 pool.shutdown(cancel_futures=True)
                 made = _alone(work, thing, lost)
                 pool = ProcessPoolExecutor(jobs, initializer=_wait_uninterrupted)

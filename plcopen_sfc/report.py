@@ -21,7 +21,7 @@ class Outcome(StrEnum):
     TRANSLATED = "translated"
     """Written in other terms that mean the same."""
     APPROXIMATED = "approximated"
-    """Written in terms that mean nearly the same; the reason says what differs."""
+    """Written in terms that mean nearly the same; the reason names the difference."""
     NOT_EXECUTED = "not executed"
     """The source tool executes it, the target tool does not, even if the file keeps it for the way back."""
     EXTENSION_DATA = "extension data"
@@ -209,7 +209,7 @@ def line_of(path: str, lines: Mapping[str, int]) -> int | None:
 class Use:
     """A place that names something.
 
-    `path` says where it is (``Main / step S3 / action Valve``), `language` in what: a language, or ``declaration``.
+    `path` is its place (``Main / step S3 / action Valve``), `language`: a language, or ``declaration``.
     `span` is that of the name in its text, `line` and `column` count from 1, `text` is the line.
     """
 

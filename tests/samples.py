@@ -251,7 +251,7 @@ class Hunk:
 
 
 def difference(before: bytes, after: bytes) -> list[Hunk]:
-    """What changed, by lines."""
+    """The lines that changed."""
     old, new = lines_of(before), lines_of(after)
     head = next((i for i, (a, b) in enumerate(zip(old, new, strict=False)) if a != b), min(len(old), len(new)))
     limit = min(len(old), len(new)) - head

@@ -213,7 +213,7 @@ def test_fixtures_validate_also_with_hidden_pous_hoisted(name: str) -> None:
 
 
 class Schema:
-    """What one XSD declares, and which of the declarations a document has used."""
+    """Declarations of one XSD, and those of them that documents have used."""
 
     def __init__(self, path: Path) -> None:
         self.root = etree.parse(str(path)).getroot()

@@ -35,7 +35,7 @@ _UNDECIDED = ("can never decide it", "never decided it")
 
 Key = tuple[str, str, int, str]
 """A part that can be reached: the chart or text that it is in, its name, a number where names are not unique, and the
-condition that an assignment stands behind, or the part of the condition of a transition. An outcome has its value as
+condition behind which an assignment is, or the part of the condition of a transition. An outcome has its value as
 number, a part of a condition in a text -1."""
 
 
@@ -397,11 +397,11 @@ class _Reasons:
         shown = f"{name}: {label}" if several else label
         if kind == ASSIGNMENT:
             if self._unreachable.is_never_executed(name):
-                return Unreached(kind, shown, "what it stands in is never executed (proven)", impossible=True)
+                return Unreached(kind, shown, "the code around it is never executed (proven)", impossible=True)
             never = self._never_true(ASSIGNMENT, key)
             if never:
                 return Unreached(kind, shown, f"needs {never}, never TRUE (proven)", impossible=True)
-            why = f"needs {_quoted(condition)}, never reached" if condition else "what it stands in was not executed"
+            why = f"needs {_quoted(condition)}, never reached" if condition else "the code around it was not executed"
             return Unreached(kind, shown, why, impossible=self._complete, follows=not condition and self._has_unentered)
         net = self._nets[name]
         if kind == ACTION:
@@ -430,7 +430,7 @@ class _Reasons:
         value = {1: "TRUE", 0: "FALSE"}.get(number, "")
         leading = self._leading_to[kind, key]
         if kind == DECISION and not any(self._system.marks.reached[each.around] for each in leading):
-            why, impossible = "what it stands in was not executed", self._unreachable.is_never_executed(owner)
+            why, impossible = "the code around it was not executed", self._unreachable.is_never_executed(owner)
             if inside:
                 impossible |= bool(self._never_true(kind, key))
                 why = f"needs {_quoted(inside)}, never reached"

@@ -36,9 +36,8 @@ def show_not_executed(screen: Screen, items: Sequence[Item]) -> None:
         names = [ObjectPath.of(item.path).last for item in those]
         screen.line(f"  {around}{_position(those[0])}")
         screen.line(f"    operating inputs without effect: {', '.join(names)}")
-        screen.line(
-            f"    If nobody operates {'them' if names[1:] else 'it'}, convert again with --at-rest {','.join(names)}."
-        )
+        they = "they are" if names[1:] else "it is"
+        screen.line(f"    If {they} never operated, convert again with --at-rest {','.join(names)}.")
     others = [item for item in items if item not in operated]
     for group in [] if screen.verbose else grouped(item for item in others if not _inside(item)):
         if group.items[1:]:  # such as 24 addresses of one list
@@ -120,7 +119,7 @@ def _places(group: ItemGroup) -> list[str]:
 
 
 def _details(names: list[str], lines: list[int]) -> str:
-    """What items in one place name, and the lines of its text that they are about."""
+    """Names in the items of one place, and the lines of its text that they are about."""
     numbers = [*dict.fromkeys(map(str, lines))]
     told = [*dict.fromkeys(names)]
     told += [f"line{'s' if numbers[1:] else ''} {', '.join(numbers)}"] if numbers else []

@@ -37,7 +37,7 @@ OPERATING_INPUT = "operating input"
 UNUSED_INPUT = "unused operating input"
 """The kind of those that nothing in the project operates, although it has an instance of the block."""
 RESTING_INPUT = "operating input at rest"
-"""The kind of those that are at rest, as the user says."""
+"""The kind of inputs that the user states to be inactive."""
 OPERATING_KINDS = frozenset({OPERATING_INPUT, UNUSED_INPUT, RESTING_INPUT})
 
 

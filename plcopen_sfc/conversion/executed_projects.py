@@ -95,7 +95,7 @@ def executed(
     the source of a conversion: the project may have structures in place of its lists of global variables, and instance
     data blocks and organization blocks in place of its programs and tasks, and functions in place of its actions.
     `detail`: whether more is listed than what is executed. Names that nothing declares are left out then. `at_rest` are
-    the inputs of sequencers, in upper case, that nobody operates. `addresses` is the dialect of direct addresses, where
+    the inactive inputs of sequencers, in upper case. `addresses` is the dialect of direct addresses, where
     it is not that of `source`.
     """
     rules = profile or default_profile(project)
@@ -267,7 +267,7 @@ class _Reader:
         return n.Name(node.identifier) if isinstance(node, n.Name) and node.quoting is not n.Quoting.NONE else node
 
     def _number(self, text: str) -> str | None:
-        """The number for which a value of an enumeration or a constant stands that `text` names."""
+        """The number of the value of an enumeration, or of the constant, that `text` names."""
         return self.values.get(text.replace('"', "").replace("#", ".").casefold())
 
     def _plain_type(self, kind: DataType, depth: int = 0) -> DataType:
@@ -591,7 +591,7 @@ class _Reader:
             part.add("named transition", named.name, path, named).tell("code", self.code(named.body))
 
     def _result(self, part: Part, kind: DataType | None) -> None:
-        if not (isinstance(kind, DerivedType) and kind.name.casefold() == "void"):  # S7 says so of functions without
+        if not (isinstance(kind, DerivedType) and kind.name.casefold() == "void"):  # S7 has it for functions without
             part.tell("result", type_meaning(kind, self.dialect))
 
     def _body(self, part: Part, pou: Pou, body: Body, path: str, called: set[str], *, number: int = 0) -> None:

@@ -64,7 +64,7 @@ def same(left: Meaning | None, right: Meaning | None) -> bool:
 def _same_networks(left: Meaning, right: Meaning) -> bool:
     """True if the statements of networks are the same, or assign what is equal by z3.
 
-    A ladder says ``X AND (A OR B)`` as TIA Portal draws it: ``X AND A OR X AND B``.
+    A ladder has ``X AND (A OR B)`` as TIA Portal draws it: ``X AND A OR X AND B``.
     """
     if left.statements is None or right.statements is None:
         return False
@@ -119,7 +119,7 @@ def _shown_condition(read: Callable[[], NetworkExpression]) -> str:
 
 
 UNREAD_CONDITION = "a condition that cannot be read"
-"""What people read of a condition in a form of its tool that this package does not know."""
+"""The text that people read of a condition whose form belongs to a tool and is not known here."""
 
 
 N = TypeVar("N", bound=n.Node)

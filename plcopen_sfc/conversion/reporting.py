@@ -42,10 +42,10 @@ def report_execution(
 ) -> None:
     """Add to `report` what the target `tool` does not execute, or executes otherwise.
 
-    What a writer says it has translated, or has listed as a loss, is not listed again. What it has noted as extension
+    Items that a writer has listed as translated or as lost are not listed again. What it has noted as extension
     data is taken out where it is not executed. A difference at a place of which no writer has said anything is a
-    mistake of this package, and the item says so. `called` gives the paths in the source of what has another name in
-    the target.
+    mistake of this package, and the item names it so. `called` gives the paths in the source of what has another
+    name in the target.
     """
     refused = {item.path for item in report.losses if item.what == "hierarchy"}
     report.items = [item for item in report.items if not _is_of_refused(item, refused)]
@@ -249,7 +249,7 @@ _ALSO_CALLED = {
 def _without_repetition(differences: Iterable[ExecutionDifference], said: set[str]) -> Iterator[ExecutionDifference]:
     """The differences, but of the interlock of a step only the actions that run without it, and lists as a whole.
 
-    `said`: the global variables of which a writer says already that they are lost.
+    `said`: the global variables that a writer has listed as lost already.
     """
     found = list(differences)
     without = {ObjectPath.of(d.path).around for d in found if d.kind == "action" and d.aspect == "interlock"}
@@ -435,7 +435,7 @@ def _whole(difference: ExecutionDifference, tool: str) -> str:
 _OPERATED_BY = {
     OPERATING_INPUT: "",
     UNUSED_INPUT: ", and nothing in the project operates it",
-    RESTING_INPUT: ", and nobody operates it, as --at-rest says",
+    RESTING_INPUT: ", and is inactive (--at-rest)",
 }
 
 

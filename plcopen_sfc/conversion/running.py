@@ -259,7 +259,7 @@ def _names_of_actions(chart: Chart, project: Project) -> Iterator[set[str]]:
 
 
 def _note_proven(report: ConversionReport, path: str, what: str, how: str) -> None:
-    """Tell that the target does the same, `how` says in what way, where the report was not sure of it."""
+    """Tell that the target does the same, and `how`, where the report was not sure of it."""
     for at, item in enumerate(report.items):
         if item.what == what and f"{item.path} / ".startswith(f"{path} / "):
             why = f"with all inputs the target, {how}, does the same"

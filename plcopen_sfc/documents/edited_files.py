@@ -267,7 +267,7 @@ def _merged(
         same=True,
         source=content,
         untouched=frozenset(untouched - touched),
-        of_codesys=bool(default_profile(project).flags),  # a file of another tool may hold what stands for them
+        of_codesys=bool(default_profile(project).flags),  # a file of another tool may hold their replacement
     )
     if is_other:
         options = replace(options, untouched=frozenset())

@@ -261,8 +261,8 @@ def refuse_losses(report: ConversionReport, *, strict: bool, partial: bool) -> N
     if inputs:
         names = ", ".join(inputs)
         hint = (
-            f" If nobody operates {names} on your machine: --at-rest NAME for each of them, or --at-rest all "
-            f'(at_rest=["all"]) says so, and their items are none.{hint}'
+            f" If {names} are never operated on your machine, state it by --at-rest NAME for each of them, or "
+            f'--at-rest all (at_rest=["all"]): then they are no losses.{hint}'
         )
     count = "1 item" if len(refused) == 1 else f"{len(refused)} items"
     raise LossError(f"{count} {what}", report, items=f"{first}{more}", hint=f"Nothing was written.{hint}")

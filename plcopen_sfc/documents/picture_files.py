@@ -61,7 +61,7 @@ def draw(
     `target` is a file for one picture, or a folder, which exists or ends in a slash; there each picture has the name
     of its chart. `style`, `theme` and `fresh` as in `SfcNetwork.to_svg`. `format` is ``svg``, ``png`` (two pixels for
     one of the SVG), ``pdf`` (pages of the size of the picture), or a text for a program that draws graphs, without
-    style and theme: ``mermaid`` or ``dot``. The default is what the extension of a file says, else ``svg``. `paper` is
+    style and theme: ``mermaid`` or ``dot``. The default is by the extension of a file, else ``svg``. `paper` is
     ``A4``, ``A3`` or ``letter``: a picture that is larger is divided into sheets, the pages of a PDF, else
     files of their own (``Main-1``, ``Main-2`` ..). PNG and PDF need the extra ``pictures``. All pictures are written or
     none. Raises `ModelError` where there is no such chart, format, style, theme or paper, or several charts for one

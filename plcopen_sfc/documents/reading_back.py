@@ -1,4 +1,4 @@
-"""What was written, read again: it is the project that was meant, or the report tells the difference.
+"""Reading back of a written file: it has the project that was meant, or the report lists the difference.
 
 Networks are equal however they are drawn: some formats keep positions and some do not, and an operand is an element or
 belongs to the pin that it is wired to.

@@ -160,7 +160,7 @@ def _taken_apart(
 
 
 class _Entries(NamedTuple):
-    """What leads into the branches of a convergence from outside.
+    """Edges from outside into the branches of a convergence.
 
     `odd`: the number of branches without a step, of steps without a branch, and of divergences in them from which a
     branch leads out.

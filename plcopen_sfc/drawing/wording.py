@@ -50,7 +50,7 @@ class ActionLine:
 
 
 EXCLUDED = "(excluded)"
-"""What follows the name of an element that is left out of the program."""
+"""Suffix of the name of an element that is excluded from the program."""
 
 
 class Wording:

@@ -117,7 +117,7 @@ class WriteOptions:
     `of_codesys`: it has the semantics of CODESYS, step actions and SFC flags too.
     `of_matiec`: it is of Beremiz or OpenPLC, whose compiler matiec executes charts and FOR loops as they are.
     `final_scan`: actions of the project are executed once more after their step was left (IEC 61131-3, 6.7.4.6).
-    `at_rest` are the inputs of sequencers of S7-GRAPH, in upper case, that nobody operates.
+    `at_rest` are the inactive inputs of sequencers of S7-GRAPH, in upper case.
     """
 
     version: str = ""

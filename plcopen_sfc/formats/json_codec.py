@@ -57,7 +57,7 @@ class JsonCodec(Codec):
 
 
 def _content(text: str, file: str | None) -> object:
-    """Return what a text says in JSON. Raises `FormatError`."""
+    """Return the content of a text in JSON. Raises `FormatError`."""
 
     def place(position: int) -> Location:
         return Location(file, text.count("\n", 0, position) + 1)

@@ -28,7 +28,7 @@ from plcopen_sfc.model.types import DerivedType, SimpleValue, StructValue, Varia
 
 @dataclass(frozen=True, slots=True)
 class PassedValues:
-    """What the calls of an instance pass: `values` by the names of inputs, which no call passes in the source.
+    """Arguments of the calls of an instance: `values` by the names of inputs, which no call passes in the source.
 
     Empty where all calls pass them in the source.
     """

@@ -118,11 +118,11 @@ class Texts:
     """Texts in one `language`: ``en`` or ``de``."""
 
     culture = CodeWords("", "de-DE")
-    init = CodeWords("Start the chain anew", "Kette initialisieren")
+    init = CodeWords("Restart the sequence", "Kette initialisieren")
     init_input = CodeWords("Init", "Init")
     stop = CodeWords("holds the chain at its initial step", "hält die Kette im Initialschritt")
     restart = CodeWords("Restart", "Grundstellung")
-    restart_comment = CodeWords("the chain starts anew", "die Kette beginnt neu")
+    restart_comment = CodeWords("the sequence restarts", "die Kette beginnt neu")
     initial_steps = CodeWords("First scan: initial steps", "Richtimpuls: Initialschritte")
     flag_list = CodeWords("StepFlags", "Schrittmerker")
     drive = CodeWords("Actions", "Ansteuerung")
@@ -236,7 +236,7 @@ class Texts:
     flag_title = Phrase("Step flag {} ({})", "Schrittmerker {} ({})")
     transition_title = Phrase("Transition {}", "Transition {}")
     transition_of = Phrase("transition {} fires", "Transition {} schaltet")
-    again_of = Phrase("step {} starts anew", "Schritt {} beginnt neu")
+    again_of = Phrase("step {} restarts", "Schritt {} beginnt neu")
     part = Phrase("Step sequence from {}", "Schrittfolge ab {}")
     enumeration_of = Phrase("steps of {}", "Schritte von {}")
     maximum_time = Phrase("Maximum time of step {}", "Höchstzeit von Schritt {}")

@@ -93,7 +93,7 @@ def document(title: str, words: Words, tree: Html, *content: Html) -> str:
 def picture_figure(picture: str, words: Words, caption: str = "") -> Html:
     """Return a picture in its size, to be scrolled, or in the width of the page: a button changes between them.
 
-    A picture with a `caption` stands beside others: it begins in the width that is there, unless it is so wide that
+    A picture with a `caption` is set beside others: it begins in the width that is there, unless it is so wide that
     nothing could be read.
     """
     title = element("figcaption", caption) if caption else Html("")

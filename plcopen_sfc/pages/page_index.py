@@ -24,7 +24,7 @@ from plcopen_sfc.pages.html_text import Html, joined, link
 class DrawnPart(NamedTuple):
     """A chart of a picture, and what the ids of its elements begin with. `path` is that of the whole chart.
 
-    `anchor` is that of its frame in the picture, empty for the whole chart; `drawn` has what the frame says.
+    `anchor` is that of its frame in the picture, empty for the whole chart; `drawn` has the text of the frame.
     """
 
     chart: SfcNetwork

@@ -1,8 +1,8 @@
 """German for messages with values in them, by a table of English ones.
 
-In a message of a table ``{}`` stands for what is shown as it is, such as a name, ``{+}`` for something that is German
-too, ``{&}`` for names with "and" between them or "and 2 more" behind them, and ``{#}`` for a number. In the German text
-``{}`` or ``{0}`` are their places.
+In a message of a table ``{}`` is the place of a text that is shown as it is, such as a name, ``{+}`` for something that
+is German too, ``{&}`` for names with "and" between them or "and 2 more" behind them, and ``{#}`` for a number. In the
+German text ``{}`` or ``{0}`` are their places.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from functools import cached_property
 
 
 class Phrases:
-    """German for the messages of a table. `part` translates what ``{+}`` stands for; the table itself as a rule."""
+    """German for the messages of a table. `part` translates the text at ``{+}``; the table itself as a rule."""
 
     def __init__(self, table: Mapping[str, str], part: Callable[[str], str]) -> None:
         self._table = table

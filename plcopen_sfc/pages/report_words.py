@@ -477,7 +477,7 @@ _NOT_EXECUTED = {
     "{} has no effect in {+}, and nothing in the project operates it": (
         "{} hat in {} keine Wirkung, und nichts im Projekt bedient es"
     ),
-    "{} has no effect in {+}, and nobody operates it, as --at-rest says": (
+    "{} has no effect in {+}, and is inactive (--at-rest)": (
         "{} hat in {} keine Wirkung, und niemand bedient es, wie --at-rest angibt"
     ),
     "TIA Portal has no type like this one; written as {}, which does not compile": (
@@ -493,7 +493,7 @@ _NOT_EXECUTED = {
     "{} is another place in {+}: one tool counts words where the other counts bytes": (
         "{} ist in {} eine andere Stelle: ein Werkzeug zählt Worte, wo das andere Bytes zählt"
     ),
-    "{+}; left as it stands": "{}; bleibt, wie es ist",
+    "{+}; left unchanged": "{}; bleibt, wie es ist",
     "a GRAFCET has no flags that operate or watch it": "ein GRAFCET hat keine Merker, die ihn bedienen oder überwachen",
     "IEC 60848 has no instructions that are always executed": (
         "IEC 60848 hat keine Anweisungen, die immer ausgeführt werden"
@@ -545,10 +545,10 @@ _NOT_EXECUTED = {
     "it is excluded from the program, and a GRAFCET executes it": (
         "vom Programm ausgeschlossen, und ein GRAFCET führt es aus"
     ),
-    "left as it stands: it is in the notation of GRAFCETs": (
+    "left unchanged: it is in the notation of GRAFCETs": (
         "bleibt, wie es ist: es ist in der Schreibweise von GRAFCETs"
     ),
-    "left as it stands, because it cannot be read: {}": "bleibt, wie es ist, weil es nicht lesbar ist: {}",
+    "left unchanged, because it cannot be read: {}": "bleibt, wie es ist, weil es nicht lesbar ist: {}",
     "{} has more digits than any type": "{} hat mehr Stellen als jeder Typ",
     "SCL has no function block {}: LAD and FBD have it as a box with an operand": (
         "SCL hat keinen Funktionsbaustein {}: KOP und FUP haben ihn als Box mit Operand"
@@ -839,10 +839,10 @@ _TRANSLATED = {
         "ihre Zuweisungen sind eigene Zeilen, und weitere für den letzten Durchlauf"
     ),
     "its assignments are rows of their own": "ihre Zuweisungen sind eigene Zeilen",
-    "networks behind the sequence control {}: no row says {} as its other steps mean it": (
+    "networks behind the sequence control {}: no row means {} as its other steps have it": (
         "Netzwerke nach der Kette steuern {}: keine Zeile sagt {}, wie es seine anderen Schritte meinen"
     ),
-    "networks behind the sequence control {}: no row says {}": (
+    "networks behind the sequence control {}: no row means {}": (
         "Netzwerke nach der Kette steuern {}: keine Zeile sagt {}"
     ),
     "networks behind the sequence control its actions": "Netzwerke nach der Kette steuern seine Aktionen",
@@ -957,7 +957,7 @@ _TRANSLATED = {
     "it is active instead of the initial step, and does nothing": (
         "er ist statt des Initialschritts aktiv und tut nichts"
     ),
-    "it stands for an SFC flag, and is tried before the others": (
+    "it replaces an SFC flag, and is tried before the others": (
         "sie steht für einen SFC-Merker und wird vor den anderen geprüft"
     ),
     "a data block": "ein Datenbaustein",
@@ -1047,7 +1047,7 @@ _TRANSLATED = {
     "its chart is the block {}, which a row calls, and another one for the final scan": (
         "ihre Ablaufkette ist der Baustein {}, den eine Zeile aufruft, und eine weitere für den letzten Durchlauf"
     ),
-    "its value stands in the texts": "ihr Wert steht in den Texten",
+    "its value is in the texts": "ihr Wert steht in den Texten",
     "members of a structure": "Elemente einer Struktur",
     "not while {} begins the sequence again": "nicht, während {} die Kette neu beginnt",
     "numbers instead of places": "Nummern statt Positionen",
@@ -1055,12 +1055,12 @@ _TRANSLATED = {
     "onActivation is the event {}": "bei Aktivierung ist das Ereignis {}",
     "onDeactivation is {} with an action": "bei Deaktivierung ist {} mit einer Aktion",
     "onDeactivation is the event {}": "bei Deaktivierung ist das Ereignis {}",
-    "steps are loops with `<Step>_rests`; where nobody operates {}, --at-rest {} keeps their sequences, as does {} "
-    "where nobody switches to the manual mode": (
+    "steps are loops with `<Step>_rests`; where {} stay inactive, --at-rest {} keeps their sequences, as does {} "
+    "where the manual mode is not used": (
         "Schritte sind Schleifen mit `<Step>_rests`; wo niemand {} bedient, erhält --at-rest {} ihre Ketten, ebenso {}"
         ", wo niemand in den Handbetrieb schaltet"
     ),
-    "steps are loops with `<Step>_rests`; where nobody operates {}, --at-rest {} keeps their sequences": (
+    "steps are loops with `<Step>_rests`; where {} stay inactive, --at-rest {} keeps their sequences": (
         "Schritte sind Schleifen mit `<Step>_rests`; wo niemand {} bedient, erhält --at-rest {} ihre Ketten"
     ),
     "the action {} of the step {} executes it, and the boxes drawn before conditions": (
@@ -1138,7 +1138,7 @@ _TRANSLATED = {
     ),
     "TIA Portal draws no texts in networks": "TIA Portal zeichnet keine Texte in Netzwerke",
 }
-"""What something has become in the target."""
+"""Outcomes of things in the target."""
 
 _CHANGED = {
     "added": "neu",
@@ -1156,7 +1156,7 @@ _CHANGED = {
     "differs in what is no text": "ist anders in dem, was kein Text ist",
     "{} means something else": "{} hat eine andere Bedeutung",
 }
-"""What `diff` tells of a change."""
+"""Changes that `diff` lists."""
 
 GERMAN = {**_KINDS, **_PARTS, **_NOT_EXECUTED, **_OTHERWISE, **_TRANSLATED, **_CHANGED}
 
@@ -1177,7 +1177,7 @@ def _german_part(part: str) -> str:
 
 
 _LINE = re.compile(r"line (\d+): ")
-"""What begins a message about program text of several lines."""
+"""Beginnings of messages about program text of several lines."""
 
 
 _RUN = ("it does something else after ", "it is not known to do the same")

@@ -170,7 +170,7 @@ _HINTS = {
         "plcopen-sfc: ignore schreiben und dahinter die Kennzeichen, durch Kommas getrennt."
     ),
 }
-"""What to do about a breach of a rule."""
+"""Hints of the rules: how to mend a breach."""
 
 _MESSAGES = {
     "{+} is assigned to {+}: {}": "{} wird {} zugewiesen: {}",
@@ -409,7 +409,7 @@ _MESSAGES = {
     "the POU has no transition and no variable {}": "der Baustein hat keine Transition und keine Variable {}",
     "{} asks for a step {}, and there is no such step": "{} fragt nach einem Schritt {}, den es nicht gibt",
 }
-"""What findings tell, by the English message."""
+"""Messages of findings, by their English."""
 
 _READ = {
     "the condition of a transition is wired to nothing": "die Bedingung einer Transition ist mit nichts verbunden",
@@ -485,7 +485,7 @@ _READ = {
         "{}: das ist keine Dauer wie T#5s und kein Ausdruck; eine Zeit hat eine Einheit, etwa 2s oder T#1m30s"
     ),
 }
-"""What readers tell of charts and files, by the English message."""
+"""Messages of readers about charts and files, by their English."""
 
 
 @lru_cache(maxsize=4096)

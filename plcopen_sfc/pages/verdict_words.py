@@ -214,8 +214,8 @@ _COVERAGE = {
     "the event {}": "das Ereignis {}",
     "step {} is left before {} has passed": "Schritt {} wird verlassen, bevor {} abgelaufen ist",
     "its time {} is over at once": "ihre Zeit {} ist sofort vorbei",
-    "what it stands in is never executed": "worin sie steht, wird nie ausgeführt",
-    "what it stands in was not executed": "worin sie steht, wurde nicht ausgeführt",
+    "the code around it is never executed": "worin sie steht, wird nie ausgeführt",
+    "the code around it was not executed": "worin sie steht, wurde nicht ausgeführt",
     "was never executed": "wurde nie ausgeführt",
     "{}: action in place": "{}: Aktion an Ort und Stelle",
     "{}: entry action": "{}: Eingangsaktion",
@@ -230,7 +230,7 @@ _COVERAGE = {
     "never decided it, as {} kept its value (frozen)": "hat nie entschieden, da {} seinen Wert behielt",
     "never decided it, as {} kept their values (frozen)": "hat nie entschieden, da {} ihre Werte behielten",
 }
-"""What was reached, what was not, and why."""
+"""Coverage: reached, not reached, and why."""
 
 _DIFFERENCES = {
     "{} is {} in the first and {} in the second": "{} ist {} im ersten und {} im zweiten",
@@ -291,7 +291,7 @@ _DIFFERENCES = {
     ),
     "the source tests no transition in its first scan": "die Quelle prüft im ersten Zyklus keine Transition",
 }
-"""What differs, and causes of it."""
+"""Differences and their causes."""
 
 _HEAD = {"scan": "Zyklus", "time": "Zeit", "first: ": "erstes: ", "second: ": "zweites: ", "active": "aktiv"}
 """Columns of the table of a difference."""
@@ -305,7 +305,7 @@ _MISSED = re.compile(
 )
 _DECIDED = re.compile(
     "not reached: (transition|assignment|condition) (.+) "
-    "((?:is|was) never (?:TRUE|FALSE).*|can never decide it.*|never decided it.*|what it stands in .*|needs [^:]*)",
+    "((?:is|was) never (?:TRUE|FALSE).*|can never decide it.*|never decided it.*|the code around it .*|needs [^:]*)",
     re.DOTALL,
 )
 _OTHERWISE = re.compile(r"it does something else after (\d+) scan(s?): (.+)", re.DOTALL)

@@ -1,4 +1,4 @@
-"""What is found out of the times of programs before they are searched."""
+"""Facts about the times of programs, found before they are searched."""
 
 from __future__ import annotations
 

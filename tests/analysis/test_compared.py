@@ -1,4 +1,4 @@
-"""What of two programs is compared, and which of their inputs are the same."""
+"""The variables of two programs that are compared, and the inputs that they share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a verdict says that it covered, and what not and why."""
+"""Coverage that a verdict reports, and the parts not covered and why."""
 
 from __future__ import annotations
 
@@ -140,7 +140,7 @@ def test_assignments_that_nothing_executes_are_proven_so() -> None:
     assert verdict.kind is VerdictKind.TESTED
     assert [(each.name, each.why) for each in verdict.coverage[0].unreached] == [
         ("q := TRUE;", "needs `n > 5 AND n < 3`, never TRUE (proven)"),
-        ("q := TRUE;", "what it stands in is never executed (proven)"),
+        ("q := TRUE;", "the code around it is never executed (proven)"),
     ]
     assert searched(counting("n > 3"), counting("n > 3", "FALSE")).different
 
@@ -167,7 +167,7 @@ END_PROGRAM"""
 
 
 def decided(one: str, other: str = "") -> Verdict:
-    """What a comparison comes to that is no proof, of charts with a condition each."""
+    """Return the verdict of a comparison by runs, of charts with a condition each."""
     texts = [PARTS.format(condition).encode() for condition in (one, other or one)]
     sides = [sfc.loads(text, format="iec-text") for text in texts]
     return equivalent(*sides, "iec", cap=20, runs=20, scans=40, scan_time="100ms")
@@ -351,7 +351,7 @@ END_PROGRAM"""
 
 
 def acting(action: str, other: str = "", leaving: str = "b", **options: str) -> Verdict:
-    """What a comparison comes to that is no proof, of charts with an action each."""
+    """Return the verdict of a comparison by runs, of charts with an action each."""
     texts = [ACTING.format(each, leaving).encode() for each in (action, other or action)]
     sides = [sfc.loads(text, format="iec-text") for text in texts]
     for side, condition in zip(sides, (options.get("condition", ""), options.get("condition", "")), strict=True):

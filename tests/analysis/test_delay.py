@@ -47,7 +47,7 @@ CONSTANT = {
     "step flag": ring({1: "q(N);"}, "a|S1.X AND b|NOT S1.X"),
     "timer": ring({1: "act(N);"}, "a|t.Q|c", "ACTION act: t(IN := TRUE, PT := T#30ms); END_ACTION", "t : TON;"),
 }
-"""What a chart does that is later by a constant number of scans, however it is executed."""
+"""Behaviour that is later by a constant number of scans, however the chart is executed."""
 
 
 @pytest.mark.slow
@@ -66,7 +66,7 @@ RETIMED = {
     "input in an action": ring({1: "act(S);"}, more="ACTION act: q := c; END_ACTION"),
     "stored by the initial step": ring({0: "q(S);", 2: "q(R);"}),
 }
-"""What is no constant delay: inputs and times are seen a scan later by actions, or a scan sooner by conditions."""
+"""Delays that are not constant: inputs and times are seen a scan later by actions, or a scan sooner by conditions."""
 
 
 @pytest.mark.parametrize("feature", RETIMED)

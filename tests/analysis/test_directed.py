@@ -170,7 +170,7 @@ END_PROGRAM
     ("around", "one"), [("", "VAR One : Cylinder; END_VAR"), ("VAR_GLOBAL One : Cylinder; END_VAR", "")]
 )
 def test_each_instance_has_inputs_of_its_own(around: str, one: str) -> None:
-    """What a block reads at `%I*` is a sensor, whoever calls the block."""
+    """A variable of a block at `%I*` is a sensor, whoever calls the block."""
     chart = resolve(sfc.loads(CYLINDERS.format(around=around, one=one).encode(), format="iec-text"), "Main")
     verdict = equivalent(chart, chart, "codesys")
     assert verdict.proven, str(verdict)

@@ -1,4 +1,4 @@
-"""What counts as an input, in whatever form a program reads it: a proof tries it, and directed runs drive it."""
+"""Inputs, in whatever form a program reads them: a proof tries them, and directed runs drive them."""
 
 from __future__ import annotations
 

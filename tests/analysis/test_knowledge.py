@@ -1,4 +1,4 @@
-"""What a project says about the names in conditions decides more of them."""
+"""Declarations of the names in conditions decide more conditions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the value of a variable depends on, as a program of its own."""
+"""Slices: the statements that the value of a variable depends on, as a program."""
 
 from __future__ import annotations
 

@@ -178,7 +178,7 @@ def test_standard_output_on_a_full_disk(fixtures):
 
 
 def _terminal(arguments: list[str], **env: str) -> str:
-    """What a person sees: the command on a pseudo-terminal."""
+    """Run the command on a pseudo-terminal, as a person sees it."""
     import pty  # noqa: PLC0415  # POSIX only
 
     main_end, other_end = pty.openpty()

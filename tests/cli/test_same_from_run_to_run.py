@@ -1,4 +1,4 @@
-"""What `convert` and `page` write and say is the same in every run, in whatever order sets are iterated."""
+"""Output of `convert` and `page` is the same in every run, in whatever order sets are iterated."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What became of each feature in each target, judged by running the source and what the target tool reads of it.
+"""Outcome of each feature in each target, judged by running the source and what the target tool reads of it.
 
 ``python -m tests.conversion.matrix`` prints the table of docs/conversion.md.
 """

@@ -1,4 +1,4 @@
-"""What conversions of the fixtures come to, by pair of formats: this keeps the table in docs/benchmarks.md."""
+"""Outcomes of conversions of the fixtures, by pair of formats: the table in docs/benchmarks.md."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the target executes as the source does is not reported as different, however it is spelled there."""
+"""Equal things in other spellings: the report does not list them as different."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ def test_an_action_of_one_step_is_the_same_as_an_entry_action() -> None:
 
 
 class TestPartly:
-    """What the target does not execute is refused, and nothing is written, unless that is asked for."""
+    """Things that the target does not execute are refused, and no file is written, unless that is asked for."""
 
     SOURCE = FIXTURES / "simaticml" / "FB_Drill.xml"
 

@@ -246,7 +246,7 @@ TEXTBOOK: dict[tuple[str, bool], dict[str, tuple[str, set[str]]]] = {
     },
     ("every_symbol", False): dict.fromkeys(["plcopen", "codesys", "codesys23", "simaticml"], (REFUSED, {"hierarchy"})),
 }
-"""What the charts of the books come to in each tool: as the page on the format has it. True: with conditions that
+"""Verdicts on the charts of the books in each tool: as the page on the format has it. True: with conditions that
 exclude each other; with those of the book the machine passes steps."""
 SAMPLE = ("plcopen", "codesys", "simaticml", "beremiz")
 
@@ -703,7 +703,7 @@ def test_a_step_is_no_value() -> None:
 
 def test_an_edge_of_an_undeclared_name_is_refused() -> None:
     report = converted(EDGES.replace("↑START", "↑Taste"), "simaticml")[1]
-    assert losses(report)["text"] == "line 1: left as it stands: it is in the notation of GRAFCETs"
+    assert losses(report)["text"] == "line 1: left unchanged: it is in the notation of GRAFCETs"
     assert losses(report)["condition"] == "↑Taste is an edge of something that is no variable and no step: Taste"
 
 

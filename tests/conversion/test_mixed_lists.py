@@ -45,7 +45,7 @@ def test_a_target_retains_and_protects_the_same_variables_or_the_report_says_so(
     data, report = sfc.convert(sfc.loads(EXPORT), format_, flavour=flavour, partial=True)
     seen = sfc.loads(data, as_tool=True)
     lost = {(item.what, item.path.rpartition(".")[2]) for item in report.losses}
-    values = (item.path for item in report.items if "its value stands in the texts" in item.why)
+    values = (item.path for item in report.items if "its value is in the texts" in item.why)
     written_as_values = set(values) if target == "scl" else set()
     for name, is_retained, is_constant in (
         ("bAutoMode", False, False),

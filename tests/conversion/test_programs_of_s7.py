@@ -144,7 +144,7 @@ def test_a_program_is_called_and_read_by_its_data_block(target: str) -> None:
 
 
 def again(data: bytes, target: str, back: str) -> m.Project:
-    """What was converted, converted back."""
+    """A converted project, converted back."""
     return sfc.loads(sfc.convert(sfc.loads(data, format=target), back, partial=True)[0])
 
 

@@ -89,7 +89,7 @@ def outputs(project: Project, profile: str, seed: int) -> list[tuple[Any, ...]]:
 
 
 def assert_runs_the_same(source: Project, target: str, *, own: str = "s7graph") -> ConversionReport:
-    """What the tool of the target executes has the outputs of the source, in CODESYS a scan later than elsewhere."""
+    """The target's tool sets the outputs of the source, in CODESYS a scan later than elsewhere."""
     data, report = sfc.convert(source, target)
     read = sfc.loads(data, as_tool=True)
     delay = int(target == "codesys") - int(own == "codesys")

@@ -1,4 +1,4 @@
-"""What S7-GRAPH has more than IEC 61131-3, in charts for matiec and Beremiz: statements that do the same."""
+"""Features of S7-GRAPH in charts for matiec and Beremiz: statements that do the same."""
 
 from __future__ import annotations
 

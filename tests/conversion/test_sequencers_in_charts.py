@@ -1,4 +1,4 @@
-"""What surrounds a sequencer of S7-GRAPH, executed by charts of CODESYS and TC6, or reported."""
+"""Inputs, modes and permanent operations of S7-GRAPH, executed by charts of CODESYS and TC6, or reported."""
 
 from __future__ import annotations
 
@@ -283,7 +283,7 @@ def test_inputs_that_nothing_in_a_project_operates_are_approximated() -> None:
 
 
 def _operating(project: m.Project, target: str, *at_rest: str) -> dict[str, str]:
-    """What a report says of each operating input, by its name."""
+    """Items of a report on each operating input, by its name."""
     report = sfc.convert(project, target, partial=True, at_rest=at_rest).report
     return {item.path.split(" / ")[-1]: item.outcome.value for item in report.items if "operating" in item.what}
 
@@ -349,7 +349,7 @@ def test_inputs_that_are_executed_are_operated_where_both_are_run() -> None:
 
 def test_the_refusal_tells_how_to_say_that_nobody_operates_an_input() -> None:
     source = sequencer(inputs=("HALT_SQ", "ZERO_OP"))
-    with pytest.raises(sfc.LossError, match=r"nobody operates HALT_SQ, ZERO_OP .*--at-rest NAME"):
+    with pytest.raises(sfc.LossError, match=r"If HALT_SQ, ZERO_OP .*--at-rest NAME"):
         sfc.dumps(source, format="codesys")
 
 

@@ -1,4 +1,4 @@
-"""What cannot be saved is refused when it is assigned, or at the latest when it is saved, and named."""
+"""Values that no file can have are refused when they are assigned, or at the latest when they are saved."""
 
 from __future__ import annotations
 

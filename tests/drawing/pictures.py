@@ -1,4 +1,4 @@
-"""What tests measure in pictures of charts: areas of elements, wires, texts."""
+"""Measures of pictures of charts: areas of elements, wires, texts."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ Point = tuple[int, int]
 
 
 def links_in(picture: Picture) -> set[tuple[str, str]]:
-    """What the wires, bars, jumps and references of a picture say: which step leads to which transition, and back.
+    """Connections that the wires, bars, jumps and references of a picture show: from step to transition, and back.
 
     A person reads it so: down along the wires that touch, from the upper line of a double bar to the lower one.
     """

@@ -135,7 +135,7 @@ ADDED = {
     *("PRG_Pumps_DB", "GVL_IO", "MainTask", "E_PumpMode", "FB_Runtime_Reset"),
     *("PRG_Pumps_SelectPump_entry", "PRG_Pumps_Swap_entry", "PRG_Pumps_Pumping_active", "PRG_Pumps_Standby_active"),
 }
-"""What only TIA Portal has: an instance, a list, a task, an enumeration, and functions of actions and methods."""
+"""Features that only TIA Portal has: an instance, a list, a task, an enumeration, and functions of actions."""
 
 
 @pytest.mark.slow

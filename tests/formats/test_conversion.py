@@ -33,7 +33,7 @@ def own_name(project: Project) -> str:
 
 
 def assert_valid_and_there_and_back(path: Path, targets: Sequence[str] = (*TC6, "json")) -> None:
-    """What is written for each target is valid, where the file itself is, and comes back equal."""
+    """A file written for each target is valid, where its source is, and comes back equal."""
     project = accepting(sfc.load(path))
     is_valid = not any(d.severity == "error" for d in validate_tc6(path.read_bytes()))
     own = own_name(project)

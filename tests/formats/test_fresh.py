@@ -104,7 +104,7 @@ class Written:
         self.fresh = sfc.dumps(self.project, fresh=True)
 
     def exchanged(self) -> tuple[Counter[Fact], Counter[Fact]]:
-        """What the file says and the one written anew does not, and the reverse."""
+        """Content of the file that the regenerated one lacks, and the reverse."""
         old, new = facts(self.data), facts(self.fresh)
         return old - new, new - old
 

@@ -16,11 +16,11 @@ from tests.strategies import conditions, expressions, names, projects, texts, ti
 
 FORMATS = ("plcopen-2.01", "plcopen-2.0", "plcopen-1.01", "codesys")
 STATED = {"exclude", "symbol", "duplicate", "monitoring"}
-"""What CODESYS always says: False where nothing was said."""
+"""Values that CODESYS always writes: False where none was stated."""
 
 
 def loaded(data: bytes, name: str) -> m.Project:
-    """What is in a file. A file without any data of CODESYS cannot be told from one of another tool."""
+    """The content of a file. A file without any data of CODESYS cannot be told from one of another tool."""
     return sfc.loads(data, format="codesys" if name == "codesys" else None)
 
 
@@ -34,7 +34,7 @@ quick = settings(
 
 
 def meaning(project: m.Project, *, codesys: bool = False) -> Any:
-    """What a project says, without how its charts are drawn and without the ids that files give to objects."""
+    """The content of a project, without drawings and without the ids that files give to objects."""
     copy = project.model_copy(deep=True)
     if codesys:
         copy.dialect = m.Dialect.CODESYS  # that of its files; the texts are the same in both

@@ -72,7 +72,7 @@ def test_renaming_a_step_changes_the_lines_that_name_it(path: Path) -> None:
     text = decoded(data)
 
     def looks(place: tuple[int, int]) -> Hashable:
-        """What may matter: whether it is the first of its name, what the step has, where it is named and how often."""
+        """Traits that may matter: first of its name, content of the step, where it is named and how often."""
         chart, number = place
         step = charts[chart].steps[number]
         has = tuple(sorted(name for name in type(step).model_fields if getattr(step, name)))
@@ -393,7 +393,7 @@ def test_an_edit_of_the_structure_stays_in_its_chart(path: Path, edit: Edit) -> 
 
 
 def net(chart: SfcNetwork) -> object:
-    """What a chart does, by names."""
+    """The behaviour of a chart, by names."""
     names = {step.id: step.name for step in chart.steps}
     return (
         sorted((s.name, s.initial, [(a.qualifier, a.target, a.duration) for a in s.actions]) for s in chart.steps),

@@ -1,4 +1,4 @@
-"""What text formats share: encodings, and edits put into a text in its own layout."""
+"""Common parts of text formats: encodings, and edits put into a text in its own layout."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What mutants found once, in a minimal form: the files in `fixtures/broken`."""
+"""Faults that mutants have found, in a minimal form: the files in `fixtures/broken`."""
 
 from __future__ import annotations
 

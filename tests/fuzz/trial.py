@@ -1,4 +1,4 @@
-"""What is done with a damaged file, and what must hold whatever is in it."""
+"""Operations on a damaged file, and the invariants that must hold whatever its content."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ class _Trial:
         return sfc.loads(data, format=format or self.mutant.format, path="mutant")
 
     def compared(self, what: str, project: sfc.Project, written: Any, kind: str) -> None:
-        """What was written from the model says all of it, or the report names the rest."""
+        """A file written from the model has all of it, or the report names the rest."""
         back = self.attempt(f"load {what}", lambda: self.load(written.data, kind), must=True)
         if back is None or written.report.items:
             named = " ".join(f"{item.path} {item.why}" for item in written.report.items)
@@ -140,7 +140,7 @@ class _Trial:
 
     @staticmethod
     def content(project: sfc.Project) -> list[str]:
-        """What an edit of one step must not touch: the names of everything."""
+        """The names of everything, which an edit of one step must keep."""
         found = [f"POU {pou.name}" for pou in project.pous]
         for chart in project.charts():
             found += [f"{chart.name} {step.name} {step.initial}" for step in chart.chart.steps]

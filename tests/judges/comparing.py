@@ -68,7 +68,7 @@ def _profile(project: sfc.Project, losses: set[str]) -> Profile:
 
 
 def _places(run: Simulation, pou: Pou, compiled: Compiled, machine: CompiledProgram) -> dict[str, str]:
-    """What is compared: the steps and variables of `pou` by their names in the source, with those in the machine.
+    """The things compared: the steps and variables of `pou` by their names in the source, with those in the machine.
 
     Without times and real numbers: matiec makes 3999999 ns of T#4ms.
     """

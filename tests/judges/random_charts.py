@@ -191,7 +191,7 @@ def random_codesys_model(seed: int, size: int) -> sfc.Project:
 
 
 def _joined(chart: m.SfcNetwork, kind: str, pins: list[m.BlockVariable]) -> m.InputPin:
-    """What a condition is wired to: a block, or the only input."""
+    """The source of the wire of a condition: a block, or the only input."""
     if len(pins) == 1 and pins[0].input is not None:
         return pins[0].input
     outputs = [m.BlockVariable(name="OUT", output=m.OutputPin())]

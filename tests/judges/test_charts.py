@@ -1,4 +1,4 @@
-"""What we say that a chart does under the profile ``matiec``, against what matiec's code does, scan by scan."""
+"""Our interpreter under the profile ``matiec`` against the code that matiec makes, scan by scan."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MATIEC = PROFILES["matiec"]
 
 
 def ours(text: str, inputs: Sequence[Mapping[str, Value]], watch: Sequence[str]) -> list[dict[str, Value]]:
-    """What our interpreter does with the program ``Chart`` of a text."""
+    """Return the run of the program ``Chart`` of a text in our interpreter."""
     controller = Controller(sfc.loads(text.encode(), format="iec-text"), MATIEC, chart_compiler=compiler(MATIEC))
     instance = controller.instance("Chart")
     found = []

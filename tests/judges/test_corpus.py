@@ -34,7 +34,7 @@ def _files() -> list[Path]:
 
 
 def compare_file(path: Path, folder: Path) -> list[str]:
-    """What became of a file and of each chart in it: ``refused ..``, ``differs ..``, ``equal ..``."""
+    """Outcomes of a file and of each chart in it: ``refused ..``, ``differs ..``, ``equal ..``."""
     try:
         project = sfc.load(path)
         data, report = sfc.convert(project, "iec-text", flavour="matiec", partial=True)

@@ -22,7 +22,7 @@ from tests.languages.st_simaticml import scl_text
 
 
 class TextKind(StrEnum):
-    """What a text is."""
+    """The role of a text."""
 
     STATEMENTS = "statements"
     EXPRESSION = "expression"

@@ -1,4 +1,4 @@
-"""What holds for every tree of structured text, whether its text is right or not."""
+"""Invariants of every tree of structured text, whether its text is right or not."""
 
 from __future__ import annotations
 

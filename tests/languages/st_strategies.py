@@ -82,7 +82,7 @@ def _members(dialect: Dialect) -> st.SearchStrategy[n.Name]:
 
 
 def variables(dialect: Dialect, inner: st.SearchStrategy[n.Expression]) -> st.SearchStrategy[n.Expression]:
-    """What can be assigned to; `inner` stands between brackets."""
+    """Targets of assignments; `inner` is between brackets."""
     addresses = st.sampled_from(_ADDRESSES).map(n.Address)
     indices = st.lists(inner, min_size=1, max_size=2).map(tuple)
 

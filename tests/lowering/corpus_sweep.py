@@ -83,12 +83,12 @@ REASONS = {
     "nothing in common that could be compared": "nothing to compare",
     "RETURN and jumps are not lowered": "RETURN in an action",
 }
-"""What messages contain, and what that is called here."""
+"""Words in messages, and their names here."""
 
 
 @dataclass(frozen=True)
 class SweepResult:
-    """What became of a chart in a form for a target.
+    """The outcome of a chart in a form for a target.
 
     `outcome`: ``proven``, ``tested``, ``refused``, ``incomparable``, or ``along`` (lowered with the chart that calls
     it); ``different``, ``invalid`` and ``error`` are faults. `why`: in few words for what is refused or incomparable.
@@ -166,7 +166,7 @@ class Sweep:
         targets: Sequence[str] = TARGETS,
         names: Sequence[str] | None = None,
     ) -> Iterator[SweepResult]:
-        """What became of each chart, or those of these names, in each form for each target.
+        """Yield the outcome of each chart, or those of these names, in each form for each target.
 
         All charts of a form stand in one written file.
         """
@@ -245,7 +245,7 @@ class Sweep:
         return ("refused", "code only in a comment") if equal else outcome
 
     def _verdict(self, lowered: LoweredPou, written: m.Project) -> tuple[str, str]:
-        """What the comparison came to, that of the same program if there was one."""
+        """The verdict of the comparison, that of the same program if there was one."""
         try:
             code = resolve(written, lowered.name)
         except ModelError as error:
@@ -327,7 +327,7 @@ def _text(value: Any) -> str:
 
 
 def what_is_invalid(content: bytes) -> list[str]:
-    """What the official schemas say against a file; nothing where it is valid, or is no XML."""
+    """Errors of a file by the official schemas; none where it is valid, or is no XML."""
     try:
         root = etree.fromstring(content)
     except etree.XMLSyntaxError:

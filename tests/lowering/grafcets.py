@@ -1,4 +1,4 @@
-"""What the tests of lowering a GRAFCET share."""
+"""Common parts of the tests of lowering a GRAFCET."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from tests.lowering.charts import act, boolean
 
 
 class Shape(StrEnum):
-    """What a chart has above all."""
+    """The main feature of a chart."""
 
     LINEAR = "linear"
     SELECTIONS = "selections"

@@ -1,4 +1,4 @@
-"""What a step does, in the branch of its step: under profiles with actions before transitions."""
+"""Actions of a step in the CASE branch of the step: under profiles with actions before transitions."""
 
 from __future__ import annotations
 

@@ -71,7 +71,7 @@ REFUSED = {
         "text without networks": (0, 0, 0, 0, 0, 0, 20, 0, 0),
     },
 }
-"""What is refused, or cannot be compared: by folder and reason, how many charts in how many forms for each target.
+"""Charts that are refused, or cannot be compared: charts and forms for each target, by folder and reason.
 
 Of the other folders the reasons are known, and not counted.
 """
@@ -101,7 +101,7 @@ REFUSED_FORMS: dict[str, dict[str, int]] = {
 
 
 def refused(results: Sequence[SweepResult]) -> dict[str, tuple[int, ...]]:
-    """What was refused, or cannot be compared: by reason, for each of the `TARGETS`. Nothing may be wrong."""
+    """Charts refused, or not comparable: by reason, for each of the `TARGETS`. Nothing may be wrong."""
     for result in results:
         assert not result.is_fault, str(result)
     left = [result for result in results if result.outcome in ("refused", "incomparable")]

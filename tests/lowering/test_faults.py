@@ -290,7 +290,7 @@ def test_textbook_code_is_different_just_where_it_has_faults_and_exact_code_has_
 
 
 def same_rules(chart: Subject, code: LoweredPou) -> tuple[Fault, ...]:
-    """What the search for faults finds in exact code."""
+    """Faults that the search finds in exact code."""
     network = chart.pou.sfc
     assert network is not None
     return find_faults(

@@ -1,4 +1,4 @@
-"""What a chart holds and its code does not is told, one by one."""
+"""Losses of lowering: each thing of a chart that its code does not have is listed."""
 
 from __future__ import annotations
 

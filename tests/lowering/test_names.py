@@ -29,7 +29,7 @@ def declared(chart: m.SfcNetwork) -> list[str]:
 
 
 def changed_lines(before: str, after: str) -> list[str]:
-    """What a review of the edit shows: the lines added and removed."""
+    """The lines added and removed, as a review of the edit shows them."""
     lines = difflib.ndiff(before.splitlines(), after.splitlines())
     return [line for line in lines if line.startswith(("+ ", "- "))]
 

@@ -1,4 +1,4 @@
-"""What lowering understands of a chart, and what it refuses."""
+"""Charts that lowering understands, and those that it refuses."""
 
 from __future__ import annotations
 

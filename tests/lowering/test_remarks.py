@@ -1,4 +1,4 @@
-"""What a chart says to people stands in its code, in whatever form that is."""
+"""Comments and titles of a chart are in its code, in every form."""
 
 from __future__ import annotations
 

@@ -182,7 +182,7 @@ def test_step_bits_say_at_one_place_what_they_are_when_the_chain_starts_anew(pro
     at = found.index(expected)
     assert [each.splitlines()[0] for each in paragraphs[at - 1 : at + 1]] == [
         "// Steps that become active",
-        "// Start the chain anew",
+        "// Restart the sequence",
     ]
     assert found[at - 1] == [
         "X1 := T4_1 OR X1 AND NOT T1_2;",

@@ -1,4 +1,4 @@
-"""What the states of a CASE are written as: numbers, constants, values of an enumeration."""
+"""Spelling of the states of a CASE: numbers, constants, values of an enumeration."""
 
 from __future__ import annotations
 

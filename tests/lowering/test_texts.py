@@ -1,4 +1,4 @@
-"""What lowered code says is there in each language."""
+"""Texts of lowered code exist in each language."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ SAME = {
     "transition_title",
     "waiting_constant",
 }
-"""What is the same in all languages."""
+"""Texts that are the same in all languages."""
 
 
 def test_german_has_words_of_its_own_for_everything() -> None:

@@ -1,4 +1,4 @@
-"""What lowered code looks like in the networks of TIA Portal: nothing stands in our comments, bits end in coils."""
+"""Lowered code in the networks of TIA Portal: nothing is in our comments, bits end in coils."""
 
 from __future__ import annotations
 

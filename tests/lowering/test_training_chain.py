@@ -13,7 +13,7 @@ from tests.samples import FIXTURES
 
 
 def facts(project: m.Project) -> object:
-    """What the chart says, whatever the ids and the dialect are."""
+    """The content of the chart, whatever the ids and the dialect are."""
     chart = project.pous[0].sfc
     assert chart is not None
     net = Net.of(chart)

@@ -1,4 +1,4 @@
-"""What the model answers to wrong values and names, and how its objects show themselves."""
+"""Errors of the model for wrong values and names, and the `repr` of its objects."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ ENGLISH = re.compile(r"\b(?:the|and|or|of|is|are|which|needs?|never|not|reached|
 LINES = (
     "equal (proof: 6 states, all inputs; situations in which forcing orders contradict each other are left out)",
     "equal (proof: 6 states, all inputs; situations that never become stable are left out)",
-    "not reached: condition FC_Count: `x`: `n = 1` what it stands in was not executed (proven)",
+    "not reached: condition FC_Count: `x`: `n = 1` the code around it was not executed (proven)",
     "not reached: condition `x` needs `y`, never reached",
     "not reached: outcome of condition `x`: `y`: needs `Drill.x`, never reached",
     "equal (proof: 5 states, all inputs, scan time T#500ms)",

@@ -72,7 +72,7 @@ def from_other_project(project: sfc.Project, chart: SfcNetwork) -> bool:
 
 
 UNDECLARED = {"'B9_Guard' is no member of what is before it"}
-"""What the tasks name on purpose that the project does not have."""
+"""Names in the tasks that the project lacks on purpose."""
 
 TASKS = [
     plant_standard,

@@ -26,7 +26,7 @@ KNOWN = (
     "is a label of CASE, but no constant",
     "m_ptrServices^.PtrErrorManager is no reference",
 )
-"""What is wrong with real charts, or missing in their files: those of TwinCAT hold one POU, and not its libraries."""
+"""Faults of real charts, and parts missing in their files: those of TwinCAT hold one POU, and not its libraries."""
 
 
 def charts() -> list[tuple[Path, Project, str]]:

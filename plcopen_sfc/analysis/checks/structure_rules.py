@@ -107,7 +107,7 @@ def _bars(chart: CheckedChart) -> Iterator[Finding]:
     for sheet, wires in _drawings(chart):
         for symbol in wires.symbols.values():
             if symbol.kind in _BARS:
-                # a leg above may have ended in a jump: CODESYS draws a wire from it
+                # a branch above may have ended in a jump: CODESYS draws a wire from it
                 above = [at for at in wires.above(symbol) if at.kind is not SymbolKind.JUMP]
                 for side, found, steps in _sides(symbol, above, wires.below(symbol)):
                     wanted = "steps" if steps else "transitions"

@@ -1,6 +1,6 @@
 """The rules for charts of other tools: what a target has no element for becomes statements and conditions.
 
-What nothing stands for is left out and reported as not executed. The source is kept beside what was written
+A thing without a replacement is left out and reported as not executed. The source is kept beside what was written
 (`source_marks`).
 """
 

@@ -112,7 +112,7 @@ class FlagRewriter(ABC):
     obeyed = _OBEYED
     """The flags that conditions obey."""
     prefix = ""
-    """What texts write before a variable of the block."""
+    """The prefix of a variable of the block in texts."""
 
     def __init__(self, chart: Chart, texts: Mapping[int, str | None], resting: Collection[SfcFlag]) -> None:
         self._place, self._chart, self._texts, self._resting = chart, chart.chart, {**texts}, resting
@@ -126,7 +126,7 @@ class FlagRewriter(ABC):
         names = (SfcFlag.INIT, SfcFlag.RESET, SfcFlag.TIP, SfcFlag.TIP_MODE)
         self._init, self._reset, self._tip, self._tip_mode = (f"{self.prefix}{each.variable}" for each in names)
         self._pause = ""
-        """What stops the chart, where something does."""
+        """The reason why the chart stops, where it does."""
 
     def rewrite(self, flags: Collection[SfcFlag]) -> frozenset[SfcFlag]:
         """Change the chart, and report what became of these flags. Returns those that it obeys now."""
@@ -494,7 +494,7 @@ class _GraphFlags(FlagRewriter):
     def _lead(self, source: Step, target: Step, condition: str) -> None:
         added = self._chart.add_transition(source, target, Expression(text=condition), priority=_FIRST)
         added.name = self._new_name(f"{source.name}_to_{target.name}")
-        why = "it stands for an SFC flag, and is tried before the others"
+        why = "it replaces an SFC flag, and is tried before the others"
         self._note(Outcome.TRANSLATED, "transition", f"transition {added.name}", why)
 
     def _note(self, outcome: Outcome, what: str, place: str, why: str) -> None:

@@ -42,7 +42,7 @@ _FORGOTTEN = {SfcFlag.ERROR: "FALSE", SfcFlag.ERROR_STEP: "''", SfcFlag.ERROR_PO
 _REPORTS = frozenset({*_FORGOTTEN, SfcFlag.ENABLE_LIMIT, SfcFlag.CURRENT_STEP})
 """The flags that statements set, and the one that enables this."""
 _TOGETHER = ".flags"
-"""A name in all marks: an edit of what stands for one flag counts for all of it."""
+"""A name in all marks: an edit of the replacement of one flag counts for all of it."""
 
 
 def execute_flags_in_tc6(
@@ -131,7 +131,7 @@ class _Tc6Flags(FlagRewriter):
         return self._added.step(wish, why)
 
     def _lead(self, source: Step, target: Step, condition: str) -> None:
-        why = "it stands for an SFC flag, and is tried before the others"
+        why = "it replaces an SFC flag, and is tried before the others"
         self._added.transition(source, target, condition, why, first=True)
 
     def _put(self, transition: Transition, condition: str) -> None:

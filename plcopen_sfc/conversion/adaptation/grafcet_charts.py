@@ -207,7 +207,7 @@ class _Chart:
     # -- edges and times
 
     def edge(self, operand: str, *, rising: bool) -> str:
-        """Return what stands for an edge; its memory is a variable that `_keep_memories` writes."""
+        """Return the expression of an edge; its memory is a variable that `_keep_memories` writes."""
         tree = parse_expression(operand).tree
         names = _named_first(tree) if tree is not None else ["?"]
         undeclared = [name for name in names if not self._declares(name)]
@@ -257,7 +257,7 @@ class _Chart:
         return found
 
     def time(self, operand: str, first: str | None, last: str | None, *, is_late: bool) -> str:
-        """Return what stands for a time of anything: the output of a timer that every scan calls with the edges.
+        """Return the expression of a time of anything: the output of a timer that every scan calls with the edges.
 
         `is_late`: the operand is the flag of a step, which the timer sees when its transitions have fired.
         """

@@ -118,7 +118,7 @@ class Rules:
         for ruled in self._flat.ruled:
             for part, idle in self._parts(ruled):
                 self._rule(part, idle)
-        # the order alone says which is tried first: not every tool has numbers
+        # the order alone decides which is tried first: not every tool has numbers
         self._chart.transitions = self._in_order()
         for transition in self._chart.transitions:
             transition.priority = None

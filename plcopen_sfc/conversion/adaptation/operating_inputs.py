@@ -143,7 +143,7 @@ class OperatingModes:
         return {name: self._checks.edge(name) for name in (_NEXT, _PREVIOUS) if name in self._found}
 
     def report(self) -> None:
-        """Report what stands for the inputs."""
+        """Report the replacement of the inputs."""
         for name in self._found.values():
             why = "the modes are variables, which the conditions read"
             if self._locked:
@@ -188,7 +188,7 @@ class AddedElements:
     def mark(self, together: Iterable[str] = (), instead_of: dict[str, object] | None = None, *, of: str = "") -> None:
         """Mark all that was added; `together`: names by which edits of one count for all.
 
-        `of`: what it stands for, as in `added_element`.
+        `of`: the thing that it replaces, as in `added_element`.
         """
         uses = [*self._checks.names_of_edges(), *together]
         for added in self._added:
@@ -206,7 +206,7 @@ class OperatingInputs:
         self._wanted = operated_inputs(rewriting, (OFF, INIT))
 
     def execute(self, sequences: Iterable[Sequence[Step]], initial: Collection[int]) -> None:
-        """Change these sequences, each with one of the `initial` steps, and report what stands for the inputs."""
+        """Change these sequences, each with one of the `initial` steps, and report the replacement of the inputs."""
         edges = {key: self._checks.rising(key) for key in self._wanted}
         for steps in sequences if edges else ():
             self._sequence(steps, next(step for step in steps if step.id in initial), edges)

@@ -65,10 +65,10 @@ class SequenceRewriter:
             heads += self._loops([step for part in looped for step in part], added)
         if operators:
             names = ",".join(dict.fromkeys(operators))
-            why = f"steps are loops with `<Step>_rests`; where nobody operates {names}, "
+            why = f"steps are loops with `<Step>_rests`; where {names} stay inactive, "
             why += f"--at-rest {names} keeps their sequences"
             if self._modes.switches_of_steps:
-                why += f", as does {self._modes.manual} where nobody switches to the manual mode"
+                why += f", as does {self._modes.manual} where the manual mode is not used"
             self._rewriting.note(Outcome.TRANSLATED, SEQUENCE, "", why)
         if self._host.is_codesys and self._rewriting.of_graph and (len(heads) > 1 or looped):
             self._start(heads, added)

@@ -629,7 +629,7 @@ class StepRewriter:
         return " AND ".join(as_term(part) for part in parts) if len(parts) > 1 else (parts or ["TRUE"])[0]
 
     def _event(self, step: Step, row: ActionAssociation) -> str | None:
-        """Return the variable of the event of a row: TRUE where its place says when it happens, None where none can."""
+        """Return the variable of the event of a row: TRUE where its place decides the time, None where none can."""
         event = row.event
         if event is None or event not in COMPUTED or not self._checks.happens(step, event):
             return "TRUE"

@@ -125,7 +125,7 @@ def _choice(kind: type[Choice], value: str, what: str) -> Choice:
 class ChartPart:
     """A chart in the picture.
 
-    `place` is its object path as seen from the whole chart, `heading` what its frame says; both are empty for the
+    `place` is its object path as seen from the whole chart, `heading` the text of its frame; both are empty for the
     whole chart. `partial` is the partial chart that it is of, `around` the step that it is inside of.
     """
 

@@ -19,7 +19,7 @@ from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 def mermaid_text(chart: SfcNetwork) -> str:
     """Return `chart` as a flowchart of Mermaid. Initial steps have double sides, transitions are round.
 
-    What is excluded from the program says so and is dashed.
+    Elements excluded from the program are marked by a text and dashed.
     """
     lines = ["flowchart TD"]
     for graph in _graphs(chart):

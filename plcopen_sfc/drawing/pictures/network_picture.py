@@ -1,8 +1,8 @@
 """Pictures of networks: FBD as blocks with pins, LD as contacts and coils between rails.
 
 The order from above to below is that of the file: of its positions if it has any, else of its elements. An operand of
-one block stands at its pin. A signal that comes back to where it was is written at the pin, with a link to its source,
-instead of a wire around everything.
+one block is written at its pin. A signal that comes back to where it was is written at the pin, with a link
+to its source, instead of a wire around everything.
 
 The layout is layered. Signals run from left to right: a symbol is in the column behind the last of those that feed it,
 one that nothing feeds directly before the first that it feeds. A wire that passes a column has a place of its own
@@ -342,7 +342,7 @@ def _picture(body: FbdBody | LdBody, theme: Theme | None, prefix: str, name: str
 
 @dataclass(slots=True)
 class _Pin:
-    """A pin of a symbol: its name, what stands at it instead of a wire, and what it does to the signal."""
+    """A pin of a symbol: its name, the text at it instead of a wire, and its effect on the signal."""
 
     name: str
     text: str = ""
@@ -372,7 +372,7 @@ class _Symbol:
     box: Box = field(default_factory=lambda: Box(0, 0))
 
     def measure(self) -> None:
-        """Set the size; what stands at the pins is known."""
+        """Set the size; the texts at the pins are known."""
         self.before = max((text_width(pin.text, 12) + 12 for pin in self.inputs if pin.text), default=0)
         behind = max((text_width(pin.text, 12) + 12 for pin in self.outputs if pin.text), default=0)
         rows = max(len(self.inputs), len(self.outputs), 1)

@@ -29,7 +29,7 @@ Span = tuple[int, int]
 
 @dataclass(frozen=True)
 class _Part:
-    """What is drawn at one place: an element of the picture, or a wire. `across` and `down` are from where to where."""
+    """A thing drawn at one place: an element of the picture, or a wire. `across` and `down` are from where to where."""
 
     shape: str
     across: Span

@@ -262,7 +262,7 @@ def written_attribute(attribute: Attribute, value: object, *, number: int, paren
 
 
 def add_descriptions(chart: etree._Element) -> None:
-    """Append what the editor says about its attributes."""
+    """Append the editor's data on its attributes."""
     add_dictionary(
         chart, "Categories", ("Guid", "SFCAttributeCategory"), {each.guid: _described(each) for each in _CATEGORIES}
     )

@@ -119,7 +119,7 @@ def entries(thing: etree._Element, name: str) -> Iterator[tuple[str, etree._Elem
 
 
 def archive_of(thing: etree._Element, also: Iterable[str]) -> etree._Element:
-    """Return ``XmlArchive`` with the object `thing`, whose type stands at it; `also`: types of values in it."""
+    """Return ``XmlArchive`` with the object `thing` and its type; `also`: types of values in it."""
     archive = etree.Element("XmlArchive")
     thing.set(_XML_SPACE, "preserve")
     # as the tools write it: before the type

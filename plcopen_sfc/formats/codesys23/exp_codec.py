@@ -190,7 +190,7 @@ def write_blocks(
         meant, left = _missing(blocks, meant)
     else:
         edited, before = _others(meant, baseline), _others(baseline, meant)
-        # what a file says in its own way would come back otherwise from our text, and stays as it is
+        # content that a file spells in its own way would come back otherwise from our text, and is kept
         known = {str(change) for change in _missing(_written(before), before)[1]}
         known_names = {pou.report_path for pou in meant.pous} - {pou.report_path for pou in edited.pous}
         own = [pou for pou in project.pous if pou.report_path not in known_names]

@@ -92,7 +92,7 @@ def _is_watched(entry: Entry) -> bool:
 
 
 def change_task(entry: Entry, task: Task) -> None:
-    """Change an entry to what the model says of its task."""
+    """Change an entry to its task in the model."""
     content = entry.content
     before = read_task(entry)
     if content is None or before == task:

@@ -187,7 +187,7 @@ def _property_values(entry: etree._Element, guid: str) -> Iterator[etree._Elemen
 
 
 def put(entry: Entry, written: etree._Element, *, keep_body: bool = False) -> None:
-    """Change an entry to what the element `written` of its object says; `keep_body`: but for its body."""
+    """Change an entry to the content of the element `written` of its object; `keep_body`: but for its body."""
     content = entry.content
     named = member(entry.element, "MetaObject", "Name")
     if content is None or named is None:

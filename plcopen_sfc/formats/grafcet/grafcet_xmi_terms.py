@@ -99,12 +99,12 @@ class ReadCondition:
         return parsed.tree
 
     def edge_of(self, name: str) -> tuple[n.Expression, bool] | None:
-        """Return the operand of the edge that `name` stands for, and its direction."""
+        """Return the operand and the direction of the edge that is called `name`."""
         found = self._edges.get(name)
         return (self._parsed(found[0]), found[1]) if found is not None else None
 
     def time_of(self, name: str) -> str | None:
-        """Return the time that `name` stands for as people write it: ``2s/X3``."""
+        """Return the time that is called `name`, as people write it: ``2s/X3``."""
         found = self._delays.get(name)
         if found is None:
             return None

@@ -26,7 +26,7 @@ from plcopen_sfc.languages.grafcet_conditions import NAME
 
 GRAFCET2PLC = re.compile(r"\A\ufeff?\s*%\w+[ \t]*\([ \t]*X\d")
 TO_AUTOMATON = re.compile(r"(?m)^[ \t]*<GRAFCET>[ \t]*\r?$")
-"""What texts in these notations have."""
+"""Marks that only texts in these notations have."""
 
 
 @dataclass

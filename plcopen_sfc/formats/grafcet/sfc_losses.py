@@ -1,4 +1,4 @@
-"""What charts of tools do beside their actions: a GRAFCET has other words for some of it, the rest is reported."""
+"""Behaviour of charts beside their actions: a GRAFCET has other terms for some of it, the rest is reported."""
 
 from __future__ import annotations
 

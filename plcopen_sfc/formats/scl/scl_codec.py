@@ -217,7 +217,7 @@ def _units(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]
     for table in tag_tables_of(project):
         for name in [*(tag.name for tag in table.tags), *(constant.name for constant in table.constants)]:
             if name.casefold() in literals and name.casefold() not in declared:
-                report.add(Outcome.TRANSLATED, "global variable", name, "its value stands in the texts")
+                report.add(Outcome.TRANSLATED, "global variable", name, "its value is in the texts")
             else:
                 why = "a source declares no tags and user constants: it must be in the project already"
                 report.add(Outcome.NOT_EXECUTED, "global variable", name, why)

@@ -208,7 +208,7 @@ class _Planner:
             found.variables += draft.variables
             found.networks += networks
             for step, row in rows:
-                why = f"networks behind the sequence control {draft.label}: no row says {_shown(step, row)}"
+                why = f"networks behind the sequence control {draft.label}: no row means {_shown(step, row)}"
                 found.controlled[step.id, row.id] = why
         found.networks += self._watch()
         return found

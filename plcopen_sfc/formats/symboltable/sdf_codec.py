@@ -258,7 +258,7 @@ class _Writer:
             why = f"a symbol has one comment, and names no language: not in the file are {', '.join(left)}"
             self._report.add(Outcome.DROPPED, "comment", path, why)
         if missing := _not_in_code_page(comment):
-            why = f"a question mark stands for {missing}, which the code page of STEP 7 V5 does not have"
+            why = f"a question mark replaces {missing}, which the code page of STEP 7 V5 does not have"
             self._report.add(Outcome.DROPPED, "comment", path, why)
         cells = (tag.name, address, word, comment.replace('"', "'"))
         return ",".join(f'"{cell:<{width}}"' for cell, width in zip(cells, _WIDTHS, strict=True))

@@ -635,8 +635,8 @@ def patch_xml(
     try:
         edited = SourceMerge(SourceTree(text), encoding.codec, before, after, keys=keys).run()
     except ValueError as error:
-        # `apply_edits` refuses edits that overlap: a mistake of ours, which must end in an error and not in a damaged
-        # file
+        # `apply_edits` refuses edits that overlap: a mistake of this package, which must end in an error
+        # and not in a damaged file
         if isinstance(error, SfcError):
             raise
         raise PatchError(f"the edits of the source text contradict each other: {error}") from error

@@ -114,7 +114,7 @@ class Resolver:
     def lookup(self, reference: Reference, site: Site) -> Binding:
         """Return the declaration that a name on its own refers to."""
         if site.transition is not None and site.transition.name.casefold() == reference.name.casefold():
-            # its body says in FBD and LD what it is by assigning to it
+            # its body in FBD and LD decides its type by assigning to it
             return Binding(
                 Declaration(Kind.TRANSITION, f"{_name(site.pou)}.{reference.name}", (site.transition,), site.pou)
             )

@@ -537,7 +537,7 @@ _DIRECTIONS = {"READ_ONLY": AccessDirection.READ_ONLY, "READ_WRITE": AccessDirec
 
 
 def _span(node: Node) -> Span:
-    assert node.span is not None, "a node that was parsed has a place"  # noqa: S101  # says so to the type checker
+    assert node.span is not None, "a node that was parsed has a place"  # noqa: S101  # for the type checker
     return node.span
 
 

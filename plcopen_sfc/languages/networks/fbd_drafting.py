@@ -310,7 +310,9 @@ class Drafter:
     def _input(self, expression: Expression) -> DrawnItem:
         self._note_reading(expression)
         if isinstance(expression, n.Unreadable):
-            self.problems.append(NetworkProblem(f"{expression.text!r} cannot be read; it stands at an input as it is"))
+            self.problems.append(
+                NetworkProblem(f"{expression.text!r} cannot be read; it is kept as the text of an input")
+            )
         is_assignment = isinstance(expression, n.AssignmentExpression)
         text = self._text(n.Parenthesized(expression) if is_assignment else expression)
         width = text_width(text)

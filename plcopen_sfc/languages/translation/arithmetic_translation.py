@@ -227,7 +227,7 @@ class ArithmeticTranslator:
         if INSTANTS & {*types} and Dialect.SCL in (self._source, self._target) and self._source is not self._target:
             names = " and ".join(sorted({*types} - {""}))
             reason = f"S7 calculates with {names} by T_ADD, T_SUB and T_DIFF"
-            self._notes.add(Severity.ERROR, f"{reason}; left as it stands", node)
+            self._notes.add(Severity.ERROR, f"{reason}; left unchanged", node)
         return self._with(node, pairs), value.type
 
     def _note_sign_of_time(self, node: Node) -> None:
@@ -277,7 +277,7 @@ class ArithmeticTranslator:
         is_plain = all(each.low >= 0 for each in literals if each.loose)
         if len(widths) > 1 or not is_plain:
             word = node.operator.value
-            reason = f"SCL has no {word} of {' and '.join(sorted(kinds))}; left as it stands"
+            reason = f"SCL has no {word} of {' and '.join(sorted(kinds))}; left unchanged"
             self._notes.add(Severity.ERROR, reason, node)
             return self._with(node, pairs), value.type
         bits = bits_as_wide_as(next(iter(kinds)))

@@ -174,7 +174,7 @@ class CallTranslator:
             return self._callee(callee)
         if is_lacking(block.name, self._target):
             reason = f"SCL has no function block {block.name}: LAD and FBD have it as a box with an operand"
-            self._notes.add(Severity.ERROR, f"{reason}; left as it stands", callee)
+            self._notes.add(Severity.ERROR, f"{reason}; left unchanged", callee)
         elif block.name in S7_TIMERS_AND_COUNTERS and self._is_global(callee):
             return n.Member(self._callee(callee), n.Name(block.name), span=callee.span)
         return self._callee(callee)
@@ -265,7 +265,7 @@ class CallTranslator:
         if name == "MOVE" and self._target is Dialect.SCL and values is not None and len(values) == 1:
             return values[0]
         if operator is not None or is_lacking(name, self._target) or (name == "MOVE" and self._target is Dialect.SCL):
-            self._notes.add(Severity.ERROR, f"{TITLES[self._target]} has no function {name}; left as it stands", callee)
+            self._notes.add(Severity.ERROR, f"{TITLES[self._target]} has no function {name}; left unchanged", callee)
             return self._with(node, callee, arguments)
         if name == "CONCAT" and self._target is not Dialect.IEC and values is not None and len(values) > 2:
             return self._nested(node, callee, block, values)
@@ -286,10 +286,10 @@ class CallTranslator:
             kinds = {dated["source"], dated["result"]}
             if kinds & {"DT", "LDT"}:
                 reason = f"S7 has no {name}: its DATE_AND_TIME is no number"
-                self._notes.add(Severity.ERROR, f"{reason}; left as it stands", node)
+                self._notes.add(Severity.ERROR, f"{reason}; left unchanged", node)
             elif kinds & _DATES and not (matched is not None and matched["text"]):
                 reason = "S7 counts days since 1990-01-01, CODESYS seconds since 1970-01-01"
-                self._notes.add(Severity.ERROR, f"{name}: {reason}; left as it stands", node)
+                self._notes.add(Severity.ERROR, f"{name}: {reason}; left unchanged", node)
 
     def _unknown(self, node: n.Call, callee: n.Name, name: str, arguments: tuple[Argument, ...]) -> Expression:
         """Return a function that IEC 61131-3 does not have."""
@@ -306,10 +306,10 @@ class CallTranslator:
                 self._notes.add(severity, reason, node)
                 return self._with(node, self._named(callee, f"{type}_TO_DINT" if type else "TO_DINT"), arguments)
         if self._source is not Dialect.SCL:
-            self._notes.add(Severity.ERROR, f"{target} has no counterpart of {name}; left as it stands", callee)
+            self._notes.add(Severity.ERROR, f"{target} has no counterpart of {name}; left unchanged", callee)
         else:
             reason = f"{name} is no standard function of {target}, which needs one of this name"
-            self._notes.add(Severity.ERROR, f"{reason}; left as it stands", callee)
+            self._notes.add(Severity.ERROR, f"{reason}; left unchanged", callee)
         return self._with(node, callee, arguments)
 
     def _square(self, node: n.Call, value: Expression) -> Expression:
@@ -328,7 +328,7 @@ class CallTranslator:
             self._note_conversion(node, f"{type}_{name}")
             return self._with(node, self._named(callee, f"{type}_{name}"), arguments)
         reason = f"SCL has no {callee.identifier}: there the name of a conversion tells the source type too"
-        self._notes.add(Severity.ERROR, f"{reason}, which is not known; left as it stands", callee)
+        self._notes.add(Severity.ERROR, f"{reason}, which is not known; left unchanged", callee)
         return self._with(node, callee, arguments)
 
     def _type_of_first(self, node: n.Call) -> str:
@@ -365,9 +365,7 @@ class CallTranslator:
         if name is not None and self._source is not self._target:
             name = self._enabling(name) or parameter(name)
         if argument.negated and self._target is not Dialect.IEC and self._source is not self._target:
-            self._notes.add(
-                Severity.ERROR, f"{TITLES[self._target]} has no negated outputs; left as it stands", argument
-            )
+            self._notes.add(Severity.ERROR, f"{TITLES[self._target]} has no negated outputs; left unchanged", argument)
         if value is argument.value and name is argument.name:
             return argument
         return replace(argument, value=value, name=name)
@@ -376,7 +374,7 @@ class CallTranslator:
         if name.identifier.upper() not in _ENABLING:
             return None
         if self._target is Dialect.CODESYS:
-            reason = f"CODESYS has no {name.identifier.upper()} in structured text; left as it stands"
+            reason = f"CODESYS has no {name.identifier.upper()} in structured text; left unchanged"
             self._notes.add(Severity.ERROR, reason, name)
         return name
 
@@ -384,7 +382,7 @@ class CallTranslator:
         def pin(name: n.Name) -> n.Name:
             found = self._pin(name, block)
             if found is None:
-                reason = f"{block.name} of {TITLES[self._target]} has no parameter {name.identifier}; left as it stands"
+                reason = f"{block.name} of {TITLES[self._target]} has no parameter {name.identifier}; left unchanged"
                 self._notes.add(Severity.ERROR, reason, name)
             return found or name
 
@@ -415,7 +413,7 @@ class CallTranslator:
         if values is None:
             if named and self._target is Dialect.CODESYS:
                 reason = f"CODESYS takes the arguments of {block.name} by position, here that cannot be done"
-                self._notes.add(Severity.ERROR, f"{reason}; left as it stands", node)
+                self._notes.add(Severity.ERROR, f"{reason}; left unchanged", node)
             elif not named:
                 reason = f"the arguments of {block.name} are not its inputs; left as they stand"
                 self._notes.add(Severity.ERROR, reason, node)

@@ -39,7 +39,7 @@ def translated_literal(text: str, source: Dialect, target: Dialect) -> PartText:
     try:
         literal = literal_value(text, source)
     except LiteralError as error:
-        return PartText(text, Severity.ERROR, f"{error.message}; left as it stands")
+        return PartText(text, Severity.ERROR, f"{error.message}; left unchanged")
     prefix, mark, body = text.partition("#")
     why = _LACKING[target].get(literal.type)
     if why is not None and source is not target:
@@ -55,7 +55,7 @@ def translated_literal(text: str, source: Dialect, target: Dialect) -> PartText:
         case LiteralKind.DATE | LiteralKind.DATE_AND_TIME if not _is_in_calendar(literal, target):
             first, last = _CALENDARS[target][literal.type]
             reason = f"{text}: {TITLES[target]} has {literal.type} from {first} to {last} only"
-            return PartText(text, Severity.ERROR, f"{reason}; left as it stands")
+            return PartText(text, Severity.ERROR, f"{reason}; left unchanged")
         case LiteralKind.DATE if prefix.upper() == "LD" and target is Dialect.CODESYS:
             return PartText(f"LDATE#{body}")
         case LiteralKind.POINTER:
@@ -125,7 +125,7 @@ def _duration(text: str, nanoseconds: int, type: str, target: Dialect) -> PartTe
         try:
             return PartText(time_literal(nanoseconds, target, type))
         except LiteralError as error:
-            return PartText(text, Severity.ERROR, f"{text}: {error.message}; left as it stands")
+            return PartText(text, Severity.ERROR, f"{text}: {error.message}; left unchanged")
     if target is Dialect.CODESYS and text[:3].upper() == "LT#":
         return PartText(f"LTIME#{body}")
     return PartText(text)
@@ -161,7 +161,7 @@ def translated_address(text: str, source: Dialect, target: Dialect) -> PartText:
         return PartText(text)
     found = _ADDRESS.fullmatch(text)
     if found is None or (for_s7 and found[1].upper() in _ENGLISH):
-        problem = PartText(text, Severity.ERROR, f"{text} has no counterpart; left as it stands")
+        problem = PartText(text, Severity.ERROR, f"{text} has no counterpart; left unchanged")
         return problem if of_s7 or for_s7 else PartText(text)
     area = _ENGLISH.get(found[1].upper(), found[1])
     size, place = found[2], found[3]
@@ -172,7 +172,7 @@ def translated_address(text: str, source: Dialect, target: Dialect) -> PartText:
             return PartText(text, Severity.ERROR, f"{text} has no counterpart: S7 names bits by byte and bit")
         return PartText(f"%{area}{place}" if for_s7 else f"%{area}X{place}")
     if "." in place or ((of_s7 or for_s7) and size.upper() == "L"):
-        problem = PartText(text, Severity.ERROR, f"{text} has no counterpart; left as it stands")
+        problem = PartText(text, Severity.ERROR, f"{text} has no counterpart; left unchanged")
         return problem if of_s7 or for_s7 else PartText(text)
     width = _BYTES.get(size.upper())
     if width is None or (source in COUNTING_BYTES) is bytes_there:

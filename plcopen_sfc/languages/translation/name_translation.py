@@ -102,7 +102,7 @@ class NameTranslator:
         if name.identifier.upper() in _OF_THE_LANGUAGE:
             if self._source is Dialect.SCL and not name.quoting and self.is_local(name) is not True:
                 reason = f"{name.identifier} is declared in no block: S7 has it in each"
-                self._notes.add(Severity.ERROR, f"{reason}; left as it stands", name)
+                self._notes.add(Severity.ERROR, f"{reason}; left unchanged", name)
             return self._changed(name, name.identifier, Quoting.NONE)
         if self._source is not Dialect.SCL:
             return name
@@ -154,7 +154,7 @@ class NameTranslator:
         if word in _OF_THE_LANGUAGE:
             return name
         if word in _OF_OBJECTS:
-            self._notes.add(Severity.ERROR, f"{word} has no counterpart in SCL; left as it stands", name)
+            self._notes.add(Severity.ERROR, f"{word} has no counterpart in SCL; left unchanged", name)
             return name
         local = self.is_local(name)
         if local is False:

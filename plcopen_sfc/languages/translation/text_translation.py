@@ -185,10 +185,10 @@ def translate(parsed: Parsed[Any], target: Dialect, context: TranslationContext 
     notes = Notes(parsed.text)
     if parsed.problems:
         if not isinstance(parsed.tree, Statements) and condition_problem(parsed.text, parsed.dialect) is None:
-            notes.add(Severity.ERROR, "left as it stands: it is in the notation of GRAFCETs", (0, len(parsed.text)))
+            notes.add(Severity.ERROR, "left unchanged: it is in the notation of GRAFCETs", (0, len(parsed.text)))
             return Translated(parsed.text, parsed, notes.in_order())
         for problem in parsed.problems:
-            notes.add(Severity.ERROR, f"left as it stands, because it cannot be read: {problem.message}", problem.span)
+            notes.add(Severity.ERROR, f"left unchanged, because it cannot be read: {problem.message}", problem.span)
         return Translated(parsed.text, parsed, notes.in_order())
     if source is into and context.steps is None:
         return Translated(parsed.text, parsed if parsed.dialect is target else _parse(parsed, parsed.text, target), ())

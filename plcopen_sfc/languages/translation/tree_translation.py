@@ -52,7 +52,7 @@ class StepTranslator:
         written = self._write(new, quantity)
         if written is None:
             reason = f"steps have no counterpart of .{quantity} in the notation of {self._references.target.value}"
-            self._notes.add(Severity.ERROR, f"{reason}; left as it stands", node)
+            self._notes.add(Severity.ERROR, f"{reason}; left unchanged", node)
             return node
         disturbed = self._references.disturbed
         differs = quantity == _OWN_TIME and (disturbed is None or step.casefold() in disturbed)
@@ -218,7 +218,7 @@ class TreeTranslator:
     # -- going down ---------------------------------------------------------------------------------------------------
 
     def _lacks(self, what: str, node: Node) -> None:
-        self._notes.add(Severity.ERROR, f"{TITLES[self._target]} has no {what}; left as it stands", node)
+        self._notes.add(Severity.ERROR, f"{TITLES[self._target]} has no {what}; left unchanged", node)
 
     # -- expressions --------------------------------------------------------------------------------------------------
 

@@ -329,7 +329,7 @@ class ScanSchedule(ABC):
         return self.times.is_over_together(step, time) if step in self._timed_alone else None
 
     def drive_block(self, wanted: str, beside: Iterable[Statement] = ()) -> DriveBlock:
-        """Return a block for actions, which gets the flags of steps and what `signals` says; see `DriveBlock`."""
+        """Return a block for actions, which gets the flags of steps and the `signals`; see `DriveBlock`."""
         return DriveBlock(self.source, self.code, self.memory, wanted=wanted, signals=self.signals, beside=beside)
 
     def call(self, drive: DriveBlock) -> n.CallStatement:

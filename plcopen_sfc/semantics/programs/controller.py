@@ -420,7 +420,7 @@ class Instance:
                 inner = cells[int(part)]
                 cells = inner.v if isinstance(inner, Frame) else inner
             if cells is None:
-                continue  # an array of any length that nobody passes: a scan that reaches it is an error
+                continue  # an array of any length that no call passes: a scan that reaches it is an error
             index = int(parts[-1])
             self._free.append((cells, index, t.default(type_)))
             library.free_cells[id(cells), index] = path

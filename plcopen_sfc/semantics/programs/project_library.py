@@ -119,7 +119,7 @@ class TypeReader:
         if isinstance(holder, Pou):
             unit = self._library.unit(holder)
             return t.StructureType(holder.name, unit.layout)
-        assert isinstance(holder, m.DataTypeDeclaration)  # noqa: S101  # the kind says so
+        assert isinstance(holder, m.DataTypeDeclaration)  # noqa: S101  # by its kind
         key = id(holder)
         if key not in self._named:
             if key in self._open:

@@ -242,9 +242,9 @@ def count_unit(type_: ScalarType) -> int:
 def truth(code: Code) -> Code:
     """Return a value as BOOL."""
     if isinstance(code.type, StructureType | ArrayOf):
-        raise SimulationError(f"a {code.type.name} stands where a BOOL must be")
+        raise SimulationError(f"a {code.type.name} is where a BOOL must be")
     if code.type is BOOL or not isinstance(code.type, ScalarType) or code.type.family is Family.SPECIAL:
         return code
     if code.type.family is Family.BOOL:
         return code
-    raise SimulationError(f"a {code.type.name} stands where a BOOL must be")
+    raise SimulationError(f"a {code.type.name} is where a BOOL must be")

@@ -54,7 +54,7 @@ Subject = Project | SfcNetwork
 
 
 class RuleCase(NamedTuple):
-    """What breaks a rule (with what is said of it) and what does not, under a profile."""
+    """Charts that break a rule (with the message) and that do not, under a profile."""
 
     code: str
     breaks: Callable[[], Subject]

@@ -1,4 +1,4 @@
-"""What CODESYS and TwinCAT add to TC6 XML: read into the model, and written from it as each version writes it."""
+"""Additions of CODESYS and TwinCAT to TC6 XML: read into the model, and written from it as each version writes it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What CODESYS and TwinCAT really draw, wires that no textbook has included, and what it means."""
+"""Drawings of CODESYS and TwinCAT and their meaning, wires included that no textbook has."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the reader takes from text that people and other tools write."""
+"""Texts by people and other tools, as the reader takes them."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ def as_text(project: m.Project) -> bytes:
 
 
 def findings(project: m.Project) -> list[str]:
-    """What the reader complains about; program text that is wrong was so before."""
+    """Complaints of the reader; program text that is wrong was so before."""
     return [str(d) for d in project.diagnostics if d.code not in ("IEC110", "IEC111") and d.severity is Severity.ERROR]
 
 

@@ -38,7 +38,7 @@ def objects(thing: object) -> Iterator[BaseModel]:
 
 
 def carried_roots(found: list[BaseModel], namespace: str) -> list[etree._Element]:
-    """What is kept as markup, as trees. Markup says ``tc6`` for the namespace of any version of TC6."""
+    """Trees of the kept markup. Markup has ``tc6`` for the namespace of any version of TC6."""
     texts = [
         text
         for one in found

@@ -1,4 +1,4 @@
-"""What validation says about small documents, one fault each: code, line, path and words."""
+"""Validation of small documents, one fault each: code, line, path and words."""
 
 from __future__ import annotations
 

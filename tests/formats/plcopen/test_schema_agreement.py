@@ -116,7 +116,7 @@ def thinned(root: etree._Element) -> etree._Element:
 
 
 def kinds(element: etree._Element) -> list[tuple[str, ...]]:
-    """What an element has of what its place may have: itself below its parent, and its attributes."""
+    """The parts that an element has, of those that its place may have: itself below its parent, and its attributes."""
     parent = element.getparent()
     where = (str(parent.tag) if parent is not None else "", str(element.tag))
     return [where, *((*where, str(name)) for name in element.attrib)]

@@ -1,4 +1,4 @@
-"""What some tools write although TC6 does not have it so."""
+"""Deviations from TC6 that some tools write."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ SHARED = {
     [*((name, "plcopen") for name in SHARED), *((n, "codesys") for n in ("N beside SD", "L with a time of each step"))],
 )
 def test_associations_of_several_steps_have_one_control(name: str, source: str) -> None:
-    """What runs is the same with all inputs, and nothing is lost."""
+    """Source and result execute the same with all inputs, and no item is lost."""
     project = _chart(*SHARED[name], source=source)
     data, report = sfc.convert(project, "simaticml")
     assert not report.with_outcome(Outcome.NOT_EXECUTED)

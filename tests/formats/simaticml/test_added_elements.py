@@ -1,4 +1,4 @@
-"""What our writer has added is gone when the file is read again, unless it was edited."""
+"""Elements added by our writer are gone when the file is read again, unless they were edited."""
 
 from __future__ import annotations
 

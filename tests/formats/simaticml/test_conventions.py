@@ -1,4 +1,4 @@
-"""What Openness writes, our writer writes: bytes, ids, order; and the example PLC has all that a document can hold."""
+"""Our writer writes as Openness does: bytes, ids, order; and the example PLC has all that a document can hold."""
 
 from __future__ import annotations
 

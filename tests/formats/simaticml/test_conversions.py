@@ -35,7 +35,7 @@ PARAMS = [pytest.param(path, id=path.name[:40], marks=pytest.mark.corpus) for pa
 
 
 def shapes(project: Project) -> list[Counter[tuple[frozenset[str], frozenset[str]]]]:
-    """What the charts of a project do, by the names of steps."""
+    """The behaviour of the charts of a project, by the names of steps."""
     return [links(chart.chart) for chart in project.charts() if chart.chart.steps]
 
 

@@ -1,4 +1,4 @@
-"""What TIA Portal executes of charts of other tools: what a row or network cannot say is reported, and not written."""
+"""Charts of other tools in TIA Portal: parts that no row or network expresses are reported, and not written."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def project_with(
 
 
 def converted(project: m.Project) -> tuple[bytes, ConversionReport]:
-    """What is written for TIA Portal; it fits the published schemas and comes back whole."""
+    """A file for TIA Portal; it fits the published schemas and comes back whole."""
     before = project.model_copy(deep=True)
     data, report = sfc.convert(project, "simaticml", partial=True)
     assert list(differences(project, before)) == []

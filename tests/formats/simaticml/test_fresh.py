@@ -48,7 +48,7 @@ DIFFERENCES = {
 
 
 def facts(data: bytes) -> Counter[Fact]:
-    """What a document says: elements, attributes and texts by the path of local names; not the ids of objects."""
+    """The content of a document: elements, attributes and texts by the path of local names; not the ids of objects."""
     found: Counter[Fact] = Counter()
 
     def walk(element: etree._Element, path: str) -> None:

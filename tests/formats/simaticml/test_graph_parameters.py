@@ -1,4 +1,4 @@
-"""What a block with a chart needs in its interface, and no model has."""
+"""Parameters that a block with a chart needs in its interface, and no model has."""
 
 from __future__ import annotations
 

@@ -161,7 +161,7 @@ def projects(draw: st.DrawFn) -> Project:
 
 
 def said(project: Project) -> dict[str, object]:
-    """What a project says, but for ids, drawings and what the format itself adds."""
+    """The content of a project, but for ids, drawings and additions of the format."""
     block = project.pou("Ablauf")
     chart = block.sfc
     assert chart is not None

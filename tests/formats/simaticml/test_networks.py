@@ -94,7 +94,7 @@ MIXED = st.recursive(NAMES | COMPARISONS, operations, max_leaves=8)
 
 
 def value(tree: n.Expression, values: Mapping[str, Any]) -> Any:
-    """What an expression is where variables have these values."""
+    """The value of an expression where variables have these values."""
     if isinstance(tree, n.Parenthesized):
         return value(tree.inner, values)
     if isinstance(tree, n.Unary):

@@ -1,4 +1,4 @@
-"""What is edited in a converted file counts; without an edit the source comes back."""
+"""Edits of a converted file count; without an edit the source comes back."""
 
 from __future__ import annotations
 
@@ -150,7 +150,7 @@ def variable(text: str, name: str) -> m.Variable:
 
 
 def outdated(text: str) -> list[str]:
-    """What the warnings of a file say that comments keep in vain, with their places."""
+    """Warnings about content that the comments of a file keep in vain, with their places."""
     project = sfc.loads(text.encode())
     for chart in project.charts():
         assert chart.chart.steps is not None

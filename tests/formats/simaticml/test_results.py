@@ -25,7 +25,7 @@ END_FUNCTION_BLOCK
 
 
 def results(project: m.Project) -> list[object]:
-    """What the block gives for two inputs."""
+    """The output of the block for two inputs."""
     instance = Controller(project).instance("Main")
     found = []
     for raw in (7, 70):

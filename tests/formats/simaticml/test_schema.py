@@ -1,4 +1,4 @@
-"""What validation says about documents of TIA Portal Openness, one fault each: code, severity, line and words."""
+"""Validation of documents of TIA Portal Openness, one fault each: code, severity, line and words."""
 
 from __future__ import annotations
 

@@ -112,7 +112,7 @@ def test_any_chart_comes_back(chart: SfcNetwork) -> None:
 
 
 def refused(report: ConversionReport) -> list[str]:
-    """What TIA Portal may refuse."""
+    """Topologies that TIA Portal may refuse."""
     return [item.why for item in report.items if "refuse" in item.why]
 
 

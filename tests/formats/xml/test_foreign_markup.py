@@ -25,7 +25,7 @@ OTHERS = [
 
 
 def extension_data_in(thing: Any) -> Iterator[ExtensionData]:
-    """What the objects of a project carry, but that of drawings, which SimaticML has none of."""
+    """Foreign data of the objects of a project, but for drawings, of which SimaticML has none."""
     if isinstance(thing, ExtensionData):
         yield thing
     elif isinstance(thing, m.Model):
@@ -38,7 +38,7 @@ def extension_data_in(thing: Any) -> Iterator[ExtensionData]:
 
 
 def contents(project: m.Project, *, put_away: bool = False) -> list[str]:
-    """What is kept as it is, and what is `put_away`."""
+    """Foreign data that is kept as it is, and that which is `put_away`."""
     found = [extension_data.model_copy(deep=True) for extension_data in extension_data_in(project)]
     for extension_data in found:
         extension_data.data = [

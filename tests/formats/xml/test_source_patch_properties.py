@@ -219,7 +219,7 @@ def _edit(draw: st.DrawFn, node: etree._Element, root: etree._Element) -> None:
 
 
 def meaning(element: etree._Element, *, known_only: bool = False) -> tuple[object, ...]:
-    """What a tree says: without comments, instructions, blanks between elements and the choice of prefixes."""
+    """The content of a tree: without comments, instructions, blanks between elements and the choice of prefixes."""
     text = element.text or ""
     parts: list[object] = []
     for child in element:
@@ -275,7 +275,7 @@ def test_with_unknown_parts_the_known_ones_say_what_the_edited_tree_says(data: s
 
 
 def _middles(old: str, new: str) -> tuple[str, str]:
-    """What is left of two texts without their common beginning and end."""
+    """The middle of two texts, without their common beginning and end."""
     (change,) = text_edits(old.replace("\n", " "), new.replace("\n", " ")) or [Edit(0, 0, "")]
     return old[change.start : change.end], change.text
 

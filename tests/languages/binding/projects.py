@@ -90,7 +90,7 @@ def project(*things: m.Pou | m.DataTypeDeclaration | m.VariableSection) -> m.Pro
 
 
 def meanings(made: m.Project) -> list[tuple[object, bool]]:
-    """What every name of a project means, in order: the object, and whether that is in doubt."""
+    """The meaning of every name of a project, in order: the object, and whether that is in doubt."""
     return [
         (
             occurrence.meaning.declaration and id(occurrence.meaning.declaration.holder),

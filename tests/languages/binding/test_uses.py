@@ -1,4 +1,4 @@
-"""What names mean, and where things are used."""
+"""Meanings of names, and uses of things."""
 
 from __future__ import annotations
 

@@ -190,7 +190,9 @@ def test_a_text_that_cannot_be_read_stands_at_an_input_as_it_is() -> None:
     (node,) = drawn.network.nodes
     assert isinstance(node, InputVariable)
     assert node.expression == "a +"
-    assert [problem.message for problem in drawn.problems] == ["'a +' cannot be read; it stands at an input as it is"]
+    assert [problem.message for problem in drawn.problems] == [
+        "'a +' cannot be read; it is kept as the text of an input"
+    ]
 
 
 def project(body: FbdBody | LdBody) -> Project:

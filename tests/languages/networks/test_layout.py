@@ -1,4 +1,4 @@
-"""What is drawn can be looked at: nothing overlaps, everything flows from left to right, wires end where pins are."""
+"""Drawn networks are readable: nothing overlaps, everything flows from left to right, wires end at pins."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the elements of networks become in text."""
+"""Elements of networks as text."""
 
 from __future__ import annotations
 

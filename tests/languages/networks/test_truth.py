@@ -129,7 +129,7 @@ def test_what_is_read_does_the_same(network: LogicNetwork) -> None:
 
 
 def _order(network: LogicNetwork) -> list[int]:
-    """What the elements of a file without places are executed in: each sink in turn, after what feeds it.
+    """Execution order of the elements of a file without places: each sink in turn, after what feeds it.
 
     An input is read when it is first used.
     """

@@ -219,7 +219,7 @@ def _without_empty_arguments(node: Node) -> Node:
 
 
 def _inside(comment: str) -> str:
-    """What a comment says, without what starts and ends it."""
+    """The text of a comment, without its delimiters."""
     return re.sub(r"^(\(\*pragma |\(/?\*|/\*|//)|(\*/?\)|\*/)$", "", comment)
 
 

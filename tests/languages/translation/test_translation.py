@@ -1,4 +1,4 @@
-"""What one dialect writes otherwise than another, piece by piece."""
+"""Differences between dialects, one by one."""
 
 from __future__ import annotations
 
@@ -291,7 +291,7 @@ def test_statements(text: str, source: Dialect, target: Dialect, expected: str) 
         ("RETURN a;", IEC, SCL, "RETURN #a;", "RETURN with a value"),
         ("ACT;", CODESYS, SCL, '"ACT"();', "actions"),
         ("IF (a := r) THEN ; END_IF;", CODESYS, IEC, "IF (a := r) THEN ; END_IF;", "assignments inside expressions"),
-        ("x S= a S= r;", CODESYS, IEC, "x S= a S= r;", "left as it stands"),
+        ("x S= a S= r;", CODESYS, IEC, "x S= a S= r;", "left unchanged"),
     ],
 )
 def test_statements_without_counterpart_are_noted(

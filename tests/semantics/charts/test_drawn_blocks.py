@@ -32,7 +32,7 @@ STEP Bright: lamp(N); END_STEP
 TRANSITION FROM Bright TO Dark := stop; END_TRANSITION
 END_PROGRAM
 """
-"""What the converter of Beremiz writes of `timed`."""
+"""The text that the converter of Beremiz writes for `timed`."""
 
 
 def project(chart: m.SfcNetwork, inputs: str, outputs: str, *others: m.Variable) -> m.Project:

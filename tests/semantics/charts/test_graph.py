@@ -389,7 +389,7 @@ def test_an_empty_condition_is_always_satisfied() -> None:
 
 
 def test_networks_with_nothing_but_their_coil_are_empty() -> None:
-    """What the FBD editor shows of a condition that nobody has programmed."""
+    """A condition without a program, as the FBD editor shows it."""
 
     def empty(name: str) -> BodyCondition:
         coil = Coil(id=1, variable=name, input=InputPin())

@@ -1,4 +1,4 @@
-"""What texts for people who learn to program chains say about them, each statement as a test."""
+"""Statements of textbooks about sequences, each as a test."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an action association can name."""
+"""Targets of action associations."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ REASONS = {
     "a network with an open end": r"the network cannot be executed",
     "a text with syntax errors": r"found '|expected",
     "a type that does not fit, because what it belongs to is not declared": (
-        r"is assigned to|cannot be compared|stands where a BOOL|do not go together|is passed to|cannot become"
+        r"is assigned to|cannot be compared|is where a BOOL|do not go together|is passed to|cannot become"
         r"|is no array|has no |is called without|is a type: only|a value in brackets| of (INT|BOOL|STRING|reference)"
     ),
     "a variable over another one": r"lies over|overlaps|at once",

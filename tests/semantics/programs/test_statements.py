@@ -135,7 +135,7 @@ def test_logic_stops_early_but_calls_are_made() -> None:
         ("x : INT;", "x := y[x];", "y is not declared, so its elements are not known"),
         ("x : INT;", "FOR x := 1 TO 5 BY 0 DO ; END_FOR", "would not end"),
         ("x : INT;", "EXIT;", "belong into a loop"),
-        ("x : INT; b : BOOL;", "IF x THEN b := TRUE; END_IF", "a INT stands where a BOOL must be"),
+        ("x : INT; b : BOOL;", "IF x THEN b := TRUE; END_IF", "a INT is where a BOOL must be"),
         ("x : INT; b : BOOL;", "x := b + 1;", "BOOL"),
         ("x : INT; s : STRING;", "s := x;", "INT cannot become STRING"),
         ("x : INT;", "CASE x OF x: x := 1; END_CASE", "no constant"),
@@ -180,5 +180,5 @@ def test_0_and_1_are_false_and_true_where_a_bool_must_be(text: str, expected: bo
 
 def test_2_is_no_bool() -> None:
     controller = Controller(project_of("PROGRAM Main VAR q : BOOL; END_VAR IF 2 THEN q := TRUE; END_IF; END_PROGRAM"))
-    with pytest.raises(SimulationError, match="stands where a BOOL must be"):
+    with pytest.raises(SimulationError, match="is where a BOOL must be"):
         controller.instance("Main").scan()

@@ -1,4 +1,4 @@
-"""What is declared: structures, arrays, enumerations, strings, constants, global variables, addresses, data blocks."""
+"""Declarations: structures, arrays, enumerations, strings, constants, global variables, addresses, data blocks."""
 
 from __future__ import annotations
 
