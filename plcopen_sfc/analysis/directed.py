@@ -441,6 +441,8 @@ class DirectedSearch:
             after.extend([later] if later is not None else [])
 
         for goal in enabled:
+            # The fewer transitions fire at once, the more situations are seen one by one: first all other conditions
+            # are FALSE, then only the competing ones, then any.
             others = [each for each in enabled if each is not goal and each.tree is not None]
             before = [each for each in others if each.sources & goal.sources and each.chart == goal.chart]
             solved = add(self._goals.solve([goal], others)) or add(self._goals.solve([goal], before))
@@ -467,6 +469,7 @@ class DirectedSearch:
             self._begin(number)
             if self._scan(row):
                 self._wait(row)
+        # An edge is wanted: a scan with the other value comes before.
         for values in after:
             row = {**state.row, **values}
             self._begin(number)

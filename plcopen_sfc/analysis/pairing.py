@@ -211,6 +211,7 @@ def output_pairs(
         {n: each for n, each in s.variables.items() if not each.is_input or (not delayed and is_put_out(n, each))}
         for s in (left, right)
     )
+    # Addresses come first: tools rename variables, but the wiring of the machine stays.
     placed = {right.addresses[name]: name for name in theirs if name in right.addresses}
     renamed = {other.casefold(): own.casefold() for other, own in names.items()}
     named = {renamed.get(local, local): name for name in theirs for local in [right.local_name(name)]}
@@ -221,6 +222,7 @@ def output_pairs(
         other = by_address.get(name) or named.get(left.local_name(name))
         if other is None or (name not in by_address and other in taken):
             continue
+        # an address read as BOOL here and as part of a word there has no values to compare
         if name in by_address and theirs[other].signal.kind is not variable.signal.kind:
             continue
         found.append((name, variable.signal, other))

@@ -199,6 +199,9 @@ class Unreachable:
         never: dict[str, set[int]] = {name: set() for name in self._nets}
         executed = {""}
         said: set[str] = set()
+        # Each round only adds: an action that is executed names further ones and writes further variables, so fewer are
+        # fixed and fewer conditions are never TRUE. It starts with nothing executed: two actions that only call each
+        # other must not keep each other alive.
         while True:
             before = (len(executed), len(said), sum(map(len, possible.values())))
             fixed = (own & written) - said

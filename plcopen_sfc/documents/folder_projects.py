@@ -366,6 +366,7 @@ def save_folder(
         changed = {path: data for path, data in contents.items() if _on_disk(Path(folder, path)) != data}
     lists = _relisted(folder, kind, [path for path in changed if path not in before], gone) if is_own else {}
     _refuse_links_out_of(folder, [*changed, *lists, *gone])
+    # files are removed last: a run that is interrupted leaves an object twice, not nowhere
     write_all({Path(folder, path): data for path, data in {**changed, **lists}.items()})
     for path in gone:
         Path(folder, path).unlink(missing_ok=True)

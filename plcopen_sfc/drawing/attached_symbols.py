@@ -69,6 +69,7 @@ class AttachedSymbols:
                 blocks, before = [fresh], [0]
             elif blocks and fresh is not None:
                 self._complete(blocks, fresh, wanted)
+        # a block that has lost its last line goes; one that the file has drawn empty stays
         for block, lines in zip(blocks, before, strict=True):
             if block.entries or not lines:
                 self.symbols[block.id] = block

@@ -276,11 +276,14 @@ class _Redrawing:
             elif symbol.kind is SymbolKind.TRANSITION:
                 before = self.old.get(number)
                 members = [transitions[i] for i in symbol.transitions or [number]]
+                # Links are compared, not wires: a wire with a detour that someone has drawn is as good as a straight
+                # one.
                 found = links.get(number, [])
                 same = before is not None and (before.transitions or [number]) == [t.id for t in members]
                 if not same or len(found) != len(members) or self.reorder:
                     sides += (input_side(number), output_side(number))
                 elif not all(link_fits(t, link, steps) for t, link in zip(members, found, strict=True)):
+                    # only the side that differs is drawn again; the wires of the other one stay where they are
                     if any({*t.sources} & steps != set(f.sources) for t, f in zip(members, found, strict=True)):
                         sides.append(input_side(number))
                     if any({*t.targets} & steps != set(f.targets) for t, f in zip(members, found, strict=True)):

@@ -317,6 +317,7 @@ def changes(
         segments = _segments(said, [*meant, *said[len(meant) :]])
         for one, other, segment in zip(said, meant, segments, strict=False):
             yield from changes(one, other, (*path, segment), guarded=guarded)
+        # from the last to the first, since each removal moves the items behind it
         for item, segment in reversed([*zip(said, segments, strict=True)][len(meant) :]):
             yield RemainderEntry((*path, segment), DEFAULT, _instead(item, guarded))
     elif isinstance(said, list) and isinstance(meant, list) and _starts_alike(said, meant):
@@ -326,6 +327,7 @@ def changes(
             yield from _appended(item, path, index)
     elif said != meant or type(said) is not type(meant):
         if isinstance(said, list) and isinstance(meant, list) and said and meant:
+            # lists that begin otherwise have nothing to be matched by: one is emptied, and filled again
             yield RemainderEntry(path, [], _instead(said, guarded))
             yield from additions(meant, path)
         else:

@@ -127,6 +127,8 @@ def _put_back(network: LogicNetwork, outer: Block, kept: str) -> None:
         box = Block.model_validate_json(kept)
     except ValueError:
         return
+    # All that the writer has made of the box must be there still. Where someone has edited a part of it in the tool,
+    # the edit counts, and the box is not put back.
     kind = box.type_name.upper()
     if outer.type_name != _OUTER.get(kind) or len(outer.parameters.inputs) != len(_PINS[kind]):
         return

@@ -395,9 +395,12 @@ def move_to_macro(journal: Journal, chart: SfcNetwork, steps: Sequence[Step], na
     if len(entries) != 1 or len(exits) > 1:
         raise refused(what, f"the steps are entered at {len(entries)} steps and left at {len(exits)}, not at one")
     entry = next(step for step in steps if step.id in entries)
+    # A macro-step is left when its last step is active. A transition inside that leaves the same step would compete
+    # with those behind the macro-step, for which no tool has an order.
     left = [each for each in inner if not exits.isdisjoint(each.sources)]
     if left:
         raise refused(what, f"the step that is left last goes on inside, too: {chart.label(left[0])}")
+    # a step without a transition behind it would be a second last step
     ends_there = [s for s in steps if not any(s.id in each.sources for each in inner) and s.id not in exits]
     if exits and ends_there:
         raise refused(what, f"the step {ends_there[0].name!r} leads nowhere")

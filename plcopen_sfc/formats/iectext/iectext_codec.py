@@ -312,6 +312,7 @@ def _parts(
             above, end = _above(src, position, inner.start), inner.end
         position = end
         kind = inner.kind
+        # an action in place is written behind its step or transition and belongs to it, so these wait for it in `last`
         if kind is PartKind.ACTION and last and _is_in_place(src, above, inner):
             keys, span, _ = last.pop()
             last.append((keys, (span[0], inner.end), None))

@@ -111,6 +111,7 @@ class DrawnChart:
         used: set[int] = set()
         for transition, symbol, source in wired:
             node = expressions.get(source)
+            # a box of text that feeds something else too is logic: an edit of this condition must not change the other
             if node is None or consumers[source] != 1:
                 continue
             condition = transition["condition"]

@@ -769,6 +769,7 @@ def unchanged_symbols(before: SfcNetwork, after: SfcNetwork) -> frozenset[int]:
         elif symbol.kind is SymbolKind.EXPRESSION:
             same = texts.get(symbol.id) == others.get(symbol.id)
         elif symbol.kind is SymbolKind.JUMP:
+            # the element of a jump has the name of its target: a rename of that step changes it
             same = symbol.target is None or symbol.target in (steps if symbol.target in every_step else symbols)
         else:
             same = symbol.kind not in STEPS or symbol.id in steps

@@ -217,6 +217,7 @@ class RemovedElements:
             self._learn(*self._new.popleft())
         if not self._by_content:
             return None
+        # equal content first, then the same keys: what was moved is told from what was moved and edited
         equal = self._by_content.get(self._comparison.bytes_of(element))
         while equal:
             if (origin := equal.popleft())[0] not in self._taken:

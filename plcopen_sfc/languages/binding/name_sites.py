@@ -244,6 +244,8 @@ def _in(
             yield from _types(node.extends, dialect)
         yield from _in(node.type, dialect, (node.name.identifier,))
         if node.initial is not None:
+            # the start value of an enumeration is one of its own values, that of another type a value of what it is
+            # made of
             own = node.name if isinstance(node.type, d.EnumTypeNode) else _innermost(node.type)
             yield from _in(node.initial, dialect, within, own)
     elif isinstance(node, d.NamedType):

@@ -143,6 +143,8 @@ def kept_conditions(
     wired = [(t, t.condition) for t in chart.transitions if isinstance(t.condition, WiredCondition)]
     wired = [(t, condition) for t, condition in wired if condition.input.connections]
     pins = [condition.input for _, condition in wired]
+    # Read twice: the whole logic tells which elements the conditions need, and only these are executed. A box that
+    # feeds an action must not run again here.
     whole = reader_of_chart(chart, chart.logic, dialect)
     needed = _feeding(whole, [whole.graph.resolve(None, pin) for pin in pins])
     nodes = [node for node in chart.logic if node.id in needed]
@@ -164,6 +166,7 @@ def kept_conditions(
             name, body = condition.name, condition.body
         if not isinstance(body, FbdBody | LdBody) or condition is None:
             continue
+        # conditions that share a transition object share the state of its boxes: it is executed once
         if id(body) not in bodies:
             known.update(helper.name for part in parts for helper in part.helpers)
             read = body_statements(body, dialect, taken=known, keeps=True)

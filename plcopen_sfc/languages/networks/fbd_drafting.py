@@ -371,6 +371,7 @@ class Drafter:
             (a.name.identifier if a.name is not None else "", a.value) for a in call.arguments if a.value is not None
         ]
         names = [pin.casefold() for pin, _ in given if pin]
+        # a block with a state needs an instance; EN and ENO are pins of the box, not of the function
         if (block is not None and block.stateful) or len(set(names)) < len(names) or {"en", "eno"} & {*names}:
             return None
         if block is not None:

@@ -395,6 +395,8 @@ class SequentialControl:
         v = frame.v
         set_ = _is_over(v, self._set_start, self._set_time, now)
         reset = _is_over(v, self._reset_start, self._reset_time, now)
+        # None: no association decides. Only one that acts or has just ended does; else those of all inactive steps
+        # would switch off what another one holds. Of several the last decides.
         state: bool | None = None
         before = situation & ~change.entered | change.left
         for association in self._associations:
@@ -418,6 +420,7 @@ class SequentialControl:
                     reset = reset or active
                 case Qualifier.SD | Qualifier.DS if begins:
                     _start(v, self._set_start, self._set_time, now, association.duration(frame))
+                # DS needs its step until the delay is over, SD does not (IEC 61131-3 ed. 3, table 59)
                 case Qualifier.DS if ends:
                     v[self._set_start] = None
                 case Qualifier.SL if begins:
