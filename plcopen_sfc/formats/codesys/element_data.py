@@ -74,7 +74,7 @@ def read_element_attributes(ctx: Tc6ReadContext, data: etree._Element, fields: F
         elif guid == names.NAME and owner == "transition":
             # the condition is known only when the whole chart is: `finish_chart` compares the two
             fields[_PENDING] = (raw, attribute)
-        elif guid == names.NAME and raw != _derived_name(fields, owner):
+        elif guid == names.NAME and not _is_name(raw, _derived_name(fields, owner)):
             unknown.append(attribute)
             _check_name(ctx, attribute, fields, owner, value)
     if unknown:
@@ -143,6 +143,11 @@ def _derived_name(fields: Fields, owner: str) -> str | None:
     return fields.get("target" if owner == "action" else "name")
 
 
+def _is_name(raw: str, derived: str | None) -> bool:
+    """True if the value of a Name attribute is what follows from its element, apart from blanks of a formatter."""
+    return raw == derived or (derived is not None and is_reformatted(raw) and raw.strip() == derived.strip())
+
+
 def _check_name(ctx: Tc6ReadContext, attribute: etree._Element, fields: Fields, owner: str, value: str) -> None:
     derived = _derived_name(fields, owner)
     if derived is not None and derived.strip() != value:
@@ -157,7 +162,7 @@ def finish_chart(_ctx: Tc6ReadContext, chart: Fields) -> None:
     for transition in chart["transitions"]:
         raw, attribute = transition.pop(_PENDING, (None, None))
         condition = transition.get("condition") or {}
-        if attribute is not None and raw != condition.get("text", condition.get("name", "")):
+        if attribute is not None and not _is_name(raw, condition.get("text", condition.get("name", ""))):
             _keep_attributes(transition, [attribute], "implementation")
 
 

@@ -134,6 +134,19 @@ def test_a_name_attribute_that_disagrees_is_reported_and_stays_in_the_file() -> 
     assert codes(sfc.loads(sfc.dumps(loaded, fresh=True))) == []
 
 
+def test_a_name_attribute_with_the_blanks_of_a_formatter_follows_a_rename() -> None:
+    text = (FIXTURES / "training-chain" / "codesys.xml").read_bytes().decode("utf-8-sig")
+    text = re.sub(rf"(\n +)(<attribute guid=\"{names.NAME}\">[^<]+)", r"\1\2\1", text)
+    loaded = sfc.loads(text.encode())
+    assert codes(loaded) == []
+    assert sfc.dumps(loaded) == text.encode()
+    loaded.rename("Ablauf.S2", "Wait")
+    loaded.pou("Ablauf").chart.transitions[0].condition = "B5"  # type: ignore[assignment, union-attr]
+    changed = [line.strip() for hunk in difference(text.encode(), sfc.dumps(loaded)) for line in hunk.new]
+    name = f'<attribute guid="{names.NAME}">'
+    assert changed == ["<expression>B5</expression>", f"{name}B5", '<step localId="1" name="Wait">', f"{name}Wait"]
+
+
 @pytest.mark.parametrize(
     ("release", "step_has", "transition_has"),
     [
