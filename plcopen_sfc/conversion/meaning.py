@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import Any, TypeVar
 
 from plcopen_sfc.languages.declarations.declaration_writing import write_type
@@ -98,6 +97,21 @@ def is_stronger(one: Meaning | None, other: Meaning | None) -> bool:
     return bool(covered(left, [right]))
 
 
+class _Once:
+    """A form that is calculated when it is asked for first; to make a `functools.cache` takes as long as most forms."""
+
+    __slots__ = ("_calculate", "_known")
+
+    def __init__(self, calculate: Callable[[], Hashable]) -> None:
+        self._calculate: Callable[[], Hashable] | None = calculate
+        self._known: Hashable = None
+
+    def __call__(self) -> Hashable:
+        if self._calculate is not None:
+            self._known, self._calculate = self._calculate(), None
+        return self._known
+
+
 def condition_meaning(read: Callable[[], NetworkExpression], raw: Hashable) -> Meaning:
     """The meaning of a condition that `read` gives as an expression."""
 
@@ -108,7 +122,7 @@ def condition_meaning(read: Callable[[], NetworkExpression], raw: Hashable) -> M
         named = _with_helpers(found, lambda node: node)
         return tuple(program_form(each, named) for each in (*found.before, found.tree))
 
-    return Meaning(lambda: _shown_condition(read), raw, cache(form), read)
+    return Meaning(lambda: _shown_condition(read), raw, _Once(form), read)
 
 
 def _shown_condition(read: Callable[[], NetworkExpression]) -> str:
@@ -176,7 +190,7 @@ def _text_meaning(text: str, dialect: Dialect, named: Renaming) -> Meaning:
             return " ".join(text.split())
         return program_form(parsed.tree, named)
 
-    return Meaning(lambda: " ".join(text.split()), text, cache(form), text=lambda: text)
+    return Meaning(lambda: " ".join(text.split()), text, _Once(form), text=lambda: text)
 
 
 def _network_form(body: FbdBody | LdBody, dialect: Dialect, named: Renaming) -> Hashable:

@@ -7,9 +7,10 @@ it hold no names; a test holds that every text of the model is in one of the two
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Any
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.languages.networks.box_trees import is_box_tree
@@ -232,26 +233,25 @@ NAMELESS: dict[str, frozenset[str]] = {
 """The fields that hold texts without names that a rename concerns, by reason. ``object_id`` and the like go without."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Where:
-    """Objects around the one that the walk is at."""
+class _Where(NamedTuple):
+    """Objects around the one that the walk is at. A tuple, as each object in a chart gets one of its own."""
 
     site: Site
     path: str
     language: str
     owner: Any = None
     nodes: dict[int, Any] | None = None
-    labels: Mapping[int, str] = field(default_factory=dict)
+    labels: Mapping[int, str] = MappingProxyType({})
     report_path: str = ""
     words: Collection[str] = ()
     homes: frozenset[int] | None = None
 
     def at(self, label: str) -> _Where:
-        return replace(self, path=_below_path(self.path, label), report_path=_below_path(self.report_path, label))
+        return self._replace(path=_below_path(self.path, label), report_path=_below_path(self.report_path, label))
 
     def inside(self, name: str, kind: str) -> _Where:
         """Return the site of a part of a POU: an action, a transition, a method."""
-        return replace(self, path=f"{self.path}.{name}", report_path=_below_path(self.report_path, f"{kind} {name}"))
+        return self._replace(path=f"{self.path}.{name}", report_path=_below_path(self.report_path, f"{kind} {name}"))
 
 
 def _below_path(path: str, label: str) -> str:
@@ -361,17 +361,17 @@ _UNSAID = frozenset(
 def _below(thing: Model, key: str, where: _Where) -> _Where:
     """Return the surroundings of the objects in a field."""
     if key == "initial" and isinstance(thing, t.Variable | t.DataTypeDeclaration):
-        return replace(where, owner=ValueOf(thing.type))
+        return where._replace(owner=ValueOf(thing.type))
     if key == "extension_data":
         owner = thing if isinstance(thing, VariableSection) else None
-        return replace(where, language="foreign data", owner=owner)
+        return where._replace(language="foreign data", owner=owner)
     if key == "value" and isinstance(thing, t.MemberValue) and isinstance(where.owner, ValueOf):
-        return replace(where, owner=ValueOf(where.owner.type, (*where.owner.members, thing)))
+        return where._replace(owner=ValueOf(where.owner.type, (*where.owner.members, thing)))
     return where
 
 
 def _pou(pou: Pou, where: _Where) -> _Where:
-    return replace(where, site=Site(pou=pou, place=pou.place), path=pou.name, report_path=pou.report_path)
+    return where._replace(site=Site(pou=pou, place=pou.place), path=pou.name, report_path=pou.report_path)
 
 
 def _action(action: Action, where: _Where) -> _Where:
@@ -379,38 +379,38 @@ def _action(action: Action, where: _Where) -> _Where:
 
 
 def _named_transition(transition: NamedTransition, where: _Where) -> _Where:
-    return replace(where.inside(transition.name, "transition"), site=replace(where.site, transition=transition))
+    return where.inside(transition.name, "transition")._replace(site=replace(where.site, transition=transition))
 
 
 def _method(method: Method, where: _Where) -> _Where:
-    return replace(where.inside(method.name, "method"), site=replace(where.site, method=method))
+    return where.inside(method.name, "method")._replace(site=replace(where.site, method=method))
 
 
 def _data_block(block: DataBlock, where: _Where) -> _Where:
-    return replace(where, path=block.name, report_path=block.report_path, language="declaration")
+    return where._replace(path=block.name, report_path=block.report_path, language="declaration")
 
 
 def _data_type(declaration: t.DataTypeDeclaration, where: _Where) -> _Where:
     site, report_path = Site(place=declaration.place), declaration.report_path
-    return replace(where, site=site, path=declaration.name, report_path=report_path, language="declaration")
+    return where._replace(site=site, path=declaration.name, report_path=report_path, language="declaration")
 
 
 def _tag_table(table: TagTable, where: _Where) -> _Where:
-    return replace(where.at(table.name), report_path=table.report_path)
+    return where.at(table.name)._replace(report_path=table.report_path)
 
 
 def _body(body: b.BodyBase, where: _Where) -> _Where:
-    return replace(where, language=getattr(body, "language", where.language))
+    return where._replace(language=getattr(body, "language", where.language))
 
 
 def _chart(chart: s.SfcNetwork, where: _Where) -> _Where:
     site = replace(where.site, charts=(chart, *where.site.charts))
     nodes = {node.id: node for node in chart.logic}
-    return replace(where, site=site, nodes=nodes, labels=chart.labels(), owner=chart)
+    return where._replace(site=site, nodes=nodes, labels=chart.labels(), owner=chart)
 
 
 def _network(network: n.LogicNetwork, where: _Where) -> _Where:
-    return replace(where, nodes={node.id: node for node in network.nodes})
+    return where._replace(nodes={node.id: node for node in network.nodes})
 
 
 def _transition(transition: s.Transition, where: _Where) -> _Where:
@@ -419,25 +419,25 @@ def _transition(transition: s.Transition, where: _Where) -> _Where:
 
 def _section(section: VariableSection, where: _Where) -> _Where:
     site = where.site if where.site.pou is not None else replace(where.site, charts=())
-    where = replace(where, site=site, language="declaration")
+    where = where._replace(site=site, language="declaration")
     return where.at(section.name) if section.name else where
 
 
 def _resource(resource: Resource, where: _Where) -> _Where:
     place = f"{where.site.place}/resource/{resource.name}" if where.site.place else f"application/{resource.name}"
-    return replace(where.at(resource.name), site=Site(place=place))
+    return where.at(resource.name)._replace(site=Site(place=place))
 
 
 def _configuration(configuration: Configuration, where: _Where) -> _Where:
-    return replace(where.at(configuration.name), site=Site(place=f"configuration/{configuration.name}"))
+    return where.at(configuration.name)._replace(site=Site(place=f"configuration/{configuration.name}"))
 
 
 def _forcing(order: ForcingOrder, where: _Where) -> _Where:
-    return replace(where, owner=_partial(order.chart, where))
+    return where._replace(owner=_partial(order.chart, where))
 
 
 def _enclosure(enclosure: s.Enclosure, where: _Where) -> _Where:
-    return replace(where, owner=_partial(enclosure.chart, where))
+    return where._replace(owner=_partial(enclosure.chart, where))
 
 
 def _partial(name: str, where: _Where) -> s.SfcNetwork | None:
@@ -458,27 +458,27 @@ _ENTERING: dict[type[Model], _Entering] = {
     NamedTransition: _named_transition,
     Method: _method,
     DataBlock: _data_block,
-    Interface: lambda _, where: replace(where, language="declaration"),
+    Interface: lambda _, where: where._replace(language="declaration"),
     VariableSection: _section,
-    t.Variable: lambda v, where: replace(where.at(v.name), language="declaration"),
+    t.Variable: lambda v, where: where.at(v.name)._replace(language="declaration"),
     t.DataTypeDeclaration: _data_type,
     **dict.fromkeys((b.StBody, b.IlBody, b.FbdBody, b.LdBody, s.SfcBody, b.OpaqueBody), _body),
     s.SfcNetwork: _chart,
     s.Step: lambda step, where: where.at(f"step {step.name}"),
     s.Transition: _transition,
-    s.PartialChart: lambda partial, where: replace(where.at(partial.name), owner=partial.chart),
+    s.PartialChart: lambda partial, where: where.at(partial.name)._replace(owner=partial.chart),
     s.Enclosure: _enclosure,
     ForcingOrder: _forcing,
     ActionAssociation: lambda a, where: where.at(f"action {a.target}" if a.target else "action"),
     n.LogicNetwork: _network,
-    n.Block: lambda block, where: replace(where.at(f"block {block.instance or block.type_name}"), owner=block),
-    n.VendorElement: lambda element, where: replace(where, owner=element),
+    n.Block: lambda block, where: where.at(f"block {block.instance or block.type_name}")._replace(owner=block),
+    n.VendorElement: lambda element, where: where._replace(owner=element),
     Resource: _resource,
     Configuration: _configuration,
     Task: lambda task, where: where.at(task.name),
     TagTable: _tag_table,
     Tag: lambda tag, where: where.at(tag.name),
-    TreeNode: lambda node, where: replace(
-        where, path="project tree", report_path="project tree", owner=(*(where.owner or ()), node)
+    TreeNode: lambda node, where: where._replace(
+        path="project tree", report_path="project tree", owner=(*(where.owner or ()), node)
     ),
 }
