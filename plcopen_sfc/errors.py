@@ -23,7 +23,7 @@ def nearest(name: object, known: Iterable[str]) -> str:
 
     by_folded = {each.casefold(): each for each in known}
     found = get_close_matches(str(name).casefold(), by_folded, 1)
-    return f" (did you mean {by_folded[found[0]]!r}?)" if found else ""
+    return f" (did you mean {str(by_folded[found[0]])!r}?)" if found else ""
 
 
 @dataclass(frozen=True, slots=True)

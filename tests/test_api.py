@@ -129,6 +129,10 @@ def test_unknown_formats_get_the_nearest_name_and_tools_their_format(name, messa
         (lambda: one_step().steps.__setitem__(0, None), "`steps` of SfcNetwork is a list of Step, not None"),
         (lambda: sfc.Project().edit().renumber("A"), "renumber needs as start: int, not 'A' (str)"),
         (lambda: sfc.simulate(one_step(), scans=-1), "there are no -1 scans"),
+        (lambda: sfc.ActionAssociation.parse(None, 1), 'an action is a text: "N Valve", not None'),
+        (lambda: one_step().find(drives=3), 'drives, reads and calls are patterns: "*Valve*", not 3'),
+        (lambda: one_step().find_transitions(reads=3), 'drives, reads and calls are patterns: "*Valve*", not 3'),
+        (lambda: sfc.Project().uses(None), 'uses needs a path ("Main.S3") or an object of the model, not None'),
     ],
 )
 def test_a_wrong_argument_is_an_error_of_ours(call, message):
@@ -157,6 +161,8 @@ def one_step() -> sfc.SfcNetwork:
         (lambda: one_step().add_transition("Wait", "Wait", 5), "condition of Transition is no object of the model: 5"),
         (lambda: sfc.SfcNetwork(steps=["Wait"]), "steps.0 of SfcNetwork is no Step: 'Wait' (str)"),
         (lambda: sfc.save(sfc.Project(), "x.xml", format="plcopen", limit="soon"), "'soon' is no time limit"),
+        (lambda: sfc.Project().add_program("Main").add_variable("x", "INT", "inputs"), "(did you mean 'input'?)"),
+        (lambda: sfc.Project().find("*", "steps"), "no kind of declaration (did you mean 'step'?)"),
     ],
 )
 def test_an_unknown_name_gets_the_nearest(call, message):

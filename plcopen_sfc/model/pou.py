@@ -121,9 +121,14 @@ class Pou(ProjectObject):
     ) -> Variable:
         """Declare a variable: ``pou.add_variable("Level", "INT", "input")``.
 
-        Raises `ModelError` where the name is taken.
+        Raises `ModelError` where the name is taken, or there is no such kind.
         """
         self._claim(name)
+        if kind not in [*SectionKind]:
+            raise ModelError(
+                f"{kind!r} is no kind of variable{nearest(kind, SectionKind)}",
+                hint=f"There are: {', '.join(SectionKind)}",
+            )
         fields: dict[str, Any] = {"type": type}
         variable = Variable(name=name, **fields)
         if self.interface is None:

@@ -89,6 +89,7 @@ class ActionAssociation(Element):
         ``N Valve``, ``D T#2s Lamp``, ``S Count := Count + 1``; with an event of S7-GRAPH ``S1 R Valve`` (``C``: it
         needs the interlock); ``Valve`` alone is N. Raises `ModelError` for a text that is no such line.
         """
+        check_argument(text, str, 'an action is a text: "N Valve"')
         words = text.split(maxsplit=1)
         fields: dict[str, Any] = {}
         if len(words) == 2 and words[0].upper() in ActionEvent.__members__:

@@ -42,6 +42,7 @@ def find_steps(
 ) -> list[Step]:
     """Return the steps of a chart, or of all charts of a project; `SfcNetwork.find` has the conditions."""
     _check_fields(fields, Step, "steps", find_steps)
+    _check_patterns(drives, reads, calls)
     qualifiers = _qualifiers(qualifier)
     found: list[Step] = []
     for chart in [where] if isinstance(where, SfcNetwork) else charts_of(where):
@@ -73,6 +74,7 @@ def find_transitions(
 ) -> list[Transition]:
     """The transitions of a chart, or of all charts of a project; `SfcNetwork.find_transitions` has the conditions."""
     _check_fields(fields, Transition, "transitions", find_transitions)
+    _check_patterns(reads, calls)
     found: list[Transition] = []
     for chart in [where] if isinstance(where, SfcNetwork) else charts_of(where):
         pou, dialect = pou_of(chart), dialect_in(chart)
@@ -179,6 +181,11 @@ def _closure(chart: SfcNetwork, start: StepKey, sides: Callable[[Transition], tu
                 found.add(each)
                 waiting.append(each)
     return found
+
+
+def _check_patterns(*patterns: str | None) -> None:
+    for pattern in patterns:
+        check_argument(pattern, (str, type(None)), 'drives, reads and calls are patterns: "*Valve*"')
 
 
 def find_declared(project: Project, pattern: str, kind: str | None = None) -> list[Declaration]:

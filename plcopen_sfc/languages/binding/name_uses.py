@@ -9,7 +9,7 @@ from difflib import get_close_matches
 from functools import cached_property
 from itertools import chain
 
-from plcopen_sfc.errors import ModelError
+from plcopen_sfc.errors import ModelError, check_argument
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.name_sites import (
     Reference,
@@ -289,6 +289,7 @@ def find_uses(project: Project, what: Declaration | Model | str) -> list[Use]:
     The place of the declaration itself is not among them. Raises `ModelError` where the project declares no such thing,
     or several.
     """
+    check_argument(what, (Declaration, Model, str), 'uses needs a path ("Main.S3") or an object of the model')
     names = Names(project)
     if isinstance(what, str):
         what = unique_declaration(names, what)
