@@ -260,7 +260,7 @@ def _only(project: Project) -> Subject:
     names = [name for name, _, _ in charts] or [pou.name for pou in running]
     if not names:
         raise ModelError("the project has nothing that could be run")
-    raise ModelError("say which of its POUs to run", hint="There are: " + ", ".join(names[:20]))
+    raise ModelError("the POU to run is not named", hint="Name one of them: " + ", ".join(names[:20]))
 
 
 def _of_body(project: Project, name: str, owner: Pou, body: Body) -> Subject:

@@ -169,7 +169,7 @@ def test_what_to_run() -> None:
     with pytest.raises(ModelError, match="no POU 'Other'"):
         sfc.simulate(both, pou="Other")
     two = project(PLANT + PLANT.replace("Plant", "Second").split("END_TYPE")[1])
-    with pytest.raises(ModelError, match="which of its POUs") as error:
+    with pytest.raises(ModelError, match="POU to run is not named") as error:
         sfc.simulate(two)
     assert error.value.hint == "There are: Plant, Second"
     with pytest.raises(ModelError, match="nothing that could be run"):
