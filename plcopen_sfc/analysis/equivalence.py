@@ -532,6 +532,7 @@ class _Attempt:
             if found.complete:
                 ended = failed or ("; ".join(found.notes) if found.dead else "")
                 reason = f"all inputs were tried, but {ended}" if ended else f"{', '.join(frozen)} kept their values"
+        # outputs that could not be compared may differ, however equal all others are
         if comparison.gap:
             equal = VerdictKind.UNTESTED
             reason = "; ".join(filter(None, (comparison.gap, reason)))

@@ -551,6 +551,8 @@ class Formula:
         if found is not None and (found.kind is kind or (found.kind in _NUMBERS and kind in _NUMBERS)):
             return found
         text = print_node(tree)
+        # A name used in two types is two unrelated atoms: that only makes more possible, so no condition is called
+        # impossible by mistake.
         if found is not None:
             key += f" as {kind}"
             self._doubt(f"{text} is used as {found.kind} and as {kind}")

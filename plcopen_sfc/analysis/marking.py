@@ -191,6 +191,8 @@ def explore_in_sets(net: Net, competing: Competing, cap: int) -> ExploredMarking
 
 def _sets(net: Net, competing: Competing, marking: int, enabled: tuple[int, ...]) -> Iterator[tuple[int, int]]:
     """Yield the markings after each set of enabled transitions that can fire together, with the set."""
+    # Each enabled transition fires or not, as its condition may be TRUE or FALSE. Two that need one token exclude each
+    # other, but by rule 4 of IEC 60848.
     waiting = [(0, 0, 0, 0)]
     while waiting:
         position, fired, cleared, entered = waiting.pop()

@@ -77,6 +77,7 @@ def renamed_members(projects: tuple[Project, Project], left: Part, right: Part) 
         mine, theirs = (
             counted.get(id(part.subject), Counter()) for counted, part in zip(uses, (one, other), strict=True)
         )
+        # what is used at the same places is the same thing, whatever its name
         if mine or theirs:
             return (mine & theirs).total() / (mine | theirs).total()
         before, after = (ObjectPath.of(part.path).last for part in (one, other))
@@ -121,6 +122,7 @@ def _unmatched(left: Part, right: Part, kind: str) -> tuple[list[Part], list[Par
 def _best(kind: str, left: Part, right: Part, likeness: Callable[[Part, Part], float]) -> Iterator[Renaming]:
     """Yield the pairs that are most alike, each part in one of them."""
     mine, others = _unmatched(left, right, kind)
+    # each part gets its surest partner, not the best sum: two doubtful pairs must not break a sure one
     rated = [(likeness(one, other), one, other) for one in mine for other in others]
     taken: set[int] = set()
     for rate, one, other in sorted(rated, key=lambda each: -each[0]):
@@ -186,6 +188,8 @@ class _Walk:
         ]
         near = [(one, other) for one in starts[0] for other in starts[1]]
         near += [pair for name in list(self.met) for pair in self._beside(name)]
+        # The surest pairs first, and the pairs beside them next: a sequence of renamed steps is recognised from its
+        # ends inwards. Rating all pairs of two charts at once would pair similar steps of different branches.
         while near:
             rated = [(self._rate(*pair), pair) for pair in dict.fromkeys(near)]
             best = max(rate for rate, _ in rated)

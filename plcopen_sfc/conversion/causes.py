@@ -67,6 +67,8 @@ def _causes(
     evolution: dict[str, None] = {}
     found: dict[str, None] = {}
     parts: dict[str, None] = {}
+    # From the surest explanation to the vaguest. Only what the report lists, or what the profiles are known for, is
+    # called a cause; else these are places to look at.
     evolves = any(each.name.endswith(".X") for each in example.differences)
     if evolves and len(example.inputs) <= _FIRST_SCANS and (held := _told_held(profiles, tool)):
         return held

@@ -184,6 +184,7 @@ class _Merging:
                 continue
             pou = _Versions(mine, shown, now, then)
             if now.chart is not None and now.chart.steps:
+                # renamed first: the rows are matched to steps by their names
                 self._rename(pou.charts, mine.report_path)
                 _Charts(pou.charts, self._columns[TableKind.STEPS], mine.report_path, self._changes).run()
             if TableKind.ACTIONS in self._columns:

@@ -260,6 +260,8 @@ class _Builder:
         segment.end = None
         if self.hoist(segment, divergence, frozenset(inner)):
             return
+        # Where branches of this divergence alone meet, it ends there. Where only some neighbours meet, they become a
+        # divergence inside it. Else one branch leads to the target and the others jump.
         for position, target in enumerate(inner):
             if target in self.placed:
                 continue

@@ -322,6 +322,7 @@ class _Redrawing:
                     after.setdefault(ahead, []).append(number)
                 followed[number] = ahead
             anchor = number
+        # a stack: old symbols in their order, behind each the new ones that follow it, and those that follow these
         order: dict[int, None] = {}
         pending: list[int | None] = [*reversed(sequence), None]
         while pending:

@@ -102,6 +102,8 @@ def delete_step(journal: Journal, chart: SfcNetwork, step: Step, keep: str | Non
             raise refused(what, f"it is between other steps ({labels})", hint)
         _bridge(journal, chart, step, (incoming, outgoing), keep)
     elif incoming or outgoing:
+        # at an end of the chart: transitions of simultaneous sequences lose one side, all others lead nowhere and go
+        # too
         joining = [each for each in (*incoming, *outgoing) if each.sources != [step.id] and each.targets != [step.id]]
         for each in joining:
             side = "sources" if step.id in each.sources else "targets"

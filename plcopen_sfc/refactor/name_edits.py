@@ -67,6 +67,7 @@ def replace_variable(journal: Journal, project: Project, old: str, new: str) -> 
         changed.append(site.path)
         markup: str | None = getattr(site.holder, "markup", None)
         if markup is not None:
+            # tokens of TIA Portal are made from the text when the file is written
             tokens = is_tokens(markup)
             journal.put(
                 site.holder, "markup", None if tokens else edit_markup(markup, site.text, [e for _, e in edits])

@@ -113,6 +113,7 @@ def use_simple_steps(journal: Journal, chart: SfcNetwork) -> list[str]:
         lines: list[str] = []
         ends: list[str] = []
         called = ""
+        # by name, as CODESYS executes associations; a main action executes its lines in their order
         for each in sorted(step.actions, key=lambda each: (each.target or "").casefold()):
             is_action = id(each) in executing
             if not each.target or each.qualifier not in _SIMPLE or (is_action and each.qualifier is not Qualifier.N):

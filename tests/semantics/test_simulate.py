@@ -171,7 +171,7 @@ def test_what_to_run() -> None:
     two = project(PLANT + PLANT.replace("Plant", "Second").split("END_TYPE")[1])
     with pytest.raises(ModelError, match="POU to run is not named") as error:
         sfc.simulate(two)
-    assert error.value.hint == "There are: Plant, Second"
+    assert error.value.hint == "Name one of them: Plant, Second"
     with pytest.raises(ModelError, match="nothing that could be run"):
         sfc.simulate(Project())
 

@@ -272,6 +272,7 @@ class _ChartRewriter:
         label = f"transition {self._chart.label(transition)}"
         text = self._boxes.value(transition) if foreign else self._rewriting.text(condition)
         if text is None:
+            # An undeclared name stops the compiler of the target. TRUE or FALSE in its place would run, and be wrong.
             text = self._rewriting.new_name(f"Condition_of_{self._chart.label(transition)}_is_missing")
             why = f"it cannot be written as an expression; the undeclared name {text} is in its place"
             self._note(

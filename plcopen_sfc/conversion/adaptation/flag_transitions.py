@@ -312,6 +312,7 @@ class FlagRewriter(ABC):
                 held = [self._init] * rises + [self._reset] * (SfcFlag.RESET in flags)
                 condition = all_of([condition, *(f"NOT {text}" for text in held)])
             self._put(transition, condition)
+        # the memories are written last: the lines above need those of the scan before
         self.lines += watching
         if waits:
             self.lines.append(f"{waits} := {stops};")

@@ -290,6 +290,7 @@ class _Tc6Flags(FlagRewriter):
         inputs = {each.name.casefold() for each in self._place.pou.variables(SectionKind.INPUT)}
         found = [flag for flag in sorted(_REPORTS & set(used)) if self._can_tell(flag)]
         found = [flag for flag in found if flag is SfcFlag.ENABLE_LIMIT or flag.variable.casefold() not in inputs]
+        # the other flags tell of errors, and work only together with SFCError
         if not any(step.initial for step in self._chart.steps) or (
             SfcFlag.ERROR in used and SfcFlag.ERROR not in found
         ):
@@ -307,6 +308,7 @@ class _Tc6Flags(FlagRewriter):
             self._note(Outcome.TRANSLATED, what, place, "statements that every scan executes set it, or ask for it")
         halts = [flag.variable for flag in (SfcFlag.QUIT_ERROR, SfcFlag.INIT) if flag in obeyed]
         stopped = [*halts, *([SfcFlag.PAUSE.variable] if SfcFlag.PAUSE in obeyed else [])]
+        # a reset is executed in spite of a pause
         if SfcFlag.RESET in obeyed and len(stopped) > len(halts):
             stopped[-1] = f"({stopped[-1]} AND NOT {self._reset})"
         if SfcFlag.ERROR in found:

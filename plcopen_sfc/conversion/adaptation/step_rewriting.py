@@ -518,6 +518,8 @@ class StepRewriter:
                 where = "once when the step was left"
             else:
                 rows.active += lines
+        # The statement is written in any case. From here on: scans in which it comes before or behind another write of
+        # its operand otherwise than in S7-GRAPH, which the report tells.
         if event is ActionEvent.S0 and self._is_driven_next(step, row):
             why = f"`{_called(row)}` (event S0) is executed before the next step drives {row.target}"
             self._note_action(Outcome.APPROXIMATED, step, row.target, f"{why}; S7-GRAPH executes it after that")

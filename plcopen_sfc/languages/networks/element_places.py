@@ -213,6 +213,7 @@ def on_one_sheet(networks: Sequence[LogicNetwork], tool: Tool | None = None) -> 
             head.position = (_MARGIN, top)
             top += (head.height or 0) + _GAP / 2
         top = _moved(copy.nodes, top) + _GAP
+        # each network has counted its execution order from 1; on one sheet the count goes on
         for node in sorted(copy.nodes, key=lambda each: each.execution_order or 0):
             if node.execution_order:
                 order += 1

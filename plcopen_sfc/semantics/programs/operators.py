@@ -126,6 +126,7 @@ class Operators:
                 for code in codes[1:]:
                     text = f"({text} != {code.text})"
                 return Code(text, t.BOOL, 0, 1, acts=acts)
+            # `and` of Python would not call what is behind a FALSE operand: AND calls all of them, AND_THEN does not
             if operator not in _LAZY and any(code.acts for code in codes[1:]):
                 word = sign
             return Code(f"({f' {word} '.join(code.text for code in codes)})", t.BOOL, 0, 1, acts=acts)
