@@ -24,7 +24,6 @@ from plcopen_sfc.analysis.directed import DirectedSearch, Step
 from plcopen_sfc.analysis.domains import Domain
 from plcopen_sfc.analysis.number_terms import explore_terms
 from plcopen_sfc.analysis.pairing import (
-    NO_DELAY,
     Delay,
     connect,
     delays,
@@ -39,7 +38,7 @@ from plcopen_sfc.analysis.search_limits import INTERRUPTED, SearchProgress, Sear
 from plcopen_sfc.analysis.stimuli import stimuli
 from plcopen_sfc.analysis.system_comparison import Comparison, filled, operating_names
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
-from plcopen_sfc.analysis.timers import Clocking, clocking
+from plcopen_sfc.analysis.timers import Clocking, StepTimes, clocking, step_times
 from plcopen_sfc.analysis.verdict import Counterexample, Verdict, VerdictKind
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model.conditions import Expression
@@ -286,11 +285,12 @@ class _Compared:
 
     def check_freed(self) -> None:
         """Refuse names of variables that neither system can have as an input."""
+        freed = [name for name in self.free_inputs if name != ALL_FREE]
         systems = self._plain if self.free_inputs else ()
         names = {name.casefold() for system in systems for name in system.inputs}
         known = names | {re.split(r"[.\[]", name)[0] for name in names}
-        for name in self.free_inputs:
-            if name != ALL_FREE and name.casefold() not in known:
+        for name in freed:
+            if name.casefold() not in known:
                 frozen = dict.fromkeys(each for system in systems for each in system.frozen())
                 hint = f"These are: {', '.join(frozen)}" if frozen else "All variables are inputs, or are written."
                 raise ModelError(f"{name!r} is no variable that nothing writes", hint=hint)
@@ -330,52 +330,71 @@ class _Compared:
         if not self.free_inputs:
             return [], []
         left, right = (
-            ProgramSystem(subject, profile, self.clock, functions=self.functions)
-            for subject, profile in zip(self.subjects, self.profiles, strict=True)
+            ProgramSystem(subject, profile, self.clock, functions=self.functions, times=times)
+            for subject, profile, times in zip(self.subjects, self.profiles, self._times, strict=True)
         )
         steps = step_observations(left, right, self.step_flags)
         return [], [other.path for _, _, other in steps if not other.bit]
 
-    @cached_property
+    @property
     def _plain(self) -> tuple[ProgramSystem, ProgramSystem]:
-        """Both sides without a delay, to look at what they have."""
-        return self._systems(NO_DELAY)
+        """Both sides as they are, to be looked at."""
+        return self._built(retiming=False)
 
-    def _systems(self, delay: Delay) -> tuple[ProgramSystem, ProgramSystem]:
+    @cached_property
+    def _times(self) -> tuple[StepTimes, StepTimes]:
+        """What both do with the times of steps, which no profile and no delay changes."""
+        left, right = self.subjects
+        return step_times(left, self.clock.scan_time), step_times(right, self.clock.scan_time)
+
+    @cached_property
+    def _kept(self) -> dict[bool, tuple[ProgramSystem, ProgramSystem]]:
+        """Both sides, retimed and not, as far as they are made already: translating a large project takes long."""
+        return {}
+
+    def _built(self, *, retiming: bool) -> tuple[ProgramSystem, ProgramSystem]:
+        """Return both sides for a short look: whoever is next changes their delay and what is observed."""
+        if retiming not in self._kept:
+            self._kept[retiming] = self._systems(retiming=retiming)
+        return self._kept[retiming]
+
+    def _systems(self, *, retiming: bool) -> tuple[ProgramSystem, ProgramSystem]:
+        """Translate both sides."""
         start = monotonic()
-        profiles = [retimed(each) if delay.retimed else each for each in self.profiles]
-        later_start = 0
-        if self.passes_start:
-            if profiles[1].order is ScanOrder.TRANSITIONS_FIRST:
-                profiles[0] = replace(profiles[0], initial_situation_held=True)
-            else:
-                later_start = 1
+        profiles = [retimed(each) if retiming else each for each in self.profiles]
+        if self.passes_start and profiles[1].order is ScanOrder.TRANSITIONS_FIRST:
+            profiles[0] = replace(profiles[0], initial_situation_held=True)
         left, right = (
             ProgramSystem(
                 *(subject, profile, self.clock),
                 functions=self.functions,
                 free_inputs=self.free_inputs,
                 not_free=flags,
+                times=times,
             )
-            for subject, profile, flags in zip(self.subjects, profiles, self._flags, strict=True)
+            for subject, profile, flags, times in zip(self.subjects, profiles, self._flags, self._times, strict=True)
         )
         self.spans.append(monotonic() - start)
         if self.left_out is not None:
             right.leave_out(self.left_out)
         heed_instability(left, right)
         heed_instability(right, left)
+        return left, right
+
+    def _delay(self, left: ProgramSystem, right: ProgramSystem, delay: Delay) -> None:
+        """Have both sides begin and be compared as a delay has it."""
+        later_start = int(self.passes_start and right.profile.order is not ScanOrder.TRANSITIONS_FIRST)
         earlier, later = (left, right) if delay.queued > 0 else (right, left)
         count = abs(delay.queued)
         if delay.retimed:
             left.delay(begins=later_start, alone=1, at_rest=self._operated(left))
             right.delay(alone=1, at_rest=self._operated(right))
-            return left, right
+            return
         alone = count if delay.late_start else 0
         earlier.delay(
             begins=later_start if earlier is left else 0, kept=count, alone=alone, at_rest=self._operated(earlier)
         )
         later.delay(begins=alone + (later_start if later is left else 0))
-        return left, right
 
     @cached_property
     def operated(self) -> list[tuple[str, str]]:
@@ -389,9 +408,10 @@ class _Compared:
         found = ((name.casefold(), signal.default) for name, signal in system.inputs.items())
         return {name: default for name, default in found if name in named}
 
-    def prepared(self, delay: Delay) -> tuple[Comparison, dict[str, Signal]]:
-        """Both sides with a delay, and their inputs."""
-        left, right = self._systems(delay)
+    def prepared(self, delay: Delay, *, briefly: bool = False) -> tuple[Comparison, dict[str, Signal]]:
+        """Both sides with a delay, and their inputs; `briefly`: not to be used behind the next call."""
+        left, right = (self._built if briefly else self._systems)(retiming=delay.retimed)
+        self._delay(left, right, delay)
         return Comparison(left, right, self.outputs, self.step_flags, delay, names=self.inputs), self.connected(
             left, right
         )
@@ -402,7 +422,7 @@ class _Compared:
 
     def quick_difference(self, delay: Delay, tries: _Tries) -> int | None:
         """Return how many scans it takes to a difference in a few directed runs; None where there is none."""
-        comparison, signals = self.prepared(delay)
+        comparison, signals = self.prepared(delay, briefly=True)
         watch = SearchWatch(tries.limit, None, lambda: (0, 0), tries.whole)
         domains = {name: Domain(name, signal) for name, signal in signals.items()}
         rows = stimuli(signals, domains, self.clock, seed=tries.seed, runs=_QUICK_RUNS, scans=_QUICK_SCANS)

@@ -23,6 +23,7 @@ from plcopen_sfc.analysis.product import Branching, LeftOutError, end_of, hidden
 from plcopen_sfc.analysis.timers import Clocking, StepTimes, WaitingTimer, step_times, waiting_timers
 from plcopen_sfc.errors import ModelError, SfcError, SimulationError
 from plcopen_sfc.languages.binding import names_in
+from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.languages.s7_globals import TABLE
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.semantics.charts import compile_chart
@@ -128,7 +129,8 @@ class ProgramSystem:
     """A POU with its project, run scan by scan; see `plcopen_sfc.analysis.product.System`.
 
     `names` translates its inputs to the names that both systems share, `fixed` are inputs that keep a value,
-    `free_inputs` variables that count as inputs, `not_free` those that never do (see `Controller`).
+    `free_inputs` variables that count as inputs, `not_free` those that never do (see `Controller`). `times`: what is
+    known of the times of steps, looked up where it is None.
     """
 
     def __init__(
@@ -140,6 +142,7 @@ class ProgramSystem:
         functions: Mapping[str, Callable[..., Any]] | None = None,
         free_inputs: Iterable[str] = (),
         not_free: Iterable[str] = (),
+        times: StepTimes | None = None,
     ) -> None:
         self.subject = subject
         self.clock = clock
@@ -170,7 +173,9 @@ class ProgramSystem:
         self.addresses = self.instance.addresses()
         self.chart_steps, self._chart_marking = step_marking(self.instance)
         self.steps, self._marking = self._all_steps()
-        self.times = step_times(subject, clock.scan_time) if self.instance.charts() else _NO_STEPS
+        self.times = _NO_STEPS
+        if self.instance.charts():
+            self.times = times or step_times(subject, clock.scan_time)
         self._forget = self._forgetting()
         self._dead: list[tuple[list[Any], int, Value | None]] = []
         self._timers: list[WaitingTimer] = []
@@ -386,12 +391,31 @@ class ProgramSystem:
         """
         self._begins, self._kept, self._alone, self._at_rest = begins, kept, alone if at_rest else 0, at_rest
         self.is_delayed = bool(begins or kept or self._alone)
+        self._resting = _NONE
 
     @property
     def is_retimable(self) -> bool:
-        """True if its scans can be cut behind the actions: it is a chart, and the only one."""
-        charts = self.instance.charts()
-        return len(charts) == len(self.subject.pou.bodies) == 1 and not charts[0][0]
+        """True if its scans can be cut behind the actions: it is a chart, and the only one that it executes."""
+        paths = [path for path, _, _ in self.instance.charts()]
+        if len(self.subject.pou.bodies) != 1 or paths.count("") != 1:
+            return False
+        others = {re.split(r"[.\[]", path)[0].casefold() for path in paths if path}
+        return not others or self._named.isdisjoint(others)
+
+    @cached_property
+    def _named(self) -> set[str]:
+        """The names in the texts that it may execute: its bodies, and its actions and methods that are named there."""
+        pou, dialect = self.subject.pou, self.subject.project.dialect
+        named = {name for body in pou.bodies for name in names_in(body, dialect)}
+        if inheritance(pou.interface).extends:  # the texts of its base are executed, too
+            named |= {each.name.casefold() for each in pou.actions}
+            named |= {variable.name.casefold() for variable in pou.variables()}
+        inside = {action.name.casefold(): names_in(action, dialect) for action in pou.actions}
+        inside |= {method.name.casefold(): names_in(method, dialect) for method in pou.methods}
+        inside |= {condition.name.casefold(): names_in(condition, dialect) for condition in pou.transitions}
+        while called := named & inside.keys():
+            named |= {name for owner in called for name in inside.pop(owner)}
+        return named
 
     def leave_out(self, name: str, kind: type[SfcError] = LeftOutError) -> None:
         """End scans that leave a variable TRUE with an error. Raises `ModelError` for an unknown name."""

@@ -82,7 +82,7 @@ def report_running(
     from plcopen_sfc.analysis.verdict import VerdictKind  # noqa: PLC0415
 
     profiles = default_profile(source), target or default_profile(result)
-    end = time.monotonic() + limit
+    end_of_all = time.monotonic() + limit
     losses = [item for item in report.losses if not _is_apart(item) and item.what != UNDECLARED_TYPE]
     undeclared = {item.why.split("`")[1].casefold() for item in report.losses if item.what == UNDECLARED_TYPE}
     assumed = assumed_types(source, undeclared) if undeclared else []
@@ -90,7 +90,7 @@ def report_running(
     pairs = list(_pairs(source, result, called))
     asked = with_inputs(result, _kept_inside(pairs, called))
     running = [with_types(project, assumed) if assumed else project for project in (source, asked)]
-    for there, here in pairs:
+    for number, (there, here) in enumerate(pairs):
         named = {item.outcome for item in losses if concerns(item, there.report_path)}
         types = [name for variable in there.pou.variables() for name in used_types(variable.type)]
         unknown = next((name for name in types if name.casefold() in undeclared), None)
@@ -101,7 +101,8 @@ def report_running(
             what = "what is not executed" if named else f"nothing in {tool} that has its name"
             report.compared[there.report_path] = f"not compared: the report names {what}"
             continue
-        left = end - time.monotonic()
+        left = (end_of_all - time.monotonic()) / (len(pairs) - number)  # a large chart leaves time for the others
+        end = time.monotonic() + left
         if left <= 0:
             _note_untested(report, there.report_path, "not run: the time limit was reached")
             continue
@@ -136,26 +137,39 @@ def report_running(
             is_held = verdict.counterexample is not None and times and left > 0
             held = told_while_held(compared(delay="auto", limit=left, fixed=times), times) if is_held else ""
             _report_run(report, run, held)
-        if profiles[0].evolution is Evolution.UNTIL_STABLE is not profiles[1].evolution and not as_run.equal:
-            single = replace(profiles[0], evolution=profiles[1].evolution), profiles[1]
-            report.compared[there.report_path] += _told_single(compared, single, end - time.monotonic())
+        if as_run.counterexample is not None:
+            report.compared[there.report_path] += _told_alike(compared, profiles, tool, verdict, end - time.monotonic())
         if any(name.casefold() == declaration.name.casefold() for name in types for declaration in assumed):
             report.compared[there.report_path] += "; types that nothing declares have the members that are used of them"
 
 
-def _told_single(compared: Callable[..., Verdict], profiles: tuple[Profile, Profile], limit: float) -> str:
-    """Return how a GRAFCET without the search for stability compares with its result, which has none; else nothing.
+def _told_alike(
+    compared: Callable[..., Verdict], profiles: tuple[Profile, Profile], tool: str, verdict: Verdict, limit: float
+) -> str:
+    """Return how a chart that differs compares under one more rule of the target, or all; nothing where it differs yet.
 
-    What is left of a difference then is one of the conversion: with the search, inputs that come together tell apart
-    every chart whose steps they pass.
+    What is left of a difference then is one of the conversion. With the search for stability, inputs that come together
+    tell apart every chart of a GRAFCET whose steps they pass. Charts that execute others have no constant delay
+    where the tools execute actions and transitions in another order.
     """
-    try:
-        verdict = compared(profile=profiles, delay="auto", limit=limit) if limit > 0 else None
-    except SfcError:
-        return ""
-    if verdict is None or verdict.counterexample is not None:
-        return ""
-    return f"; without its search for stability: {str(verdict).splitlines()[0]}"
+    evolution, order = profiles[1].evolution, profiles[1].order
+    rules: dict[str, Profile] = {}
+    if profiles[0].evolution is Evolution.UNTIL_STABLE is not evolution:
+        rules["without its search for stability"] = replace(profiles[0], evolution=evolution)
+    elif not verdict.equal:
+        if profiles[0].order is not order:
+            rules[f"with actions and transitions in the order of {tool}"] = replace(profiles[0], order=order)
+        rules[f"under the rules of {tool}"] = profiles[1]
+    end = time.monotonic() + limit
+    for rule, first in rules.items():
+        left = end - time.monotonic()
+        try:
+            found = compared(profile=(first, profiles[1]), delay="auto", limit=left) if left > 0 else None
+        except SfcError:
+            continue
+        if found is not None and found.equal:
+            return f"; {rule}: {str(found).splitlines()[0]}"
+    return ""
 
 
 class _Run(NamedTuple):
@@ -173,7 +187,10 @@ class _Run(NamedTuple):
     def told_with(self, losses: Sequence[Item]) -> str:
         """Return what was found of a chart in which the report names something as approximated."""
         example = self.as_run.counterexample
-        told = self.told(example, losses) if example is not None else str(self.as_run).splitlines()[0]
+        told = str(self.as_run).splitlines()[0]
+        if example is not None:
+            rule = told_apart(example, self.profiles, self.tool) if self.verdict.equal else ""
+            told = self.told(example, losses, rule)
         return f"{told}; what the report names as approximated is in it"
 
     def told(self, example: Counterexample, losses: Sequence[Item], rule: str = "") -> str:

@@ -39,7 +39,7 @@ def verdict_of(report: ConversionReport, path: str) -> ChartVerdict:
     found = report.compared.get(path)
     if found is None or found.startswith(("not run", "not compared")):
         return ChartVerdict.NOT_RUN
-    if found.startswith("different"):
+    if found.startswith(("different", "it does something else")):
         return ChartVerdict.DIFFERENT
     if path in report.untested or not found.startswith("equal"):
         return ChartVerdict.UNTESTED

@@ -48,9 +48,13 @@ _HEADS = {
     "not compared: the report names nothing in {+} that has its name": (
         "nicht verglichen: in {} ist nichts mit diesem Namen"
     ),
-    "{+}; without its search for stability: {+}": "{}; ohne seine Suche nach Stabilität: {}",
-    "{+}; types that nothing declares have the members that are used of them": (
-        "{}; Typen, die nichts deklariert, haben die Elemente, die von ihnen benutzt werden"
+    "without its search for stability: {+}": "ohne seine Suche nach Stabilität: {}",
+    "with actions and transitions in the order of {}: {+}": (
+        "mit Aktionen und Transitionen in der Reihenfolge von {}: {}"
+    ),
+    "under the rules of {}: {+}": "nach den Regeln von {}: {}",
+    "types that nothing declares have the members that are used of them": (
+        "Typen, die nichts deklariert, haben die Elemente, die von ihnen benutzt werden"
     ),
     "not compared: nothing declares the type `{}` of its variables": (
         "nicht verglichen: nichts deklariert den Typ `{}` seiner Variablen"

@@ -80,6 +80,15 @@ def test_what_scans_see_is_said_where_the_delay_depends_on_it(feature: str) -> N
         assert between(RETIMED[feature], "iec", "codesys", exact).kind is VerdictKind.DIFFERENT
 
 
+def test_charts_of_actions_that_are_not_executed_do_not_hinder_it() -> None:
+    inner = "ACTION Sub: INITIAL_STEP I0: END_STEP TRANSITION FROM I0 TO I0 := b; END_TRANSITION END_ACTION"
+    for used, is_retimed in (("act(S);", True), ("act(S); Sub(N);", False)):
+        project = ring({1: used}, more=f"ACTION act: q := c; END_ACTION {inner}")
+        verdict = equivalent(project.pous[0], project.pous[0], ("iec", "codesys"), delay=AUTO)
+        assert verdict.delay.retimed is is_retimed, str(verdict)
+        assert verdict.proven is is_retimed
+
+
 def test_a_final_scan_is_a_difference_whatever_the_delay_is() -> None:
     counting = ring({1: "act(N);"}, more="ACTION act: n := n + 1; IF n > 5 THEN n := 0; END_IF; END_ACTION")
     assert between(counting, "iec", "codesys").proven

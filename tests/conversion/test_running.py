@@ -11,7 +11,8 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.conversion.running import report_running
-from plcopen_sfc.errors import LossError
+from plcopen_sfc.errors import LossError, SfcError
+from plcopen_sfc.pages.conversion_overview import ChartVerdict, verdict_of
 from plcopen_sfc.pages.report_words import german
 from plcopen_sfc.report import ConversionReport, Outcome
 from tests.corpus import corpus_files
@@ -233,6 +234,49 @@ def test_a_chart_in_which_something_is_approximated_is_run(condition: str, outco
     assert report.compared["POU Main"].startswith(outcome)
     assert report.compared["POU Main"].endswith("; what the report names as approximated is in it")
     assert len(report.items) == 1
+
+
+INNER = """ACTION Sub: INITIAL_STEP I0: END_STEP TRANSITION FROM I0 TO I1 := b; END_TRANSITION STEP I1: q(N); END_STEP
+TRANSITION FROM I1 TO I0 := NOT b; END_TRANSITION END_ACTION"""
+
+
+def test_charts_of_actions_differ_by_the_order_of_actions_and_transitions_alone() -> None:
+    """The inner chart is a scan later than the outer one, which is one later itself: no constant delay."""
+    text = CHART.format(first="Sub(N);", second="", initial="", edge="", actions=INNER)
+    report = saved(sfc.loads(text.encode(), format="iec-text"), "codesys")
+    found = report.compared["POU Main"]
+    assert found.startswith("it does something else")
+    assert "; with actions and transitions in the order of CODESYS: equal (proof: " in found
+    assert verdict_of(report, "POU Main") is ChartVerdict.DIFFERENT
+    assert verdict_of(report, "POU Main / action Sub") is ChartVerdict.DELAYED
+
+
+def test_a_rule_of_the_tools_is_named_beside_what_the_report_approximates() -> None:
+    text = CHART.format(first="Look(N);", second="", initial="", edge="", actions=SAMPLED)
+    project = sfc.loads(text.encode(), format="iec-text")
+    report = ConversionReport()
+    report.add(Outcome.APPROXIMATED, "condition", "POU Main / transition S2 -> S0", "as a test has it")
+    result = sfc.loads(sfc.dumps(project, format="codesys"), as_tool=True)
+    report_running(report, project, result, {}, tool="CODESYS", target=None, limit=20)
+    found = report.compared["POU Main"]
+    assert "; CODESYS executes the actions before the transitions, and so sees other inputs in them; what the" in found
+
+
+def test_a_large_chart_leaves_time_for_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    limits: list[float] = []
+
+    def noted(*_: Any, limit: float, **__: Any) -> None:
+        limits.append(limit)
+        raise SfcError("not run here")
+
+    monkeypatch.setattr("plcopen_sfc.analysis.equivalence.equivalent", noted)
+    text = "\n".join(
+        CHART.replace("Main", f"Main{number}").format(first="", second="", initial="", edge="", actions="")
+        for number in range(4)
+    )
+    report = saved(sfc.loads(text.encode(), format="iec-text"), "codesys")
+    assert [found.startswith("not run: not run here") for found in report.compared.values()] == [True] * 4
+    assert [20 / (4 - number) + 0.001 > limit for number, limit in enumerate(limits)] == [True] * 4
 
 
 @pytest.mark.parametrize("target", ["csv", "xlsx"])

@@ -53,6 +53,12 @@ LINES = (
     "condition of the transition at transition A -> B, which the report names; while `t` stays T#1s and "
     "`u` stays T#2s, both are equal (proof: 5 states, all inputs): tools differ in when they take up a "
     "new time of an action that runs",
+    "it does something else after 1 scan: S1.X is TRUE in the source and FALSE in CODESYS; S2 differs, too; look at "
+    "transition S1 -> S2; what the report names as approximated is in it; with actions and transitions in the order "
+    "of TIA Portal: equal, first 1 scan later (proof: 14 states, all inputs)",
+    "different after 2 scans (an input trace); under the rules of beremiz: equal (proof: 5 states, all inputs)",
+    "different after 2 scans (an input trace); without its search for stability: equal (proof: 5 states, all inputs); "
+    "types that nothing declares have the members that are used of them",
     "not compared: it is only in one of the two",
     "only if something outside writes a, b; while they keep their start values, both do the same",
     "M is written in every scan in the source and only while its action is executed in CODESYS",
