@@ -154,7 +154,7 @@ def convert(
     limit: float | str = 0,
     at_rest: Collection[str] = (),
 ) -> Converted:
-    """Return what `save` would write and what it would return, as `data` and `report`.
+    """Return the bytes that `save` would write, and its report, as `data` and `report`.
 
     Takes the same options, and raises the same errors.
     """
@@ -189,7 +189,7 @@ _DISTURBING = {Outcome.NOT_EXECUTED: Severity.ERROR, Outcome.APPROXIMATED: Sever
 
 
 def check_import(project: Project, tool: str) -> list[Diagnostic]:
-    """Return what a tool would not do of a project, or is not known to read, before anything is imported.
+    """Return the parts of a project that a tool would not execute, or is not known to read, before an import.
 
     `tool` is ``codesys``, ``twincat``, ``codesys23``, ``beremiz``, ``openplc``, ``matiec``, ``tia``, or a version of it
     such as ``tia-V16``. What `convert` would lose is an error (IMP001), what it would approximate a warning (IMP002);
@@ -236,7 +236,7 @@ def check_import(project: Project, tool: str) -> list[Diagnostic]:
 
 
 def check_syntax(project: Project | Pou | SfcNetwork) -> list[Diagnostic]:
-    """Return what does not parse in the bodies, conditions and declarations of a project, a POU or a chart.
+    """Return the faults of syntax in the bodies, conditions and declarations of a project, a POU or a chart.
 
     Each finding has the place in its text and, if the project was loaded from a file that it is still in, in the file.
     """

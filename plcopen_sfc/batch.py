@@ -227,7 +227,7 @@ class RunJournal:
 
 
 def _state_of(files: list[list[str]]) -> str | None:
-    """Return what became of a project that was being written: None for nothing, empty if all is there, else why not."""
+    """Return the outcome of a project that was being written: None for nothing, empty if all is there, else why not."""
     now = [_digest(read_bytes(name) if Path(name).is_file() else b"") for name, *_ in files]
     if now == [before for _, before, _ in files]:
         return None
@@ -367,7 +367,7 @@ def _mistake(script: str, error: Exception) -> ScriptError:
 
 
 def _changes(project: Project, path: str) -> tuple[tuple[FileChange, ...], ConversionReport]:
-    """Return what saving the project where it was read from would change, and what it would tell."""
+    """Return the changes that saving the project in its place would make, and their report."""
     source = project.source
     if isinstance(source, FileSource):
         content = io.BytesIO()

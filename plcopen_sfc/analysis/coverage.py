@@ -101,7 +101,7 @@ class Coverage:
         return replace(self, unreached=tuple(each for each in self.untested if each.kind == ASSIGNMENT))
 
     def joined(self, other: Coverage) -> Coverage:
-        """Return what was reached here or there, in two searches of the same side."""
+        """Return the coverage here or there, in two searches of the same side."""
         known = {each.key: each for each in other.unreached}
         for kind in sorted(
             {PART, OUTCOME, DECISION} - other.counts.keys()
@@ -125,7 +125,7 @@ class Coverage:
         return ", ".join(f"{count} {kind if count == 1 else _plural(kind)}" for kind, count in counts.items())
 
     def lines(self) -> list[str]:
-        """Return what was not reached, a line for each reason; behind the first ones only how many there are.
+        """Return the things not reached, a line for each reason; behind the first ones only how many there are.
 
         Elements that may be reachable come first. Those behind a step that was not entered are only counted.
         """
@@ -359,7 +359,7 @@ def unreachable_in(
     never: Sequence[Expression] = (),
     is_late: Callable[[], bool] = lambda: False,
 ) -> Unreachable:
-    """Return what nothing can reach; of sequencers of S7-GRAPH and charts with forcing orders that is not known.
+    """Return the unreachable parts; of sequencers of S7-GRAPH and charts with forcing orders that is not known.
 
     Of code that does the same as a chart see `Tally.coverage`.
     """
@@ -491,7 +491,7 @@ class _Reasons:
         return f"step {step} never executed it" + (f", needs {' and '.join(needs)}" if needs else ""), False
 
     def _never_true(self, kind: str, key: Key) -> str:
-        """Return what is never TRUE though an assignment or outcome needs it, in words; empty: that is not proven."""
+        """Return the condition that is needed and never TRUE, in words; empty: that is not proven."""
         told = ""
         for branch in self._leading_to[kind, key]:
             alone = branch.guards[-1:]

@@ -155,7 +155,7 @@ class _Reading:
 
     @cached_property
     def _around(self) -> set[str]:
-        """Return what has a part that is read before it is written."""
+        """Return the variables with a part that is read before it is written."""
         return {around for path in self.exposed for around in _upwards(path)}
 
     # -- statements

@@ -253,7 +253,7 @@ def statements_of(body: Body, instance: Instance) -> Sequence[n.Statement]:
 
 
 def _heads(statement: n.Statement) -> Sequence[n.Expression]:
-    """Return what decides which statements inside are executed; none: it is executed as a whole."""
+    """Return the expressions that decide which statements inside are executed; none: it is executed as a whole."""
     match statement:
         case n.If(branches=branches):
             return [branch.condition for branch in branches]

@@ -101,7 +101,7 @@ class Domain:
 
 
 def number_of(domain: Domain, constant: object) -> int | float:
-    """Return what an input is compared with, if that is a finite number."""
+    """Return the value that an input is compared with, if that is a finite number."""
     if isinstance(constant, bool) or not isinstance(constant, int | float) or constant - constant != 0:
         raise NotProvableError(f"{domain.name} is compared with {constant!r}")
     return constant

@@ -220,7 +220,7 @@ class Goals:
         return goal
 
     def _of_bounds(self) -> Iterator[Goal]:
-        """Return what makes both sides of a comparison equal where it matters, and one more or less."""
+        """Return the goals that make both sides of a comparison equal where it matters, and one more or less."""
         seen: set[tuple[int, int, str]] = set()
         for goal in chain(chain.from_iterable(self.transitions), self.branches, self.outcomes):
             for comparison, around in bounds(goal.tree) if goal.tree is not None else ():
@@ -411,7 +411,7 @@ class Goals:
         return isinstance(tree, n.Member) and tree.name.identifier.upper() in _ELAPSED
 
     def _value(self, tree: Expression) -> Callable[[], Any] | None:
-        """Return what reads a value after a scan; None where it depends on inputs, or on what must not be called."""
+        """Return a reader of a value after a scan; None where it depends on inputs, or on what must not be called."""
         for node in walk(tree):
             if isinstance(node, n.Call):
                 return None

@@ -128,7 +128,7 @@ class ProjectKnowledge:
         }
 
     def at(self, pou: Pou | None = None, chart: SfcNetwork | None = None) -> Knowledge:
-        """Return what is known of the names in conditions of `chart` in `pou`.
+        """Return the knowledge about the names in conditions of `chart` in `pou`.
 
         Constants count with their value where it is a literal. A variable of an enumeration has one of its values; of
         one in which two names may have the same number nothing is known.

@@ -201,7 +201,7 @@ class _Abstract:
         self._system.scan(read, first=first)
 
     def observed(self) -> tuple[Any, ...]:
-        """Return what is compared: of terms how they were calculated."""
+        """Return the value to compare: of terms their calculation."""
         return tuple([each.key() if isinstance(each, Term) else each for each in self._system.observed_now()])
 
     def snapshot(self) -> Any:

@@ -65,7 +65,7 @@ class Delay:
         return f"{'second' if self.scans > 0 else 'first'} {count} scan{'' if count == 1 else 's'} later"
 
     def notes(self, orders: Sequence[ScanOrder], operated: Sequence[str] = ()) -> tuple[str, ...]:
-        """Return what this means for start, inputs and times; `orders`: the scan orders of the first and the second.
+        """Return the notes on start, inputs and times; `orders`: the scan orders of the first and the second.
 
         `operated`: inputs that operate a chart. They rest while the earlier side runs alone, or transitions are not
         tested yet: an edge of that time would be lost.
@@ -262,7 +262,7 @@ def unpaired(system: ProgramSystem, compared: Iterable[str]) -> list[str]:
 def step_observations(
     left: ProgramSystem, right: ProgramSystem, flags: Mapping[str, str] | None
 ) -> list[tuple[str, Observation, Observation]]:
-    """Return what shows each step of `left` as active, on both sides. Raises `ModelError` for names not there.
+    """Return observations of each step of `left` as active, on both sides. Raises `ModelError` for unknown names.
 
     `flags`: by the path of a step a variable of the other side (``X2``), what a variable must equal (``s = 2``), or the
     path of a step there. A path with ``._x`` means a step that will be active in the next scan (CODESYS).

@@ -351,7 +351,7 @@ def failure_of(system: System, read: InputReader, *, first: bool) -> SfcError | 
 
 
 def hidden_reason(error: SfcError) -> NotProvableError | None:
-    """Return what ends a proof, if that is what an error of a program comes from."""
+    """Return the reason that ends a proof, if that is what an error of a program comes from."""
     reason: BaseException | None = error
     while reason is not None and not isinstance(reason, NotProvableError):
         reason = reason.__cause__ or reason.__context__

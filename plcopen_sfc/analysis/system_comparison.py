@@ -93,7 +93,7 @@ class Comparison:
         self.uncompared += [f"{path}.X" for path in left.steps if path.casefold() not in told]
 
     def _not_compared(self, lonely: Sequence[str]) -> str:
-        """Return what is written and not compared though it can be seen from outside, in words.
+        """Return the variables written and not compared though it can be seen from outside, in words.
 
         `lonely`: outputs that only the first has.
         """
@@ -129,7 +129,7 @@ class Comparison:
         self.left.unknown_calls.seed = self.right.unknown_calls.seed = seed
 
     def without_impossible(self, found: Explored, rows: Sequence[Mapping[str, Any]]) -> Explored:
-        """Return what a search has found, without a difference that unknown functions and blocks do not show.
+        """Return the result of a search, without a difference that unknown functions and blocks do not show.
 
         In a search a function may have another result in each scan.
         """
@@ -209,7 +209,7 @@ class Comparison:
         *,
         shortest: bool,
     ) -> Counterexample:
-        """Return what both do with these inputs; those that are not given stay as they are."""
+        """Return the run of both with these inputs; those that are not given stay as they are."""
         rows = filled(inputs, signals)
         read = {name for row in inputs for name in row}
         compared = {name.casefold() for name in self.names}  # ``Fill.x`` may be an input of one and a step of the other

@@ -517,11 +517,11 @@ class ProgramSystem:
         self.instance.scans += scans
 
     def observed(self) -> tuple[Any, ...] | None:
-        """Return what is compared; None: this scan has no counterpart."""
+        """Return the values to compare; None: this scan has no counterpart."""
         return self._seen if self.is_delayed else self.observed_now()
 
     def observed_now(self) -> tuple[Any, ...]:
-        """Return what is compared now or later."""
+        """Return the values to compare now or later."""
         return (*self._observe(), self._calls()) if self._observes_calls else self._observe()
 
     @property
@@ -568,7 +568,7 @@ class ProgramSystem:
         return tuple(self.instance.reader(list(names))())
 
     def _forgetting(self) -> list[tuple[Frame, Callable[[Frame, int], None]]]:
-        """Return what sets back the times of steps."""
+        """Return the statements that set back the times of steps."""
         found: list[tuple[Frame, Callable[[Frame, int], None]]] = []
         for _, chart, frame in self.instance.charts():
             if isinstance(chart, ChartProgram | GraphProgram):

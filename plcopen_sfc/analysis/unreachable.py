@@ -171,7 +171,7 @@ class Unreachable:
         return None if not read.complete or read.before else read.tree
 
     def _false_before(self, name: str, transition: NetTransition) -> list[Expression]:
-        """Return what is TRUE where a condition is tested: no transition fires that has priority over it."""
+        """Return the expressions that are TRUE where a condition is tested: no transition with priority fires."""
         net, profile = self._nets.get(name), self._system.profile
         if net is None or profile.competing is not Competing.PRIORITY:
             return []

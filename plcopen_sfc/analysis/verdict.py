@@ -220,7 +220,7 @@ class Verdict:
         return f" ({found})" if found else ""
 
     def _covered(self) -> Iterator[str]:
-        """Return what was not executed, then how much was, in lines."""
+        """Return the texts not executed, then how much was, in lines."""
         yield from dict.fromkeys(line for each in self._told for line in each.lines())
         if self.coverage:
             told = list(dict.fromkeys(map(str, self.coverage)))

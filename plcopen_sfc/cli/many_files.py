@@ -93,7 +93,7 @@ def _listed(name: str) -> list[str]:
 def targets(
     files: ManyFiles, folder: str | None, beside: Callable[[Path], str], inside: Callable[[Path, str], str]
 ) -> dict[str, str]:
-    """Return what each of several files is written to: `beside` it, or by its path and name `inside` a folder.
+    """Return the path that each of several files is written to: `beside` it, or by its path and name `inside` a folder.
 
     Raises `InputError` where two would be written to one place, or one over a file that is read.
     """
@@ -140,7 +140,7 @@ class RecordedScreen(Screen):
 
     @classmethod
     def like(cls, screen: Screen) -> Callable[[], RecordedScreen]:
-        """Return what makes screens with the options of another one, also in another process."""
+        """Return a function that makes screens with the options of another one, also in another process."""
         return partial(cls, as_json=screen.as_json, quiet=screen.quiet, verbose=screen.verbose, unicode=screen.unicode)
 
     @property

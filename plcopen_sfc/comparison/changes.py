@@ -56,11 +56,11 @@ class Change:
 
     @property
     def news(self) -> str:
-        """Return what has changed, without the place."""
+        """Return the change, without its place."""
         return self.told(str)
 
     def told(self, say: Callable[[str], str]) -> str:
-        """Return what has changed in the words of a language: `say` translates words and templates with ``{}``."""
+        """Return the change in the words of a language: `say` translates words and templates with ``{}``."""
         match self.kind:
             case ChangeKind.ADDED | ChangeKind.REMOVED:
                 told = self.after if self.kind is ChangeKind.ADDED else self.before

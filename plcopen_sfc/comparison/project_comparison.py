@@ -38,7 +38,7 @@ from plcopen_sfc.semantics.subjects import resolve
 def diff(
     a: Project, b: Project, *, layout: bool = False, prove: bool = False, limit: float | str | None = None
 ) -> ProjectDiff:
-    """Return what changed from the project `a` to the project `b`, in the charts and around them.
+    """Return the changes from the project `a` to the project `b`, in the charts and around them.
 
     Both are compared by their meaning, so they may come from files of different formats. An object with another name is
     recognised by what it does and where it is. With `layout` also what is not executed is listed: positions, and

@@ -29,7 +29,7 @@ def told_difference(
     *,
     rule: str = "",
 ) -> str:
-    """Return what a chart of the source does otherwise in `tool`, and what explains it: the first that applies.
+    """Return the difference of a chart of the source in `tool`, and its explanation: the first that applies.
 
     The `rule` of the tools without which both do the same; where the chart evolves otherwise, a rule or one of the
     `losses` on that; one of the other `losses`; when variables are written; the parts of the chart that determine what

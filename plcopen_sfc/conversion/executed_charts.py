@@ -316,7 +316,7 @@ class ExecutedChartReader:
         return Meaning.of(("R" if qualifier is Qualifier.R0 else qualifier.value, control), shown)
 
     def _control(self, association: ActionAssociation, *, is_code: bool) -> str:
-        """Return what controls an action of several associations: one control for all, or each step for itself.
+        """Return the control of an action of several associations: one control for all, or each step for itself.
 
         It makes a difference for programs, and for what has a time or a pulse.
         """
@@ -445,7 +445,7 @@ class ExecutedChartReader:
                     chart.tell(name.replace("_", " "), Meaning.of(True, "on"))
 
     def _logic(self) -> Meaning | None:
-        """Return what the logic drawn in the chart does besides feeding conditions."""
+        """Return the effects of logic drawn in the chart, besides feeding conditions."""
         drawn = chart_statements(self.chart, self.owner.dialect).tree
         text = print_node(drawn)
         meaning = Meaning(lambda: text, text, lambda: program_form(drawn, self.owner.named), text=lambda: text)

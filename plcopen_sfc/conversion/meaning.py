@@ -211,7 +211,7 @@ def _network_statements(body: FbdBody | LdBody, dialect: Dialect, named: Renamin
 
 
 def _obstacles(found: NetworkText) -> list[str]:
-    """Return what keeps a network from being executed.
+    """Return the reason why a network cannot be executed.
 
     Titles and attributes are elements that other tools do not know; no machine executes them.
     """

@@ -185,7 +185,7 @@ class _Run(NamedTuple):
     tool: str
 
     def told_with(self, losses: Sequence[Item]) -> str:
-        """Return what was found of a chart in which the report names something as approximated."""
+        """Return the verdict on a chart in which the report names something as approximated."""
         example = self.as_run.counterexample
         told = str(self.as_run).splitlines()[0]
         if example is not None:

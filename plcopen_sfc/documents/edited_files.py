@@ -139,7 +139,7 @@ def _report_refused(report: ConversionReport, project: Project, source: FileSour
 
 
 def _refused(pous: Iterable[Pou], kind: Format) -> list[Diagnostic]:
-    """Return what no tool compiles in the charts of these POUs."""
+    """Return the mistakes that no tool compiles in the charts of these POUs."""
     from plcopen_sfc.analysis.checks import check_charts  # noqa: PLC0415  # most edits are in no chart
     from plcopen_sfc.semantics.profile import profile_of_format  # noqa: PLC0415
 

@@ -35,7 +35,7 @@ def without_objects(project: Project) -> Project:
 
 
 def shared_fields(project: Project) -> dict[str, Any]:
-    """Return what belongs to the project itself, by the names of the fields; a copy."""
+    """Return the parts of the project itself, by the names of the fields; a copy."""
     return {name: copy.deepcopy(getattr(project, name)) for name in SHARED}
 
 

@@ -93,7 +93,7 @@ _Names = dict[tuple[TableKind, str, str], str]
 
 
 def _own_names(project: Project, sheets: Sequence[Sheet]) -> _Names:
-    """Return what programs, steps, actions and variables that a list shows are called in the project."""
+    """Return the names in the project of programs, steps, actions and variables of a list."""
     names: _Names = {}
     shown = {table.kind: table for table in tables_in(sheets)}
     for table in tables_of(project, ConversionReport()):

@@ -305,7 +305,7 @@ def _instances_of(needed: set[str], instances: Iterable[PouInstance]) -> list[Po
 
 
 def _needed(project: Project, pou: str) -> set[str]:
-    """Return what a POU needs of the project, itself included: names in lower case, by the names in its texts."""
+    """Return the declarations that a POU needs, itself included: in lower case, by the names in its texts."""
     variables = [each for section in project.global_sections() for each in section.variables]
     things: list[Pou | DataTypeDeclaration | DataBlock | Variable]
     things = [*project.pous, *project.data_types, *project.data_blocks, *variables]

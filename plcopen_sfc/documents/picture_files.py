@@ -174,7 +174,7 @@ _TEXTS = {"mermaid": mermaid_text, "dot": dot_text}
 
 
 def drawn_bodies(project: Project, pou: str | None, kind: str = _DEFAULT) -> list[NamedBody]:
-    """Return what `draw` draws: what is called `pou`, else all charts, else all bodies in FBD and LD."""
+    """Return the things that `draw` draws: what is called `pou`, else all charts, else all bodies in FBD and LD."""
     project.read_all()
     drawable = SfcBody if kind in _TEXTS else SfcBody | FbdBody | LdBody
     bodies = [found for found in project.bodies() if isinstance(found.body, drawable)]

@@ -140,7 +140,7 @@ def mean_the_same(one: LogicNetwork, other: LogicNetwork, dialect: Dialect) -> b
 
 
 def _comparable(network: LogicNetwork, dialect: Dialect) -> Any:
-    """Return what is compared of a network; None where it cannot be read completely."""
+    """Return the content of a network that is compared; None where it cannot be read completely."""
     found = network_statements([network], dialect)
     if not found.complete or found.open_ends:
         return None

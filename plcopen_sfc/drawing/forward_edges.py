@@ -206,7 +206,7 @@ class _SimultaneousBranches:
         return min(found, key=lambda entries: entries.rank, default=None)
 
     def _between(self, divergence: int, convergence: int) -> _Entries | None:
-        """Return what leads into the branches between a divergence and a convergence from outside of them.
+        """Return the edges that lead into the branches between a divergence and a convergence from outside of them.
 
         Returns None if these are no branches.
         """
@@ -257,7 +257,7 @@ class _SimultaneousBranches:
         return found
 
     def _reach(self, start: int, edges: Mapping[int, Sequence[int]], ends: set[int]) -> dict[int, int]:
-        """Return what `edges` lead to from `start`, nearest first and not through `ends`, with what is before it."""
+        """Return the nodes from `start` on, nearest first and not through `ends`, with the node before each."""
         found = {start: start}
         pending = [start]
         for node in pending:  # grows while it is walked

@@ -122,7 +122,7 @@ class Wording:
         return _one_line(print_node(tree))
 
     def actions(self, step: Step) -> Iterator[ActionLine]:
-        """Return what a step does: step actions and associations, each as ``N Motor`` or ``D T#2s Lamp``."""
+        """Return the actions of a step: step actions and associations, each as ``N Motor`` or ``D T#2s Lamp``."""
         named = (("entry", step.entry_action), ("main", step.main_action), ("exit", step.exit_action))
         for label, action in named:
             if action:

@@ -45,7 +45,7 @@ class FileHead:
 
 
 def head_of(data: bytes) -> FileHead:
-    """Return what is known of a file from its first `HEAD` bytes."""
+    """Return the facts about a file from its first `HEAD` bytes."""
     start = data[:HEAD]
     if start.startswith((b"\xff\xfe", b"\xfe\xff")):
         text = start[: len(start) // 2 * 2].decode("utf-16", errors="replace")

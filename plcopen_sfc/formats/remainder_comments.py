@@ -39,7 +39,7 @@ Entry: TypeAlias = tuple[RemainderEntry, Comment]
 
 
 def read_entries(comments: Iterable[Comment], pattern: re.Pattern[str], note: Note) -> list[Entry]:
-    """Return what the `comments` of this package state, which are those that match `pattern`."""
+    """Return the content of the `comments` of this package, which are those that match `pattern`."""
     entries = []
     for comment in comments:
         found = pattern.match(comment.text)

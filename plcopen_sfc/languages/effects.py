@@ -108,7 +108,7 @@ def reads(node: Expression | Statement) -> frozenset[Path]:
 
 
 def _read_to_find(target: Expression) -> list[Expression]:
-    """Return what is read to find the variable that is written: indices, pointers."""
+    """Return the names that are read to find the variable that is written: indices, pointers."""
     found: list[Expression] = []
     at = n.bare(target)
     while isinstance(at, n.Member | n.Index):

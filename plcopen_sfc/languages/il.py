@@ -181,7 +181,7 @@ def result_expression(text: str, dialect: Dialect, *, stored_in: str = "") -> n.
 def statements_with_result(
     text: str, dialect: Dialect, *, stored_in: str = ""
 ) -> tuple[tuple[n.Statement, ...], n.Expression] | None:
-    """Return what instructions without jumps do, such as calls, and their result; None where that is not known.
+    """Return the effects of instructions without jumps, such as calls, and their result; None where that is not known.
 
     `stored_in`: the last instruction may store the result in this.
     """

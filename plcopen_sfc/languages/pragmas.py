@@ -297,7 +297,7 @@ def plain_value(value: Any, substitute: Substitute | None = None) -> Any:
 def changes(
     said: Any, meant: Any, path: tuple[Segment, ...] = (), *, guarded: bool = False
 ) -> Iterator[RemainderEntry]:
-    """Return what to state beside a text with the content `said`, so that it has the content `meant`.
+    """Return the entries beside a text with the content `said` that give it the content `meant`.
 
     `guarded`: each change of fields and lists tells what they are in the text, too, not only one of a plain value. The
     reader must have all of the text before it makes the first change.

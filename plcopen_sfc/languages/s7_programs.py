@@ -156,7 +156,7 @@ class S7Programs:
 
 
 def s7_programs(project: Project) -> S7Programs:
-    """Return what S7 has in place of the programs and tasks of a project of another tool."""
+    """Return the blocks of S7 in place of the programs and tasks of a project of another tool."""
     found = S7Programs()
     programs = {pou.name.casefold(): pou for pou in project.pous if pou.kind is PouKind.PROGRAM}
     if not programs and not any(project.resources()):

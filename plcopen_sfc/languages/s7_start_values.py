@@ -57,7 +57,7 @@ class InstanceStarts:
         self._found: dict[int, dict[str, PassedValues]] = {}
 
     def of(self, pou: Pou) -> dict[str, PassedValues]:
-        """Return what the calls in a block pass, by the names of the instances in lower case.
+        """Return the arguments of the calls in a block, by the names of the instances in lower case.
 
         Instances whose start values cannot be passed are left out.
         """

@@ -374,11 +374,11 @@ class Texts:
         return "\n".join(f"{number} = {step.path}" for step, number in sorted(pairs, key=lambda pair: pair[1]))
 
     def made_of(self, chart: str, source: str, version: str) -> str:
-        """Return what the code was made of, and by what."""
+        """Return a comment on the origin of the code: chart, source and version."""
         return self._made_of(chart, self._from(source) if source else "", version)
 
     def read_states(self, variables: Sequence[str]) -> str:
-        """Return what the variables of states mean."""
+        """Return the meanings of the variables of states."""
         return (self._state if len(variables) == 1 else self._states)(", ".join(variables))
 
     def read_branches(self, *, actions: bool) -> str:

@@ -120,7 +120,7 @@ _SHOWN = 60
 
 
 def losses(subject: Subject, lowered: Sequence[Pou], profile: Profile, language: str) -> tuple[Item, ...]:
-    """Return what the code does not hold of a chart, and what means nothing under the profile.
+    """Return the losses of a chart in its code, and the parts without a meaning under the profile.
 
     `lowered`: the POU of `subject` with its code, then the blocks that were made besides. `language` is that of the
     texts in the code (``de``).

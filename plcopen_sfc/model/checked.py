@@ -231,7 +231,7 @@ _WANTED = {
 
 
 def _problem(model: type[BaseModel], owner: str, kind: str, loc: Sequence[int | str], error: Mapping[str, Any]) -> str:
-    """Return what is wrong with the field at `loc` of `owner`, in words."""
+    """Return the fault of the field at `loc` of `owner`, in words."""
     field = ".".join(map(str, loc))
     if kind == "missing":
         return f"{owner} needs {field}"

@@ -383,7 +383,7 @@ class Project(Owned, Element):
         return results
 
     def find(self, pattern: str, kind: str | None = None) -> list[Declaration]:
-        """Return what the project declares by this pattern (``*`` and ``?``): ``project.find("Motor*", "variable")``.
+        """Return the declarations that fit a pattern (``*`` and ``?``): ``project.find("Motor*", "variable")``.
 
         It is compared with the whole path (``Main.Motor1``) and with its end (``Motor1``); case does not matter. `kind`
         is one of `plcopen_sfc.model.declaration.Kind`. Each has its `kind`, `path`, and the object (`holder`).

@@ -76,7 +76,7 @@ def conversion_page(
     lang: str = "en",
     made_on: date | None = None,
 ) -> str:
-    """Return what became of a project in another format as the text of one HTML file.
+    """Return the overview of a conversion as the text of one HTML file.
 
     `report` is what `save` or `convert` returned, or that of a `LossError`. First are the verdict on each chart and
     what a person has to do in the target tool; then the items, those of one reason together, not executed ones first.

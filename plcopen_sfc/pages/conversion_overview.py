@@ -95,7 +95,7 @@ _TASKS = {
 
 
 def tasks(report: ConversionReport, words: Words, *, written: bool) -> Html:
-    """Return what a person has to do in the target tool, from what is lost and what was not seen to be the same."""
+    """Return the tasks of a person in the target tool, from losses and from parts not seen to be the same."""
     found: dict[str, list[Item]] = {}
     for item in report.losses:
         usual = "Program what is not executed" if item.outcome is Outcome.NOT_EXECUTED else "Look at what differs"

@@ -84,7 +84,7 @@ def project_table(project: Project) -> str:
 
 
 def title_of(project: Project) -> str:
-    """Return what a page calls a project: its name, or that of its file."""
+    """Return the title of a project on a page: its name, or that of its file."""
     return project.name or file_name_of(project) or "plcopen-sfc"
 
 

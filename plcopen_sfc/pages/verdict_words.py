@@ -375,7 +375,7 @@ _MARKS = ((" or ", " oder "), (" and ", " und "), (", ", ", "))
 
 
 def _divided(text: str, mark: str) -> list[str]:
-    """Return what a mark divides outside of parentheses."""
+    """Return the parts that a mark divides outside of parentheses."""
     parts, depth = [""], 0
     for piece in re.split(rf"([()]|{mark})", text):
         depth += {"(": 1, ")": -1}.get(piece, 0)

@@ -189,7 +189,7 @@ def _check_patterns(*patterns: str | None) -> None:
 
 
 def find_declared(project: Project, pattern: str, kind: str | None = None) -> list[Declaration]:
-    """Return what a project declares by a pattern for its path or the end of its path."""
+    """Return the declarations of a project that fit a pattern, by the path or the end of it."""
     check_argument(pattern, str, 'find needs a pattern: "Motor*"')
     if kind is not None and kind not in [*Kind]:
         raise ModelError(f"{kind!r} is no kind of declaration{nearest(kind, [*Kind])}")

@@ -79,7 +79,7 @@ def _said(declaration: Declaration | None) -> str:
 
 
 def _beside(names: Names, declaration: Declaration, wanted: Wanted) -> Iterator[str]:
-    """Return what has the new name in the same scope, or gets it together with `declaration`."""
+    """Return the declarations that have the new name in the same scope, or gets it together with `declaration`."""
     key = wanted[declaration].casefold()
     transition = declaration.kind is Kind.TRANSITION
     alike = [other for other, new in wanted.items() if new.casefold() == key and other != declaration]

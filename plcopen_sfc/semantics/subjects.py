@@ -176,7 +176,7 @@ def step_marking(instance: Instance) -> tuple[tuple[str, ...], Callable[[], int]
 
 
 def following_situation(instance: Instance) -> Callable[[], int]:
-    """Return what gives, as bits, the steps of an instance's chart whose transitions the next scan looks at."""
+    """Return a function that gives, as bits, the steps of an instance's chart whose transitions the next scan tests."""
     for path, chart, frame in instance.charts():
         if not path and isinstance(chart, ChartProgram):
             return partial(chart.situation, frame)

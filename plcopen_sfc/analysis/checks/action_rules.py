@@ -157,7 +157,7 @@ class _Write:
 
 
 def _writes(chart: CheckedChart) -> Iterator[_Write]:
-    """Return what steps assign, by associations and in code of their actions. Continuous actions are joined by OR."""
+    """Return the assignments of steps, by associations and in code. Continuous actions are joined by OR."""
     of_step: dict[int, list[NetStep]] = {}
     for net_step in chart.net.steps:
         of_step.setdefault(id(net_step.step), []).append(net_step)

@@ -111,7 +111,7 @@ def output_operands(chart: CheckedChart) -> set[Path]:
 
 
 def assignments(body: Body | None, chart: CheckedChart) -> list[n.Assignment]:
-    """Return what the code of an action assigns, as far as it can be read."""
+    """Return the assignments of the code of an action, as far as it can be read."""
     trees = bind(body, chart.dialect).statements if body is not None else ()
     return [node for tree in trees for node in walk(tree) if isinstance(node, n.Assignment)]
 

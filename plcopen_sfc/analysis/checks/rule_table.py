@@ -163,7 +163,7 @@ def check_charts(
 
 
 def findings(chart: CheckedChart, rules: Iterable[Rule]) -> Iterator[Diagnostic]:
-    """Return what the rules find in one chart, without what is excluded from the program or allowed by comments."""
+    """Return the findings in one chart, without those excluded from the program or allowed by comments."""
     for rule in rules:
         severity = rule.severity_for(chart.family)
         if severity is None:

@@ -345,7 +345,7 @@ def _body_of(chart: CheckedChart, transition: Transition) -> tuple[Body | None, 
 
 
 def _stored(chart: CheckedChart, transition: Transition) -> Iterator[str]:
-    """Return what a condition in instruction list stores, but for the condition itself."""
+    """Return the variables that a condition in instruction list stores, but for the condition itself."""
     body, name = _body_of(chart, transition)
     if isinstance(body, IlBody):
         for target in bind(body, chart.dialect).targets():

@@ -124,7 +124,7 @@ def merge(screen: Screen, base: str, ours: str, theirs: str, name: str) -> int:
 
 
 def _unlike(merged: bytes, before: Project, wanted: Set[str], name: str) -> set[str]:
-    """Return what is wrong with a merged file: errors of reading, and changes that are missing or of no side."""
+    """Return the faults of a merged file: errors of reading, and changes that are missing or of no side."""
     try:
         after = loads(merged, path=name)
         errors = {str(each) for each in after.diagnostics if each.severity is Severity.ERROR}

@@ -147,7 +147,7 @@ class _Tc6Flags(FlagRewriter):
     # -- what is stored
 
     def _stored(self) -> list[str]:
-        """Return what rows store, in the order of the chart."""
+        """Return the operands that rows store, in the order of the chart."""
         rows = (row for _, row in self._chart.associations() if row.qualifier in _STORES and row.target)
         found = {row.target.casefold(): row.target for row in rows if row.target is not None}
         return list(found.values())

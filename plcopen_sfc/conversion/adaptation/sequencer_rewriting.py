@@ -237,7 +237,7 @@ class PermanentRewriter:
     # -- the order of execution
 
     def _before(self, own: Effects, initial: Step) -> str | None:
-        """Return what is different if instructions are executed before all actions, but after the transitions."""
+        """Return the difference if instructions are executed before all actions, but after the transitions."""
         title = self._host.title
         data = {step.name.casefold() for step in self._chart.steps}
         data |= {transition.name.casefold() for transition in self._chart.transitions if transition.name}
@@ -253,7 +253,7 @@ class PermanentRewriter:
         return None
 
     def _after(self, own: Effects, initial: Step) -> str | None:
-        """Return what is different if instructions are executed with the actions of the initial step."""
+        """Return the difference if instructions are executed with the actions of the initial step."""
         if not self._host.is_codesys and self._interfere(own, self._rows(initial, before=False)):
             return "IEC 61131-3 does not say which actions are executed first: it may be executed before others"
         return None
@@ -270,7 +270,7 @@ class PermanentRewriter:
         return initial is not None and self._interfere(self._effects(body), self._rows(initial, before=False))
 
     def _conditions(self) -> frozenset[Path]:
-        """Return what the conditions of the chart read."""
+        """Return the names that the conditions of the chart read."""
         found: set[Path] = set()
         for transition in self._chart.transitions:
             text = self._rewriting.text(transition.condition)

@@ -192,7 +192,7 @@ class StepChecks:
         return " OR ".join(names) if names else "FALSE"
 
     def statements(self, step: Step) -> list[str]:
-        """Return what a step computes while it is active; empty where one of its conditions is no expression."""
+        """Return the statements of an active step; empty where one of its conditions is no expression."""
         wanted = self._wanted[step.id]
         found: list[str] = []
         if wanted & _INTERLOCK:

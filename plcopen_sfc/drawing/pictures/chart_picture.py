@@ -91,7 +91,7 @@ def _picture(
 
 
 def part_prefix(number: int) -> str:
-    """Return what ids of elements of the chart of this number in `charts_in` begin with."""
+    """Return the prefix of ids in the chart of this number in `charts_in`."""
     return f"part-{number}-" if number else ""
 
 

@@ -102,7 +102,7 @@ def _shapes(svg: str) -> Iterator[str]:
 
 
 def _parts(shapes: Sequence[str]) -> list[_Part]:
-    """Return what is drawn in a picture, in the order in which it is drawn, without its head and its background."""
+    """Return the elements of a picture in the order in which they are drawn, without its head and its background."""
     found = []
     for shape in shapes:
         if area := _AREA.match(shape):

@@ -161,7 +161,7 @@ def _row(line: ActionLine, body: str | Body | None) -> _Row:
 
 
 def _above(step: Step, association: ActionAssociation, words: Wording) -> str:
-    """Return what is written over an action of GRAFCET: its condition, with the time of delayed and limited ones."""
+    """Return the text over an action of GRAFCET: its condition, with the time of delayed and limited ones."""
     condition = words.condition(association.condition)
     if association.kind in _TIMED_KINDS and association.duration:
         time = _LITERAL.sub("", association.duration)

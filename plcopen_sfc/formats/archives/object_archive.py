@@ -216,7 +216,7 @@ def kept_data(attributes: dict[str, str], elements: Collection[etree._Element] =
 
 
 def kept_in(extension_data: ExtensionData | None) -> Kept:
-    """Return what the extension data of an object keeps."""
+    """Return the content of the extension data of an object."""
     for data in extension_data.data if extension_data is not None else ():
         if data.name == _NAME:
             holder = parsed_markup(data.content)

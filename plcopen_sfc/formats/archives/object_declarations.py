@@ -96,7 +96,7 @@ def _interface(thing: Pou | Method) -> Interface | None:
 
 
 def _declared(thing: Pou | Method) -> ExtensionData | None:
-    """Return what is kept of the declaration: pragmas, and words such as ABSTRACT."""
+    """Return the kept parts of the declaration: pragmas, and words such as ABSTRACT."""
     kept = [
         (unwrapped(data.content), data)
         for data in (thing.extension_data.data if thing.extension_data is not None else ())
@@ -159,7 +159,7 @@ def _declare(old: Pou | Method, new: Pou | Method) -> None:
 
 
 def _meaning(unit: str) -> object:
-    """Return what a unit declares, without our pragmas in it."""
+    """Return the declarations of a unit, without our pragmas in it."""
     found = read(_DIALECT + _without_own(unit), None).project
     return found.model_dump(exclude_none=True)
 

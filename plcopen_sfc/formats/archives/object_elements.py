@@ -99,7 +99,7 @@ class _Reader:
         return StructureError(f"the {self._thing.tag} {name} {what}", location=place)
 
     def _declared(self, thing: etree._Element, declaration: str) -> Project:
-        """Return what an object declares, its methods too: one reading of all takes a third of the time."""
+        """Return the declarations of an object, its methods too: one reading of all takes a third of the time."""
         holders = [thing, *thing.iterfind("Method")]
         texts = [declaration, *(_declaration(each) or "" for each in holders[1:])]
         unit = unit_of(declaration)

@@ -209,7 +209,7 @@ def write_blocks(
 
 
 def _missing(blocks: Sequence[WrittenBlock], meant: Project) -> tuple[Project, list[RemainderEntry]]:
-    """Return what `meant` has and the text in `blocks` has not, beside a copy of it with the ids of the text.
+    """Return the content of `meant` that the text in `blocks` lacks, beside a copy of it with the ids of the text.
 
     The text is read back: no list of what it lacks can be incomplete.
     """

@@ -287,7 +287,7 @@ _OWN_LINES = re.compile(r"^[ \t]*// *\{plcopen_sfc[^\r\n]*(?:\r\n|\r|\n)?", re.M
 
 
 def _read(source: SourceText, file: str | None) -> tuple[GrafcetText, SourceText, list[int] | None]:
-    """Return what was read, the text, and for one in the notation of another tool the lines in the file."""
+    """Return the project, the text, and for one in the notation of another tool the lines in the file."""
     other = translated(source.text, file)
     if other is None:
         return read_text(source, file), source, None

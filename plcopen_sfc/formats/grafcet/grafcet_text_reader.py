@@ -495,7 +495,7 @@ _ACTIONS = (
 
 
 def _instead(content: str) -> str:
-    """Return what to write instead of a line that people take for an action; empty if it is not known."""
+    """Return a hint for a line that people take for an action; empty if there is none."""
     if (found := _LATE.match(content)) is not None:
         return f"Write: ON {found['when']} {found['done']}"
     if (found := _COUNTED.match(content)) is not None:
@@ -511,7 +511,7 @@ _Commented = Pou | VariableSection | PartialChart | Step | Transition | ActionAs
 
 
 def _adding(owner: _Commented) -> Callable[[str], None]:
-    """Return what adds a line to the comment of `owner`."""
+    """Return a function that adds a line to the comment of `owner`."""
 
     def add(line: str) -> None:
         owner.comment = line if owner.comment is None else f"{owner.comment}\n{line}"

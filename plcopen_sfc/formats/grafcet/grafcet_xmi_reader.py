@@ -91,7 +91,7 @@ class XmiReader:
         self.order = XmiOrder()
 
     def run(self) -> ReadResult:
-        """Return what is in the file. Raises `StructureError` where a reference leads nowhere."""
+        """Return the project in the file. Raises `StructureError` where a reference leads nowhere."""
         if etree.QName(self._root).localname != "Grafcet":
             raise self._wrong("the root of a .grafcet file is grafcet:Grafcet", self._root)
         name = self._root.get("name") or UNNAMED

@@ -782,7 +782,7 @@ _NONE: frozenset[int] = frozenset()
 
 
 def _skeleton(chart: SfcNetwork, drawing: Drawing) -> list[object]:
-    """Return what elements of a chart can have of others: order, ids and links."""
+    """Return the references of elements of a chart to others: order, ids and links."""
     symbols = [(symbol.id, symbol.local_id, symbol.kind, symbol.transitions) for symbol in drawing.symbols]
     links = [(each.id, each.priority, each.sources, each.targets) for each in chart.transitions]
     return [symbols, links, [step.id for step in chart.steps], [node.id for node in chart.logic], drawing.order]
@@ -810,7 +810,7 @@ def _drawn_conditions(chart: SfcNetwork) -> dict[int, str]:
 
 
 def _features(condition: Condition | None) -> list[str]:
-    """Return what a condition asks of a reader."""
+    """Return the features that a condition needs in a reader."""
     if condition is None:
         return []
     kinds = {"body": "condition in a body", "wired": "condition wired to logic"}

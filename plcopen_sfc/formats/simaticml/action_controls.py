@@ -321,7 +321,7 @@ class _Planner:
     # -- the control as statements
 
     def _parts(self, draft: _Draft, rows: list[tuple[Step, ActionAssociation]], reset: str) -> Iterator[str]:
-        """Return what makes the output TRUE and has a final scan; the statements before it go into `draft`."""
+        """Return the conditions of the output, with a final scan; the statements before it go into `draft`."""
 
         def on(*qualifiers: Qualifier) -> str:
             return self._on(rows, *qualifiers)
@@ -369,7 +369,7 @@ class _Planner:
         return time
 
     def _pulses(self, draft: _Draft, rows: list[tuple[Step, ActionAssociation]]) -> Iterator[str]:
-        """Return what makes the output TRUE for one scan, without a final one."""
+        """Return the conditions that make the output TRUE for one scan, without a final one."""
         if start := self._on(rows, Q.P1):
             yield self._edge(draft, "start", start)
         if start := self._on(rows, Q.P0):

@@ -178,7 +178,7 @@ class ActionFunctions:
         return self._of_methods[id(method)]
 
     def arguments(self, called: Pou) -> dict[str, str]:
-        """Return what a call passes to the parameters of a function, or of the block for a chart, by their names."""
+        """Return the arguments of a call of a function, or of the block for a chart, by their names."""
         parameters = [v for section in _sections(called) if section.kind in _PARAMETERS for v in section.variables]
         passed = {variable.name: f"#{variable.name}" for variable in parameters}
         return passed | self._step_data.get(called.name, {})
@@ -353,7 +353,7 @@ class ActionFunctions:
         return Interface(sections=[section for section in sections.values() if section.variables])
 
     def effects(self, pou: Pou, tree: n.Statements) -> Effects:
-        """Return what statements of `pou` read and write, beside what a block does in its own variables."""
+        """Return the variables that statements of `pou` read and write, but for a block's own."""
         called = self._called(pou, tree)
         found = effects(tree.statements, set(called))
         return Effects(found.reads, found.writes | {(name,) for name in _passed_in_out(tree, called)}, found.calls)
@@ -571,7 +571,7 @@ def _text(body: Body) -> str | None:
 
 
 def _bases(pou: Pou) -> Sequence[str]:
-    """Return what a block extends, which the copy that is written keeps as markup of another tool."""
+    """Return the base of a block, which the copy that is written keeps as markup of another tool."""
     interface = pou.interface.model_copy(deep=True) if pou.interface is not None else None
     if interface is not None:
         exchange_markup(interface, Markup.SIMATICML, Markup.TC6)

@@ -127,7 +127,7 @@ class _Typing:
             return None
 
     def _holders(self, inputs: list[BlockVariable]) -> list[InputPin | InputVariable]:
-        """Return what has the texts of operands of a box."""
+        """Return the pins and variables with the operands of a box."""
         found: list[InputPin | InputVariable] = []
         for pin in (pin.input for pin in inputs if pin.input is not None):
             found += [pin] if pin.expression is not None else []

@@ -186,7 +186,7 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
 
 
 def added_objects(project: Project) -> list[Pou | DataBlock | TagTable]:
-    """Return what only S7 has: objects for enumerations, global variables, programs, tasks, actions and libraries."""
+    """Return the objects that only S7 has: for enumerations, global variables, programs, tasks, actions, libraries."""
     programs = s7_programs(project)
     for caller in programs.callers:
         caller.block.extension_data = ExtensionData(attributes={"SecondaryType": caller.event_class})

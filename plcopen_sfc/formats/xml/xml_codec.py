@@ -93,7 +93,7 @@ class FolderCodec(XmlCodec):
         return data
 
     def parts(self, project: Project) -> list[ProjectPart] | None:
-        """Return what belongs to no object of `project`, in documents of their own; None: one has all of it."""
+        """Return documents of the parts that belong to no object of `project`; None: one has all of it."""
         return None
 
     def join(self, project: Project) -> None:

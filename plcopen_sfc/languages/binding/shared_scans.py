@@ -181,7 +181,7 @@ class SharedScans:
         return {step, *together, *self._following.get(step, ()), *self._preceding.get(step, ())}
 
     def _effects(self, row: Row) -> Effects:
-        """Return what an association executes, as names tell it: a block changes its instance, a function nothing."""
+        """Return the effects of an association by its names: a block changes its instance, a function nothing."""
         _, association = row
         row_of_names = (association.target, association.qualifier, association.duration, association.indicator)
         known = row_of_names if association.body is None else id(association)

@@ -49,7 +49,7 @@ class Inheritance(NamedTuple):
         return " ".join(f"{word} {', '.join(names)}" for word, names in parts if names)
 
     def keep(self) -> ExtensionData | None:
-        """Return what an interface keeps of it."""
+        """Return its content as an interface keeps it."""
         parts = (("extends", self.extends), ("implements", self.implements))
         return keep({name: ", ".join(names) for name, names in parts if names})
 
@@ -67,7 +67,7 @@ def inheritance(interface: Interface | None) -> Inheritance:
 
 
 def kept_inheritance(extension_data: ExtensionData | None) -> Inheritance:
-    """Return what is kept of EXTENDS and IMPLEMENTS of an object."""
+    """Return the kept parts of EXTENDS and IMPLEMENTS of an object."""
     texts = kept(extension_data)
     return Inheritance(_listed(texts.get("extends", "")), _listed(texts.get("implements", "")))
 

@@ -98,7 +98,7 @@ class ActionControlCode:
         return self._unless(reset, terms, action)
 
     def set_and_reset(self, action: ActionSource) -> tuple[Expression, Expression] | None:
-        """Return what sets and what resets an action that is only stored; None for all others."""
+        """Return the set and reset conditions of an action that is only stored; None for all others."""
         if not {Q.S} <= {use.qualifier for use in action.uses} <= {Q.S, Q.R, Q.R0}:
             return None
         return self._input(action, Q.S), disjunction([self._input(action, Q.R, Q.R0), self._ending])
@@ -396,7 +396,7 @@ class SequentialControlCode:
     # -- what is stored
 
     def _set_and_reset(self, action: ActionSource, into: list[Statement]) -> tuple[Expression, Expression]:
-        """Return what sets a stored action in this scan, and what resets it."""
+        """Return the set and reset conditions of a stored action in this scan."""
         uses = {q: [use for use in action.uses if use.qualifier is q] for q in Q}
         stored = any(uses[q] for q in _STORING)
         set_ = [conjunction([self._acts(use), use.condition]) for use in uses[Q.S]]

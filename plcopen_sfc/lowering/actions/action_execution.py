@@ -290,7 +290,7 @@ class _Execution:
             self._add(action, executed)
 
     def _decided(self, wanted: str, value: Expression, deciding: list[Statement]) -> Expression:
-        """Return what was decided as a variable, unless it is short and stays the same while actions are executed."""
+        """Return the decision as a variable, unless it is short and stays the same while actions are executed."""
         return value if self._verbatim and self._is_brief(value) else self._memory.named(wanted, value, deciding)
 
     def _add(

@@ -52,7 +52,7 @@ class Memory(ABC):
 
     @abstractmethod
     def starting(self) -> Expression:
-        """Return what must set a flip-flop whose `flag` is TRUE at the start; FALSE where the flag is enough."""
+        """Return the condition to set a flip-flop whose `flag` is TRUE at the start; FALSE: the flag is enough."""
 
     @abstractmethod
     def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
@@ -81,7 +81,7 @@ class Memory(ABC):
         return self.falling(self.texts.with_suffix(wanted, "end"), value, into), value
 
     def remembered(self, wanted: str, value: Expression, behind: list[Statement]) -> Expression:  # noqa: ARG002
-        """Return what was TRUE in the last scan, of a value that stays the same until `behind`."""
+        """Return the value in the last scan, of one that stays the same until `behind`."""
         return value
 
     def delayed(self, wanted: str, value: Expression, time: Expression, into: list[Statement]) -> Expression:

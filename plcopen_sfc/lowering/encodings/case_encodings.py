@@ -132,7 +132,7 @@ class RegionEncoding(ScanSchedule):
         return found
 
     def on_change(self, exits: Sequence[StepCode], entries: Sequence[StepCode]) -> list[Statement]:
-        """Return what compares states with those of the last scan: one memory for all steps of a region."""
+        """Return the comparison of states with those of the last scan: one memory for all steps of a region."""
         found: list[Statement] = []
         for machine, these in self._by_region(exits):
             found += self._changed(self.last_state(machine), machine.state, these)

@@ -82,7 +82,7 @@ class StepBranches:
         return all(part is not None and not part.stays for part in parts)
 
     def case(self) -> n.Case:
-        """Return what was taken as a CASE of its own, and forget it."""
+        """Return the CASE that was taken on its own, and forget it."""
         entered = negation(equal(self.state, self._last)) if self._last is not None else None
         parts = [
             StepCode(step, "", [each for one in code for each in one.written(entered)])

@@ -121,7 +121,7 @@ class StepFlags:
         both_fire: Callable[[NetTransition, NetTransition], bool],
         held: Mapping[int, Expression] = MappingProxyType({}),
     ) -> tuple[list[Expression], list[Expression]]:
-        """Return what sets and what resets the flip-flop of a step, so that it does the same as `next_situation`.
+        """Return the set and reset conditions of the flip-flop of a step, so that it does the same as `next_situation`.
 
         A transition that leaves and enters the step does neither. Activation dominates: the reset by a transition is
         locked where one that enters fires too. `both_fire` tells whether that can be; a lock that can never act is left
@@ -157,7 +157,7 @@ class Imposed(NamedTuple):
     def onto(
         self, step: int, sets: Sequence[Expression], resets: Sequence[Expression]
     ) -> tuple[list[Expression], list[Expression]]:
-        """Return what sets and what resets the flip-flop of a step, which do so without it; reset dominates."""
+        """Return the set and reset conditions of the flip-flop of a step, which do so without it; reset dominates."""
         if step not in self.situation:
             return [*sets], [*resets]
         value, free = self.situation[step], negation(self.when)

@@ -358,7 +358,7 @@ class GrafcetScan:
         self._code.add(self._texts.start, statements)
 
     def _at_the_start(self) -> list[Statement]:
-        """Return what the activation of the initial steps executes."""
+        """Return the statements that the activation of the initial steps executes."""
         initial = set(indexes(self._net.initial))
         activated = (s.steps for s in self._grafcet.stored if s.kind is ActionKind.ON_ACTIVATION)
         if not any(initial.intersection(steps) for steps in activated):

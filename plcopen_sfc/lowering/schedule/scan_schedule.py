@@ -347,7 +347,7 @@ class ScanSchedule(ABC):
         self.code.add(self.texts.drive_call, [self.call(drive)])
 
     def prepared(self, transition: int, enabled: Expression, free: Sequence[Expression] = ()) -> list[Statement]:
-        """Return what must be executed before the condition of a transition is evaluated, where it is.
+        """Return the statements to execute before the condition of a transition is evaluated, where it is.
 
         `free`: no competing transition before it fires.
         """

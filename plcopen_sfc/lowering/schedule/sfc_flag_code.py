@@ -229,7 +229,7 @@ class SfcFlagCode:
         code.add(self._texts.actions_end, self._left(memory, done), place=0)
 
     def _left(self, memory: Memory, done: Sequence[Statement], calls: Sequence[Statement] = ()) -> list[Statement]:
-        """Return what is done when the chart goes back, and the end of the scan while SFCInit is TRUE.
+        """Return the statements when the chart goes back, and those that end the scan while SFCInit is TRUE.
 
         While it is TRUE nothing else is executed; SFCReset executes the initial step.
         """

@@ -177,7 +177,7 @@ def _translate_bodies(callee: Callee, bodies: list[Body], parameters: str) -> No
 
 
 def _body_function(callee: Callee, body: Body) -> Callable[..., None]:
-    """Return what executes one of several bodies, or a chart."""
+    """Return the function that executes one of several bodies, or a chart."""
     found = callee.executions.get(id(body)) if isinstance(callee, TranslatedPou) else None
     if found is not None:
         return found
@@ -297,11 +297,11 @@ class Routines:
         return self._routine(writer, path)
 
     def getter(self, text: str, expected: t.Type | None = None) -> Callable[[Frame], Any]:
-        """Return what reads a variable, of any path; an undeclared one is an external of type `expected`, else BOOL."""
+        """Return the reader of a variable, of any path; an undeclared one is an external of `expected`, or BOOL."""
         return self.expression(text, self._scope.path, expected)
 
     def setter(self, text: str, type_: t.Type = t.BOOL) -> Callable[[Frame, Any], None]:
-        """Return what writes a variable, of any path; an undeclared one gets `type_`.
+        """Return the writer of a variable, of any path; an undeclared one gets `type_`.
 
         Values are of the variable's type.
         """
