@@ -344,3 +344,12 @@ def test_a_program_that_reads_another_input_is_not_proven_equal(seed: int) -> No
         assert not verdict.equal, texts
     same = sfc.loads(texts[0].encode(), format="iec-text")
     assert not equivalent(one.pou("Main"), same.pou("Main"), "iec", runs=5).different, texts
+
+
+def test_flags_that_operate_a_chart_are_inputs_though_they_are_local_variables() -> None:
+    text = """PROGRAM Main VAR_INPUT a : BOOL; END_VAR VAR SFCInit, SFCError : BOOL; END_VAR
+    INITIAL_STEP S1: END_STEP STEP S2: END_STEP
+    TRANSITION FROM S1 TO S2 := a OR SFCError; END_TRANSITION TRANSITION FROM S2 TO S1 := a; END_TRANSITION
+    END_PROGRAM"""
+    chart = sfc.loads(text.encode(), format="iec-text")
+    assert set(equivalent(chart, chart, "codesys", free_inputs="all").inputs) == {"a", "SFCInit"}

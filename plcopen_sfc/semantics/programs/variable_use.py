@@ -16,6 +16,9 @@ ALL_FREE = "all"
 """Stands for all variables that could be inputs."""
 
 _FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
+_OPERATING = (SfcFlag.INIT, SfcFlag.RESET, SfcFlag.PAUSE, SfcFlag.TIP, SfcFlag.TIP_MODE, SfcFlag.QUIT_ERROR)
+_SHOWING = _FLAGS - {flag.variable.casefold() for flag in (*_OPERATING, SfcFlag.ENABLE_LIMIT)}
+"""What charts write themselves: a chart without one of these, or a step of the code for it, is no input."""
 
 
 class VariableUse:
@@ -40,7 +43,7 @@ class VariableUse:
         self._asks = asks
         self._owned = owned
         self._freed = frozenset(name.casefold() for name in free_inputs)
-        self._not_free = _FLAGS | {name.casefold() for name in not_free}
+        self._not_free = _SHOWING | {name.casefold() for name in not_free}
         self.written: set[str] = set()
         self.inputs: dict[str, tuple[str, t.Type]] = {}
         """Variables that are read and may be given from outside, by key: path and type; see `given`."""
