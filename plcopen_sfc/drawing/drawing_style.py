@@ -81,6 +81,8 @@ def in_order(chart: SfcNetwork, drawing: Drawing) -> bool:
 
 
 def _complete(chart: SfcNetwork, drawing: Drawing) -> bool:
+    # Files are written from the drawing: a symbol too few or too many, or wired otherwise, is a chart that does
+    # something else.
     steps = {step.id: step for step in chart.steps}
     transitions = {t.id: t for t in chart.transitions}
     nodes = {node.id for node in chart.logic}

@@ -111,6 +111,7 @@ class InstructionTranslator:
             label = self._operand(trees)
             if not isinstance(label, n.Name):
                 raise SimulationError("what a jump leads to is no label")
+            # the current result is that of the label too; behind a JMP without condition there is none
             if self._result is not None:
                 self._at_labels.setdefault(label.identifier.casefold(), []).append(self._result)
             self._when(word.removeprefix("JMP"), lambda: self._statements.goto(label.identifier))

@@ -231,6 +231,8 @@ class PathTranslator(ABC):
                 step = self._checked(code, lower, upper)
             offset = offset * size + (code.value - lower if code.constant else 0)
             text = f"({text}) * {size} + {step}" if text else step
+        # Only an element with constant indices has a key of its own. A write to any other may be to each element, so
+        # these are followed as a whole.
         key = f"{base.key}.{offset}" if known and base.key else ""
         place = Place(
             base.text,
