@@ -130,6 +130,12 @@ def test_unknown_formats_get_the_nearest_name_and_tools_their_format(name, messa
         (lambda: sfc.Project().edit().renumber("A"), "renumber needs as start: int, not 'A' (str)"),
         (lambda: sfc.simulate(one_step(), scans=-1), "there are no -1 scans"),
         (lambda: sfc.ActionAssociation.parse(None, 1), 'an action is a text: "N Valve", not None'),
+        (lambda: one_step().add_step("Fill", actions="N Valve"), "`actions` is a list of texts"),
+        (lambda: sfc.lower(one_step(), verfy=False), "lower has no option 'verfy' (did you mean 'verify'?)"),
+        (
+            lambda: sfc.simulate(one_step(), inputs=lambda *_: ["a"]),
+            "the function for inputs returns a dictionary, not",
+        ),
         (lambda: one_step().find(drives=3), 'drives, reads and calls are patterns: "*Valve*", not 3'),
         (lambda: one_step().find_transitions(reads=3), 'drives, reads and calls are patterns: "*Valve*", not 3'),
         (lambda: sfc.Project().uses(None), 'uses needs a path ("Main.S3") or an object of the model, not None'),

@@ -6,12 +6,13 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
+from inspect import signature
 from typing import Any, NamedTuple, TypedDict, TypeVar, Unpack
 
 from plcopen_sfc.analysis.equivalence import Searching
 from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
 from plcopen_sfc.collector import collecting_rarely
-from plcopen_sfc.errors import Location, LoweringError, check_argument, listed_names, nearest
+from plcopen_sfc.errors import ArgumentError, Location, LoweringError, check_argument, listed_names, nearest
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.code.lowered_code import flags_of_part, flags_of_several
 from plcopen_sfc.lowering.code_texts import TEXTS, Texts
@@ -162,6 +163,9 @@ def lower(
     found to be different; `UntestedError` where it is equal, but steps or transitions were not reached that may be
     reachable; `ModelError` for an unknown name.
     """
+    known = {*signature(lower).parameters, *signature(prove).parameters, *Searching.__annotations__}
+    for name in searching.keys() - known:
+        raise ArgumentError(f"lower has no option {name!r}{nearest(name, known)}")
     wanted = _Wanted(
         _chosen(Construction, _ALIASES.get(str(construction), str(construction))),
         _chosen(Style, str(style)),

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeA
 
 from pydantic import BeforeValidator, Field
 
-from plcopen_sfc.errors import Location, ModelError, check_argument, nearest
+from plcopen_sfc.errors import ArgumentError, Location, ModelError, check_argument, nearest
 from plcopen_sfc.model import times
 from plcopen_sfc.model.actions import ActionEvent, ActionKind, ForcingOrder, Monitoring, Qualifier, SymbolAccess
 from plcopen_sfc.model.base import Element, ElementId, Model
@@ -475,6 +475,8 @@ class SfcNetwork(LateElement):
         `ModelError` where the name is taken, or a field or an action is wrong; then nothing is changed.
         """
         self._claim(name)
+        if isinstance(actions, str):
+            raise ArgumentError("`actions` is a list of texts", hint=f"Write it as [{actions!r}].")
         lines = [line if isinstance(line, tuple) else (line, None) for line in actions]
         first = self.new_id()
         step = Step(id=first, name=name, initial=initial)

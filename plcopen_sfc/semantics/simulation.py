@@ -218,7 +218,12 @@ class _FunctionInputs:
         return None
 
     def bind(self, variables: Variables, scan_time: int) -> BoundInputs:  # noqa: ARG002
-        return lambda scan: self._run.accepted(self._function(scan, self._run.values()) or {})
+        def given(scan: int) -> Mapping[str, Value]:
+            changed = self._function(scan, self._run.values())
+            check_argument(changed, (Mapping, type(None)), "the function for inputs returns a dictionary")
+            return self._run.accepted(changed or {})
+
+        return given
 
 
 class _NoInputs:
