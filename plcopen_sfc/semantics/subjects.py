@@ -229,13 +229,13 @@ def resolve(subject: SfcNetwork | Pou | Project, pou: str | None = None, *, proj
     if isinstance(subject, Pou):
         around = project or subject.project or Project(pous=[subject])
         return Subject(around, subject, subject.name)
-    home = project or subject.project
-    if home is None:
+    whole = project or subject.project
+    if whole is None:
         alone = Pou(name=_ALONE, kind=PouKind.PROGRAM, bodies=[SfcBody(chart=subject)])
         return Subject(Project(pous=[alone]), alone, _ALONE)
-    for name, owner, body in home.bodies():
+    for name, owner, body in whole.bodies():
         if isinstance(body, SfcBody) and body.chart is subject:
-            return _of_body(home, name, owner, body)
+            return _of_body(whole, name, owner, body)
     raise ModelError("this chart is inside another one", hint="Simulate the chart that it is a part of.")
 
 

@@ -7,6 +7,7 @@ import graphlib
 import re
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -39,6 +40,7 @@ def test_no_module_of_the_model_names_a_higher_layer():
                 assert name.split(".")[1] in BELOW, f"{path.name} names {name}"
 
 
+CLASS = re.compile(r"^class ([A-Z]\w*)", re.MULTILINE)
 IMPORT = re.compile(r"^ *(?:from (plcopen_sfc[\w.]*) import (\([^)]*\)|.*)|import (plcopen_sfc[\w.]*))", re.MULTILINE)
 
 
@@ -57,6 +59,16 @@ def test_no_modules_import_each_other_in_a_circle():
         imports[module] = found & paths.keys() - {module}
     assert sum(map(len, imports.values())) > 3000
     graphlib.TopologicalSorter(imports).prepare()  # a `CycleError` names the modules
+
+
+def test_a_name_of_a_module_or_a_public_class_means_one_thing():
+    """Packages of one subject in several layers, such as `grafcet`, share its name; modules do not."""
+    paths = [path for path in (ROOT / "plcopen_sfc").rglob("*.py") if path.stem not in {"__init__", "__main__"}]
+    classes = [name for path in paths for name in CLASS.findall(path.read_text(encoding="utf-8"))]
+    assert len(paths) > 300
+    assert len(classes) > 500
+    for names in ([path.stem for path in paths], classes):
+        assert {name for name, count in Counter(names).items() if count > 1} == set()
 
 
 @pytest.mark.slow

@@ -108,9 +108,9 @@ class Names:
 
     def after_edits(self) -> Names:
         """Return the names of the project again, after texts and names in it have changed but nothing else."""
-        anew = Names(self.project)
-        anew._text_sites = self._text_sites
-        return anew
+        following = Names(self.project)
+        following._text_sites = self._text_sites
+        return following
 
     def occurrences(self, *words: str, of: Collection[Declaration] = ()) -> Iterator[Occurrence]:
         """Every name site of one of `words`, in upper or lower case, with its meaning.

@@ -335,8 +335,8 @@ class ChartProgram:
         after: int = situation & ~cleared.left | cleared.entered
         if self._grafcet is not None:
             after = self._grafcet.rule(situation, after, cleared)
-        anew = cleared.entered if self._profile.entering_restarts_time else cleared.entered & cleared.left
-        entered = after & (anew | ~situation)
+        restarted = cleared.entered if self._profile.entering_restarts_time else cleared.entered & cleared.left
+        entered = after & (restarted | ~situation)
         self.reached.steps |= after
         self.reached.transitions |= cleared.transitions
         self._steps.change(frame, situation, after, entered, now)
