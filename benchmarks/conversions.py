@@ -52,10 +52,12 @@ WRITTEN = ("executed", "otherwise", "partial", "refused", "failed")
 COUNTED = ("files", *WRITTEN, "unsaid")
 CHARTS = (
     *("charts", "the same", "a scan later", "proven", "differs as named", "differs"),
-    *("not all reached", "not executed", "not compared", "not run", "refused"),
+    *("not all reached", "not executed", "not compared", "not run", "refused", "left out"),
 )
 """Charts by what came of running them: `proven` are among the same, also a scan later. *Differs as named*: by something
 that the report names, or a rule of the tools. *Not executed*: the report names what the target does not execute."""
+MOST_CHARTS = 16
+"""Charts of files with more are *left out*: exports of one plant in eight states, each of which takes minutes."""
 
 
 @dataclass
@@ -79,6 +81,9 @@ def judged(path: Path, target: str, *, limit: float) -> Judged | None:
     if target == source or (limit and not charts):
         return None
     found = Judged(f"{source} -> {target}", path.name, Counter(files=1, charts=len(charts)))
+    if limit and len(charts) > MOST_CHARTS:
+        found.counts["left out"] = len(charts)
+        return found
     try:
         report = _saved(project, target, limit * len(charts))
     except SfcError as error:

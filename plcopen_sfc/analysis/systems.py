@@ -410,11 +410,12 @@ class ProgramSystem:
         if inheritance(pou.interface).extends:  # the texts of its base are executed, too
             named |= {each.name.casefold() for each in pou.actions}
             named |= {variable.name.casefold() for variable in pou.variables()}
-        inside = {action.name.casefold(): names_in(action, dialect) for action in pou.actions}
-        inside |= {method.name.casefold(): names_in(method, dialect) for method in pou.methods}
-        inside |= {condition.name.casefold(): names_in(condition, dialect) for condition in pou.transitions}
-        while called := named & inside.keys():
-            named |= {name for owner in called for name in inside.pop(owner)}
+        inside = [(action.name, names_in(action, dialect)) for action in pou.actions]
+        inside += [(method.name, names_in(method, dialect)) for method in pou.methods]
+        inside += [(condition.name, names_in(condition, dialect)) for condition in pou.transitions]
+        while called := [each for each in inside if each[0].casefold() in named]:
+            inside = [each for each in inside if each not in called]
+            named = named.union(*(names for _, names in called))
         return named
 
     def leave_out(self, name: str, kind: type[SfcError] = LeftOutError) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
 
@@ -73,9 +74,10 @@ def _renamed_variables(project: Project, copy: Project) -> dict[str, str]:
     """
     from plcopen_sfc.languages.translation.renames import NameScope, kept_names  # noqa: PLC0415  # brings the parser
 
+    found = _renamed_for_matiec(project, copy)
     from_s7, to_s7 = kept_names(copy), kept_names(project)
     if not (len(from_s7) or len(to_s7)):
-        return {}
+        return found
 
     def old_name(scope: NameScope, name: str) -> str:
         return from_s7.old_name(scope, name) or to_s7.new_name(scope, name) or name
@@ -90,7 +92,6 @@ def _renamed_variables(project: Project, copy: Project) -> dict[str, str]:
                 yield f"{variable.name}.{inner}", f"{before}.{old}"
 
     types = {each.name.casefold(): each.type for each in copy.data_types}
-    found = {}
     for old_pou, pou in zip(project.pous, copy.pous, strict=False):
         known = {variable.name.casefold(): variable.name for variable in old_pou.variables()}
         for name, before in paths(pou.variables(), NameScope.LOCAL):
@@ -106,6 +107,24 @@ def _renamed_variables(project: Project, copy: Project) -> dict[str, str]:
         for inner, before in paths(variables, NameScope.MEMBER if is_listed else NameScope.GLOBAL):
             old = f"global variable {own}.{before}" if is_listed else f"global variable {before}"
             found |= {f"global variable {name}.{inner}": old} | ({} if is_listed else {f"global variable {inner}": old})
+    return found
+
+
+def _renamed_for_matiec(project: Project, copy: Project) -> dict[str, str]:
+    """Return the paths in the source of variables that matiec does not take by their names (``tRührzeit``)."""
+    from plcopen_sfc.formats.matiec.matiec_declarations import matiec_name  # noqa: PLC0415  # few files are for matiec
+
+    found: dict[str, str] = {}
+    for old, new in zip(project.pous, copy.pous, strict=False):
+        ours = {variable.name.casefold() for variable in old.variables()}
+        theirs = {variable.name.casefold() for variable in new.variables()}
+        others = [variable.name for variable in new.variables() if variable.name.casefold() not in ours]
+        for variable in old.variables() if others else ():
+            if variable.name.casefold() not in theirs:
+                near = re.compile(rf"{re.escape(matiec_name(variable.name))}(_\d+)?", re.IGNORECASE)
+                fits = [name for name in others if near.fullmatch(name)]
+                if len(fits) == 1:
+                    found[f"{new.report_path} / {fits[0]}"] = f"{old.report_path} / {variable.name}"
     return found
 
 

@@ -262,6 +262,14 @@ def test_a_rule_of_the_tools_is_named_beside_what_the_report_approximates() -> N
     assert "; CODESYS executes the actions before the transitions, and so sees other inputs in them; what the" in found
 
 
+def test_an_input_that_matiec_takes_by_another_name_is_the_same_on_both_sides() -> None:
+    text = CHART.format(first="q(N);", second="", initial="", edge="", actions="").replace("a, b :", "grün, b :")
+    text = text.replace(":= a;", ":= grün;")
+    report = saved(sfc.loads(text.encode(), format="iec-text"), "plcopen-2.01", flavour="beremiz")
+    assert [item.path for item in report.items if item.what == "name"] == ["Main.grün"]
+    assert report.compared["POU Main"].startswith("equal")
+
+
 def test_a_large_chart_leaves_time_for_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
     limits: list[float] = []
 
