@@ -165,6 +165,12 @@ def one_step() -> sfc.SfcNetwork:
         (lambda: sfc.Project().rename("Main.S3", "Wait"), "the project declares no 'Main.S3'"),
         (lambda: sfc.Project().steps(drivs="q*"), "steps have no field 'drivs' (did you mean 'drives'?)"),
         (lambda: one_step().add_transition("Wait", "Wait", 5), "condition of Transition is no object of the model: 5"),
+        (lambda: sfc.Step(id=1, name="A", title=5), "title of Step is none of a text, MarkupText, MultilingualText: 5"),
+        (lambda: sfc.Step(id=1, name="A", entry_action=5), "entry_action of Step is none of a text, StBody, IlBody, "),
+        (
+            lambda: sfc.Step(id=1, name="A", entry_action={"language": "ST", "text": 5, "markup": 6}),
+            "entry_action.ST.text of Step is not a text: 5 (int); entry_action.ST.markup of Step is not a text: 6",
+        ),
         (lambda: sfc.SfcNetwork(steps=["Wait"]), "steps.0 of SfcNetwork is no Step: 'Wait' (str)"),
         (lambda: sfc.save(sfc.Project(), "x.xml", format="plcopen", limit="soon"), "'soon' is no time limit"),
         (lambda: sfc.Project().add_program("Main").add_variable("x", "INT", "inputs"), "(did you mean 'input'?)"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from enum import Enum
 from functools import cache
@@ -207,13 +208,43 @@ def _called(thing: Checked) -> str:
 
 def misfit(model: type[BaseModel], owner: str, error: ValidationError) -> ModelError:
     """Return the error of this package for what does not fit in the fields of `owner`."""
-    found = error.errors(include_url=False)
-    named = "; ".join(_problem(model, owner, each["type"], each["loc"], each) for each in found[:_NAMED])
-    more = f"; and {len(found) - _NAMED} more" if len(found) > _NAMED else ""
-    return ModelError(named + more)
+    fields: dict[tuple[int | str, ...], list[Mapping[str, Any]]] = {}
+    for each in error.errors(include_url=False):
+        fields.setdefault(each["loc"][: _choice(each["loc"])], []).append(each)
+    told = [each for loc, errors in fields.items() for each in _of_choices(model, owner, loc, errors)]
+    more = f"; and {len(told) - _NAMED} more" if len(told) > _NAMED else ""
+    return ModelError("; ".join(told[:_NAMED]) + more)
+
+
+def _choice(loc: Sequence[int | str]) -> int | None:
+    """Return where a place names one of several classes that a field may have, of which pydantic tries each."""
+    return next((i for i, part in enumerate(loc) if i and isinstance(part, str) and _CHOICE.match(part)), None)
+
+
+def _of_choices(
+    model: type[BaseModel], owner: str, loc: Sequence[int | str], errors: Sequence[Mapping[str, Any]]
+) -> Iterator[str]:
+    """Yield the faults of a field by the errors of its classes: of the one that was meant, else that it is none."""
+    tried = dict.fromkeys(str(each["loc"][len(loc)]) for each in errors if len(each["loc"]) > len(loc))
+    # the language of a body tells which class was meant
+    inside = [each for each in errors if len(each["loc"]) > len(loc) + 2 and "[" in str(each["loc"][len(loc)])]
+    if len(tried) > 1 and not inside:
+        names = ", ".join(
+            _PLAIN.get(each, each.removeprefix("tagged-union[").rstrip("]").replace(",", ", ")) for each in tried
+        )
+        given = next((each["input"] for each in errors if len(each["loc"]) == len(loc) + 1), None)
+        shown = f"{_cut(repr(given), _TEXT)} ({type(given).__name__})"
+        yield f"{'.'.join(map(str, loc))} of {owner} is none of {names}: {shown}"
+        return
+    for each in inside or errors:
+        place = [part for part in each["loc"] if "[" not in str(part)]
+        yield _problem(model, owner, each["type"], place, each)
 
 
 _NAMED = 3
+
+_CHOICE = re.compile(r"(?:str|int|float|bool|[A-Z]\w*|tagged-union\[.*\])$")
+_PLAIN = {"str": "a text", "int": "a whole number", "float": "a number", "bool": "True or False"}
 
 _WANTED = {
     "string_type": "a text",
