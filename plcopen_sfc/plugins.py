@@ -41,7 +41,7 @@ def loaded(group: str, name: str) -> Any:
 
 
 def provided_by_plugins(group: str, kind: type[Provided]) -> Iterator[Provided]:
-    """Yield what all plugins of a group provide. Raises `PluginError` for what is not of `kind`."""
+    """Yield the objects that all plugins of a group provide. Raises `PluginError` for what is not of `kind`."""
     for name in names_of(group):
         found = loaded(group, name)
         if not isinstance(found, kind):

@@ -28,7 +28,7 @@ def results(
     scheduler: str = "",
     lost: Callable[[Given, str], Made] | None = None,
 ) -> Iterator[Made]:
-    """Yield what `work` makes of each thing, in their order, with up to `jobs` processes.
+    """Yield the results of `work` for each thing, in their order, with up to `jobs` processes.
 
     One job works in this process. In others `work`, the things and what is made of them are pickled copies; that one
     cannot be pickled is an error. A process that ends in the middle (memory, a signal) loses nothing: what it worked on

@@ -74,7 +74,7 @@ def with_inputs(project: Project, names: Mapping[str, Collection[str]]) -> Proje
 
 
 def _used_of(project: Project, pou: str) -> Iterator[tuple[str, str]]:
-    """Yield what a POU uses without a declaration: paths, and the types that were guessed."""
+    """Yield the names that a POU uses without a declaration: paths, and the types that were guessed."""
     try:
         run = Simulation(resolve(project, pou))
     except SfcError:

@@ -153,7 +153,7 @@ def _places(name: str, example: Counterexample, chart: Chart) -> Iterator[str]:
 
 
 def _writers(name: str, chart: Chart) -> Iterator[tuple[str, str]]:
-    """Yield what writes a variable: the name of a step, and the action."""
+    """Yield the writers of a variable: the name of a step, and the action."""
     if chart.pou.project is None:
         return
     scans = SharedScans(chart.chart, chart.pou, chart.pou.project.dialect)

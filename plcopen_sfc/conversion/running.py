@@ -199,7 +199,7 @@ class _Run(NamedTuple):
 
 
 def _report_run(report: ConversionReport, run: _Run, held: str) -> None:
-    """Report what was found of a chart of which the report names no loss; `held`: while times of actions stay."""
+    """Report the verdict on a chart of which the report names no loss; `held`: while times of actions stay."""
     verdict, as_run, path = run.verdict, run.as_run, run.place.report_path
     report.compared[path] = str(as_run).splitlines()[0]
     if not as_run.equal and verdict.equal:

@@ -401,7 +401,7 @@ def _relisted(folder: str, kind: Format, added: Sequence[str], gone: Sequence[st
 def edited_files(
     project: Project, path: str, report: ConversionReport | None = None
 ) -> Iterator[tuple[str, bytes, bytes]]:
-    """Yield what saving a project where it was read from would change: path, bytes before and after.
+    """Yield the changes of saving a project where it was read from: path, bytes before and after.
 
     A file that is not there has no bytes. `report` gets the items. Raises `LossError` as saving does.
     """

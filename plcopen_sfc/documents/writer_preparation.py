@@ -139,7 +139,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
 def _note_differences(
     project: Project, kind: Format, options: WriteOptions, dialect: Dialect | None, report: ConversionReport
 ) -> None:
-    """Report what the same texts do otherwise in another tool."""
+    """Report the differences of the same texts in another tool."""
     _note_wider_arithmetic(project, kind, dialect, report)
     _note_operands(project, kind, options, report)
     _note_sections(project, kind, report)
@@ -432,7 +432,7 @@ def _elementary_type(resolver: Resolver, chart: Chart, name: str) -> Elementary 
 
 
 def _note_wider_arithmetic(project: Project, kind: Format, dialect: Dialect | None, report: ConversionReport) -> None:
-    """Report what stays as it is where CODESYS calculates in 32 bits, and other tools in the types.
+    """Report the operations that stay as they are where CODESYS calculates in 32 bits, and other tools in the types.
 
     `dialect`: that of the file; None where it has the texts as they are.
     """

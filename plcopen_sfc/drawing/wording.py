@@ -153,7 +153,7 @@ class Wording:
 
 
 def _watched(read: NetworkExpression, helper: Helper) -> Iterator[n.Expression]:
-    """Yield what the edge block `helper` watches."""
+    """Yield the values that the edge block `helper` watches."""
     for statement in read.before:
         call = statement.call if isinstance(statement, n.CallStatement) else None
         if isinstance(call, n.Call) and isinstance(call.callee, n.Name) and call.callee.identifier == helper.name:

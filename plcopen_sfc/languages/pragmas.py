@@ -339,7 +339,7 @@ def _instead(said: Any, guarded: bool) -> Any:
 
 
 def additions(meant: Any, path: tuple[Segment, ...]) -> Iterator[RemainderEntry]:
-    """Yield what to state where the text has nothing: one line for each field and each item of a list."""
+    """Yield the entries where the text has nothing: one line for each field and each item of a list."""
     if isinstance(meant, dict) and meant and not _is_map(meant):
         for key in meant:
             yield from additions(meant[key], (*path, key))

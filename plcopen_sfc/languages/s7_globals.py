@@ -239,7 +239,7 @@ def tag_tables_of(project: Project) -> list[TagTable]:
 
 
 def left_out(project: Project) -> Iterator[tuple[str, str, str]]:
-    """Yield what blocks, tags and constants leave out of variables: of what, its name, and what it is."""
+    """Yield the losses of variables in blocks, tags and constants: of what, its name, and what it is."""
     for place, why in _left_out_globals(project):
         yield "global variable", place, why
     tags = local_tags(project)
@@ -252,7 +252,7 @@ def left_out(project: Project) -> Iterator[tuple[str, str, str]]:
 
 
 def _not_of_tags(variable: Variable, section: VariableSection) -> Iterator[tuple[str, str]]:
-    """Yield what a tag leaves out of a variable, and why."""
+    """Yield the losses of a variable in a tag, and why."""
     if variable.initial is not None:
         yield "initial value", "it is a tag, which has no start value: it starts as FALSE or 0"
     if is_retained(section, variable):

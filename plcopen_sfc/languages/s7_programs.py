@@ -234,7 +234,7 @@ def names_of_programs(project: Project) -> dict[str, str]:
 
 
 def report_program(project: Project, pou: Pou, report: ConversionReport) -> None:
-    """Report what becomes of a program of `project`."""
+    """Report the outcome of a program of `project`."""
     found = s7_programs(project)
     names = [block.name for block in found.instances[pou.name.casefold()]]
     why = f"a function block with the instance data block {' and '.join(names)}"
@@ -244,7 +244,7 @@ def report_program(project: Project, pou: Pou, report: ConversionReport) -> None
 
 
 def report_tasks(project: Project, report: ConversionReport) -> None:
-    """Report what becomes of the tasks of `project`."""
+    """Report the outcome of the tasks of `project`."""
     found = s7_programs(project)
     for task, why in found.uncalled:
         called = ", ".join(each.type_name or each.name for each in task.instances)

@@ -187,7 +187,7 @@ class _Chart:
         self._watched = profile.maximum_times and SfcFlag.ERROR in flags
 
     def losses(self) -> Iterator[Item]:
-        """Yield what is excluded from the build, and times and numbers that no code asks for."""
+        """Yield the objects that are excluded from the build, and times and numbers that no code asks for."""
         for chart in _charts(self._chart):
             for step in chart.steps:
                 yield from self._of_step(step)

@@ -39,7 +39,7 @@ Wanted = Mapping[Declaration, str]
 def visible_clashes(
     names: Names, declaration: Declaration, uses: Sequence[Occurrence], wanted: Wanted
 ) -> Iterator[str]:
-    """Yield what has the new name of `declaration` already, or gets it too: in its scope, or where it is used."""
+    """Yield the things that have the new name of `declaration` too: in its scope, or where it is used."""
     new = wanted[declaration]
     beside = list(_beside(names, declaration, wanted))
     yield from beside

@@ -45,7 +45,7 @@ class ChartRewriting:
         """Reads a condition as an expression and the statements before it."""
 
     def note(self, outcome: Outcome, what: str, place: str, why: str) -> None:
-        """Report what became of something at `place` in the chart."""
+        """Report the outcome of something at `place` in the chart."""
         path = self.chart.report_path
         self.report.add(outcome, what, f"{path} / {place}" if place else path, why)
 

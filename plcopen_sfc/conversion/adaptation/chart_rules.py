@@ -240,7 +240,7 @@ class _ChartRewriter:
             execute_flags_in_tc6(self._rewriting, self._steps, self._checks, self._permanent)
 
     def losses(self) -> None:
-        """Report what has no counterpart."""
+        """Report the parts without a counterpart."""
         self._report_graph(self._shown.names)
         if not self._host.is_codesys:
             self._report_codesys()
@@ -311,7 +311,7 @@ class _ChartRewriter:
         return conjunction(text, f"NOT {as_term(held)}")
 
     def _report_graph(self, shown: set[str]) -> None:
-        """Report what surrounds a sequencer of S7-GRAPH and has no counterpart."""
+        """Report the surroundings of a sequencer of S7-GRAPH that have no counterpart."""
         chart, title = self._chart, self._host.title
         for step in chart.steps:
             if self._rewriting.interlock(step) not in (None, "TRUE"):
@@ -330,7 +330,7 @@ class _ChartRewriter:
             self._note(Outcome.TRANSLATED, "shown state", "", why)
 
     def _report_codesys(self) -> None:
-        """Report what controls and watches a chart of CODESYS and has no counterpart in TC6."""
+        """Report the flags of a chart of CODESYS that have no counterpart in TC6."""
         chart = self._chart
         used = self._rewriting.flags
         for flag in sorted(each for each in used if each.variable.upper() not in self._rewriting.options.at_rest):

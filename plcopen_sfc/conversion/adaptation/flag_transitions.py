@@ -174,7 +174,7 @@ class FlagRewriter(ABC):
 
     @abstractmethod
     def _note(self, outcome: Outcome, what: str, place: str, why: str) -> None:
-        """Report what became of something at `place` in the chart."""
+        """Report the outcome of something at `place` in the chart."""
 
     @abstractmethod
     def _end_stored(self, flags: Collection[SfcFlag]) -> None:
@@ -347,7 +347,7 @@ class FlagRewriter(ABC):
     # -- what differs
 
     def _report_ends(self, flags: Collection[SfcFlag], steps: list[Step]) -> None:
-        """Report what is executed as a flag ends a step, and what of the initial step does not begin again."""
+        """Report the actions as a flag ends a step, and those of the initial step that do not begin again."""
         words = " and ".join(flag.variable for flag in flags)
         for step in steps if flags else ():
             if self._is_executed_at_end(step):

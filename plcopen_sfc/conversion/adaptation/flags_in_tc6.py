@@ -372,7 +372,7 @@ class _Tc6Flags(FlagRewriter):
         return name
 
     def _report_pause(self) -> None:
-        """Report what goes on during SFCPause: one item where it is in several steps."""
+        """Report the actions that go on during SFCPause: one item where it is in several steps."""
         pause, quits = self._pause, SfcFlag.QUIT_ERROR.variable
         timed: dict[str, str] = {}
         going: dict[str, str] = {}

@@ -362,7 +362,7 @@ class Rules:
         return disjunction(parts)
 
     def _enabled(self, transition: Transition, step: Step, by_id: dict[int, Step]) -> Iterator[Tree]:
-        """Yield what must be TRUE for a transition to fire while one of its sources, `step`, is active."""
+        """Yield the conditions under which a transition fires while one of its sources, `step`, is active."""
         yield from (step_flag(by_id[i]) for i in transition.sources if i != step.id)
         yield self._condition(transition)
 

@@ -324,7 +324,7 @@ def _cross(wires: Sequence[Wire]) -> bool:
 
 
 def _sources(symbol: DrawnSymbol, symbols: Mapping[int, object]) -> Iterator[int]:
-    """Yield what the wires into a symbol come from."""
+    """Yield the sources of the wires into a symbol."""
     yield from (c.source for pin in symbol.inputs for c in pin.connections if c.source in symbols)
 
 

@@ -258,7 +258,7 @@ class NetworkLayout:
 def _inputs_first(
     end: int, entering: Sequence[list[tuple[tuple[int, int], Wire]]], placed: list[bool]
 ) -> Iterator[int]:
-    """Yield what is before a box and the box itself, in the order of inputs; nothing twice."""
+    """Yield the boxes before a box and the box itself, in the order of inputs; nothing twice."""
     pending = [(end, iter(entering[end]))]
     while pending:
         number, rest = pending[-1]

@@ -90,7 +90,7 @@ def sheets(svg: str, paper: str) -> list[str]:
 
 
 def _shapes(svg: str) -> Iterator[str]:
-    """Yield what a picture of this package consists of: its head, and the lines of each wire and element."""
+    """Yield the parts of a picture of this package: its head, and the lines of each wire and element."""
     lines: list[str] = []
     depth = 0
     for line in svg.split("\n"):

@@ -152,7 +152,7 @@ class ChartReader:
         return above
 
     def _refuse(self, element: etree._Element, kind: str, unknown: list[etree._Element]) -> None:
-        """Report what an element has that is not understood, and that the tool may execute."""
+        """Report the content of an element that is not understood, and that the tool may execute."""
         for attribute in unknown:
             self._ctx.error("TWC102", objection(attribute, kind), attribute)
         for name in _EMBEDDED.get(kind, ()):
@@ -469,7 +469,7 @@ class ChartWriter:
         return followers[0] if followers else None
 
     def _macros(self) -> Iterator[dict[str, str]]:
-        """Yield what the chart keeps of its macros, inner ones first."""
+        """Yield the kept parts of the macros of the chart, inner ones first."""
         for macro in kept_in(self._chart.extension_data).elements:
             yield {str(name): str(value) for name, value in macro.attrib.items()}
 

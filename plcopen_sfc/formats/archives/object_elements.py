@@ -130,7 +130,7 @@ class _Reader:
         return found.project
 
     def _report(self, found: Diagnostic, thing: etree._Element, line: int) -> None:
-        """Report what was found in a declaration, so many lines below its first."""
+        """Report the findings in a declaration, so many lines below its first."""
         place = Location(self._file, self._line_at(thing, line), None, found.location.path)
         self._ctx.diagnostics.append(Diagnostic(found.code, found.severity, found.message, place))
 

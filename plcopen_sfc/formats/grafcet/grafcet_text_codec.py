@@ -333,7 +333,7 @@ class GrafcetTextCodec(TextCodec):
         return write_blocks(project, report)
 
     def replace_missing(self, project: Project, report: ConversionReport) -> None:
-        """Report what charts of tools do and a GRAFCET does not."""
+        """Report the behaviour of charts of tools that a GRAFCET does not have."""
         report_unexpressed(project, report)
 
     def located(self, content: bytes) -> tuple[Project, SourceText, BlockSpan]:

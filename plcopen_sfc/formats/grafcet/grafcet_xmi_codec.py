@@ -412,7 +412,7 @@ class GrafcetXmiCodec(XmlCodec):
         return root
 
     def replace_missing(self, project: Project, report: ConversionReport) -> None:
-        """Report what charts of tools do and a GRAFCET does not."""
+        """Report the behaviour of charts of tools that a GRAFCET does not have."""
         report_unexpressed(project, report)
 
     def style(self) -> XmlStyle:

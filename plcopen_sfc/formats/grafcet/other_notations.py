@@ -229,7 +229,7 @@ class _ToAutomaton(_Notation):
             found = _TAG.search(text, end)
 
     def _entries(self, text: str, inner: tuple[int, int]) -> Iterator[tuple[int, str]]:
-        """Yield what semicolons end, with its line."""
+        """Yield the texts that semicolons end, with their lines."""
         start, end = inner
         while start < end:
             stop = text.find(";", start, end)

@@ -20,7 +20,7 @@ from plcopen_sfc.report import ConversionReport, Outcome
 
 
 def report_unexpressed(project: Project, report: ConversionReport) -> None:
-    """Report what charts of IEC 61131-3 do beside their actions, and the POUs that have no chart.
+    """Report the behaviour of charts of IEC 61131-3 beside their actions, and the POUs that have no chart.
 
     These are times, supervisions, priorities, flags, exclusions, permanent instructions, macro-steps with a body, and
     declarations of types and parameters.

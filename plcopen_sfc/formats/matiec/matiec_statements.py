@@ -451,7 +451,7 @@ class _TypeCheck:
         self._types = types
 
     def mistakes(self, tree: n.Node) -> Iterator[str]:
-        """Yield what a tree has and matiec has not: ``+ of BYTE``."""
+        """Yield the parts of a tree that matiec does not have: ``+ of BYTE``."""
         for node in walk(tree):
             if isinstance(node, n.Operation):
                 yield from self._operation(node)

@@ -496,7 +496,7 @@ def is_added_configuration(configuration: Fields) -> bool:
 
 
 def _executed(configuration: Configuration) -> Iterator[str]:
-    """Yield what resources execute, in a form for a mark."""
+    """Yield the programs that resources execute, in a form for a mark."""
     for resource in configuration.resources:
         yield from (instance.name for instance in resource.instances)
         for task in resource.tasks:

@@ -222,7 +222,7 @@ def _without(interface: Interface, added: Collection[Variable]) -> Interface:
 
 
 def _note_action(ctx: DocumentWriting, functions: ActionFunctions, action: Action) -> None:
-    """Report what becomes of an action of the block that is written, where no step has told it."""
+    """Report the outcome of an action of the block that is written, where no step has told it."""
     outcome, why = Outcome.EXTENSION_DATA, UNCALLED
     if id(action) in ctx.lost_actions:
         outcome, why = Outcome.NOT_EXECUTED, "blocks of TIA Portal have no actions: what calls it does not execute it"
@@ -236,7 +236,7 @@ def _note_action(ctx: DocumentWriting, functions: ActionFunctions, action: Actio
 
 
 def _note_method(ctx: DocumentWriting, functions: ActionFunctions, pou: Pou, method: Method) -> None:
-    """Report what becomes of a method of the block that is written."""
+    """Report the outcome of a method of the block that is written."""
     made = functions.method(pou, method)
     if isinstance(made, str):
         outcome, why = Outcome.NOT_EXECUTED, f"blocks of TIA Portal have no methods, and no function holds it: {made}"

@@ -61,7 +61,7 @@ def tables_of(project: Project, report: ConversionReport) -> list[ListTable]:
 
 
 def _report_more(pou: Pou, chart: SfcNetwork, report: ConversionReport) -> None:
-    """Report what is executed of a program beside its steps, actions and transitions."""
+    """Report the parts of a program that are executed beside its steps, actions and transitions."""
     for what, parts in (
         ("method", pou.methods),
         ("body", pou.bodies[1:]),

@@ -31,7 +31,7 @@ def compile_mistakes(body: Body | None, pou: Pou, dialect: Dialect, names: Set[s
 
 
 def type_mistakes(tree: n.Node, dialect: Dialect, type_of: Callable[[Expression], str]) -> Iterator[str]:
-    """Yield what does not fit in statements: types of another kind. `type_of` is that of `ExpressionTypes`."""
+    """Yield the misfits in statements: types of another kind. `type_of` is that of `ExpressionTypes`."""
     kinds = _Kinds(dialect, type_of)
     for node in walk(tree):
         for message, about in kinds.mistakes_in(node):
@@ -45,7 +45,7 @@ class _Kinds:
         self._types = ExpressionTypes(dialect, type_of)
 
     def mistakes_in(self, node: n.Node) -> Iterator[tuple[str, n.Node]]:
-        """Yield what does not fit at a node, and the node to show."""
+        """Yield the misfits at a node, and the node to show."""
         match node:
             case n.Assignment(target, value, n.AssignmentKind.ASSIGN) if self._differ([target, value]):
                 yield f"{self.of(value)} is assigned to {self.of(target)}", node

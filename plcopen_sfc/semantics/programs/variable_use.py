@@ -172,7 +172,7 @@ class VariableUse:
                     yield inner, name, part
 
     def _given_inside(self, key: str, path: str, type_: t.Type, seen: set[str]) -> Iterator[tuple[str, str, t.Type]]:
-        """Yield what is at input addresses of an instance, and of those in it, as far as it is read."""
+        """Yield the variables at input addresses of an instance, and of those in it, as far as it is read."""
         if not isinstance(type_, t.StructureType) or not type_.layout.is_instance or type_.layout in self.roots:
             return
         for slot, field in enumerate(type_.layout.fields):
