@@ -59,9 +59,7 @@ class Late(Owned):
         content = content.casefold()
         if not as_members:
             return any(word in content for word in words)
-        known, lengths = set(words), {len(word) for word in words}
-        ends = (dot.end() for dot in _DOT.finditer(content))
-        return any(content[end : end + length] in known for end in ends for length in lengths)
+        return re.search(f"{_DOT}(?:{'|'.join(map(re.escape, words))})", content, re.DOTALL) is not None
 
     def _text(self) -> str | None:
         """Return a text in which every text of the object occurs; None where it would have to be read for that."""
@@ -172,7 +170,7 @@ _ELSEWHERE_WRITTEN = re.compile(r"""[^\x20-\x7e]|["'&<>\\]""")
 """Characters of names that XML or JSON may write in another way."""
 
 
-_DOT = re.compile(r"\.(?:\s|\\[nrt]|\\?\"|#|&quot;|&\#\w+;|\(\*.*?\*\)|/\*.*?\*/|//.*?(?:\n|\\n|&\#\w+;))*", re.DOTALL)
+_DOT = r"\.(?:\s|\\[nrt]|\\?\"|#|&quot;|&\#\w+;|\(\*.*?\*\)|/\*.*?\*/|//.*?(?:\n|\\n|&\#\w+;))*+"
 """A dot, with the blanks, quotes and comments behind it, in XML or JSON."""
 
 
