@@ -153,18 +153,18 @@ def _told_alike(
     where the tools execute actions and transitions in another order.
     """
     evolution, order = profiles[1].evolution, profiles[1].order
-    rules: dict[str, Profile] = {}
+    rules: dict[str, Callable[[], Profile]] = {}  # some would contradict others: S7-GRAPH has one order
     if profiles[0].evolution is Evolution.UNTIL_STABLE is not evolution:
-        rules["without its search for stability"] = replace(profiles[0], evolution=evolution)
+        rules["without its search for stability"] = lambda: replace(profiles[0], evolution=evolution)
     elif not verdict.equal:
         if profiles[0].order is not order:
-            rules[f"with actions and transitions in the order of {tool}"] = replace(profiles[0], order=order)
-        rules[f"under the rules of {tool}"] = profiles[1]
+            rules[f"with actions and transitions in the order of {tool}"] = lambda: replace(profiles[0], order=order)
+        rules[f"under the rules of {tool}"] = lambda: profiles[1]
     end = time.monotonic() + limit
-    for rule, first in rules.items():
+    for rule, ruled in rules.items():
         left = end - time.monotonic()
         try:
-            found = compared(profile=(first, profiles[1]), delay="auto", limit=left) if left > 0 else None
+            found = compared(profile=(ruled(), profiles[1]), delay="auto", limit=left) if left > 0 else None
         except SfcError:
             continue
         if found is not None and found.equal:
