@@ -292,3 +292,25 @@ def test_flags_that_only_the_source_tool_declares_are_variables() -> None:
     back = sfc.loads(data, format="simaticml").pou("Main")
     assert "SFCReset" not in {variable.name for variable in back.variables()}
     assert back.chart.settings == source.pou("Main").chart.settings
+
+
+def test_flags_of_charts_in_actions_have_their_memories_in_the_blocks_for_these() -> None:
+    text = CHART.format(
+        flags="SFCInit, SFCReset,",
+        chart="INITIAL_STEP Idle: END_STEP STEP Work: Inner(N); Other(N); END_STEP"
+        " TRANSITION FROM Idle TO Work := a; END_TRANSITION TRANSITION FROM Work TO Idle := g; END_TRANSITION",
+    )
+    project = sfc.loads(text.encode(), format="iec-text")
+    for name, target in (("Inner", "q"), ("Other", "r")):
+        chart = m.SfcNetwork()
+        first, second = chart.add_step(f"{name}_1", initial=True), chart.add_step(f"{name}_2")
+        chart.add_transition(first, second, "b")
+        chart.add_transition(second, first, "NOT b")
+        second.actions.append(m.ActionAssociation(id=chart.new_id(), target=target, qualifier="S"))
+        project.pou("Main").actions.append(m.Action(name=name, body=m.SfcBody(chart=chart)))
+    project.origin = "codesys"
+    converted = sfc.convert(project, "simaticml", limit=0)
+    assert not converted.report.with_outcome(Outcome.NOT_EXECUTED)
+    blocks = {pou.name: [v.name for v in pou.variables()] for pou in sfc.loads(converted.data, as_tool=True).pous}
+    assert "SFCReset_before" in blocks["Main_Inner"]
+    assert "SFCReset_before_" in blocks["Main_Other"]

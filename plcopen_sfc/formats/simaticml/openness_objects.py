@@ -51,8 +51,10 @@ from plcopen_sfc.formats.simaticml.graph_reader import CONTROLLED, are_controls_
 from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, counting_fields, interface_digest
 from plcopen_sfc.languages.s7_globals import UNCALLED, local_tags
 from plcopen_sfc.languages.s7_programs import report_program
+from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.chart_settings import GraphSettings
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, DataBlock, DataBlockKind, Method, Pou, PouKind
 from plcopen_sfc.model.project import Tag, TagTable
 from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
@@ -159,6 +161,8 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
     ctx.action_controls = None
     if chart is not None and _may_have_controls(ctx):
         added += _planned_controls(ctx, pou, chart.chart, functions)
+        if chart_of_action is not None:
+            added += _memories(ctx, chart_of_action.owner, pou, chart.chart)
         ctx.types |= {f"#{variable.name.lower()}": write_type(variable.type) for variable in added}
     mark = ctx.options.marks.get(id(pou), {})
     added += mark.get("variables", [])
@@ -212,6 +216,15 @@ def _planned_controls(ctx: DocumentWriting, pou: Pou, chart: SfcNetwork, functio
     if told := told_late_actions(pou, chart, controls, ctx.options):
         ctx.note(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, why=told)
     return controls.variables
+
+
+def _memories(ctx: DocumentWriting, owner: Pou, block: Pou, chart: SfcNetwork) -> list[Variable]:
+    """Return the variables that only the statements of the flags of a chart use: no parameter passes them."""
+    text = "\n".join(ctx.options.marks.get(id(chart), {}).get("lines", ()))
+    used = {token.value.removeprefix("#").casefold() for token in tokenize(text, Dialect.SCL).tokens}
+    passed = {variable.name.casefold() for variable in block.variables()}
+    added = ctx.options.marks.get(id(owner), {}).get("variables", ())
+    return [each for each in added if each.name.casefold() in used - passed]
 
 
 def _without(interface: Interface, added: Collection[Variable]) -> Interface:
