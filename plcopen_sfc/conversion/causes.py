@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from plcopen_sfc.conversion.executed_charts import WRITTEN
 from plcopen_sfc.conversion.executed_parts import FIRST_SCAN, STABILITY, START
 from plcopen_sfc.languages.binding import SharedScans
 from plcopen_sfc.model.actions import Qualifier
@@ -14,7 +15,7 @@ from plcopen_sfc.model.sfc import ActionAssociation
 from plcopen_sfc.model.types import SimpleValue
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import Item
-from plcopen_sfc.semantics.profile import BooleanTargets, Profile, ScanOrder
+from plcopen_sfc.semantics.profile import Profile, ScanOrder
 
 if TYPE_CHECKING:
     from plcopen_sfc.analysis.verdict import Counterexample, Verdict
@@ -44,16 +45,9 @@ def told_difference(
     return f"it does something else after {scans}: {shown}{others}{causes}"
 
 
-_WRITTEN = {
-    BooleanTargets.ALWAYS: "in every scan",
-    BooleanTargets.WHEN_EXECUTED: "only while its action is executed",
-    BooleanTargets.WHEN_DECIDED: "only while an association decides on it",
-}
-
-
 def _written_at(chart: Chart, profiles: tuple[Profile, Profile], tool: str) -> Mapping[str, str]:
     """Return by the names of Boolean variables that are actions when two tools write them; empty if both do alike."""
-    rules = [_WRITTEN[each.boolean_targets] for each in profiles]
+    rules = [WRITTEN[each.boolean_targets] for each in profiles]
     if rules[0] == rules[1] or any(each.graph_parameters for each in profiles):
         return {}
     why = f"is written {rules[0]} in the source and {rules[1]} in {tool}"

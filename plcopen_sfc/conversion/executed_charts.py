@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Protocol
 
 from plcopen_sfc.conversion.executed_parts import (
+    BOOLEAN_ACTIONS,
     PLAIN_VARIABLES,
     SHOWN_STATE,
     STORED,
+    BooleanActions,
     Detail,
     Key,
     Part,
@@ -23,6 +25,8 @@ from plcopen_sfc.conversion.meaning import (
     plain,
     program_form,
 )
+from plcopen_sfc.languages.binding import bind
+from plcopen_sfc.languages.effects import ANYTHING, Path, path_of
 from plcopen_sfc.languages.networks import NetworkExpression, chart_statements, condition_reader
 from plcopen_sfc.languages.sfc_flag_uses import OPERATING_FLAGS, WATCHING_FLAGS
 from plcopen_sfc.languages.st import nodes as n
@@ -50,7 +54,7 @@ from plcopen_sfc.model.text import plain as words_of
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts.sfc_flags import flags_in_use
 from plcopen_sfc.semantics.inputs import MEMBER_NAMES, OUTPUT_NAMES, PARAMETER_NAMES, system_inputs
-from plcopen_sfc.semantics.profile import ActionControl, Profile
+from plcopen_sfc.semantics.profile import ActionControl, BooleanTargets, Profile
 
 
 class Around(Protocol):
@@ -60,6 +64,7 @@ class Around(Protocol):
     profile: Profile
     dialect: Dialect
     global_names: set[str]
+    lists: set[str]
     detail: Detail
     added_functions: dict[str, Pou]
 
@@ -126,6 +131,8 @@ class ExecutedChartReader:
                 keys[transition.id] = self._transition(part, transition)
         self._priorities(part, keys)
         self._settings(part)
+        if not self.owner.detail and (written := self._boolean_actions()) != _NONE_WRITTEN:
+            part.tell(BOOLEAN_ACTIONS, Meaning.of(written))
         if self.chart.logic:
             part.tell("drawn logic", self._logic())
         operations = (("before", self.chart.permanent_pre), ("after", self.chart.permanent_post))
@@ -272,6 +279,51 @@ class ExecutedChartReader:
             before = part.aspects.get(aspect)
             if before is None or stored == "FALSE" or self.owner.profile.graph_parameters:
                 part.tell(aspect, Meaning.of(stored))
+
+    def _boolean_actions(self) -> BooleanActions:
+        """Return the variables that are actions, and which of them something else writes as well."""
+        rows = [(step, row) for step, row in self.chart.associations() if self._is_boolean(row)]
+        trees = [parse_expression(row.target or "", self.owner.dialect).tree for _, row in rows]
+        own = [self._path(path_of(tree)) for tree in trees]
+        acting: dict[Path, list[ActionAssociation]] = {}
+        for path, (step, row) in zip(own, rows, strict=True):
+            if not (step.exclude or row.exclude) and path != ANYTHING:
+                acting.setdefault(path, []).append(row)
+        paths = set(own) - {ANYTHING}
+        inside = self._written(self.pou) if paths else set()
+        declared = {variable.name.casefold() for variable in self.pou.variables()}
+        declared -= {variable.name.casefold() for variable in self.pou.variables(SectionKind.EXTERNAL)}
+        shared = {path for path in paths - inside if path[0] not in declared}
+        others = (pou for pou in self.owner.project.pous if pou is not self.pou) if shared else ()
+        outside = {path for pou in others for path in self._written(pou) & shared}
+        rules = {".".join(path): self._written_at(each) for path, each in acting.items()}
+        return BooleanActions(rules, *(frozenset(map(".".join, each)) for each in (paths & inside, outside)))
+
+    def _written_at(self, rows: Sequence[ActionAssociation]) -> tuple[str, str]:
+        """Return when the variable of these rows is written, and when, if only other POUs look."""
+        profile = self.owner.profile
+        if not profile.graph_parameters:
+            return WRITTEN[profile.boolean_targets], WRITTEN[profile.boolean_targets]
+        are_coils = all(row.qualifier in _COILS for row in rows)
+        return BY_STEPS, WRITTEN[BooleanTargets.WHEN_EXECUTED] if are_coils else BY_STEPS
+
+    def _is_boolean(self, row: ActionAssociation) -> bool:
+        """True for a row whose action is a variable that follows its control; in S7-GRAPH a coil, or S and R."""
+        if row.target is None or row.body is not None or row.value is not None or row.kind is not None:
+            return False
+        is_plain = row.qualifier in _COILS or (row.qualifier in _STORED and row.event is None)
+        return (is_plain or not self.owner.profile.graph_parameters) and self.pou.find_action(row.target) is None
+
+    def _written(self, pou: Pou) -> set[Path]:
+        """Return what the bodies of a POU write, but for the rows of this chart."""
+        bodies = (*pou.bodies, *(action.body for action in pou.actions), *(method.body for method in pou.methods))
+        bound = [bind(body, self.owner.dialect) for body in bodies if body is not None]
+        found = [each.code if any(c.chart is self.chart for c in each.charts) else each.effects for each in bound]
+        return {self._path(path) for each in found for path in each.writes}
+
+    def _path(self, path: Path) -> Path:
+        """Return the path of a variable as all tools could have it: without the list of a global variable."""
+        return tuple(map(plain_name, path[1:] if len(path) > 1 and path[0] in self.owner.lists else path))
 
     def _code_of(self, action: str | Body | None, body: Body | None = None) -> tuple[str, Meaning | None]:
         """Name of an action, and its program; none for a variable."""
@@ -479,6 +531,16 @@ def _same_name(argument: n.Argument) -> str:
     return named.identifier.casefold() if named is not None and same else ""
 
 
+WRITTEN = {
+    BooleanTargets.ALWAYS: "in every scan",
+    BooleanTargets.WHEN_EXECUTED: "only while its action is executed",
+    BooleanTargets.WHEN_DECIDED: "only while an association decides on it",
+}
+"""When a Boolean variable that is an action is written, in words."""
+BY_STEPS = "only while a step with it is active, before other actions"
+"""The same of S7-GRAPH: coils come first, S and R are rows of their steps."""
+_NONE_WRITTEN = BooleanActions({}, frozenset(), frozenset())
+_COILS = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.D, Qualifier.L})
 _STORED = {Qualifier.S: "TRUE", Qualifier.R: "FALSE", Qualifier.R0: "FALSE"}
 _ALONE = ""
 """Control of an action that acts for its step alone, as statements in place do too."""

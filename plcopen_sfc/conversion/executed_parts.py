@@ -21,6 +21,8 @@ UNDECLARED = "undeclared name"
 """The kind of parts that are names which nothing declares."""
 STORED = "stored value of "
 """The beginning of the aspect that tells what the rows of a step store in an operand."""
+BOOLEAN_ACTIONS = "Boolean actions"
+"""The aspect that tells when variables that are actions of a chart are written, and which of them other code writes."""
 PLAIN_VARIABLES = "plain variables"
 """The aspect that lists variables of a chart of another tool whose names are parameters of charts of S7-GRAPH."""
 STABILITY, START = "search for stability", "start of several sequences"
@@ -39,6 +41,19 @@ UNUSED_INPUT = "unused operating input"
 RESTING_INPUT = "operating input at rest"
 """The kind of inputs that the user states to be inactive."""
 OPERATING_KINDS = frozenset({OPERATING_INPUT, UNUSED_INPUT, RESTING_INPUT})
+
+
+class BooleanActions(NamedTuple):
+    """Variables that are actions of a chart, by their plain names, and when they are written.
+
+    `rules`: when the steps that act do so, in words, and when, if only others than the chart are looked at. `by_code`:
+    the variables that statements of the POU write, too, those of excluded steps with them; `elsewhere`: those that only
+    other POUs write.
+    """
+
+    rules: dict[str, tuple[str, str]]
+    by_code: frozenset[str]
+    elsewhere: frozenset[str]
 
 
 def told_flag(flag: SfcFlag) -> tuple[str, str]:

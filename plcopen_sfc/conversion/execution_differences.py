@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from plcopen_sfc.conversion.executed_parts import (
+    BOOLEAN_ACTIONS,
     OPERATING_KINDS,
     PLAIN_VARIABLES,
     PROGRAM_CALL,
@@ -13,6 +14,7 @@ from plcopen_sfc.conversion.executed_parts import (
     STORED,
     UNDECLARED,
     UNDECLARED_TYPE,
+    BooleanActions,
     Key,
     Part,
 )
@@ -80,6 +82,9 @@ def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Itera
         if aspect == PLAIN_VARIABLES:
             taken = mine is not None and isinstance(mine.raw, frozenset) and mine.raw & right.parameters
             theirs = None if taken else mine
+        if aspect == BOOLEAN_ACTIONS:
+            yield from _boolean_actions(left, key, mine, theirs)
+            continue
         if aspect.startswith(STORED) and None in (mine, theirs):
             continue  # rows that are missing on one side are told as such
         if not same(mine, theirs) and not (mine is None and aspect in _MAY_BE_ADDED):
@@ -112,6 +117,24 @@ def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Itera
             within = _steps(right, part, inner) or steps
             box = "a box" if inner.kind == UNDECLARED and inner.name in left.boxes else None
             yield ExecutionDifference(part.path, inner.kind, _name(part, inner), "", box, _trigger(part), within)
+
+
+def _boolean_actions(
+    left: Part, key: Key, mine: Meaning | None, theirs: Meaning | None
+) -> Iterator[ExecutionDifference]:
+    """Actions of a chart that are variables which other code writes too, and which the two sides write otherwise."""
+    one, other = mine and mine.raw, theirs and theirs.raw
+    if not isinstance(one, BooleanActions) or not isinstance(other, BooleanActions):
+        return
+    found: dict[tuple[str, str], list[str]] = {}
+    written = [(0, name) for name in one.by_code] + [(1, name) for name in one.elsewhere]
+    for which, name in sorted(written):
+        if name in other.rules:
+            rules = one.rules[name][which] if name in one.rules else "never", other.rules[name][which]
+            found.setdefault(rules, []).append(name)
+    for (before, after), names in found.items():
+        if before != after:
+            yield ExecutionDifference(left.path, key.kind, ", ".join(names), BOOLEAN_ACTIONS, before, after)
 
 
 def _variables_of_lists(left: Part, right: Part) -> dict[Key, Key]:

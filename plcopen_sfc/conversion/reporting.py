@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
 from plcopen_sfc.conversion.executed_parts import (
+    BOOLEAN_ACTIONS,
     OPERATING_INPUT,
     OPERATING_KINDS,
     PLAIN_VARIABLES,
@@ -214,6 +215,8 @@ def _is_rewritten(
 
 def _is_at_other_times(difference: ExecutionDifference, changed: set[tuple[str, str]]) -> bool:
     """True if an action is there, and executed at other times."""
+    if _is_later(difference):
+        return True
     return difference.aspect in ("trigger", "final scan") and (difference.path, "code") not in changed
 
 
@@ -315,7 +318,7 @@ def _is_noticed(difference: ExecutionDifference, noticed: set[str], around_notic
 
 _LEFT_TO_THE_READER = frozenset(
     {"address", "static", "arguments", "edge", "extends", "implements", "union", "drawn logic", "order of transitions"}
-    | {"section", "max time"}
+    | {"section", "max time", BOOLEAN_ACTIONS}
 )
 """Aspects of which no writer speaks: what the target does not say is found when it is read back."""
 
@@ -334,7 +337,7 @@ def _outcome(difference: ExecutionDifference) -> Outcome:
         return _OPERATED[difference.kind]
     if difference.aspect == "type" and (difference.left or "").startswith(f"{difference.right} ("):
         return Outcome.APPROXIMATED  # without the bounds of a subrange
-    if difference.aspect.startswith(STORED):  # the rows are executed, and another one counts
+    if difference.aspect == BOOLEAN_ACTIONS or difference.aspect.startswith(STORED):  # it is executed, otherwise
         return Outcome.APPROXIMATED
     if difference.kind not in (UNDECLARED, UNDECLARED_TYPE) and (
         difference.left is None or _is_later(difference) or _is_final_scan(difference)
@@ -383,6 +386,8 @@ def _why(difference: ExecutionDifference, tool: str) -> str:
         return f"{short.name} has no variables of its own in {tool}: a program has one set of them for all its calls"
     if aspect == "variables":
         return f"{short.name} has variables of its own in {tool}: in the source all calls of the program share them"
+    if aspect == BOOLEAN_ACTIONS:
+        return f"{short.name}: other code writes it, too; the chart does so {left} in the source, {right} in {tool}"
     if aspect.startswith(STORED):
         why = "S7-GRAPH executes the rows S and R of an operand in their order; elsewhere R counts"
         return f"{aspect.removeprefix(STORED)} is {right} in {tool} while the step is active, not {left}: {why}"

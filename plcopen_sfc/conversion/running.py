@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from plcopen_sfc.conversion.assumed_types import assumed_types, with_inputs, with_types
 from plcopen_sfc.conversion.causes import concerns, times_among, told_apart, told_difference, told_while_held
 from plcopen_sfc.conversion.executed_parts import (
+    BOOLEAN_ACTIONS,
     FIRST_SCAN,
     HIDDEN_FLAG,
     OPERATING_INPUT,
@@ -54,7 +55,7 @@ _CAP, _RUNS, _SCANS = 2_000, 10, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
 
 _APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, FIRST_SCAN, CHART_OF_ACTION, ORDER_OF_ACTIONS, FALLING_EDGE}
-_APART |= {ARITHMETIC, "retain", "address", "interval", "max time", "maximum time"}
+_APART |= {ARITHMETIC, BOOLEAN_ACTIONS, "retain", "address", "interval", "max time", "maximum time"}
 """Losses beside which a run shows more: what operates a chart rests, nothing looks at addresses or times of tasks, and
 the chart of a GRAFCET may have no step that is only passed, and begins one scan later. A block for the chart of an
 action may do the same, and actions in another order or calculations of other widths."""
@@ -210,6 +211,7 @@ def _report_run(report: ConversionReport, run: _Run, held: str) -> None:
             _note_proven(report, path, STABILITY, "which fires transitions once in a scan")
         _note_proven(report, path, CHART_OF_ACTION, "which calls a block for the chart of the action")
         _note_proven(report, path, ORDER_OF_ACTIONS, "which executes actions in another order")
+        _note_proven(report, path, BOOLEAN_ACTIONS, "which writes variables of actions at other times")
         _note_proven(report, path, FALLING_EDGE, "which sees another first edge of F_TRIG")
         if not run.profiles[1].initial_situation_held:  # of which no proof has the first scan
             _note_proven(report, path, FIRST_SCAN, "whose actions have not seen the initial step then")

@@ -12,6 +12,7 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, NetworkForm, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_statements import note_loops
 from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
+from plcopen_sfc.languages.binding import told_step_actions
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.text_sites import Site
 from plcopen_sfc.languages.declarations.kept_texts import kept
@@ -27,7 +28,7 @@ from plcopen_sfc.model.dialect import COUNTING_BYTES, Dialect, address_dialect
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.text import is_direct
 from plcopen_sfc.model.types import Elementary, ElementaryType, used_types
-from plcopen_sfc.report import ARITHMETIC, FALLING_EDGE, ConversionReport, Outcome
+from plcopen_sfc.report import ARITHMETIC, FALLING_EDGE, ORDER_OF_ACTIONS, ConversionReport, Outcome
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import (
     PROFILES,
@@ -145,6 +146,15 @@ def _note_differences(
     _note_sections(project, kind, report)
     _note_falling_edges(project, kind, dialect, report)
     _note_step_names(project, kind, dialect, report)
+    if default_profile(project).flags and (kind.charts is None or not kind.charts.is_codesys):
+        _note_step_actions(project, report)
+
+
+def _note_step_actions(project: Project, report: ConversionReport) -> None:
+    """Report associations that CODESYS executes after the entry, main and exit actions of steps, and others before."""
+    for place in project.charts():
+        if told := told_step_actions(place.chart, place.pou, project.dialect):
+            report.add(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, place.report_path, told)
 
 
 def _forget_replaced(project: Project) -> None:

@@ -24,6 +24,7 @@ _KINDS = {
     "attributes": "Attribute",
     "author": "Autor",
     "block": "Box",
+    "Boolean actions": "boolesche Aktionen",
     "body": "Rumpf",
     "box": "Box",
     "branch": "Zweig",
@@ -621,6 +622,15 @@ _NOT_EXECUTED = {
 }
 """Why something is not executed."""
 
+_WRITTEN = {
+    "never": "nie",
+    "in every scan": "in jedem Zyklus",
+    "only while its action is executed": "nur solange seine Aktion ausgeführt wird",
+    "only while an association decides on it": "nur solange eine Zuordnung darüber entscheidet",
+    "only while a step with it is active, before other actions": (
+        "nur solange ein Schritt damit aktiv ist, vor anderen Aktionen"
+    ),
+}
 _OTHERWISE = {
     "SFCError `SFCError` in {+}, none in the source": "SFCError wird in {} gesetzt, in der Quelle nicht",
     "{+} `{+}` in {+}, none in the source": "{} `{}` in {}, in der Quelle nicht",
@@ -638,6 +648,13 @@ _OTHERWISE = {
         "{0} ist in {2} {1}, während der Schritt aktiv ist, nicht {3}: S7-GRAPH führt die Zeilen S und R eines "
         "Operanden in ihrer Reihenfolge aus; anderswo gilt R"
     ),
+    **{
+        f"{{}}: other code writes it, too; the chart does so {before} in the source, {after} in {{+}}": (
+            f"{{}}: auch anderer Code schreibt das; der Plan tut es in der Quelle {frueher}, in {{}} {spaeter}"
+        )
+        for before, frueher in _WRITTEN.items()
+        for after, spaeter in _WRITTEN.items()
+    },
     "{} executes an {+} `{}` that the source does not": "{} führt {} `{}` aus, was die Quelle nicht tut",
     "{+} runs not once more in {+} after the step is left": (
         "{} wird in {}, nachdem der Schritt verlassen ist, nicht noch einmal ausgeführt"
@@ -809,6 +826,9 @@ _TRANSLATED = {
     "`{}` (event S0) is executed after the next step has written {}; S7-GRAPH executes it before that": (
         "`{}` (Ereignis S0) wird ausgeführt, nachdem der nächste Schritt {} geschrieben hat; S7-GRAPH führt es davor "
         "aus"
+    ),
+    "`{}` and the step {}, active too, write {} at other times than in S7-GRAPH": (
+        "`{}` und der ebenfalls aktive Schritt {} schreiben {} zu anderen Zeiten als in S7-GRAPH"
     ),
     "`{}` is executed before the step {}, active too, drives {}; S7-GRAPH executes it after that": (
         "`{}` wird ausgeführt, bevor der ebenfalls aktive Schritt {} {} ansteuert; S7-GRAPH führt es danach aus"
@@ -1006,6 +1026,9 @@ _TRANSLATED = {
     ),
     "with all inputs the target, which executes actions in another order, does the same": (
         "mit allen Eingängen tut das Ziel, das Aktionen in anderer Reihenfolge ausführt, dasselbe"
+    ),
+    "with all inputs the target, which writes variables of actions at other times, does the same": (
+        "mit allen Eingängen tut das Ziel, das Variablen von Aktionen zu anderen Zeiten schreibt, dasselbe"
     ),
     "with all inputs the target, which calls a block for the chart of the action, does the same": (
         "mit allen Eingängen tut das Ziel, das für die Ablaufkette der Aktion einen Baustein aufruft, dasselbe"

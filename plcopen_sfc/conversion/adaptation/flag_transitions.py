@@ -127,6 +127,7 @@ class FlagRewriter(ABC):
         self._init, self._reset, self._tip, self._tip_mode = (f"{self.prefix}{each.variable}" for each in names)
         self._pause = ""
         """The reason why the chart stops, where it does."""
+        self._timed = {step.id: step.min_time for step in chart.chart.steps if step.min_time}
 
     def rewrite(self, flags: Collection[SfcFlag]) -> frozenset[SfcFlag]:
         """Change the chart, and report what became of these flags. Returns those that it obeys now."""
@@ -382,7 +383,7 @@ class FlagRewriter(ABC):
         path = (step.name.casefold(),)
         named = (each for body in self._bodies for each in body.uses if each.name.casefold() == member)
         is_named = any(each.base is not None and path_of(each.base) == path for each in named)
-        return is_named or (member == "t" and step.min_time is not None)
+        return is_named or (member == "t" and step.id in self._timed)
 
 
 class _GraphFlags(FlagRewriter):
@@ -403,7 +404,26 @@ class _GraphFlags(FlagRewriter):
         self.declared: list[Variable] = []
         """The variables added to the block: flags that only the source tool declares, and memories."""
 
+    def _execute(self, flags: Collection[SfcFlag]) -> None:
+        if not _ENDING.isdisjoint(flags):
+            self._wait()
+        super()._execute(flags)
+
+    def _wait(self) -> None:
+        """Let the transitions of the chart wait for minimum times, which those of flags do not."""
+        for step in (step for step in self._chart.steps if step.id in self._timed):
+            least = f"#{step.name}.T >= {step.min_time}"
+            step.min_time = None
+            for transition in (each for each in self._chart.transitions if step.id in each.sources):
+                self._texts[transition.id] = text = all_of([self._texts[transition.id] or "TRUE", least])
+                transition.condition = Expression(text=text)
+            why = f"the transitions that leave the step wait for {least}"
+            self._note(Outcome.TRANSLATED, "min time", f"step {step.name}", why)
+
     def _refused_end(self) -> str | None:
+        waiting = [each for each in self._chart.transitions if not self._timed.keys().isdisjoint(each.sources)]
+        if any(self._texts[each.id] is None for each in waiting):
+            return "a condition that waits for a minimum time is no expression"
         rows = [row for _, row in self._chart.associations()]
         controlled, stored = self._controlled(), self._stored()
         others = [row for row in rows if (row.target or "").casefold() in stored and row.qualifier not in _STORED]

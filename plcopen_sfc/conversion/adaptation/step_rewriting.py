@@ -537,6 +537,11 @@ class StepRewriter:
             why = f"`{_called(row)}` is executed before the step {driver.name}, active too, drives {row.target}"
             self._note_action(Outcome.APPROXIMATED, step, row.target, f"{why}; S7-GRAPH executes it after that")
             return
+        driver = self._driven_beside(step, row) if not _is_coil(row) else None
+        if driver is not None:
+            why = f"`{_called(row)}` and the step {driver.name}, active too, write {row.target} at other times than in"
+            self._note_action(Outcome.APPROXIMATED, step, row.target, f"{why} S7-GRAPH")
+            return
         needs = f", under the condition {needed}" if needed != "TRUE" else ""
         self._note_action(Outcome.TRANSLATED, step, row.target, f"`{_called(row)}` is a statement {where}{needs}")
 
@@ -611,6 +616,17 @@ class StepRewriter:
             if late and self._scans.are_together(step, other):
                 return other
         return None
+
+    def _driven_beside(self, step: Step, row: ActionAssociation) -> Step | None:
+        """Return a step, active together with `step`, that drives the operand of a row which CODESYS executes twice.
+
+        An action with P has a final scan. Where rows switch steps, it is not known when which of them begin.
+        """
+        twice = row.event is ActionEvent.S1 or self._scans.are_switched
+        if not self._host.is_codesys or _key(row) not in self._mixed or not twice:
+            return None
+        coils = (s for s, each in self._rows if s is not step and _is_coil(each) and _key(each) == _key(row))
+        return next((each for each in coils if self._scans.are_together(step, each)), None)
 
     @cached_property
     def _scans(self) -> SharedScans:

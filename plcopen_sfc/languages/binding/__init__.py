@@ -22,7 +22,7 @@ from plcopen_sfc.languages.binding.bound_bodies import (
     texts_in,
 )
 from plcopen_sfc.languages.binding.name_uses import Names, find_uses
-from plcopen_sfc.languages.binding.shared_scans import STORING, Row, SharedScans, told_orders
+from plcopen_sfc.languages.binding.shared_scans import STORING, Row, SharedScans, told_orders, told_step_actions
 from plcopen_sfc.languages.effects import ANYTHING, Effects, Path
 from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.report import Use
@@ -50,4 +50,5 @@ __all__ = [
     "step_effects",
     "texts_in",
     "told_orders",
+    "told_step_actions",
 ]

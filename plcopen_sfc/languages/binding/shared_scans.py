@@ -18,6 +18,7 @@ from plcopen_sfc.model.text import local_name
 _MOST_SITUATIONS = 2_000
 STORING = frozenset({Qualifier.S, Qualifier.SD, Qualifier.DS, Qualifier.SL})
 """Qualifiers of actions that go on when their step is left."""
+_SWITCHING = frozenset({Qualifier.ON, Qualifier.OFF})
 _LISTED = 3
 _MOST_PAIRS = 100_000
 
@@ -80,18 +81,30 @@ class SharedScans:
         return found
 
     @cached_property
+    def are_switched(self) -> bool:
+        """True if rows switch steps, so that any of them may be active together."""
+        return any(row.qualifier in _SWITCHING for _, row in self._chart.associations())
+
+    @cached_property
     def is_parallel(self) -> bool:
         """True if two steps may be active together."""
         starts = sum(step.initial for step in self._chart.steps)
-        return starts > 1 or any(len(transition.targets) > 1 for transition in self._chart.transitions)
+        return (
+            self.are_switched
+            or starts > 1
+            or any(len(transition.targets) > 1 for transition in self._chart.transitions)
+        )
+
+    @cached_property
+    def _is_any(self) -> bool:
+        """True if it is not known which steps are active together."""
+        return self.are_switched or len(self.situations) >= _MOST_SITUATIONS
 
     def are_together(self, one: Step, other: Step) -> bool:
         """True if two steps may be active together; a step is with itself."""
         if one is other or not self.is_parallel:
             return one is other
-        if len(self.situations) >= _MOST_SITUATIONS:
-            return True
-        return other.id in self._together.get(one.id, ())
+        return self._is_any or other.id in self._together.get(one.id, ())
 
     @cached_property
     def _together(self) -> dict[int, set[int]]:
@@ -175,7 +188,7 @@ class SharedScans:
 
     def _near(self, step: int) -> set[int]:
         """Return the steps that may be active in a scan in which a step is active, or was left, or is entered."""
-        if self.is_parallel and len(self.situations) >= _MOST_SITUATIONS:
+        if self.is_parallel and self._is_any:
             return {each.id for each in self._chart.steps}
         together = self._together.get(step, set()) if self.is_parallel else set()
         return {step, *together, *self._following.get(step, ()), *self._preceding.get(step, ())}
@@ -236,6 +249,49 @@ def told_orders(scans: SharedScans, rows: Sequence[Row], differ: Callable[[Row, 
     if not are_all:
         told.append(f"the orders of {_MOST_PAIRS} pairs of actions were compared, there are more pairs")
     return "; ".join(told)
+
+
+def told_step_actions(chart: SfcNetwork, pou: Pou, dialect: Dialect) -> str:
+    """Return which actions are executed before an entry, main or exit action of a chart of CODESYS in other tools.
+
+    CODESYS executes those before all associations and their final scans. Elsewhere they are associations of their
+    steps, and final scans come first.
+    """
+    early = list(_step_actions(chart))
+    if not early:
+        return ""
+    rows = [(step, row) for step, row in chart.associations() if not (step.exclude or row.exclude)]
+    rows = [each for each in rows if each[1].qualifier not in (Qualifier.R, Qualifier.R0)]
+    scans, first = SharedScans(chart, pou, dialect), {id(row): row for _, row in early}
+    places = {step.id: number for number, step in enumerate(chart.steps)}
+    used: dict[str, int] = {}
+    for step, row in rows:
+        used.setdefault(_called((step, row)).casefold(), places[step.id])
+
+    def differ(one: Row, other: Row) -> bool:
+        (here, row), (there, moved) = one, other
+        if id(moved) not in first or id(row) in first:
+            return False
+        if row.qualifier in STORING or used[_called(one).casefold()] < places[there.id]:
+            return True
+        if moved.qualifier is Qualifier.N and here is there:  # statements of the step, behind its other associations
+            return True
+        is_code = row.body is not None or pou.find_action(row.target or "") is not None
+        ends = scans.are_together(here, there) if moved.qualifier is Qualifier.P0 else scans.follow(here, there)
+        return is_code and ends and row.qualifier not in (Qualifier.P1, Qualifier.P0)
+
+    return told_orders(scans, [*rows, *early], differ, "before")
+
+
+def _step_actions(chart: SfcNetwork) -> Iterator[Row]:
+    """Yield the entry, main and exit actions of steps as associations."""
+    for step in (step for step in chart.steps if not step.exclude):
+        actions = ((Qualifier.P1, step.entry_action), (Qualifier.N, step.main_action), (Qualifier.P0, step.exit_action))
+        for qualifier, action in actions:
+            if isinstance(action, str):
+                yield step, ActionAssociation(id=0, qualifier=qualifier, target=action)
+            elif action is not None:
+                yield step, ActionAssociation(id=0, qualifier=qualifier, body=action)
 
 
 def _called(row: Row) -> str:

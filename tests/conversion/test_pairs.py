@@ -1,0 +1,75 @@
+"""Charts of two features in which one changes what the other one does: what a sweep over random pairs has found."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.pages.report_words import german
+from plcopen_sfc.report import Item, Outcome
+from tests.conversion.features import Feature, FeatureChart, feature_project
+from tests.conversion.matrix import judge
+from tests.conversion.pairs import is_silent, named
+
+FOUND = [
+    ("action in ST + condition: expression", "plcopen", "codesys"),  # r is an action and written by another one
+    ("action in ST + condition: expression", "iec-text", "simaticml"),
+    ("condition: step flag + action in FBD", "codesys", "simaticml"),
+    ("action in IL + excluded element", "codesys", "plcopen-2.01"),  # the variable is no action in the source
+    ("qualifier P + action that calls a timer", "iec-text", "simaticml"),
+    ("action that is a chart + action in place", "plcopen", "codesys"),  # what is said of one action is not of both
+    ("action in FBD + exit action", "codesys", "iec-text"),  # final scans come before P0
+    ("action in FBD + exit action", "codesys", "simaticml"),
+    ("main action + action in FBD", "codesys", "plcopen-2.01"),
+    ("ON + qualifier R", "simaticml", "plcopen-2.01"),  # steps that ON switches are active together
+    ("event S1 + ON", "simaticml", "codesys"),
+    ("ON + event L0", "simaticml", "codesys"),
+    ("SFCInit + minimum time", "codesys", "simaticml"),  # transitions of flags wait for no minimum time
+    ("SFCReset + minimum time", "codesys", "simaticml"),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("pair", "source", "target"), FOUND)
+def test_no_difference_of_two_features_is_silent(pair: str, source: str, target: str) -> None:
+    cell = judge(named(pair), source, target)
+    assert not is_silent(cell), cell
+
+
+def two_writers(rig: FeatureChart) -> None:
+    rig.action("Count", m.StBody(text="r := NOT r;"))
+    rig.act("Work", "Count")
+    rig.act("Done", "r")
+
+
+def boolean_actions(source: str, target: str, limit: float = 0) -> list[Item]:
+    project = feature_project(Feature("x", (source,), two_writers), source)
+    report = sfc.convert(project, target, partial=True, limit=limit).report
+    return [item for item in report.items if item.what == "Boolean actions"]
+
+
+def test_a_variable_that_an_action_is_and_another_one_writes_is_told() -> None:
+    (item,) = boolean_actions("plcopen", "codesys")
+    assert (item.outcome, item.path) == (Outcome.APPROXIMATED, "POU Main")
+    assert item.why == (
+        "r: other code writes it, too; the chart does so in every scan in the source, only while its action is "
+        "executed in CODESYS"
+    )
+    assert german(item.why).startswith("r: auch anderer Code schreibt das; der Plan tut es in der Quelle in jedem")
+    assert boolean_actions("codesys", "twincat") == []
+
+
+@pytest.mark.parametrize(
+    ("target", "told"), [("codesys", True), ("codesys23", True), ("simaticml", True), ("plcopen", False)]
+)
+def test_a_global_variable_that_two_charts_have_as_action_is_told(target: str, told: bool) -> None:
+    text = "".join(
+        f"PROGRAM {name}\nVAR_EXTERNAL lamp : BOOL; END_VAR VAR_INPUT a : BOOL; END_VAR\n"
+        "INITIAL_STEP Init: END_STEP TRANSITION FROM Init TO Run := a; END_TRANSITION\n"
+        "STEP Run: lamp(N); END_STEP TRANSITION FROM Run TO Init := NOT a; END_TRANSITION\nEND_PROGRAM\n"
+        for name in ("One", "Two")
+    )
+    project = sfc.loads(text.encode(), format="iec-text")
+    items = sfc.convert(project, target, partial=True).report.items
+    assert any(item.what == "Boolean actions" for item in items) is told
