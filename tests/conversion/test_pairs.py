@@ -37,6 +37,14 @@ def test_no_difference_of_two_features_is_silent(pair: str, source: str, target:
     assert not is_silent(cell), cell
 
 
+@pytest.mark.slow
+def test_a_chart_of_s7_graph_that_runs_otherwise_is_compared() -> None:
+    """Its profile has no rule for actions before transitions, as CODESYS has."""
+    project = feature_project(named("event S1 + ON"), "simaticml")
+    report = sfc.convert(project, "codesys", partial=True, limit=5).report
+    assert report.compared["POU Main"].startswith("it does something else after")
+
+
 def two_writers(rig: FeatureChart) -> None:
     rig.action("Count", m.StBody(text="r := NOT r;"))
     rig.act("Work", "Count")
