@@ -301,8 +301,11 @@ class _Compared:
 
         No transition of the first is tested in that scan.
         """
-        several = self.profiles[0].grafcet_terms  # only charts of a GRAFCET begin in several places at once
-        return several and _has_start(self.subjects[1].pou) and not _has_start(self.subjects[0].pou)
+        chart, profile = self.subjects[0].pou.chart, self.profiles[0]
+        several = chart is not None and len(chart.initial_steps) > 1 and not profile.initial_situation_held
+        if not (profile.grafcet_terms or several):
+            return False
+        return _has_start(self.subjects[1].pou) and not _has_start(self.subjects[0].pou)
 
     @cached_property
     def can_be_retimed(self) -> bool:

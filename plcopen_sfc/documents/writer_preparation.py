@@ -9,6 +9,7 @@ from typing import NamedTuple
 from plcopen_sfc.conversion import Part, executed
 from plcopen_sfc.conversion.adaptation import rewrite_project
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.documents.step_names import give_step_names
 from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, NetworkForm, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_statements import note_loops
 from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
@@ -80,6 +81,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     copy.origin = origin
     if results:
         name_results(copy, report)
+    if kind.tool and not options.same:
+        give_step_names(copy, kind.dialect, kind.tool, report)
     if kind.xml and kind.name != TIA_FORMAT and project.dialect is Dialect.SCL and dialect not in (None, Dialect.SCL):
         translate_boxes(copy, dialect, kind.tool, report)
     if of_grafcet:
@@ -98,6 +101,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         calls_actions = kind.name == TIA_FORMAT  # its writer puts statements in the place of the calls
         wholly = bool(options.flavour)
         _put_into_dialect(copy, dialect, addresses, report, wholly=wholly, calls_actions=calls_actions)
+    if kind.tool and not options.same:
+        give_step_names(copy, kind.dialect, kind.tool, report)
     _renumber_addresses(copy, project.address_dialect, addresses, report)
     if options.flavour and options.of_graph:
         # matiec has less than TC6: what S7-GRAPH has more than that becomes statements first
@@ -145,7 +150,6 @@ def _note_differences(
     _note_operands(project, kind, options, report)
     _note_sections(project, kind, report)
     _note_falling_edges(project, kind, dialect, report)
-    _note_step_names(project, kind, dialect, report)
     if default_profile(project).flags and (kind.charts is None or not kind.charts.is_codesys):
         _note_step_actions(project, report)
 
@@ -387,18 +391,6 @@ def _note_sections(project: Project, kind: Format, report: ConversionReport) -> 
         else:
             outcome, why = Outcome.APPROXIMATED, "a section that is not known: the controller may execute what it says"
         report.add(outcome, "section", f"section {word}", why)
-
-
-def _note_step_names(project: Project, kind: Format, dialect: Dialect | None, report: ConversionReport) -> None:
-    """Report steps with the name of a variable of their POU where the tool declares a variable for each step."""
-    if dialect is None or family(dialect) is not Dialect.CODESYS or family(project.dialect) is not Dialect.IEC:
-        return  # tools of CODESYS and S7 have such variables themselves
-    for chart in project.charts():
-        variables = {variable.name.casefold() for variable in chart.pou.variables()}
-        for step in chart.chart.steps:
-            if step.name.casefold() in variables:
-                why = f"a variable of the POU is called {step.name} too: {kind.tool} does not compile it"
-                report.add(Outcome.NOT_EXECUTED, "step", f"{chart.report_path} / step {step.name}", why)
 
 
 _SECTION = re.compile(r"(?:\s|\(\*.*?\*\))*(?P<word>\w+)", re.DOTALL)

@@ -605,6 +605,12 @@ _NOT_EXECUTED = {
     "a {+} is called {} too: TIA Portal does not compile it": (
         "{} mit demselben Namen {}: TIA Portal übersetzt das nicht"
     ),
+    "{} in {}: a variable of the POU has its name": "{} in {}: eine Variable des Bausteins heißt so",
+    "{} in {}: as in the file that it was converted from": "{} in {}: wie in der Datei, aus der er umgewandelt wurde",
+    "it keeps its name: {}": "er behält seinen Namen: {}",
+    "it is unknown whether `{}` means the step {}, which is called {} in {}": (
+        "unbekannt ist, ob `{0}` den Schritt {1} meint, der in {3} {2} heißt"
+    ),
     "a variable of the POU is called {} too: {} does not compile it": (
         "eine Variable des Bausteins heißt auch {}: {} übersetzt das nicht"
     ),

@@ -28,7 +28,7 @@ from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
+from plcopen_sfc.model.sfc import SfcBody, SfcNetwork, Step
 from plcopen_sfc.refactor.journal import Journal
 from plcopen_sfc.report import RenameResult, Undecided
 
@@ -193,8 +193,20 @@ def rename_step(chart: SfcNetwork, old: str, new: str) -> RenameResult:
     return rename(project, step, new)
 
 
-def _rename(names: Names, table: Wanted, journal: Journal | None) -> list[RenameResult]:
-    """Rename the keys of `table`, which are originals, or raise `ModelError` and change nothing."""
+def restore_step_name(project: Project, step: Step, name: str) -> RenameResult:
+    """Give a step a name of its source that a variable of the POU has, too: IEC 61131-3 tells both apart.
+
+    Raises `ModelError` where a text would mean something else then.
+    """
+    names = Names(project)
+    return _rename(names, {names.declaration_of(step): name}, None, is_shared=True)[0]
+
+
+def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: bool = False) -> list[RenameResult]:
+    """Rename the keys of `table`, which are originals, or raise `ModelError` and change nothing.
+
+    `is_shared`: something beside them may have the new name.
+    """
     wanted = {declaration: new for declaration, new in table.items() if new != declaration.name}
     for declaration, new in wanted.items():
         _check_name(names, declaration, new)
@@ -207,7 +219,7 @@ def _rename(names: Names, table: Wanted, journal: Journal | None) -> list[Rename
     for declaration, new in table.items():
         own = by_name.get(declaration.name.casefold(), []) if declaration in wanted else []
         uses = [occurrence for occurrence in own if occurrence.refers_to(declaration)]
-        if _gives_up_name(declaration, wanted):
+        if _gives_up_name(declaration, wanted) and not is_shared:
             _refuse(declaration, new, visible_clashes(names, declaration, uses, wanted))
         # the places are described as they are before the rename
         undecided = tuple(Undecided(o.use, o.meaning.doubt) for o in own if o.may_refer_to(declaration))

@@ -307,10 +307,25 @@ def test_names_of_steps_and_variables_are_told_apart_in_s7_graph() -> None:
     data, report = sfc.convert(project, "simaticml")
     assert report.losses == []
     assert sfc.loads(data).diagnostics == ()
-    clash = sfc.loads(text.replace("m,", "s2, m,").encode(), format="iec-text")
-    for target in ("simaticml", "codesys", "codesys23"):
-        with pytest.raises(LossError, match=r"a variable of the (block|POU) is called S2 too"):
-            sfc.convert(clash, target)
+
+
+@pytest.mark.parametrize("target", ["simaticml", "codesys", "codesys23"])
+def test_a_step_with_the_name_of_a_variable_gets_another_and_its_own_again(target: str) -> None:
+    text = CHART.format(first="q(N);", second="", initial="", edge="", actions="").replace(
+        "m : INT", "m : INT; s2 : BOOL"
+    )
+    text = text.replace("FROM S2 TO S0 := a;", "FROM S2 TO S0 := S2.X AND NOT s2;")
+    data, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), target)
+    assert [item.path for item in report.items if "S2_step in" in item.why] == ["POU Main / step S2"]
+    written = sfc.loads(data)
+    assert [step.name for step in written.pou("Main").sfc.steps] == ["S0", "S1", "S2_step"]
+    if target == "simaticml":
+        return  # its files keep the table in data that other formats read only when they are written
+    again = sfc.loads(sfc.dumps(written, format="plcopen", partial=True)).pou("Main").sfc
+    assert [step.name for step in again.steps] == ["S0", "S1", "S2"]
+    condition = again.transitions[2].condition
+    assert isinstance(condition, m.Expression)
+    assert condition.text == "S2.X AND NOT s2"
 
 
 @pytest.mark.parametrize("target", ["codesys", "plcopen"])

@@ -22,7 +22,7 @@ from plcopen_sfc.conversion.adaptation.chart_rewriting import (
 )
 from plcopen_sfc.conversion.adaptation.flags_in_tc6 import execute_flags_in_tc6
 from plcopen_sfc.conversion.adaptation.operating_inputs import OperatingModes
-from plcopen_sfc.conversion.adaptation.sequence_loops import SequenceRewriter
+from plcopen_sfc.conversion.adaptation.sequence_loops import SequenceRewriter, steps_to_start
 from plcopen_sfc.conversion.adaptation.sequencer_rewriting import PermanentRewriter, ShownState
 from plcopen_sfc.conversion.adaptation.step_checks import ACKNOWLEDGING, StepChecks
 from plcopen_sfc.conversion.adaptation.step_rewriting import (
@@ -67,6 +67,8 @@ def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> boo
     if options.of_graph or chart.graph_settings is not None or has_special_rows(chart):
         return True
     if any(is_supervised(step) for step in chart.steps):
+        return True
+    if not options.of_codesys and steps_to_start(chart, host):
         return True
     if any(does_something(operation.body) for operation in (*chart.permanent_pre, *chart.permanent_post)):
         return True

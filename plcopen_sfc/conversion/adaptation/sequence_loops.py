@@ -7,7 +7,8 @@ that does nothing. Their conditions tell whether the step is active in the next 
 fire, in the order of their priorities, and what switches the step. The rules are those of
 `plcopen_sfc.semantics.charts.graph`, and the tests compare both.
 
-Charts of CODESYS begin with one step: where there are several sequences, a step `Start` leads to them all.
+Charts of CODESYS begin with one step: where there are several sequences, or several initial steps in a chart of another
+tool, a step `Start` leads to them all. So it is in TC6 with several initial steps that are connected.
 """
 
 from __future__ import annotations
@@ -25,8 +26,10 @@ from plcopen_sfc.conversion.adaptation.operating_inputs import (
     operated_inputs,
 )
 from plcopen_sfc.conversion.adaptation.step_checks import StepChecks
+from plcopen_sfc.conversion.executed_parts import START
+from plcopen_sfc.formats.format_interface import ChartHost
 from plcopen_sfc.formats.plcopen.source_marks import replaced_sequences
-from plcopen_sfc.model.sfc import Step, Transition
+from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.report import SEQUENCE, Outcome
 from plcopen_sfc.semantics.net import Net
 
@@ -72,6 +75,10 @@ class SequenceRewriter:
             self._rewriting.note(Outcome.TRANSLATED, SEQUENCE, "", why)
         if self._host.is_codesys and self._rewriting.of_graph and (len(heads) > 1 or looped):
             self._start(heads, added)
+        elif not self._rewriting.of_graph and (together := steps_to_start(self._chart, self._host)):
+            start = self._start(together, added)
+            why = "it leads to all initial steps: charts of the target have one, and the first scan passes with it"
+            self._rewriting.note(Outcome.APPROXIMATED, START, f"step {start.name}", why)
         instead_of = replaced_sequences(self._rewriting.source, self._chart)
         added.mark([_TOGETHER], instead_of)
         told = not any(self._initial.intersection(each.sources) for each in unknown)
@@ -184,11 +191,11 @@ class SequenceRewriter:
 
     # -- the start
 
-    def _start(self, heads: Sequence[Step], added: AddedElements) -> None:
+    def _start(self, heads: Sequence[Step], added: AddedElements) -> Step:
         start = added.step("Start", "it leads to all sequences: a chart of the target begins with one step")
         start.initial = True
         self._chart.steps.insert(0, self._chart.steps.pop())
-        for step in self._chart.steps[1:]:
+        for step in [each for each in self._chart.steps[1:] if self._host.is_codesys or each in heads]:
             if step.initial and step.id in self._rewriting.source_steps:
                 why = f"the step {start.name} leads to it"
                 self._rewriting.note(Outcome.TRANSLATED, "initial", f"step {step.name}", why)
@@ -199,6 +206,18 @@ class SequenceRewriter:
             if INIT in self._wanted:
                 begins = _any([begins, f"{self._checks.rising(INIT)} AND NOT {self._checks.rising(OFF)}"])
         added.transition(start, heads, begins, "the sequences begin")
+        return start
+
+
+def steps_to_start(chart: SfcNetwork, host: ChartHost) -> list[Step]:
+    """Return the initial steps that a chart of the target cannot have beside each other; none: it can have all."""
+    initial = [step for step in chart.steps if step.initial]
+    if len(initial) < 2:
+        return []
+    if host.is_codesys:
+        return initial
+    parts = [[step for step in part if step.initial] for part in sequences_of(chart)]
+    return next((part for part in parts if len(part) > 1), [])
 
 
 def _all(terms: Iterable[str]) -> str:

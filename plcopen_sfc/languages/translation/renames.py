@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import unicodedata
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TypeAlias
@@ -148,22 +148,35 @@ NAMES_DATA = "urn:plcopen-sfc:names"
 
 def keep_names(project: Project, renames: Renames) -> None:
     """Keep the renames with the project instead of those that it has kept before."""
+    keep_table(project, NAMES_DATA, sorted((rename.scope.value, rename.old, rename.new) for rename in renames))
+
+
+def keep_table(project: Project, name: str, rows: Sequence[tuple[str, str, str]]) -> None:
+    """Keep rows of names with the project instead of those that it has kept as `name` before; none: keep nothing."""
     extension_data = project.extension_data or ExtensionData()
-    data = [one for one in extension_data.data if one.name != NAMES_DATA]
-    if found := sorted((rename.scope.value, rename.old, rename.new) for rename in renames):
-        text = json.dumps(found).replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
-        data.append(ForeignData(name=NAMES_DATA, content=f'<names xmlns="{NAMES_DATA}">{text}</names>'))
+    data = [one for one in extension_data.data if one.name != name]
+    if rows:
+        text = json.dumps(rows).replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
+        data.append(ForeignData(name=name, content=f'<names xmlns="{name}">{text}</names>'))
     extension_data = extension_data.model_copy(update={"data": data})
     project.extension_data = extension_data if extension_data != ExtensionData() else None
 
 
 def kept_names(project: Project) -> Renames:
     """The renames that a project has kept since its texts were translated from SCL; none where they are damaged."""
+    try:
+        return Renames(Rename(NameScope(scope), old, new) for scope, old, new in kept_table(project, NAMES_DATA))
+    except ValueError:
+        return Renames()
+
+
+def kept_table(project: Project, name: str) -> list[tuple[str, str, str]]:
+    """Return the rows of names that a project has kept as `name`; none where they are damaged."""
     for data in project.extension_data.data if project.extension_data is not None else ():
-        if data.name == NAMES_DATA:
-            text = data.content.partition(">")[2].rpartition("</")[0]
+        if data.name == name:
             try:
-                return Renames(Rename(NameScope(scope), old, new) for scope, old, new in json.loads(text))
+                rows = json.loads(data.content.partition(">")[2].rpartition("</")[0])
+                return [(str(first), str(second), str(third)) for first, second, third in rows]
             except (TypeError, ValueError):
                 break
-    return Renames()
+    return []
