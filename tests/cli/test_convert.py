@@ -223,8 +223,8 @@ class TestStrict:
         assert not target.exists()
         assert "would be executed otherwise or not at all" in outcome.err
         assert "Nothing was written" in outcome.err
-        assert "NOT EXECUTED in the target: 2\n  POU FillingStation\n    step Fault" in outcome.out
-        assert "\n    step Cap (line 1267)\n      action: `DL Y4_CapTorque` is not executed" in outcome.out
+        assert "NOT EXECUTED in the target: 1\n  POU FillingStation\n    step Cap (line 1267)\n" in outcome.out
+        assert "      action: `DL Y4_CapTorque` is not executed" in outcome.out
         assert any(
             item["outcome"] == "approximated" for item in json.loads(report.read_text(encoding="utf-8"))["items"]
         )

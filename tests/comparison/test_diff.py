@@ -571,7 +571,8 @@ def test_comments_are_compared_in_all_their_languages():
 def test_case_of_names_and_names_of_instances_are_no_changes():
     source = loaded("plcopen/filling_station_2.01.xml")
     written = sfc.loads(sfc.convert(source, "codesys", partial=True).data)
-    assert all("qualifier P" in line for line in told(sfc.diff(source, written)))
+    changes = [line for line in told(sfc.diff(source, written)) if "qualifier P" not in line]
+    assert changes == ["POU FillingStation / step Fault_step: renamed, was Fault"]  # a variable has its name, too
 
 
 def test_changes_in_partial_charts_of_a_grafcet_are_found() -> None:
