@@ -73,6 +73,7 @@ FOUND = (
     "broken/text_without_a_beginning.EXP",
     "broken/two_data_blocks_of_one_name.scl",
     "broken/two_macro_steps_of_one_name.grafcet",
+    "broken/ends_of_statements_as_actions.st",
     "broken/type_without_its_end.st",
     "broken/value_of_another_kind.json",
     "broken/view_without_entries.export",

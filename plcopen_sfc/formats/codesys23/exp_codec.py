@@ -128,6 +128,11 @@ def decode_export(data: bytes, page: str = "") -> CodePageText:
         return CodePageText(found.text, found.encoding, guessed=found.guessed)
 
 
+def _is_taken_as_usual(text: str) -> bool:
+    """True if a reader takes a text in the usual code page for that, where no comment names it."""
+    return text.isascii() or decode_export(text.encode(USUAL, errors="replace")).encoding == USUAL
+
+
 def code_page_for(text: str) -> str:
     """Return the first code page that has all characters of `text`, or the usual one if none has."""
     return next((page for page in CODE_PAGES if _has_all(page, text)), USUAL)
@@ -200,7 +205,7 @@ def write_blocks(
     for change in left:
         path = path_of(meant, keys_of(meant, change))
         report.add(Outcome.EXTENSION_DATA, _field(change), path, "CoDeSys 2.3 cannot express it; it is in a comment")
-    if page not in ("", USUAL):
+    if page and not (page == USUAL and _is_taken_as_usual("\n".join(block.whole() for block in blocks))):
         left.insert(0, RemainderEntry((CODE_PAGE,), page))
     if left:
         rest = "\n".join(f"(* {_ascii(f'{{plcopen_sfc {change}}}')} *)" for change in left)

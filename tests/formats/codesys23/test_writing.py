@@ -247,3 +247,11 @@ def test_what_was_read_is_written_as_it_was(project: m.Project) -> None:
     again = sfc.loads(data)
     again.accept_errors()
     assert sfc.dumps(again, format="codesys23", fresh=True, partial=True) == data
+
+
+def test_a_text_that_would_be_taken_for_another_code_page_names_its_own() -> None:
+    text = "PROGRAM Main VAR a : INT; END_VAR (* CB\xb3a, X\xb9y *) a := 1; END_PROGRAM"
+    data = sfc.dumps(sfc.loads(text.encode(), format="iec-text"), format="codesys23", partial=True)
+    again = sfc.loads(data)
+    assert "CB\xb3a" in sfc.dumps(again, format="codesys23", fresh=True, partial=True).decode("cp1252")
+    assert again.pou("Main").bodies == sfc.loads(text.encode(), format="iec-text").pou("Main").bodies
