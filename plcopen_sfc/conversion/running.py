@@ -100,7 +100,10 @@ def report_running(
             continue
         if here is None or Outcome.NOT_EXECUTED in named:
             what = "what is not executed" if named else f"nothing in {tool} that has its name"
-            report.compared[there.report_path] = f"not compared: the report names {what}"
+            why = f"the report names {what}"
+            if not named and there.chart is not there.pou.chart:
+                why = f"in {tool} it is no chart of an action, and its POU runs what is in its place"
+            report.compared[there.report_path] = f"not compared: {why}"
             continue
         left = (end_of_all - time.monotonic()) / (len(pairs) - number)  # a large chart leaves time for the others
         end = time.monotonic() + left

@@ -45,6 +45,9 @@ _HEADS = {
     "not compared: the report names what is not executed": (
         "nicht verglichen: der Bericht nennt, was nicht ausgeführt wird"
     ),
+    "not compared: in {+} it is no chart of an action, and its POU runs what is in its place": (
+        "nicht verglichen: in {} ist sie keine Kette einer Aktion, und ihr Baustein führt aus, was an ihrer Stelle ist"
+    ),
     "not compared: the report names nothing in {+} that has its name": (
         "nicht verglichen: in {} ist nichts mit diesem Namen"
     ),
