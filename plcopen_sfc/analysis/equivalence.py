@@ -100,6 +100,7 @@ class Searching(TypedDict, total=False):
     functions: Mapping[str, Callable[..., Any]]
     limit: float | str | None
     progress: Callable[[SearchProgress], None] | None
+    scan_time: str | int | None
 
 
 def equivalent(

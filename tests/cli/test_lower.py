@@ -13,10 +13,10 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.formats.simaticml import lad_fbd_networks
 from plcopen_sfc.formats.simaticml.element_reader import NotUnderstoodError
-from tests.cli.conftest import Outcome
+from tests.cli.conftest import CommandRun
 from tests.lowering.charts import training_chain
 
-Cli = Callable[..., Outcome]
+Cli = Callable[..., CommandRun]
 
 
 @pytest.fixture

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.cli.conftest import Outcome
+from tests.cli.conftest import CommandRun
 from tests.semantics.test_simulate import PLANT, SUM
 
-Cli = Callable[..., Outcome]
+Cli = Callable[..., CommandRun]
 
 
 @pytest.fixture

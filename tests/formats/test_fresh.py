@@ -86,7 +86,8 @@ def facts(data: bytes) -> Counter[Fact]:
             found[path, str(key), str(value)] += 1
         text = (element.text or "") + "".join(child.tail or "" for child in element)
         if text.strip():
-            found[path, "#text", text if not len(element) else text.strip()] += 1
+            is_indented = local(element) == "attribute" and "\n" in text.replace(text.strip(), "", 1)
+            found[path, "#text", text.strip() if len(element) or is_indented else text] += 1
         for child in element:
             walk(child, path)
 

@@ -17,8 +17,8 @@ ALL_FREE = "all"
 
 _FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
 _OPERATING = (SfcFlag.INIT, SfcFlag.RESET, SfcFlag.PAUSE, SfcFlag.TIP, SfcFlag.TIP_MODE, SfcFlag.QUIT_ERROR)
-_SHOWING = _FLAGS - {flag.variable.casefold() for flag in (*_OPERATING, SfcFlag.ENABLE_LIMIT)}
-"""What charts write themselves: a chart without one of these, or a step of the code for it, is no input."""
+_SHOWING = _FLAGS - {flag.variable.casefold() for flag in _OPERATING}
+"""Flags that are no inputs: charts write them, but for SFCEnableLimit, which keeps its first value."""
 
 
 class VariableUse:

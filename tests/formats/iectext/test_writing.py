@@ -109,11 +109,12 @@ def test_names_that_cannot_stand_in_the_text_are_replaced_and_come_back() -> Non
 
 
 def test_two_steps_of_a_name_stay_two() -> None:
-    chart = m.SfcNetwork()
-    one = chart.add_step("A", initial=True)
-    chart.steps.append(m.Step(id=chart.new_id(), name="a"))
-    chart.add_transition(chart.steps[1], one, "TRUE")
-    written(project_of(chart))
+    steps = b"INITIAL_STEP A: END_STEP\nSTEP a: END_STEP\nTRANSITION FROM A TO B := x; END_TRANSITION\n"
+    text = b"PROGRAM Main\n" + steps + b"END_PROGRAM"
+    project = sfc.loads(text, format="iec-text")
+    project.accept_errors()
+    again = sfc.loads(sfc.dumps(project, format="iec-text", fresh=True, partial=True))
+    assert [step.name for step in again.pou("Main").chart.steps] == ["A", "a"]
 
 
 def test_transitions_from_and_to_what_does_not_exist() -> None:

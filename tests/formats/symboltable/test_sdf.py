@@ -93,7 +93,7 @@ def test_a_comment_in_another_alphabet_is_told() -> None:
     data, report = sfc.convert(project, "sdf", partial=True, fresh=True)
     assert ["a", "M 9.0", "BOOL", "? und ?"] in lines(data)
     (told,) = (item.why for item in report.items if item.what == "comment")
-    assert told.startswith("a question mark stands for ΩЖ")
+    assert told.startswith("a question mark replaces ΩЖ")
 
 
 def test_a_symbol_has_the_comment_of_one_language() -> None:
