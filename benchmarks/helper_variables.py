@@ -3,7 +3,8 @@
     python -m benchmarks.helper_variables [--to FORMAT] FILE...
 
 Every chart of the files is lowered as `auto` chooses, without the proof. A helper is a variable that the code declares
-and the chart did not have; constants are none. A chart that is refused is counted as such.
+and the chart did not have; constants are none. Steps of partial charts and macro-steps count too; a chart
+that is refused is counted as such.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from pathlib import Path
 import plcopen_sfc as sfc
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.model import Pou
+from plcopen_sfc.semantics.net import Net
 
 
 def helpers(before: Pou, after: Pou) -> list[str]:
@@ -41,7 +43,7 @@ def main() -> None:
             except SfcError:
                 refused += 1
                 continue
-            count, steps = len(helpers(pou, lowered.pou)), len(pou.chart.steps)
+            count, steps = len(helpers(pou, lowered.pou)), len(Net.of(pou.chart).steps)
             all_helpers, all_steps = all_helpers + count, all_steps + steps
             name = f"{path.name} {pou.name} ({lowered.construction})"
             print(f"{name:60} {count:4} helpers, {steps:4} steps: {count / max(steps, 1):.2f}")
