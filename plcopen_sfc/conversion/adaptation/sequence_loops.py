@@ -75,7 +75,9 @@ class SequenceRewriter:
             self._rewriting.note(Outcome.TRANSLATED, SEQUENCE, "", why)
         if self._host.is_codesys and self._rewriting.of_graph and (len(heads) > 1 or looped):
             self._start(heads, added)
-        elif not self._rewriting.of_graph and (together := steps_to_start(self._chart, self._host)):
+        elif not (self._rewriting.of_graph or self._rewriting.options.same) and (
+            together := steps_to_start(self._chart, self._host)
+        ):
             start = self._start(together, added)
             why = "it leads to all initial steps: charts of the target have one, and the first scan passes with it"
             self._rewriting.note(Outcome.APPROXIMATED, START, f"step {start.name}", why)
