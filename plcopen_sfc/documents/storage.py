@@ -170,7 +170,7 @@ def _name(name: str, path: str, dialect: Dialect) -> Iterator[Mistake]:
     elif not is_plain(name):
         yield Mistake(path, f"{name!r} is no name: it needs letters, digits and underscores, and no digit at the start")
     elif name.upper() in IEC_KEYWORDS:
-        yield Mistake(path, f"{name!r} is a keyword and no name")
+        yield Mistake(path, f"{name!r} is a keyword and no name: give it another one")
 
 
 def _time(field: str, value: str | None, path: str) -> Iterator[Mistake]:

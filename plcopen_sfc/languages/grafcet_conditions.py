@@ -28,6 +28,7 @@ from typing import Protocol
 
 from plcopen_sfc.languages.problems import Problem
 from plcopen_sfc.languages.st import parse_condition, parse_expression
+from plcopen_sfc.languages.words import IEC_KEYWORDS
 from plcopen_sfc.model.dialect import Dialect
 
 
@@ -98,8 +99,13 @@ def condition_problem(text: str, dialect: Dialect = Dialect.IEC) -> Problem | No
         read = to_structured_text(text, _Operands())
     except ConditionError as error:
         return error.problem
-    problems = parse_condition(read, dialect).problems  # such as a keyword in place of a name
-    return Problem(problems[0].message, (0, len(text))) if problems else None
+    problems = parse_condition(read, dialect).problems
+    if not problems:
+        return None
+    parts = (text[start:end] for start, end in program_parts(text))
+    keyword = next((part for part in parts if part.upper() in IEC_KEYWORDS), "")
+    message = f"{keyword!r} is a keyword and no name: give it another one" if keyword else problems[0].message
+    return Problem(message, (0, len(text)))
 
 
 def program_parts(text: str) -> list[tuple[int, int]]:

@@ -134,7 +134,8 @@ _HINTS = {
     "Remove it: `project.edit().remove_unused()` removes all of them.": (
         "Entfernen: `project.edit().remove_unused()` entfernt alle."
     ),
-    "Let one transition of the circle wait for something.": "Eine Transition des Kreises auf etwas warten lassen.",
+    "Let one transition of the circle wait for something else, such as an edge.": "Eine Transition des Kreises auf "
+    "etwas anderes warten lassen, etwa auf eine Flanke.",
     "Ask for something that comes later, or for an edge: the next press of the button, not the same.": (
         "Etwas abfragen, das später kommt, oder eine Flanke: den nächsten Tastendruck, nicht denselben."
     ),
@@ -306,6 +307,8 @@ _MESSAGES = {
     "nothing uses the variable {}": "nichts verwendet die Variable {}",
     "nothing uses the method {}": "nichts verwendet die Methode {}",
     "always true in a circle: {}": "immer wahr im Kreis: {}",
+    "as long as the condition of {} is true, a circle fires without end: {}": "solange die Bedingung von {} wahr ist, "
+    "schaltet ein Kreis ohne Ende: {}",
     "whenever the step is entered, a transition that leaves it is true already": (
         "wird der Schritt aktiv, ist eine Transition, die ihn verlässt, bereits wahr"
     ),
@@ -399,6 +402,8 @@ _MESSAGES = {
     "a value of an enumeration": "ein Wert einer Aufzählung",
     "{} is a step and no value: its flag is {}": "{} ist ein Schritt und kein Wert: sein Merker ist {}",
     "the condition {} cannot be read: {}": "die Bedingung {} ist nicht lesbar: {}",
+    "what the action does, {}, cannot be read: {}": "was die Aktion tut, {}, ist nicht lesbar: {}",
+    "Write a value or statements in structured text.": "Einen Wert oder Anweisungen in strukturiertem Text schreiben.",
     "the condition {} is always true": "die Bedingung {} ist immer wahr",
     "the condition {} is never true": "die Bedingung {} ist nie wahr",
     "the condition writes {}": "die Bedingung schreibt {}",

@@ -5,6 +5,7 @@ Some of these charts do not come to rest.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterator, Sequence
 from functools import reduce
 from operator import or_
@@ -20,12 +21,13 @@ from plcopen_sfc.languages.effects import reads
 from plcopen_sfc.languages.networks import NetworkExpression
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.semantics.charts.grafcet.term_evaluation import is_term
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition, indexes
 
 
 def cycles(chart: CheckedChart) -> Iterator[tuple[int, ...]]:
     """Cycles of transitions (indexes) that are always true; one for each set of steps that they connect."""
-    always = [t for t in chart.net.transitions if chart.truth(chart.sheet_of(t), t.transition) is Truth.ALWAYS]
+    always = [t for t in chart.net.transitions if _truth(chart, t) is Truth.ALWAYS]
     after: dict[int, list[tuple[int, int]]] = {}
     for transition in always:
         if len(transition.sources) == 1:  # a convergence waits for others
@@ -50,6 +52,52 @@ def _endless(chart: CheckedChart) -> Iterator[Finding]:
     for cycle in cycles(chart):
         names = ", ".join(chart.net.transitions[i].path for i in cycle)
         yield Finding(chart.place_of(chart.net.transitions[cycle[0]]), f"always true in a circle: {names}")
+    if chart.family == "grafcet":
+        yield from _unstable(chart)
+
+
+def _unstable(chart: CheckedChart) -> Iterator[Finding]:
+    """Find circles of transitions that are all true as long as one condition is: the shortest from each transition.
+
+    Only inputs count: what actions write, edges, times and flags of steps may be other in the next evolution.
+    """
+    net = chart.net
+    steady = {t.index: condition for t in net.transitions if (condition := _steady(chart, t)) is not None}
+    always = {i for i in steady if _truth(chart, net.transitions[i]) is Truth.ALWAYS}
+    done: set[frozenset[int]] = set()
+    for first in (i for i in steady if _truth(chart, net.transitions[i]) is Truth.VARIES):
+        start = net.transitions[first].sources[0]
+        waiting: deque[tuple[int, tuple[int, ...]]] = deque((t, (first,)) for t in net.transitions[first].targets)
+        seen: set[int] = set()
+        while waiting:
+            at, way = waiting.popleft()
+            if at == start:
+                if frozenset(way) not in done:
+                    done.add(frozenset(way))
+                    one, names = net.transitions[first], ", ".join(net.transitions[i].path for i in way)
+                    message = f"as long as the condition of {one.path} is true, a circle fires without end: {names}"
+                    yield Finding(chart.place_of(one), message)
+                break
+            if at in seen:
+                continue
+            seen.add(at)
+            for index in net.leaving[at]:
+                if index in always or (index in steady and _implies(steady[first], [steady[index]], chart)):
+                    waiting.extend((target, (*way, index)) for target in net.transitions[index].targets)
+
+
+def _truth(chart: CheckedChart, transition: NetTransition) -> Truth:
+    return chart.truth(chart.sheet_of(transition), transition.transition)
+
+
+def _steady(chart: CheckedChart, transition: NetTransition) -> NetworkExpression | None:
+    """Return the condition of a transition that needs one step only; None if something else than inputs changes it."""
+    condition = chart.condition(chart.sheet_of(transition), transition.transition)
+    if len(transition.sources) != 1 or condition.before or condition.tree is None:
+        return None
+    changing = chart.flags | chart.around.written | chart.around.associated.keys()
+    names = {name for path in reads(condition.tree) for name in path}
+    return None if any(is_term(name.upper()) or name in changing for name in names) else condition
 
 
 def _run_through(chart: CheckedChart) -> Iterator[Finding]:
@@ -69,7 +117,7 @@ def _run_through(chart: CheckedChart) -> Iterator[Finding]:
         leaving = [net.transitions[i] for i in net.leaving[step.index] if len(net.transitions[i].sources) == 1]
         after = [chart.condition(chart.sheet_of(t), t.transition) for t in leaving]
         plain = [condition for condition in after if not condition.before]
-        if not entering or not plain or any(chart.truth(chart.sheet_of(t), t.transition) in _SAID for t in leaving):
+        if not entering or not plain or any(_truth(chart, t) in _SAID for t in leaving):
             continue
         before = [chart.condition(chart.sheet_of(t), t.transition) for t in entering]
         if all(implies(condition, plain) for condition in before):
@@ -94,8 +142,9 @@ EVO01 = Rule(
     code="EVO01",
     title="The chart comes to rest",
     why="A circle of transitions that are always true is run through without end: in GRAFCET the search for a stable "
-    "situation never ends, elsewhere the chart goes round with every scan.",
-    hint="Let one transition of the circle wait for something.",
+    "situation never ends, elsewhere the chart goes round with every scan. In GRAFCET it is enough that one condition "
+    "of inputs makes all others of the circle true, as with equal conditions.",
+    hint="Let one transition of the circle wait for something else, such as an edge.",
     example="""
 INITIAL_STEP S1: END_STEP
 STEP S2: END_STEP

@@ -18,9 +18,9 @@ from plcopen_sfc.languages.expression_types import CALCULATING
 from plcopen_sfc.languages.grafcet_conditions import OVERLINE, condition_problem, program_parts
 from plcopen_sfc.languages.networks import NetworkExpression
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import print_node, walk
+from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, walk
 from plcopen_sfc.languages.standard_blocks import standard_block
-from plcopen_sfc.model.body import IlBody
+from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.sfc import Body, BodyCondition, Step, Transition
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, EnumType, StringType, StructType
@@ -281,6 +281,13 @@ def _unreadable(chart: CheckedChart) -> Iterator[Finding]:
             if problem is not None and isinstance(condition, Expression):
                 text = " ".join(condition.text.split())
                 yield Finding(place, f"the condition {text!r} cannot be read: {problem.message}")
+        for step, each in sheet.actions():
+            body = each.body.text if isinstance(each.body, StBody) else ""
+            for text, parse in ((each.value or "", parse_expression), (body, parse_statements)):
+                problems = parse(text, chart.dialect).problems if text.strip() else ()
+                if problems:
+                    message = f"what the action does, {' '.join(text.split())!r}, cannot be read: {problems[0].message}"
+                    yield Finding(sheet.at(step, each), message, "Write a value or statements in structured text.")
 
 
 def _constant(chart: CheckedChart, truth: Truth) -> Iterator[tuple[CheckedSheet, Transition]]:
@@ -538,9 +545,10 @@ CND08 = Rule(
 
 CND09 = Rule(
     code="CND09",
-    title="The conditions of a GRAFCET can be read",
+    title="The conditions and actions of a GRAFCET can be read",
     why="A condition is a Boolean term with edges, times and predicates (IEC 60848:2013, 4.6), in one of the notations "
-    "that people use for it. Other text cannot be simulated, lowered or converted.",
+    "that people use for it. Values of stored actions and statements are structured text. Other text cannot be "
+    "simulated, lowered or converted.",
     hint="Write a * b, a + b, /a, ↑a, [C1>3] or 3s/X2; a AND b, a OR b, NOT a mean the same.",
     example="""
 GRAFCET Example

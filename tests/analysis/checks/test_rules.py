@@ -600,7 +600,9 @@ TRANSITION FROM S1 TO S2 := start; END_TRANSITION
 TRANSITION FROM S2 TO S3 := TRUE; END_TRANSITION
 TRANSITION FROM S3 TO S2 := %s; END_TRANSITION
 """
-case("EVO01", text(CIRCLE % "b OR NOT b"), text(CIRCLE % "b"), "always true in a circle: S2 -> S3, S3 -> S2", "grafcet")
+ROUND = "always true in a circle: S2 -> S3, S3 -> S2"
+case("EVO01", text(CIRCLE % "b OR NOT b"), text(CIRCLE % "b"), ROUND)
+case("EVO01", text(CIRCLE % "b OR NOT b"), text(CIRCLE.replace("TRUE", "NOT b") % "b"), ROUND, "grafcet")
 
 
 RUN = """
@@ -748,6 +750,16 @@ case("VAR01", with_table("3s/1B2"), with_table("3s/1B1"), "'1B2' names nothing",
 EDGED = "1 -> 2 : ↑a * b\n1 -> 3 : %s\nSTEP 2\nSTEP 3"
 case("SEL01", grafcet(EDGED % "a * c"), grafcet(EDGED % "c * /a"), "together with 1 -> 2", "grafcet")
 case("SEL01", grafcet(EDGED % "↑c"), grafcet(EDGED % "↓a"), "together with 1 -> 2", "grafcet")
+DONE = "    ON ACTIVATION n := %s\n1 -> 2 : a\nSTEP 2\n    { %s }"
+case("CND09", grafcet(DONE % ("n +", "")), grafcet(DONE % ("n + 1", "")), "'n +', cannot be read", "grafcet")
+case("CND09", grafcet(DONE % ("1", "q := ;")), grafcet(DONE % ("1", "q := a;")), "'q := ;', cannot be", "grafcet")
+case("CND09", grafcet("1 -> 1 : a * IF"), grafcet("1 -> 1 : a * F"), "'IF' is a keyword and no name", "grafcet")
+AROUND = "1 -> 2 : a * b\nSTEP 2\n%s2 -> 3 : a\nSTEP 3\n3 -> 1 : %s"
+for condition, other in (("a", "a * /b"), ("a + c", "c"), ("1", "↑a"), ("a * X3", "a * X2"), ("b * a", "3s/a")):
+    case("EVO01", grafcet(AROUND % ("", condition)), grafcet(AROUND % ("", other)), "a circle fires", "grafcet")
+STORED = "    ON ACTIVATION %s := FALSE\n"
+case("EVO01", grafcet(AROUND % (STORED % "c", "a")), grafcet(AROUND % (STORED % "a", "a")), "G1.3 -> 1", "grafcet")
+case("EVO01", grafcet("1 -> 1 : a"), grafcet("1 -> 1 : ↑a"), "a circle fires without end: G1.1 -> 1", "grafcet")
 UNUSED = "EXPANSION M3 FROM E3 TO S3\nSTEP E3\nSTEP S3\nENCLOSED G2\nSTEP 20"
 case("HIE08", grafcet(UNUSED), grafcet("MACRO M3\nSTEP 2 ENCLOSES G2{20}\n" + UNUSED), "never active", "grafcet")
 
