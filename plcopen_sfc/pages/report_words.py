@@ -889,6 +889,19 @@ _TRANSLATED = {
     "what has an address is a tag, and no parameter": "was eine Adresse hat, ist eine PLC-Variable und kein Parameter",
     "the organization block {} (OB{})": "der Organisationsbaustein {} (OB{})",
     "the step {} leads to it": "der Schritt {} führt zu ihm",
+    "a permanent instruction assigns {}: the interlock of the step is that of another action": (
+        "eine permanente Anweisung weist {} zu: die Verriegelung des Schritts ist die einer anderen Aktion"
+    ),
+    "the interlock of the step is that of another action, and {} is stored or delayed, too: let a step do one of it": (
+        "die Verriegelung des Schritts ist die einer anderen Aktion, und {} wird auch gespeichert oder verzögert: "
+        "einen Schritt nur eines davon tun lassen"
+    ),
+    "{} with a condition has no qualifier: lower the GRAFCET, which makes proven code of it": (
+        "{} mit einer Bedingung hat kein Bestimmungszeichen: `lower` macht aus dem GRAFCET bewiesenen Code"
+    ),
+    "it has a condition of its own, and in S7-GRAPH only steps have one: give it a step of its own": (
+        "sie hat eine eigene Bedingung, und in S7-GRAPH haben nur Schritte eine: ihr einen eigenen Schritt geben"
+    ),
     "the action {} assigns {} in all steps that drive it": (
         "die Aktion {} weist {} in allen Schritten zu, die es ansteuern"
     ),

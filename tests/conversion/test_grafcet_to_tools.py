@@ -86,6 +86,37 @@ def test_conditions_and_names_are_those_of_the_tool() -> None:
     assert [step.interlock is not None for step in graph.steps] == [True, True]
 
 
+SEVERAL = """GRAFCET Klappe
+INPUTS
+    a
+    b
+    c
+OUTPUTS
+    Q1
+    Q2
+INITIAL STEP 1
+1 -> 2 : a
+STEP 2
+    Q1 IF b
+    Q2 IF c
+2 -> 3 : /a * b
+3 -> 1 : /b * /a
+STEP 3
+    Q2
+"""
+
+
+@pytest.mark.parametrize("output", ["Q1", "Q2"])
+def test_a_step_has_several_conditions_in_s7_graph(output: str) -> None:
+    """The second one was not executed: a step has one interlock, which was that of the first action."""
+    text = SEVERAL.replace("Q2 IF", f"{output} IF")
+    report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), format="simaticml", limit=20)
+    assert report.compared.popitem()[1].startswith("equal (proof")
+    assert losses(report).keys() == FIRST
+    whys = losses(sfc.convert(sfc.loads(f"{SEVERAL}    Q2 AFTER 1s\n".encode()), "simaticml", partial=True)[1])
+    assert "that of another action, and Q2 is stored or delayed, too: let a step do one of it" in whys["condition"]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("form", ["codesys", "simaticml", "plcopen-2.01"])
 def test_what_is_left_without_the_search_for_stability_is_told(form: str) -> None:

@@ -289,9 +289,7 @@ class _Chart:
         flags = {step.id: print_node(step_flag(step)) for step in self._chart.steps}
         last = [f"{name} := {flags[step]};" for step, name in self._was_active.items()]
         if self._of_graph:  # the sequences see these edges, and events the steps that were active before
-            text = "\n".join([*self._memories, *self._events])
-            drawn = draw_ld(parse_statements(text).tree.statements, declared_rules(self._pou.variables()))
-            self._chart.permanent_pre.append(PermanentOperation(body=drawn.body))
+            self._chart.permanent_pre.append(self._drawn("\n".join([*self._memories, *self._events])))
             why = "a permanent instruction before the sequences"
         else:
             name = self._new_action("A_edges", "\n".join([*self._events, *self._memories, *last]))
@@ -304,6 +302,10 @@ class _Chart:
             why = f"the action {name}, which is executed in every scan"
         for operand, rises in self._edges:
             self._note(Outcome.TRANSLATED, "edge", f"{path} / {_shown_edge(operand, rising=rises)}", why)
+
+    def _drawn(self, text: str) -> PermanentOperation:
+        drawn = draw_ld(parse_statements(text).tree.statements, declared_rules(self._pou.variables()))
+        return PermanentOperation(body=drawn.body)
 
     def _new_variable(self, wish: str, *, initial: str | None = None, block: str = "") -> str:
         """Declare a Boolean variable, or an instance of a function block; its name."""
@@ -381,9 +383,13 @@ class _Chart:
             elif each.target is not None and each.kind is not None and each.kind not in _CONTINUOUS:
                 stored.setdefault(each.target.casefold(), []).append(each)
         constants = {name for name, each in stored.items() if all(map(_is_constant, each))}
-        for uses in conditional.values():
+        alone = conditional.keys() - stored.keys() - {(each.target or "").casefold() for each in self._timed()}
+        for target, uses in conditional.items():
             if any(each.kind is ActionKind.CONDITIONAL for _, each in uses):
-                (self._interlock if self._of_graph else self._share)(uses, path)
+                if self._of_graph and not (target in alone and self._have_other_interlocks(uses)):
+                    self._interlock(uses, path)
+                else:
+                    self._share(uses, path)
         for step, each in list(self._chart.associations()):
             place = f"{path} / step {step.name} / action {each.target or 'in place'}"
             if each.forcing is not None:
@@ -397,7 +403,10 @@ class _Chart:
                 self._store(step, each, place, constant=constant and each.body is None)
 
     def _share(self, uses: list[tuple[Step, ActionAssociation]], path: str) -> None:
-        """Give all uses of an output one action, which assigns it in every scan and in the one behind the last."""
+        """Give all uses of an output one action, which assigns it in every scan and in the one behind the last.
+
+        In S7-GRAPH it is a permanent instruction, behind the sequences: a step has one interlock for all its rows.
+        """
         target = uses[0][1].target or ""
         parts = []
         for step, each in uses:
@@ -409,11 +418,36 @@ class _Chart:
                     place = f"{path} / step {step.name} / action {target}"
                     self._note(Outcome.NOT_EXECUTED, "condition", place, _why(error))
             parts.append(flag)
-        name = self._new_action(f"Assign_{target}", f"{target} := {' OR '.join(parts)};")
+        text = f"{target} := {' OR '.join(parts)};"
+        if self._of_graph:
+            self._chart.permanent_post.append(self._drawn(text))
+            for step, each in uses:
+                step.actions.remove(each)
+                why = f"a permanent instruction assigns {target}: the interlock of the step is that of another action"
+                self._note(Outcome.TRANSLATED, "action", f"{path} / step {step.name} / action {target}", why)
+            return
+        name = self._new_action(f"Assign_{target}", text)
         for step, each in uses:
             each.target, each.kind, each.condition = name, ActionKind.CONTINUOUS, None
             why = f"the action {name} assigns {target} in all steps that drive it"
             self._note(Outcome.TRANSLATED, "action", f"{path} / step {step.name} / action {target}", why)
+
+    def _timed(self) -> Iterator[ActionAssociation]:
+        """Yield the delayed and limited actions."""
+        return (each for _, each in self._chart.associations() if each.kind in (ActionKind.DELAYED, ActionKind.LIMITED))
+
+    def _have_other_interlocks(self, uses: list[tuple[Step, ActionAssociation]]) -> bool:
+        """True if the condition of a use cannot be the interlock of its step, which has another one."""
+        wanted = {id(step): step.interlock for step, _ in uses if step.interlock is not None}
+        conditional = [(step, each.condition) for step, each in uses if isinstance(each.condition, Expression)]
+        try:
+            found = [(step, self._as_interlock(condition)) for step, condition in conditional]
+        except (ConditionError, _TermError):
+            return False  # it is told for each of them
+        return any(wanted.setdefault(id(step), interlock) != interlock for step, interlock in found)
+
+    def _as_interlock(self, condition: Expression) -> Supervised:
+        return Supervised(condition=Expression(text=self._text(condition.text, _Terms(self, in_action=True))))
 
     def _interlock(self, uses: list[tuple[Step, ActionAssociation]], path: str) -> None:
         """Make the condition of an action the interlock of its step, unless that has another one."""
@@ -422,16 +456,14 @@ class _Chart:
                 continue
             place = f"{path} / step {step.name} / action {each.target}"
             try:
-                wanted = Supervised(
-                    condition=Expression(text=self._text(each.condition.text, _Terms(self, in_action=True)))
-                )
+                wanted = self._as_interlock(each.condition)
             except (ConditionError, _TermError) as error:
                 self._note(Outcome.NOT_EXECUTED, "condition", place, _why(error))
                 continue
             if step.interlock not in (None, wanted):
-                self._note(
-                    Outcome.NOT_EXECUTED, "condition", place, "the interlock of the step is that of another action"
-                )
+                why = f"and {each.target} is stored or delayed, too: let a step do one of it"
+                why = f"the interlock of the step is that of another action, {why}"
+                self._note(Outcome.NOT_EXECUTED, "condition", place, why)
                 continue
             step.interlock, each.interlock = wanted, True
             each.kind, each.condition = ActionKind.CONTINUOUS, None
@@ -439,7 +471,8 @@ class _Chart:
 
     def _continuous(self, each: ActionAssociation, place: str) -> None:
         if each.condition is not None or each.value not in (None, "TRUE", "1"):
-            self._note(Outcome.NOT_EXECUTED, "action", place, f"{each.kind} with a condition has no qualifier")
+            why = f"{each.kind} with a condition has no qualifier: lower the GRAFCET, which makes proven code of it"
+            self._note(Outcome.NOT_EXECUTED, "action", place, why)
             return
         qualifiers = {ActionKind.DELAYED: Qualifier.D, ActionKind.LIMITED: Qualifier.L}
         each.qualifier = qualifiers.get(each.kind or ActionKind.CONTINUOUS, Qualifier.N)

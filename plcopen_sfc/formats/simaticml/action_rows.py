@@ -251,7 +251,7 @@ def _reason_against_rows(action: ActionAssociation, *, inverted: bool) -> str:
     if inverted or action.negated:
         return "it acts while the step is not active, which S7-GRAPH cannot express"
     if action.condition is not None:
-        return "it has a condition of its own; in S7-GRAPH only the interlock of the step is one"
+        return "it has a condition of its own, and in S7-GRAPH only steps have one: give it a step of its own"
     if action.forcing is not None:
         return "S7-GRAPH has no forcing orders"
     if action.kind not in _NATIVE_KINDS and action.kind not in _STORED:
