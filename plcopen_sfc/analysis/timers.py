@@ -176,7 +176,9 @@ def _trees(text: BoundText) -> Iterator[n.Expression | n.Statement]:
     """Yield the trees of a text, and those of the edges and times of IEC 60848 in a condition (``3s/X5``)."""
     terms = TermTexts()
     read = terms.read(text.text_site.text) if isinstance(text.text_site.holder, Expression) else ""
-    if not terms.edges and not terms.timers:
+    # /1B1 is no structured text before it was read as a condition of a GRAFCET: each name in it may be a time then
+    is_unread = bool(read) and any(isinstance(node, n.Unreadable) for tree in text.trees for node in walk(tree))
+    if not terms.edges and not terms.timers and not is_unread:
         yield from text.trees
         return
     texts = [read, *(edge.operand for edge in terms.edges)]

@@ -52,6 +52,9 @@ def test_the_scan_time_divides_every_duration_twice() -> None:
         ("Go", "Delay", False),
         ("3s/X1", None, True),
         ("X1 / 3 s", None, True),
+        ("1B1 * /1B2 * [C1>=3]", None, True),
+        ("/(a + b̅) · ¬NOT_AUS", None, True),
+        ("a AND (b", None, False),
     ],
 )
 def test_elapsed_times_are_limited_where_they_are_compared_with_constants(
