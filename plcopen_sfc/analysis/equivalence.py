@@ -15,7 +15,6 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from time import monotonic
 from typing import Any, NamedTuple, Protocol, TypedDict
 
 from plcopen_sfc.analysis.coverage import Tally, any_untested, coverage_of
@@ -34,7 +33,7 @@ from plcopen_sfc.analysis.pairing import (
     with_commands,
 )
 from plcopen_sfc.analysis.product import BOTH_FAIL, Explored, Search, search
-from plcopen_sfc.analysis.search_limits import INTERRUPTED, SearchProgress, SearchWatch, seconds
+from plcopen_sfc.analysis.search_limits import INTERRUPTED, SearchProgress, SearchWatch, seconds, spent
 from plcopen_sfc.analysis.stimuli import stimuli
 from plcopen_sfc.analysis.system_comparison import Comparison, filled, operating_names
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
@@ -149,7 +148,8 @@ def equivalent(
     Functions and blocks that are called and that neither the project nor `functions` has are taken as unknown functions
     of what they are given, and of the calls before, the same in both; calls that are statements are compared.
 
-    `limit`: seconds that it may take, or a text such as ``60s``; `progress` is told how far it is, ten times a second.
+    `limit`: seconds of processor time that it may take, or a text such as ``60s``; `progress` is told how far it is,
+    ten times a second.
     An interruption (``KeyboardInterrupt``) ends it with what is known so far.
 
     The same arguments always give the same verdict, but for a limit. Raises `ModelError` where there is nothing to
@@ -194,7 +194,7 @@ def _best_of(wanted: Sequence[Delay], compared: _Compared, tries: _Tries) -> Ver
     """
     longest: tuple[int, Delay, Verdict | None] | None = None
     best: Verdict | None = None
-    end = monotonic() + tries.limit if tries.limit is not None else None
+    end = spent() + tries.limit if tries.limit is not None else None
     if tries.limit is not None and 2 * len(wanted) * compared.preparing > tries.limit:
         wanted = sorted(wanted, key=lambda each: not each.retimed)
     for each in wanted:
@@ -202,8 +202,8 @@ def _best_of(wanted: Sequence[Delay], compared: _Compared, tries: _Tries) -> Ver
         found: Verdict | None = None
         is_short = False
         if end is not None:
-            tries = tries._replace(limit=end - monotonic())
-            is_short = end <= monotonic() + compared.preparing
+            tries = tries._replace(limit=end - spent())
+            is_short = end <= spent() + compared.preparing
             if best is not None and is_short:
                 break
         if not is_short:
@@ -227,7 +227,7 @@ def _best_of(wanted: Sequence[Delay], compared: _Compared, tries: _Tries) -> Ver
     if longest[2] is not None:
         return longest[2]
     if end is not None and tries.whole is not None:
-        tries = tries._replace(limit=max(end - monotonic(), tries.whole / 2))
+        tries = tries._replace(limit=max(end - spent(), tries.whole / 2))
     return compared.verdict(longest[1], tries)
 
 
@@ -364,7 +364,7 @@ class _Compared:
 
     def _systems(self, *, retiming: bool) -> tuple[ProgramSystem, ProgramSystem]:
         """Translate both sides."""
-        start = monotonic()
+        start = spent()
         profiles = [retimed(each) if retiming else each for each in self.profiles]
         if self.passes_start and profiles[1].order is ScanOrder.TRANSITIONS_FIRST:
             profiles[0] = replace(profiles[0], initial_situation_held=True)
@@ -378,7 +378,7 @@ class _Compared:
             )
             for subject, profile, flags, times in zip(self.subjects, profiles, self._flags, self._times, strict=True)
         )
-        self.spans.append(monotonic() - start)
+        self.spans.append(spent() - start)
         if self.left_out is not None:
             right.leave_out(self.left_out)
         heed_instability(left, right)

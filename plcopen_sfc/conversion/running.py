@@ -76,14 +76,14 @@ def report_running(
     Charts in which something is not executed are left out: they differ. Where something is approximated, the run tells
     whether that changes what the chart does; the report names it already, so a difference is no item of its own.
     `called` gives the paths in the source of what has another name in the result, `target` the rules of the target
-    where they are not those of its files. `limit` is the time in seconds that all of this may take.
+    where they are not those of its files. `limit` is the processor time that all of this may take, in seconds.
     """
     from plcopen_sfc.analysis.equivalence import equivalent  # noqa: PLC0415  # most conversions run nothing
     from plcopen_sfc.analysis.pairing import Delay  # noqa: PLC0415
     from plcopen_sfc.analysis.verdict import VerdictKind  # noqa: PLC0415
 
     profiles = default_profile(source), target or default_profile(result)
-    end_of_all = time.monotonic() + limit
+    end_of_all = time.thread_time() + limit
     losses = [item for item in report.losses if not _is_apart(item) and item.what != UNDECLARED_TYPE]
     undeclared = {item.why.split("`")[1].casefold() for item in report.losses if item.what == UNDECLARED_TYPE}
     assumed = assumed_types(source, undeclared) if undeclared else []
@@ -105,8 +105,8 @@ def report_running(
                 why = f"in {tool} it is no chart of an action, and its POU runs what is in its place"
             report.compared[there.report_path] = f"not compared: {why}"
             continue
-        left = (end_of_all - time.monotonic()) / (len(pairs) - number)  # a large chart leaves time for the others
-        end = time.monotonic() + left
+        left = (end_of_all - time.thread_time()) / (len(pairs) - number)  # a large chart leaves time for the others
+        end = time.thread_time() + left
         if left <= 0:
             _note_untested(report, there.report_path, "not run: the time limit was reached")
             continue
@@ -137,12 +137,14 @@ def report_running(
         elif verdict.kind is VerdictKind.UNTESTED:
             _note_untested(report, there.report_path, *str(verdict).splitlines())
         else:
-            times, left = times_among(verdict.inputs, there), end - time.monotonic()
+            times, left = times_among(verdict.inputs, there), end - time.thread_time()
             is_held = verdict.counterexample is not None and times and left > 0
             held = told_while_held(compared(delay="auto", limit=left, fixed=times), times) if is_held else ""
             _report_run(report, run, held)
         if as_run.counterexample is not None:
-            report.compared[there.report_path] += _told_alike(compared, profiles, tool, verdict, end - time.monotonic())
+            report.compared[there.report_path] += _told_alike(
+                compared, profiles, tool, verdict, end - time.thread_time()
+            )
         if any(name.casefold() == declaration.name.casefold() for name in types for declaration in assumed):
             report.compared[there.report_path] += "; types that nothing declares have the members that are used of them"
 
@@ -164,9 +166,9 @@ def _told_alike(
         if profiles[0].order is not order:
             rules[f"with actions and transitions in the order of {tool}"] = lambda: replace(profiles[0], order=order)
         rules[f"under the rules of {tool}"] = lambda: profiles[1]
-    end = time.monotonic() + limit
+    end = time.thread_time() + limit
     for rule, ruled in rules.items():
-        left = end - time.monotonic()
+        left = end - time.thread_time()
         try:
             found = compared(profile=(ruled(), profiles[1]), delay="auto", limit=left) if left > 0 else None
         except SfcError:

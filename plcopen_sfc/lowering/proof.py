@@ -11,12 +11,11 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from time import monotonic
 from typing import Any, NamedTuple, Unpack
 
 from plcopen_sfc.analysis.equivalence import Searching, equivalent
 from plcopen_sfc.analysis.pairing import with_commands
-from plcopen_sfc.analysis.search_limits import seconds
+from plcopen_sfc.analysis.search_limits import seconds, spent
 from plcopen_sfc.analysis.verdict import UntestedError, Verdict, VerdictKind
 from plcopen_sfc.errors import Location, LoweringError, SfcError
 from plcopen_sfc.languages.translation.renames import identifier, is_identifier, is_reserved
@@ -139,12 +138,12 @@ def prove(
     try:
         inputs = _renamed_inputs(chart, code, profile)
         limit = seconds(searching.get("limit"))
-        start = monotonic()
+        start = spent()
 
         def compared(**narrowed: Any) -> Verdict:
             if limit is not None:
                 # the limit is for all searches together
-                searching["limit"] = max(start + limit - monotonic(), min(limit, _LEAST_LIMIT))
+                searching["limit"] = max(start + limit - spent(), min(limit, _LEAST_LIMIT))
             return equivalent(
                 chart,
                 code,
