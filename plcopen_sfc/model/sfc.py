@@ -10,6 +10,7 @@ transition to any step. (IEC 61131-3 ed. 3, 6.7; IEC 60848:2013, 4; S7-GRAPH V6.
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Set
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeAlias
@@ -431,15 +432,17 @@ class SfcNetwork(LateElement):
         return used if SfcFlag.ERROR in used else used - NEED_ERROR
 
     def label(self, transition: Transition, names: Mapping[int, str] | None = None) -> str:
-        """Return the name of a transition, or from where to where it leads.
+        """Return the name of a transition, or from where to where it leads, numbered where several do.
 
         `names` are the steps by their ids, for who has them at hand.
         """
-        if transition.name:
-            return transition.name
         names = {step.id: step.name for step in self.steps} if names is None else names
-        sides = (transition.sources, transition.targets)
-        return " -> ".join("+".join(names.get(i, "?") for i in side) or "nowhere" for side in sides)
+        number = 1
+        for each in self.transitions:
+            if each is transition:
+                return _label(transition, names, number)
+            number += not each.name and _ends(each) == _ends(transition)
+        return _label(transition, names, 1)  # of another chart, or removed
 
     def labels(self, names: Mapping[int, str] | None = None) -> dict[int, str]:
         """Return the labels of all transitions by their ids: for who needs many of them.
@@ -447,7 +450,12 @@ class SfcNetwork(LateElement):
         `names` are the steps by their ids, where they are to be called otherwise.
         """
         names = {step.id: step.name for step in self.steps} if names is None else names
-        return {transition.id: self.label(transition, names) for transition in self.transitions}
+        numbers = Counter[_Ends]()
+        found = {}
+        for transition in self.transitions:
+            numbers[_ends(transition)] += not transition.name
+            found[transition.id] = _label(transition, names, numbers[_ends(transition)])
+        return found
 
     def new_id(self) -> int:
         """Return an id that nothing in this chart or its drawing has."""
@@ -584,6 +592,21 @@ def step_codes(step: Step, lines: Iterable[str | tuple[str, str | None]]) -> Ite
     for association, line in zip(step.actions, lines, strict=True):
         if isinstance(line, tuple) and line[1] is not None and association.target:
             yield association.target, line[1]
+
+
+_Ends: TypeAlias = tuple[tuple[ElementId, ...], tuple[ElementId, ...]]
+
+
+def _ends(transition: Transition) -> _Ends:
+    return tuple(transition.sources), tuple(transition.targets)
+
+
+def _label(transition: Transition, names: Mapping[int, str], number: int) -> str:
+    """Return the label of a transition, of those without a name between the same steps the one with this number."""
+    if transition.name:
+        return transition.name
+    text = " -> ".join("+".join(names.get(i, "?") for i in side) or "nowhere" for side in _ends(transition))
+    return text if number == 1 else f"{text} ({number})"
 
 
 def _not_found(kind: str, key: str | int, names: list[str]) -> ModelError:

@@ -319,12 +319,10 @@ class _Builder:
                 ends[step.id] = self._add_step(place, step, initial=initial and step.initial)
         ordered = sorted(place.chart.transitions, key=lambda t: (t.priority is None, t.priority or 0))
         excluded = {step.id for step in place.chart.steps if step.exclude}
-        names = {step.id: step.name for step in place.chart.steps}
+        labels = place.chart.labels()
         for transition in ordered:
             if not transition.exclude:
-                self._add_transition(
-                    place, transition, ends, excluded, place.prefix + place.chart.label(transition, names)
-                )
+                self._add_transition(place, transition, ends, excluded, place.prefix + labels[transition.id])
         return ends
 
     def _add_step(self, place: _Place, step: Step, *, initial: bool) -> _Ends:

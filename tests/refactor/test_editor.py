@@ -92,7 +92,7 @@ EDITS: dict[str, tuple[Callable[[Editor, sfc.Project], Any], dict[str, list[str]
     ),
     "split": (
         lambda e, p: e.split_transition(link(p, "Fill -> Heat+Mix")),
-        {"Fill -> Heat+Mix: Full OR Stop": ["Fill -> Heat+Mix: Full", "Fill -> Heat+Mix: Stop"]},
+        {"Fill -> Heat+Mix: Full OR Stop": ["Fill -> Heat+Mix: Full", "Fill -> Heat+Mix (2): Stop"]},
     ),
     "retarget": (
         lambda e, p: e.retarget("Main.Drain", "Main.Wait", [link(p, "Alarm -> Drain")]),

@@ -130,7 +130,13 @@ class CheckedSheet:
 
     def label(self, transition: Transition) -> str:
         """Return the label of a transition, as `SfcNetwork.label`."""
-        return self.chart.label(transition, self.names)
+        return self._transition_labels[id(transition)]
+
+    @cached_property
+    def _transition_labels(self) -> dict[int, str]:
+        """The labels of transitions (by `id`)."""
+        labels = self.chart.labels()
+        return {id(transition): labels[transition.id] for transition in self.chart.transitions}
 
     def actions(self) -> Iterator[tuple[Step, ActionAssociation]]:
         """Yield the action associations that are in the program, with their steps."""

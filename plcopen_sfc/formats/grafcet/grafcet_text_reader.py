@@ -429,7 +429,9 @@ class _Reader:
             for transition, sources, targets, line in chart.waiting:
                 transition.sources = [self._id_of(chart, name, line) for name in sources]
                 transition.targets = [self._id_of(chart, name, line) for name in targets]
-                self._lines.setdefault(f"{chart.path} / transition {chart.network.label(transition)}", line)
+            labels = chart.network.labels()
+            for transition, _, _, line in chart.waiting:
+                self._lines.setdefault(f"{chart.path} / transition {labels[transition.id]}", line)
         self._step = self._section = None
 
     def _id_of(self, chart: _Chart, name: str, line: int) -> int:

@@ -100,6 +100,23 @@ def test_a_text_is_lowered_and_proven(name: str, construction: str) -> None:
     assert proof.equal
 
 
+def test_two_transitions_between_the_same_steps_have_two_paths() -> None:
+    """A finding on the second one named the first, as what competes with it and in its line."""
+    project = sfc.loads(b"GRAFCET G\nINITIAL STEP 1\nSTEP 2\n1 -> 2 : a\n1 -> 2 : b\n2 -> 1 : \xe2\x86\x91c\n")
+    chart = project.pous[0].chart
+    assert chart is not None
+    assert (
+        [*chart.labels().values()]
+        == [chart.label(each) for each in chart.transitions]
+        == ["1 -> 2", "1 -> 2 (2)", "2 -> 1"]
+    )
+    assert [chart.transition(label).id for label in chart.labels().values()] == [each.id for each in chart.transitions]
+    (found,) = sfc.check(project, select=["SEL01"])
+    assert str(found).startswith(
+        "line 5 (POU G / transition 1 -> 2 (2)): error SEL01: it can be true together with 1 -> 2,"
+    )
+
+
 COUNTER = """GRAFCET Zaehler
 INPUTS
     a
