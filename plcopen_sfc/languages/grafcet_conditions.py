@@ -14,7 +14,7 @@ words of structured text too, since every GRAFCET's condition comes through here
 | always, never | ``1`` ``0`` |
 
 A dot between two names without a blank is that of a member (``Timer.Q``); `grafcet-text`, which knows what the GRAFCET
-declares, puts blanks between BOOLs and flags of steps. Up to the next word operator or parenthesis a
+declares, puts blanks between BOOLs and flags of steps (`separated`). Up to the next word operator or parenthesis a
 comparison makes ``+ - * /`` arithmetic, as in structured text; NOT before it negates all of it. Names may begin with
 a digit (``1B1``).
 """
@@ -22,7 +22,7 @@ a digit (``1B1``).
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -62,6 +62,7 @@ OVERLINE = "\u0305"
 _TIME = r"L?T(?:IME)?\#\w+(?:\.\d+\w*)*|\d+(?:[.,]\d+)?[ \t]*(?:ms|min|s|m|h|d)(?![\w\u0305])"
 NAME = rf"\d*[^\W\d](?:\w|{OVERLINE})*|\d(?:{OVERLINE}\w|\w)*{OVERLINE}(?:\w|{OVERLINE})*"
 """A name: it may begin with digits."""
+_PATH = re.compile(rf"(?<![\w.{OVERLINE}])(?:{NAME})(?:\.(?:{NAME}))+(?![\w(\[{OVERLINE}]|\.\d)")
 _TOKEN = re.compile(
     rf"""\s*(?:
     (?P<time>{_TIME})
@@ -106,6 +107,17 @@ def condition_problem(text: str, dialect: Dialect = Dialect.IEC) -> Problem | No
     keyword = next((part for part in parts if part.upper() in IEC_KEYWORDS), "")
     message = f"{keyword!r} is a keyword and no name: give it another one" if keyword else problems[0].message
     return Problem(message, (0, len(text)))
+
+
+def separated(text: str, known: Collection[str]) -> str:
+    """Return a condition with blanks beside the dots between `known` names (in lower case), which are AND then."""
+
+    def apart(found: re.Match[str]) -> str:
+        names = found[0].split(".")
+        are_known = all(name.replace(OVERLINE, "").casefold() in known for name in names)
+        return " . ".join(names) if are_known else found[0]
+
+    return _PATH.sub(apart, text)
 
 
 def program_parts(text: str) -> list[tuple[int, int]]:

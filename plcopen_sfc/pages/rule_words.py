@@ -127,6 +127,8 @@ _HINTS = {
     "End it with an R, or set it in code too: a P1 action with an assignment.": (
         "Mit R beenden oder auch im Code setzen: eine P1-Aktion mit einer Zuweisung."
     ),
+    "Remove one of them, or rename it.": "Eine davon entfernen oder umbenennen.",
+    "{} has a variable {} already": "{} hat schon eine Variable {}",
     "Declare it, or correct the name.": "Ihn deklarieren oder berichtigen.",
     "Export them too, where names shall be checked and renamed with the chart.": (
         "Sie mit exportieren, wenn Namen geprüft und mit der Ablaufkette umbenannt werden sollen."
@@ -402,6 +404,12 @@ _MESSAGES = {
     "a value of an enumeration": "ein Wert einer Aufzählung",
     "{} is a step and no value: its flag is {}": "{} ist ein Schritt und kein Wert: sein Merker ist {}",
     "the condition {} cannot be read: {}": "die Bedingung {} ist nicht lesbar: {}",
+    "a dot in {} is that of a member, and a BOOL and a flag have none": (
+        "ein Punkt in {} ist der eines Elements, und ein BOOL und ein Merker haben keines"
+    ),
+    "Write * or AND for the dot, or blanks beside it: a * b, a . b.": (
+        "Für den Punkt * oder AND schreiben, oder Leerzeichen daneben: a * b, a . b."
+    ),
     "what the action does, {}, cannot be read: {}": "was die Aktion tut, {}, ist nicht lesbar: {}",
     "Write a value or statements in structured text.": "Einen Wert oder Anweisungen in strukturiertem Text schreiben.",
     "the condition {} is always true": "die Bedingung {} ist immer wahr",

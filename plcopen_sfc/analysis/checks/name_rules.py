@@ -17,6 +17,7 @@ from plcopen_sfc.model.declaration import Declaration
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlockKind, Pou
 from plcopen_sfc.model.sfc import Step
+from plcopen_sfc.model.types import Variable
 
 _ALIKE = 0.84
 _FLAG = re.compile(r"[Xx](?P<step>[EMSems]?\d+)")
@@ -131,6 +132,18 @@ def _unused(chart: CheckedChart) -> Iterator[Finding]:
             yield Finding(FindingPlace(path, (*_elements(each), pou)), f"nothing uses the {each.kind} {each.name!r}")
 
 
+def _declared_twice(chart: CheckedChart) -> Iterator[Finding]:
+    pou = chart.pou
+    if pou is None or next((each for each in chart.around.charts_of(pou)), None) is not chart.chart:
+        return
+    known: dict[str, Variable] = {}
+    for variable in pou.variables():
+        first = known.setdefault(variable.name.casefold(), variable)
+        if first is not variable:
+            place = FindingPlace(f"{pou.report_path} / variable {variable.name}", (variable, pou))
+            yield Finding(place, f"{pou.name} has a variable {first.name!r} already")
+
+
 def _misfitting(chart: CheckedChart) -> Iterator[Finding]:
     for each in _own(chart, chart.around.misfits):
         yield Finding(_place(chart, each), each.message)
@@ -199,4 +212,15 @@ VAR04 = Rule(
     check=_misfitting,
     severity=Severity.WARNING,
     severities={"grafcet": None},
+)
+
+VAR05 = Rule(
+    code="VAR05",
+    title="Variables of a POU have different names",
+    why="No tool compiles two variables of one name, which differ in no other way than in upper and lower case letters "
+    "(IEC 61131-3 ed. 3, 6.1.2); which of them a text means is unknown.",
+    hint="Remove one of them, or rename it.",
+    example="VAR_INPUT Start, b, start : BOOL; END_VAR\n" + _RING % ("", "Start"),
+    check=_declared_twice,
+    severity=Severity.ERROR,
 )

@@ -250,6 +250,7 @@ _ON_CHARTS: tuple[Rule, ...] = (
     name_rules.VAR02,
     name_rules.VAR03,
     name_rules.VAR04,
+    name_rules.VAR05,
     reachability_rules.EVO01,
     reachability_rules.EVO02,
     limit_rules.TIM01,

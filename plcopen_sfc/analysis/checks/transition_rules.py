@@ -15,7 +15,7 @@ from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.binding.text_sites import Site
 from plcopen_sfc.languages.effects import path_of, targets
 from plcopen_sfc.languages.expression_types import CALCULATING
-from plcopen_sfc.languages.grafcet_conditions import OVERLINE, condition_problem, program_parts
+from plcopen_sfc.languages.grafcet_conditions import OVERLINE, condition_problem, program_parts, separated
 from plcopen_sfc.languages.networks import NetworkExpression
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, walk
@@ -273,6 +273,8 @@ _NO_BOOLEANS = {"struct": "a structure", "string": "a string", "enum": "a value 
 
 
 def _unreadable(chart: CheckedChart) -> Iterator[Finding]:
+    bool_ = ElementaryType(name=Elementary.BOOL)
+    known = (chart.flags - chart.types.keys()) | {name for name, type_ in chart.types.items() if type_ == bool_}
     for sheet in chart.sheets:
         places = [(sheet.at(transition), transition.condition) for transition in sheet.transitions]
         places += [(sheet.at(step, each), each.condition) for step, each in sheet.actions()]
@@ -281,6 +283,12 @@ def _unreadable(chart: CheckedChart) -> Iterator[Finding]:
             if problem is not None and isinstance(condition, Expression):
                 text = " ".join(condition.text.split())
                 yield Finding(place, f"the condition {text!r} cannot be read: {problem.message}")
+            elif isinstance(condition, Expression) and '"' not in condition.text:
+                text = condition.text
+                if separated(text, known) != text:
+                    shown = " ".join(text.split())
+                    message = f"a dot in {shown!r} is that of a member, and a BOOL and a flag have none"
+                    yield Finding(place, message, "Write * or AND for the dot, or blanks beside it: a * b, a . b.")
         for step, each in sheet.actions():
             body = each.body.text if isinstance(each.body, StBody) else ""
             for text, parse in ((each.value or "", parse_expression), (body, parse_statements)):
@@ -396,7 +404,9 @@ def _reading_outputs(chart: CheckedChart) -> Iterator[Finding]:
     for sheet, transition in _transitions(chart):
         tree = chart.condition(sheet, transition).tree
         variables = [each for each in walk(tree) if isinstance(each, _VARIABLES)] if tree is not None else []
-        read = {path: print_node(each) for each in variables if (path := path_of(each)) in outputs}
+        members = {id(each.name) for each in variables if isinstance(each, n.Member)}  # T1.Q is no output Q
+        whole = (each for each in variables if id(each) not in members)
+        read = {path: print_node(each) for each in whole if (path := path_of(each)) in outputs}
         addresses = sorted(
             node.text
             for node in _nodes(chart.condition(sheet, transition))

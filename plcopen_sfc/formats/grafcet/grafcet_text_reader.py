@@ -15,7 +15,7 @@ from plcopen_sfc.errors import Location, StructureError, nearest
 from plcopen_sfc.formats.remainder_comments import DAMAGED, OUTDATED, put_back, read_entries
 from plcopen_sfc.formats.text_patch import BlockSpan, Key, ReadText, SourceText, numbered
 from plcopen_sfc.languages.declarations import read_declarations
-from plcopen_sfc.languages.grafcet_conditions import NAME, OVERLINE
+from plcopen_sfc.languages.grafcet_conditions import separated
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind
 from plcopen_sfc.model.actions import ActionKind, ForcedSituation, ForcingOrder
 from plcopen_sfc.model.body import StBody
@@ -67,7 +67,6 @@ _STEP = re.compile(
 _TRANSITION = re.compile(
     rf"(?:\((?P<name>[^()]+)\)\s*)?(?P<sources>{_NAMES})?\s*->(?:\s*(?P<targets>{_NAMES}))?\s*(?::(?P<condition>.*))?$"
 )
-_PATH = re.compile(rf"(?<![\w.{OVERLINE}])(?:{NAME})(?:\.(?:{NAME}))+(?![\w(\[{OVERLINE}]|\.\d)")
 _NO_COLON = re.compile(rf"(?P<steps>(?:{_NAMES})?\s*->\s*{_NAMES})\s+(?P<condition>[^:>]+)$")
 _VARIABLE = re.compile(r"(?P<name>[^\s:]+)(?:\s+(?P<address>%\S+))?\s*(?::(?P<type>.*))?$")
 _FORCE = re.compile(r"FORCE\s+(?P<chart>[^\s{}]+)\s*\{(?P<situation>[^{}]*)\}$")
@@ -468,17 +467,12 @@ class _Reader:
             else:
                 known.discard(variable.name.casefold())
 
-        def separated(found: re.Match[str]) -> str:
-            names = found[0].split(".")
-            are_known = all(name.replace(OVERLINE, "").casefold() in known for name in names)
-            return " . ".join(names) if are_known else found[0]
-
         for chart in charts:
             conditions = [transition.condition for transition in chart.transitions]
             conditions += [action.condition for step in chart.steps for action in step.actions]
             for condition in conditions:
                 if isinstance(condition, Expression) and '"' not in condition.text:
-                    condition.text = _PATH.sub(separated, condition.text)
+                    condition.text = separated(condition.text, known)
 
     def _wrong(self, message: str, hint: str = "") -> StructureError:
         return StructureError(message, location=Location(self._file, self._number or 1), hint=hint)

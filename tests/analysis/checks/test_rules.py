@@ -744,6 +744,7 @@ def with_table(condition: str) -> Callable[[], Subject]:
     return lambda: sfc.loads(f"GRAFCET G\nINPUTS\n1B1\nSTART\nC1 : INT\nINITIAL STEP 1\n1 -> 1 : {condition}".encode())
 
 
+case("CND06", grafcet("    T1\n1 -> 1 : T1"), grafcet("    Q\n1 -> 1 : T1.Q"), "reads T1", "grafcet")
 case("CND10", with_table("START * C1>3"), with_table("START * [C1>3]"), "START is BOOL, and START * C1>3", "grafcet")
 case("VAR01", with_table("1B1 * /STRT"), with_table("1̅B̅1̅ * START"), "'STRT' names nothing", "grafcet")
 case("VAR01", with_table("3s/1B2"), with_table("3s/1B1"), "'1B2' names nothing", "grafcet")
@@ -833,6 +834,8 @@ def part_of_another() -> Project:
 
 case("VAR03", unused, plant("x := b;"), "nothing uses the action 'Flush'")
 case("VAR03", unused_variable, part_of_another, "nothing uses the variable 'Spare'")
+TWICE = "VAR_INPUT b : BOOL; END_VAR VAR %s : INT; END_VAR"
+case("VAR05", steps(condition="b", declared=TWICE % "B"), steps(condition="b", declared=TWICE % "n"), "'b' already")
 case("VAR04", plant("x := 2;"), plant("x := b;"), "a number is assigned to BOOL: x := 2")
 
 

@@ -99,6 +99,20 @@ def test_conditions_that_cannot_be_read_are_told_in_every_file(form: str) -> Non
     assert [finding.code for finding in found] == ["CND09"] * len(WRONG)
 
 
+@pytest.mark.parametrize("form", ["json", "iec-text"])
+def test_a_dot_between_bools_is_told_where_it_is_that_of_a_member(form: str) -> None:
+    """`grafcet-text` reads it as AND; in other files it was a member that nothing has, and no rule told it."""
+    again = written(plan("a * b", "X1 * 1B1 * a", "C1 * b"), form)
+    chart = again.pous[0].chart
+    assert chart is not None
+    for partial, text in zip(chart.partial_charts, ("a.b", "X1.1B1 + a", "C1.b"), strict=True):
+        partial.chart.transitions[1].condition = Expression(text=text)
+    found = sfc.check(again, profile="grafcet", select=["CND09"])
+    assert [finding.message for finding in found] == [
+        f"a dot in '{text}' is that of a member, and a BOOL and a flag have none" for text in ("a.b", "X1.1B1 + a")
+    ]
+
+
 @pytest.mark.parametrize(
     "condition",
     ["START . {}", "START .{}", "START. {}", "{} . START", "X2 . {} . a", "a . {} + /START", "(START . /{})"],
