@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import reduce
 from operator import or_
 
@@ -19,9 +20,11 @@ from plcopen_sfc.analysis.soundness import soundness
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.effects import reads
 from plcopen_sfc.languages.networks import NetworkExpression
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import transform
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.semantics.charts.grafcet.term_evaluation import is_term
+from plcopen_sfc.semantics.charts.grafcet.term_evaluation import is_edge, is_term
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition, indexes
 
 
@@ -116,7 +119,7 @@ def _run_through(chart: CheckedChart) -> Iterator[Finding]:
         entering = [net.transitions[i] for i in net.entering[step.index]]
         leaving = [net.transitions[i] for i in net.leaving[step.index] if len(net.transitions[i].sources) == 1]
         after = [chart.condition(chart.sheet_of(t), t.transition) for t in leaving]
-        plain = [condition for condition in after if not condition.before]
+        plain = [_behind_edges(condition) for condition in after if not condition.before]
         if not entering or not plain or any(_truth(chart, t) in _SAID for t in leaving):
             continue
         before = [chart.condition(chart.sheet_of(t), t.transition) for t in entering]
@@ -124,6 +127,17 @@ def _run_through(chart: CheckedChart) -> Iterator[Finding]:
             message = "whenever the step is entered, a transition that leaves it is true already"
             yield Finding(chart.place_of(step), message)
 
+
+def _behind_edges(condition: NetworkExpression) -> NetworkExpression:
+    """Return a condition of a GRAFCET as it is when its step was just entered: an edge lasts for one evolution."""
+
+    def over(node: n.Node) -> n.Node:
+        return _NEVER if isinstance(node, n.Name) and is_edge(node.identifier) else node
+
+    return replace(condition, tree=transform(condition.tree, over)) if condition.tree is not None else condition
+
+
+_NEVER = n.Literal("FALSE")
 
 _SAID = frozenset({Truth.ALWAYS})
 """Of conditions that are always true another rule speaks."""

@@ -106,6 +106,13 @@ class _Chart:
         self._memories: list[str] = []
         self._events: list[str] = []
         self._was_active: dict[int, str] = {}
+        self._over: dict[str, n.Expression] = {}
+        self._inputs = {
+            variable.name.casefold()
+            for section in (pou.interface.sections if pou.interface is not None else ())
+            for variable in section.variables
+            if section.kind is SectionKind.INPUT or (variable.address or "").upper().startswith("%I")
+        }
         self._times: dict[tuple[str, str | None, str | None], str] = {}
         self._section: VariableSection | None = None
         self.steps: dict[str, Step] = {}
@@ -175,9 +182,13 @@ class _Chart:
             entering = [*self._chart.incoming(step), *also.get(step.id, ())]
             before = [print_node(tree) for t in entering if (tree := trees[t.id]) is not None]
             leaving = [tree for t in self._chart.outgoing(step) if (tree := trees[t.id]) is not None]
-            after = [print_node(_with_no_time_in(tree, step)) for tree in leaving]
+            after = [print_node(self._without_edges(_with_no_time_in(tree, step))) for tree in leaving]
             if any(not exclusive(one, other).answer for one in before for other in after):
                 yield step
+
+    def _without_edges(self, tree: n.Expression) -> n.Expression:
+        """Return a condition as it is in the evolution behind that which edges of inputs are in."""
+        return transform(tree, lambda node: self._over.get(node.identifier, node) if isinstance(node, n.Name) else node)
 
     def _flatten(self, path: str) -> FlatChart:
         """Put all partial charts on one level."""
@@ -234,14 +245,20 @@ class _Chart:
         # what is TRUE at the start had no edge
         before = self._new_variable(f"{wish}_before", initial="TRUE" if rising else None)
         happens = f"{bare} AND NOT {before}" if rising else f"NOT {bare} AND {before}"
+        tree = parse_expression(operand).tree
+        of_inputs = tree is not None and self._inputs.issuperset(name.casefold() for name in _named_first(tree))
         if not self._actions_first and not self._of_graph:
             # the transitions of this scan have changed the flags of steps already
             earlier = {step.name.casefold(): self._activity_before(step) for step in steps}
-            now = transform(parse_expression(operand).tree, lambda node: self._earlier(node, earlier))
+            now = transform(tree, lambda node: self._earlier(node, earlier))
             self._memories.append(f"{before} := {print_node(now)};")
+            if tree is not None and of_inputs:
+                self._over[before] = tree
             return f"({happens})"
         edge = self._new_variable(f"{wish}_{'rises' if rising else 'falls'}")
         self._memories += [f"{edge} := {self._flagged(happens)};", f"{before} := {self._flagged(operand)};"]
+        if of_inputs:
+            self._over[edge] = FALSE
         return edge
 
     def _earlier(self, node: n.Node, earlier: dict[str, str]) -> n.Node:

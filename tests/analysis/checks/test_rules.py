@@ -748,6 +748,9 @@ case("CND06", grafcet("    T1\n1 -> 1 : T1"), grafcet("    Q\n1 -> 1 : T1.Q"), "
 case("CND10", with_table("START * C1>3"), with_table("START * [C1>3]"), "START is BOOL, and START * C1>3", "grafcet")
 case("VAR01", with_table("1B1 * /STRT"), with_table("1̅B̅1̅ * START"), "'STRT' names nothing", "grafcet")
 case("VAR01", with_table("3s/1B2"), with_table("3s/1B1"), "'1B2' names nothing", "grafcet")
+ENTERED = "1 -> 2 : ↑a\nSTEP 2\n2 -> 3 : %s\nSTEP 3\n3 -> 1 : b"
+ENTERED_SAID = "whenever the step is entered, a transition that leaves it is true already"
+case("EVO02", grafcet(ENTERED % "a + ↑a"), grafcet(ENTERED % "↑a"), ENTERED_SAID, "grafcet")
 EDGED = "1 -> 2 : ↑a * b\n1 -> 3 : %s\nSTEP 2\nSTEP 3"
 case("SEL01", grafcet(EDGED % "a * c"), grafcet(EDGED % "c * /a"), "together with 1 -> 2", "grafcet")
 case("SEL01", grafcet(EDGED % "↑c"), grafcet(EDGED % "↓a"), "together with 1 -> 2", "grafcet")

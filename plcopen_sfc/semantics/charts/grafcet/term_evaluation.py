@@ -89,9 +89,14 @@ def _operand(text: str) -> str:
     return text if re.fullmatch(r"[\w.]+|\(.*\)", text) else f"({text})"
 
 
+def is_edge(name: str) -> bool:
+    """True if a name replaces an edge in a text that was read."""
+    return name.startswith("GRAFCET_EDGE_")
+
+
 def is_term(name: str) -> bool:
     """True if a name replaces a term in a text that was read."""
-    return name.startswith(("GRAFCET_EDGE_", "GRAFCET_TIME_"))
+    return is_edge(name) or name.startswith("GRAFCET_TIME_")
 
 
 def has_edge(text: str) -> bool:
