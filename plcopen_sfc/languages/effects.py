@@ -49,7 +49,10 @@ def plain_path(node: n.Node) -> Path | None:
 
 def is_variable(expression: Expression) -> bool:
     """True if it names a variable or a part of one."""
-    return isinstance(expression, n.Name | n.Member | n.Index | n.Dereference | n.Peripheral | n.Address)
+    return isinstance(expression, _VARIABLES)
+
+
+_VARIABLES = (n.Name, n.Member, n.Index, n.Dereference, n.Peripheral, n.Address)
 
 
 @dataclass(frozen=True, slots=True)

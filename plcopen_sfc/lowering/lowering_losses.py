@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import Any, NamedTuple
 
 from plcopen_sfc.languages.grafcet_conditions import program_parts
@@ -29,6 +30,11 @@ from plcopen_sfc.semantics.subjects import Subject
 _TEXTS = ("title", "comment", "content", "alternative_text", "alarm")
 
 
+@cache
+def _texts_of(kind: type[NodeBase]) -> tuple[str, ...]:
+    return tuple(name for name in _TEXTS if name in kind.model_fields)
+
+
 class Caption(NamedTuple):
     """Text for people, and the path of its subject."""
 
@@ -48,7 +54,7 @@ def captions(thing: Any, path: str, dialect: Dialect | None) -> Iterator[Caption
                 values = vars(each)
                 if values.get("code") is not None:
                     yield from _inside(values["code"], path, dialect)
-                yield from [Caption(path, values[name]) for name in _TEXTS if values.get(name) is not None]
+                yield from [Caption(path, values[name]) for name in _texts_of(type(each)) if values[name] is not None]
             else:
                 yield from captions(each, path, dialect)
     if not isinstance(thing, Model) or isinstance(thing, ExtensionData | SfcSettings):

@@ -174,14 +174,15 @@ class BlockDraft:
         height = FIRST_PIN + ROW * max(len(inputs), len(self.outputs), lines, 1)
         rows = {name: FIRST_PIN + ROW * row for row, name in enumerate(self.outputs)}
         outputs = [unchecked(BlockVariable, name=name, output=output_pin(width, row)) for name, row in rows.items()]
-        node = Block(
+        node = unchecked(
+            Block,
             id=number,
             type_name=self.type_name,
             instance=self.instance,
             call=self.call,
             code=self.code,
             execution_order=order,
-            parameters=BlockParameters(inputs=inputs, outputs=outputs),
+            parameters=unchecked(BlockParameters, inputs=inputs, in_outs=[], outputs=outputs),
         )
         ends = [WireStart(number, value, (width, rows[value]))] if value is not None else []
         line = rows[value] if value is not None else FIRST_PIN

@@ -33,6 +33,7 @@ from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Operator,
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.walking import transform
 from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, operator_block, standard_block
+from plcopen_sfc.model.checked import unchecked
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import (
     Block,
@@ -265,7 +266,8 @@ class Drafter:
     def _output(self, target: Expression, item: DrawnItem, storage: Storage) -> DrawnItem:
         text = self._text(target)
         pin = input_pin(ROW / 2)
-        node = OutputVariable(
+        node = unchecked(
+            OutputVariable,
             id=self.new_id(),
             expression=text,
             input=pin,
@@ -317,7 +319,7 @@ class Drafter:
         text = self._text(n.Parenthesized(expression) if is_assignment else expression)
         width = text_width(text)
         pin = output_pin(width, ROW / 2)
-        node = InputVariable(id=self.new_id(), expression=text, output=pin)
+        node = unchecked(InputVariable, id=self.new_id(), expression=text, output=pin)
         self.nodes.append(node)
         return placed(node, (width, ROW), [], [WireStart(node.id, None, (width, ROW / 2))], ROW / 2)
 

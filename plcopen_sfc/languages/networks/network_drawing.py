@@ -34,6 +34,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.languages.standard_blocks import operator_block, standard_block
 from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.checked import unchecked
 from plcopen_sfc.model.network import (
     BlockCall,
     Coil,
@@ -85,7 +86,8 @@ class LadderDrafter(Drafter):
         text = self._text(target)
         width = text_width(text)
         pin = input_pin(ROW / 2)
-        coil = Coil(
+        coil = unchecked(
+            Coil,
             id=self.new_id(),
             variable=text,
             negated=negated != item.negated,
@@ -123,16 +125,14 @@ class LadderDrafter(Drafter):
             if inner.operator is Operator.OR:
                 return _parallel([self._branch(operand, at_rail=at_rail) for operand in operands])
             parts = []
-            repeatable = True
-            for operand in operands:
+            for number, operand in enumerate(operands):
                 # power that parts into branches is read once for each of them
                 parts.append(
                     self._part(operand, at_rail=at_rail)
-                    if repeatable or not _branches(operand)
+                    if not _branches(operand) or all(is_repeatable(normal_form(o)) for o in operands[:number])
                     else self._block_between(operand)
                 )
                 at_rail = at_rail and is_true(operand)
-                repeatable = repeatable and is_repeatable(normal_form(operand))
             return _series(parts)
         negated = isinstance(inner, n.Unary) and inner.operator is Operator.NOT
         variable = n.bare(inner.operand) if isinstance(inner, n.Unary) and negated else inner
@@ -151,8 +151,8 @@ class LadderDrafter(Drafter):
         text = self._text(variable)
         width = text_width(text)
         pin = input_pin(ROW / 2)
-        contact = Contact(
-            id=self.new_id(), variable=text, negated=negated, input=pin, output=output_pin(width, ROW / 2)
+        contact = unchecked(
+            Contact, id=self.new_id(), variable=text, negated=negated, input=pin, output=output_pin(width, ROW / 2)
         )
         self.nodes.append(contact)
 
@@ -193,7 +193,8 @@ class LadderDrafter(Drafter):
         """Return a plain wire."""
         row = y + ROW / 2
         if inflow is None:
-            self._rail.outputs.append(OutputPin(name="", position=(RAIL_WIDTH, row - self._rail.position[1])))
+            at = (float(RAIL_WIDTH), row - self._rail.position[1])
+            self._rail.outputs.append(unchecked(OutputPin, name="", position=at))
             ends = [WireStart(self._rail.id, None, (self._rail.position[0] + RAIL_WIDTH, row))]
         else:
             ends = [end if end.at[1] == row else _extended(end, x, row) for end in inflow]
@@ -212,12 +213,12 @@ class LadderDrafter(Drafter):
     def _is_boolean(self, expression: Expression) -> bool | None:
         """True if a value is of type BOOL; None: unknown."""
         inner = n.bare(expression)
-        known = self.rules.booleans.get(self._text(inner).lower()) if is_variable(inner) else None
-        if known is not None:
-            return known
         if isinstance(inner, n.Operation | n.Unary) and inner.operator in _LOGIC:
             operands = inner.operands if isinstance(inner, n.Operation) else (inner.operand,)
             return all(self._is_boolean(operand) is not False for operand in operands)
+        known = self.rules.booleans.get(self._text(inner).lower()) if is_variable(inner) else None
+        if known is not None:
+            return known
         if isinstance(inner, n.Member):
             return self._output_is_boolean(inner)
         return is_boolean_result(inner)
@@ -232,12 +233,13 @@ class LadderDrafter(Drafter):
 
     def start(self, x: float, y: float) -> float:
         """Draw the left power rail for the rungs that are placed next; returns where they may begin."""
-        self._rail = LeftPowerRail(id=self.new_id(), position=(x, y), width=RAIL_WIDTH)
+        self._rail = unchecked(LeftPowerRail, id=self.new_id(), position=(float(x), float(y)), outputs=[])
         return x + RAIL_WIDTH + _GAP
 
     def rail(self, bottom: float) -> LeftPowerRail:
         """Return the left power rail, down to `bottom`."""
-        self._rail.height = bottom - self._rail.position[1]
+        left, top = self._rail.position
+        give_place(self._rail, left, top, (RAIL_WIDTH, bottom - top))
         return self._rail
 
     def finish(self, nodes: Sequence[Node], right: float, bottom: float) -> tuple[LeftPowerRail, RightPowerRail]:
@@ -246,10 +248,11 @@ class LadderDrafter(Drafter):
         pins = []
         for coil in (node for node in nodes if isinstance(node, Coil)):
             at = (coil.position[0] + (coil.width or 0), coil.position[1] + ROW / 2)
-            wire = Connection(source=coil.id, points=[(right, at[1]), at])
-            pins.append(InputPin(position=(0, at[1] - top), connections=[wire]))
-        size = {"width": RAIL_WIDTH, "height": bottom - top}
-        return self.rail(bottom), RightPowerRail(id=self.new_id(), position=(right, top), inputs=pins, **size)
+            wire = unchecked(Connection, source=coil.id, points=[(float(right), at[1]), at])
+            pins.append(unchecked(InputPin, position=(0.0, at[1] - top), connections=[wire]))
+        rail = unchecked(RightPowerRail, id=self.new_id(), inputs=pins)
+        give_place(rail, right, top, (RAIL_WIDTH, bottom - top))
+        return self.rail(bottom), rail
 
 
 _LOGIC = n.CONNECTIVES | {Operator.NOT}
@@ -339,7 +342,7 @@ def draw_fbd(
         networks = _sheets(drafter.statements(statements), divided=divided)
         for rungs in networks:
             _stack(rungs, _MARGIN)
-        bodies = [LogicNetwork(nodes=[node for rung in rungs for node in rung.nodes]) for rungs in networks]
+        bodies = [unchecked(LogicNetwork, nodes=[node for rung in rungs for node in rung.nodes]) for rungs in networks]
     return DrawnFbd(FbdBody(networks=bodies), tuple(drafter.problems))
 
 
@@ -355,7 +358,7 @@ def draw_ld(
             right, bottom = _stack(rungs, left)
             nodes = [node for rung in rungs for node in rung.nodes]
             first, last = drafter.finish(nodes, right + _MARGIN, bottom)
-            bodies.append(LogicNetwork(nodes=[first, *nodes, last]))
+            bodies.append(unchecked(LogicNetwork, nodes=[first, *nodes, last]))
     return DrawnLd(LdBody(networks=bodies), tuple(drafter.problems))
 
 

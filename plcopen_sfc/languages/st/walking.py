@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import fields, replace
+from functools import partial
 from typing import Any, TypeVar, cast
 
 from plcopen_sfc.languages.st.nodes import Node, Parenthesized
@@ -54,11 +55,8 @@ def transform(node: AnyNode, change: Callable[[Node], Node]) -> AnyNode:
 
     Where `change` gives back what it got, nodes stay the same objects, so that `render` finds what is new.
     """
-
-    def changed(inner: Node) -> Node:
-        return change(with_children(inner, changed))
-
-    return cast("AnyNode", changed(node))
+    # no function that calls itself by a name of this one: each would wait for the collector of garbage
+    return cast("AnyNode", change(with_children(node, partial(transform, change=change))))
 
 
 def with_children(node: AnyNode, change: Callable[[Node], Node]) -> AnyNode:
