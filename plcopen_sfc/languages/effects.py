@@ -211,9 +211,13 @@ def _target(node: n.Node) -> Expression | None:
 def may_change(read: frozenset[Path], written: frozenset[Path], private: Set[str]) -> bool:
     """True if one of the variables `read` may be one of those `written`, or a part of it or around it.
 
-    `private` are variables that only a statement that names them can write: helpers and instances.
+    `private` are variables that only a statement that names them can read and write: helpers and instances.
     """
-    return any(_overlap(a, b) for a in read for b in written if b != ANYTHING or not a or a[0] not in private)
+
+    def unknown(one: Path, other: Path) -> bool:
+        return one == ANYTHING and other[:1] != () and other[0] in private
+
+    return any(_overlap(a, b) for a in read for b in written if not (unknown(a, b) or unknown(b, a)))
 
 
 def _overlap(a: Path, b: Path) -> bool:

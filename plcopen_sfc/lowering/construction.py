@@ -18,6 +18,7 @@ from plcopen_sfc.lowering.code.code_memory import BitMemory, BlockMemory, Memory
 from plcopen_sfc.lowering.code.flat_statements import flatten, name_inputs
 from plcopen_sfc.lowering.code.lowered_code import LOCAL, FlagPlaces, LoweredCode, Naming, names_of
 from plcopen_sfc.lowering.code.single_use import inline_single_uses, remove_unread
+from plcopen_sfc.lowering.code.statement_lists import join_conditionals
 from plcopen_sfc.lowering.encodings.case_encodings import CaseEncoding, RegionEncoding, no_regions, one_step_at_a_time
 from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding, StepBitEncoding
 from plcopen_sfc.lowering.grafcet.grafcet_reading import is_grafcet, plain_chart, read_grafcet
@@ -256,6 +257,8 @@ def construct(
     if not code.drawn:
         inline_single_uses(code, asked)
     remove_unread(code, asked)
+    if not code.drawn and not code.is_textbook:
+        join_conditionals(code)
     return Constructed(
         pou=assemble(pou, code, dialect, language),
         construction=chosen,

@@ -92,7 +92,8 @@ class LoweringRules:
     address of the first one (``M20.0``), or the name of a data block. `target`: the format that the code is for,
     without its version. `at_rest`: commands and mode switches of an S7-GRAPH block that are inactive inputs, ``all``
     for all that it has: there is no code for them, and the code does what the chart does while they are FALSE.
-    `states`: None are names where the target takes them as labels of a CASE (`usual_states`).
+    `states`: None are names where the target takes them as labels of a CASE (`usual_states`). `part`: the action that
+    the chart is in, for the names of its state variables; empty for that of the POU itself.
     """
 
     profile: Profile
@@ -106,6 +107,7 @@ class LoweringRules:
     modes: frozenset[OperatingMode] = frozenset()
     target: str | None = None
     at_rest: frozenset[str] = frozenset()
+    part: str = ""
 
 
 _TOOL_OF_DIALECT = {Dialect.SCL: Tool.S7, Dialect.CODESYS: Tool.CODESYS, Dialect.TWINCAT: Tool.CODESYS}

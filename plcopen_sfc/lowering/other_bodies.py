@@ -130,7 +130,10 @@ def with_actions(
                 around = project.model_copy(update={"data_types": [*project.data_types, *data_types]})
                 with errors_of(project, pou, f"{pou.name}.{action.name}"):
                     found = construct(
-                        alone, chart, dialect, inner, construction=construction, language=language, project=around
+                        *(alone, chart, dialect, replace(inner, part=action.name)),
+                        construction=construction,
+                        language=language,
+                        project=around,
                     )
                 data_types += found.data_types
                 pou = found.pou.model_copy(update={"bodies": pou.bodies})

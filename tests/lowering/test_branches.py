@@ -92,3 +92,49 @@ def test_an_output_that_others_write_too_needs_no_variable_of_its_own() -> None:
     assert made.proof is not None
     assert made.proof.kind is VerdictKind.PROVEN
     assert "Valve_Q" not in helpers(made, pou)
+
+
+BRANCHES = """PROGRAM Main
+VAR_INPUT a, b, SFCReset : BOOL; END_VAR
+VAR_OUTPUT p, q : BOOL; k : INT; END_VAR
+INITIAL_STEP Init: END_STEP
+STEP P1: p(N); END_STEP
+STEP P2: END_STEP
+STEP R1: q(N); Last(N); END_STEP
+STEP R2: First(N); END_STEP
+TRANSITION FROM Init TO (P1, R1) := a; END_TRANSITION
+TRANSITION FROM P1 TO P2 := b; END_TRANSITION
+TRANSITION FROM R1 TO R2 := {leaving}; END_TRANSITION
+TRANSITION FROM R2 TO R1 := NOT a; END_TRANSITION
+TRANSITION FROM (P2, R2) TO Init := a AND b; END_TRANSITION
+ACTION First: k := 0; END_ACTION
+ACTION Last: k := 1; END_ACTION
+END_PROGRAM"""
+
+
+def of_branches(leaving: str) -> str:
+    text = BRANCHES.format(leaving=leaving)
+    made = sfc.lower(sfc.loads(text.encode(), format="iec-text"), "regions", profile="codesys")
+    assert made.proof is not None
+    assert made.proof.proven, str(made.proof)
+    return text_of(made)
+
+
+def test_actions_of_simultaneous_branches_are_in_these_and_a_reset_is_behind_them_once() -> None:
+    text = of_branches("a")
+    before, _, cases = text.partition("// Step sequence")
+    for output, step in (("p", "P1"), ("q", "R1")):
+        branch = cases.partition(f": // Step {step}\n")[2].partition("END_IF")[0]
+        assert branch.strip().startswith(f"{output} := TRUE;"), step
+        assert f"{output} := FALSE;" in before
+    assert text.count("IF SFCReset THEN // no transition fires meanwhile") == 1
+    assert "IF NOT SFCReset" not in text
+    # what the steps of one region do in the scan after their last one is one CASE
+    assert before.count("CASE last_step_number_R1 OF") == 1
+    assert "IF last_step_number_R1 = " not in before
+
+
+def test_what_another_branch_asks_for_is_in_front_of_all() -> None:
+    before, _, cases = of_branches("p").partition("// Step sequence")
+    assert "p := step_number_P1 = " in before
+    assert "q := TRUE;" in cases

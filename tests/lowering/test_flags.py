@@ -296,3 +296,24 @@ def test_random_charts_under_random_flags(seed: int) -> None:
     for construction, language in [FORMS[seed % 3], (Construction.AUTO, Language.ST), FORMS[4]]:
         found = verdict(pou, construction, language, "codesys")
         assert not found.different, f"{flags} {construction} {language}: {found}"
+
+
+ALSO_WRITTEN = """PROGRAM Main
+VAR_INPUT a, b, SFCInit : BOOL; END_VAR
+VAR_OUTPUT r : BOOL; END_VAR
+INITIAL_STEP S1: END_STEP
+STEP S2: Turn(N); END_STEP
+STEP S3: r(N); END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S3 := b; END_TRANSITION
+TRANSITION FROM S3 TO S1 := a; END_TRANSITION
+ACTION Turn: r := NOT r; END_ACTION
+END_PROGRAM"""
+
+
+@pytest.mark.parametrize("construction", ["case", "bits", "flipflop"])
+def test_an_output_that_another_action_writes_stays_when_the_chart_is_set_back(construction: str) -> None:
+    project = sfc.loads(ALSO_WRITTEN.encode(), format="iec-text")
+    proof = lower(project, construction, profile="codesys").proof
+    assert proof is not None
+    assert proof.proven, str(proof)

@@ -73,7 +73,7 @@ def compare(pou: m.Pou, profiles: Sequence[Profile] = (ONCE, SHORT)) -> LoweredP
 def test_the_example_of_the_seed() -> None:
     text = text_of(check(seed_chain(), "B1 B2 B3 B4 B5", "Q1 Q2 Q3"))
     assert text.count("REPEAT") == 2
-    assert "UNTIL NOT moving OR evolutions >= 1000" in text
+    assert "UNTIL NOT unstable OR evolutions >= 1000" in text
 
 
 @pytest.mark.slow

@@ -282,3 +282,11 @@ def test_long_lines_are_broken_before_or_and_and() -> None:
     quoted = "'Inputs.Place1 OR a very long text with AND (and more)');"
     call = f"ErrorAnalyzation := CONCAT(CONCAT(ErrorAnalyzation, SEL(a, 'b OR c', '')), {quoted}"
     assert wrapped(call, "    ").splitlines()[1].strip() == quoted
+
+
+def test_a_restart_is_one_paragraph_and_variables_of_a_chart_in_an_action_have_its_name() -> None:
+    press = sfc.lower(sfc.load(FIXTURES / "twincat" / "press_station.xml"), pou="FB_Press", verify=False)
+    assert isinstance(press.pou.body, m.StBody)
+    assert press.pou.body.text.count("IF SFCInit THEN") == 1
+    names = {variable.name for variable in press.pou.variables()}
+    assert names >= {"step_number", "step_number_ACT_Home", "step_number_ACT_Jog"}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from plcopen_sfc import model as m
 from plcopen_sfc.languages.st import parse_statements, print_node
 from plcopen_sfc.languages.st.nodes import Name, Statements
@@ -89,3 +91,32 @@ def test_a_helper_of_another_network_goes_but_not_into_a_long_line() -> None:
     assert [print_node(Statements(each.statements)) for each in code.networks] == ["q := c OR a AND b;"]
     long = " OR ".join(f"some_long_name_{i}" for i in range(6))
     assert inlined(f"edge := a AND b; q := {long} OR edge;", helpers="edge")[1] == ["edge"]
+
+
+def test_a_loop_asks_in_its_end_for_what_its_last_statement_tells() -> None:
+    made, variables = inlined("REPEAT s := s + 1; edge := s <> t; UNTIL NOT edge OR n END_REPEAT;", helpers="edge")
+    assert made == "REPEAT s := s + 1; UNTIL s = t OR n END_REPEAT;"
+    assert variables == []
+    made, variables = inlined("REPEAT edge := a OR b; q := edge; UNTIL c END_REPEAT;", helpers="edge")
+    assert (made, variables) == ("REPEAT q := a OR b; UNTIL c END_REPEAT;", [])
+
+
+@pytest.mark.parametrize(
+    ("text", "left"),
+    [
+        ("IF a THEN edge := b; END_IF; q := c;", "q := c;"),
+        (
+            "IF a THEN edge := b; ELSIF b THEN q := 1; ELSE q := 2; END_IF;",
+            "IF NOT a AND b THEN q := 1; ELSIF NOT a THEN q := 2; END_IF;",
+        ),
+        ("IF foreign() THEN edge := b; END_IF; q := c;", "IF foreign() THEN END_IF; q := c;"),
+        ("CASE s OF 1: edge := b; 2: q := c; END_CASE;", "CASE s OF 2: q := c; END_CASE;"),
+        ("REPEAT q := c; edge := b; UNTIL a END_REPEAT;", "REPEAT q := c; UNTIL a END_REPEAT;"),
+        ("old := a; edge := old; old := edge OR b; q := c;", "q := c;"),
+        ("edge := foreign(); q := c;", "edge := foreign(); q := c;"),
+    ],
+)
+def test_what_nothing_reads_is_not_assigned_inside_of_others_either(text: str, left: str) -> None:
+    made, variables = inlined(text)
+    assert made == left
+    assert variables == (["edge"] if "edge" in left else [])

@@ -85,7 +85,8 @@ class Effect:
         return self._disturbs(other) or other._disturbs(self)
 
     def _disturbs(self, other: Effect) -> bool:
-        if may_change(frozenset(other.reading | other.writing), frozenset(self.writing), frozenset()):
+        # no pointer leads to a name that only the lowered code knows
+        if may_change(frozenset(other.reading | other.writing), frozenset(self.writing), self._scope.own):
             return True
         touched = self.reading | self.writing
         return other.is_open and (

@@ -6,7 +6,7 @@ Readers are also inside of IF and CASE, and in other networks.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -14,12 +14,27 @@ from plcopen_sfc.languages.effects import Path, is_impure, may_change, reads, wr
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
-from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, names_in, simplified, without_constant
+from plcopen_sfc.languages.st.walking import children
+from plcopen_sfc.lowering.code.boolean_logic import (
+    FALSE,
+    TRUE,
+    conjunction,
+    names_in,
+    negation,
+    simplified,
+    without_constant,
+)
 from plcopen_sfc.lowering.code.lowered_code import BOOL, CodeNetwork, LoweredCode
+from plcopen_sfc.lowering.code.statement_lists import (
+    Body,
+    does_something,
+    paragraphs,
+    timers_of,
+    together,
+    with_bodies,
+)
 from plcopen_sfc.model.types import DerivedType, ElementaryType
 
-_TIMERS = ("TON", "TOF", "TON_TIME", "TOF_TIME")
-"""Types of instances whose calls change nothing but themselves."""
 _FARTHEST = 12
 """Number of statements that may be between a helper and its reader: what is farther away is read better by its name."""
 _LONGEST = 100
@@ -38,26 +53,50 @@ def inline_single_uses(code: LoweredCode, kept: Collection[Expression]) -> None:
         found.update(names_in(*network.statements))
     # once written and once read
     once = {name for name in helpers if found[name] == 2}
-    timers: set[Path] = {
-        (v.name.casefold(),) for v in code.variables if isinstance(v.type, DerivedType) and v.type.name in _TIMERS
-    }
-    inliner = _Inliner(code.networks, once, helpers, others, private=code.own_names, timers=timers)
-    left: list[list[Statement]] = [[] for _ in code.networks]
-    for at, statement in inliner.placed:
-        left[at].append(statement)
-    networks = zip(code.networks, left, strict=True)
-    code.networks[:] = [replace(network, statements=tuple(own)) for network, own in networks if own]
-    code.variables[:] = [variable for variable in code.variables if variable.name.casefold() not in inliner.gone]
+    timers = timers_of(code)
+    gone: set[str] = set()
+
+    def inlined(networks: Sequence[CodeNetwork]) -> list[CodeNetwork]:
+        inliner = _Inliner(networks, once, helpers, others, private=code.own_names, timers=timers)
+        gone.update(inliner.gone)
+        left: list[list[Statement]] = [[] for _ in networks]
+        for at, statement in inliner.placed:
+            left[at].append(with_bodies(statement, inside))
+        parts = zip(networks, left, strict=True)
+        return [replace(network, statements=tuple(own)) for network, own in parts if any(map(does_something, own))]
+
+    def inside(body: Body) -> Body:
+        parts = [CodeNetwork("", part) for part in paragraphs(body) if any(map(does_something, part))]
+        if once.isdisjoint(names_in(*body)) or not parts:
+            return body
+        return together([network.statements for network in inlined(parts)])
+
+    code.networks[:] = inlined(code.networks)
+    for place, network in enumerate(code.networks):
+        ended = tuple(_with_short_end(each, once, gone) for each in network.statements)
+        code.networks[place] = replace(network, statements=ended)
+    code.variables[:] = [variable for variable in code.variables if variable.name.casefold() not in gone]
+
+
+def _with_short_end(statement: Statement, once: Collection[str], gone: set[str]) -> Statement:
+    """Return a loop that asks in its end for what its last statement assigns to a helper of `once`."""
+    match statement:
+        case n.Repeat((*others, n.Assignment(n.Name(identifier), value)), condition) if (
+            identifier.casefold() in once and names_in(condition).count(identifier.casefold()) == 1
+        ):
+            shorter = _with(condition, identifier.casefold(), value)
+            if len(print_node(shorter)) <= _LONGEST:
+                gone.add(identifier.casefold())
+                parts = [part for part in paragraphs(tuple(others)) if any(map(does_something, part))]
+                return n.Repeat(together(parts), shorter)
+    return statement
 
 
 def remove_unread(code: LoweredCode, kept: Collection[Expression]) -> None:
-    """Remove variables that nothing reads, with what is assigned to them; those of `kept` stay."""
-    while _without_unread(code, kept):
-        pass
+    """Remove variables that nothing reads but what is assigned to such ones, with these assignments.
 
-
-def _without_unread(code: LoweredCode, kept: Collection[Expression]) -> bool:
-    """Remove variables that nothing reads with what is assigned to them; False if there are none."""
+    Those of `kept` stay.
+    """
     own_types = {each.name for each in code.data_types}
     unread = {
         v.name.casefold()
@@ -65,28 +104,77 @@ def _without_unread(code: LoweredCode, kept: Collection[Expression]) -> bool:
         if isinstance(v.type, ElementaryType) or (isinstance(v.type, DerivedType) and v.type.name in own_types)
     }
     unread -= set(names_in(*kept))
-    for network in code.networks:
-        for statement in network.statements:
-            target = _pure_target(statement)
-            names = Counter(names_in(statement))
-            unread -= {name for name, count in names.items() if count > (name == target)}
-    if not unread:
-        return False
-    for place, network in enumerate(code.networks):
-        statements = tuple(each for each in network.statements if _pure_target(each) not in unread)
-        code.networks[place] = replace(network, statements=statements)
-    code.networks[:] = [each for each in code.networks if each.statements]
-    written = {name for each in code.networks for name in names_in(*each.statements)}
-    gone = unread - written
-    code.variables[:] = [variable for variable in code.variables if variable.name.casefold() not in gone]
-    return bool(gone)
+    written: dict[str, set[str]] = {name: set() for name in unread}
+    waiting = [name for network in code.networks for each in network.statements for name in _read(each, written)]
+    while waiting:
+        name = waiting.pop()
+        if name in unread:
+            unread.remove(name)
+            waiting += written[name]
+    if unread:
+        networks = (replace(each, statements=_without(each.statements, unread)) for each in code.networks)
+        code.networks[:] = [each for each in networks if each.statements]
+        code.variables[:] = [variable for variable in code.variables if variable.name.casefold() not in unread]
 
 
-def _pure_target(statement: Statement) -> str | None:
-    match statement:
+def _read(node: n.Node, written: Mapping[str, set[str]]) -> Iterator[str]:
+    """Yield the names that a statement reads; what is assigned to one of `written` alone is added to that."""
+    target = _pure_target(node)
+    if target in written and isinstance(node, n.Assignment):
+        written[target].update(names_in(node.value))
+    elif isinstance(node, n.Name):
+        yield node.identifier.casefold()
+    else:
+        for each in children(node):
+            yield from _read(each, written)
+
+
+def _pure_target(node: n.Node) -> str:
+    """Return the variable to which a statement assigns, in lower case, if that is all it does; else nothing."""
+    match node:
         case n.Assignment(n.Name(identifier), value, n.AssignmentKind.ASSIGN) if not is_impure(value):
             return identifier.casefold()
-    return None
+    return ""
+
+
+def _without(body: Body, unread: set[str]) -> Body:
+    """Return statements without assignments to `unread`; what stays whole is the same object, with its text."""
+    if unread.isdisjoint(names_in(*body)):
+        return body
+    parts: list[Body] = []
+    for part in paragraphs(body):
+        whole = (with_bodies(each, lambda inner: _without(inner, unread)) for each in part)
+        left = tuple(rest for each in whole if _pure_target(each) not in unread for rest in _not_empty(each))
+        if any(map(does_something, left)) or not any(map(does_something, part)):
+            parts.append(left)
+    return together(parts)
+
+
+def _not_empty(statement: Statement) -> Sequence[Statement]:
+    """Return a statement without branches from which everything was removed."""
+    match statement:
+        case n.If(branches, otherwise) if not any(is_impure(each.condition) for each in branches):
+            excluded: list[Expression] = []
+            kept: list[n.Branch] = []
+            for each in branches:
+                if not each.statements:
+                    excluded.append(negation(each.condition))
+                else:
+                    condition = conjunction([*excluded, each.condition]) if excluded else each.condition
+                    kept.append(n.Branch(condition, each.statements) if excluded else each)
+            if excluded and otherwise:
+                kept.append(n.Branch(conjunction(excluded), otherwise))
+                otherwise = None
+            if not kept:
+                return ()
+            return (n.If(tuple(kept), otherwise) if len(kept) < len(branches) or excluded else statement,)
+        case n.Case(selector, branches, None) if not is_impure(selector):
+            left = tuple(each for each in branches if any(map(does_something, each.statements)))
+            if len(left) < len(branches):
+                return (n.Case(selector, left),) if left else ()
+        case n.RegionBlock(_, inner) if not any(map(does_something, inner)):
+            return ()
+    return (statement,)
 
 
 class _Placed(NamedTuple):

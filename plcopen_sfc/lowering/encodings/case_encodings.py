@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import groupby
 
 from plcopen_sfc.analysis.regions import ParallelBlock, Regions
 from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.effects import is_impure, path_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
-from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.lowering.actions.action_execution import StepCode
-from plcopen_sfc.lowering.actions.variable_access import UntouchedVariables
+from plcopen_sfc.lowering.actions.variable_access import Effect, UntouchedVariables
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
@@ -76,13 +77,13 @@ class RegionEncoding(ScanSchedule):
             self._regions = replace(off, regions=tuple(regions))
             off = replace(off, regions=tuple(replace(each, initial=None) for each in self._regions.regions))
         self.names = StateNames(source, off, self.code, self.rules, self.surroundings, merged=merged)
-        self.states = StateVariables(self._regions, self.names, self.texts, off=source.starts_off)
+        self.states = StateVariables(self._regions, self.names, self.texts, off=source.starts_off, part=self.rules.part)
         self.machines = self.states.machines
         self._bits: dict[int, n.Name] = {}
         self._again: dict[int, n.Name] = {}
         self._last: dict[int, n.Name] = {}
         self._done: dict[int, list[BranchCode]] = {}
-        self._entered: n.Name | None = None
+        self._entered: dict[int, n.Name] = {}
         self.may_fire: Expression = TRUE
         # a contact in another body cannot compare
         self._asked = {
@@ -148,9 +149,8 @@ class RegionEncoding(ScanSchedule):
     def remember(self) -> None:
         """Append the assignments of the states of the last scan."""
         kept = [assignment(each, self.states.machine(index).state) for index, each in self._last.items()]
-        if self._entered is not None:
-            entered = (negation(equal(self.states.machine(index).state, each)) for index, each in self._last.items())
-            kept.insert(0, assignment(self._entered, next(entered)))
+        entered = ((flag, equal(self.states.machine(i).state, self._last[i])) for i, flag in self._entered.items())
+        kept[:0] = [assignment(flag, negation(same)) for flag, same in entered]
         self.code.add(self.texts.steps_before, kept)
         if self.sfc_flags.set_back:
             self.memory.ends += [assignment(each, self.names.no_state) for each in self._last.values()]
@@ -180,6 +180,8 @@ class RegionEncoding(ScanSchedule):
 
     def gather(self, begin: int) -> None:
         """Write what single steps do, in one network behind the other, as one CASE."""
+        for place, network in enumerate(self.code.networks[begin:], begin):
+            self.code.networks[place] = replace(network, statements=tuple(self._ended_by_state(network.statements)))
         if self.profile.order is ScanOrder.ACTIONS_FIRST:
             return  # what can moves to the transitions
         branches = [self._branches(machine, whole=True) for machine in self.machines]
@@ -192,10 +194,37 @@ class RegionEncoding(ScanSchedule):
             found += run
         self.code.networks[begin:] = found
 
+    def _ended_by_state(self, statements: Iterable[Statement]) -> Iterator[Statement]:
+        """Yield statements with one CASE instead of several IFs in a row that ask if a step was left."""
+        for machine, these in groupby(statements, self._left_machine):
+            run = [*these]
+            if machine is None or len(run) == 1:
+                yield from run
+                continue
+            steps = {self.states.state_of(step): step for step in self.states.steps_of(machine)}
+            parts: list[StepCode] = []
+            for each in run:
+                match each:
+                    case n.If((n.Branch(n.Operation(_, (n.Operation(_, (_, state)), _)), inside),), None):
+                        parts.append(StepCode(steps[state], "", inside))
+            yield from self._changed(self.last_state(machine), machine.state, parts)
+
+    def _left_machine(self, statement: Statement) -> RegionState | None:
+        """Return the region of ``IF last = Fill AND state <> Fill THEN``; None for all others."""
+        match statement:
+            case n.If((n.Branch(n.Operation(Operator.AND, (n.Operation(_, (last, state)) as was, now)), _),), None):
+                for index, name in self._last.items():
+                    machine = self.states.machine(index)
+                    left = was, now
+                    if last == name and left == (equal(name, state), negation(equal(machine.state, state))):
+                        return machine
+        return None
+
     def _branches(self, machine: RegionState, *, whole: bool) -> StepBranches:
         """Return empty branches of a CASE for the code of its steps."""
         scope = UntouchedVariables(self.source, self.code.own_names)
-        return StepBranches(self.states, machine, self._last.get(machine.region.index), scope, whole=whole)
+        last = self._last.get(machine.region.index)
+        return StepBranches(self.states, machine, last, scope, whole=whole, between=self._between(machine, scope))
 
     def choose_transitions(self, shared: Sequence[Statement] = ()) -> None:
         """Append the CASE of each region with the transitions of each step."""
@@ -204,6 +233,10 @@ class RegionEncoding(ScanSchedule):
         self.code.add("", [assignment(flag, FALSE) for flag in self._again.values()])
         for machine in sorted(self.machines, key=self._depth, reverse=True) if self._in_sequence else self.machines:
             self.code.add(self.states.title(machine), self._guarded(machine, self._case(machine)))
+        if self.blocking and not self._keeps_out:
+            back = [self.states.set_back(each) for each in self.machines if self._is_set_back_behind(each)]
+            ahead = [beside(self.texts.held), *back]
+            self.code.add("", [when(disjunction(self.blocking), *ahead)] if back else [])
 
     def select(self) -> None:
         """Append the selection: the selected step becomes the state of its region, all other regions have none."""
@@ -236,14 +269,34 @@ class RegionEncoding(ScanSchedule):
 
     def into_branches(self, begin: int) -> None:
         """Move what active steps do into the branches of the CASE, where that is the same."""
-        # blocks in conditions are not executed while no transition may fire: then the CASE is not either
-        if len(self.machines) > 1 or (self.blocking and any(self.source.preparations)):
+        if self._keeps_out:
             return
-        branches = self._branches(self.machines[0], whole=False)
-        self.code.networks[begin:] = branches.take(self.code.networks[begin:])
-        self._done = branches.code
-        if branches.enters:
-            self._entered = self.code.declare(self.texts.entered, comment=self.texts.entered_comment)
+        for machine in self.machines:
+            branches = self._branches(machine, whole=False)
+            self.code.networks[begin:] = branches.take(self.code.networks[begin:])
+            self._done |= branches.code
+            if branches.enters:
+                wanted = "_".join(filter(None, [self.texts.entered, self.states.suffix(machine.region)]))
+                entered = self.code.declare(wanted, comment=self.texts.entered_comment)
+                self._entered[machine.region.index] = entered
+
+    def _between(self, machine: RegionState, scope: UntouchedVariables) -> Effect:
+        """Return the effect of what is executed between the actions and the CASE of a region."""
+        between = Effect(scope)
+        between.writing |= {path_of(each) for each in self._last.values()}  # brought up to date before the CASEs
+        others = [each for each in self.machines if each is not machine]
+        if others:
+            between.writing |= {path_of(self.states.following(each)) for each in others}
+            between.writing |= {path_of(each) for each in self._bits.values()}
+            between.add(self.source.conditions)
+            between.add(each for statements in self.source.preparations for each in statements)
+            between.add(each for parts in self._done.values() for code in parts for each in code.statements)
+        return between
+
+    @property
+    def _keeps_out(self) -> bool:
+        """True if a CASE is not executed while no transition may fire: neither are what its conditions call."""
+        return bool(self.blocking) and (any(self.source.preparations) or any(map(is_impure, self.source.conditions)))
 
     def change_situation(self) -> None:
         """Append the assignments of following states, where these had to wait."""
@@ -368,11 +421,14 @@ class RegionEncoding(ScanSchedule):
             idle = is_constant(self.may_fire, TRUE) or not case
             return case if idle else [when(self.may_fire, *case)]
         blocked, back = disjunction(self.blocking), self.states.set_back(machine)
-        if self._done:  # meanwhile the initial step is active
-            return [*case, when(blocked, beside(self.texts.held), back)]
-        if self._is_announced or self.states.has_following(machine) or self.init is None:  # set back where it changes
-            return [when(negation(blocked), *case)] if case else []
-        return [n.If((n.Branch(blocked, (back,)),), tuple(case) or None)]
+        if not self._is_set_back_behind(machine):
+            return [n.If((n.Branch(blocked, (back,)),), tuple(case) or None)]
+        # else the initial step stays active meanwhile
+        return [when(negation(blocked), *case)] if case and self._keeps_out else case
+
+    def _is_set_back_behind(self, machine: RegionState) -> bool:
+        """Return True if a state is set back where it becomes valid, and not in the place of its CASE."""
+        return self._is_announced or self.states.has_following(machine) or self.init is None
 
     # -- transitions that compete with those of another CASE
 
@@ -425,7 +481,8 @@ class RegionEncoding(ScanSchedule):
 
     def _case(self, machine: RegionState) -> list[Statement]:
         def done(*steps: int) -> list[Statement]:
-            return [each for i in steps for code in self._done.get(i, ()) for each in code.written(self._entered)]
+            entered = self._entered.get(machine.region.index)
+            return [each for i in steps for code in self._done.get(i, ()) for each in code.written(entered)]
 
         def leaving(step: NetStep) -> list[Statement]:
             transitions = [self.net.transitions[t] for t in self.net.leaving[step.index]]

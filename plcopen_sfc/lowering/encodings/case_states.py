@@ -294,11 +294,12 @@ class TriedTransition(NamedTuple):
 class StateVariables:
     """State variables of all regions of a chart, and their CASEs.
 
-    At the start their states are those of the initial steps, or with `off` those of no step.
+    At the start their states are those of the initial steps, or with `off` those of no step. `part`: a name for the
+    chart in those of its variables.
     """
 
-    def __init__(self, regions: Regions, names: StateNames, texts: Texts, *, off: bool = False) -> None:
-        self.regions, self.names = regions, names
+    def __init__(self, regions: Regions, names: StateNames, texts: Texts, *, off: bool = False, part: str = "") -> None:
+        self.regions, self.names, self._part = regions, names, part
         self._net, self._texts, self._off = regions.net, texts, off
         # no region is None: `regions_of` refuses steps that can never become active
         self._region_of = [region or 0 for region in regions.region_of]
@@ -322,8 +323,9 @@ class StateVariables:
         return self.names.declare(at_start, self.suffix(region), following=following)
 
     def suffix(self, region: Region) -> str:
-        """Return the end of the names of a region's variables: its first step, nothing for the first region."""
-        return "" if region.index == 0 else self._net.steps[self.regions.first_step(region)].path
+        """Return the end of the names of a region's variables: its first step, nothing more for the first region."""
+        first = "" if region.index == 0 else self._net.steps[self.regions.first_step(region)].path
+        return "_".join(filter(None, [self._part, first]))
 
     def add_following_state(self, machine: RegionState) -> None:
         """Give a region a second variable, which its CASE writes and which becomes valid later."""

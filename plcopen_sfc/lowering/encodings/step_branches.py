@@ -56,7 +56,7 @@ class StepBranches:
     """Code of one region in the branches of its steps.
 
     `last` is the variable with the state of the last scan. `whole`: only statements move that do nothing without a
-    state of these steps, with their titles.
+    state of these steps, with their titles. `between`: what is executed before the CASE, behind what moves.
     """
 
     def __init__(
@@ -67,13 +67,12 @@ class StepBranches:
         scope: UntouchedVariables,
         *,
         whole: bool,
+        between: Effect | None = None,
     ) -> None:
         self.state, self._states, self._last, self._whole = machine.state, states, last, whole
         self._steps = {states.state_of(step): step for step in states.steps_of(machine)}
-        self._scope, self._passed = scope, Effect(scope)
+        self._scope, self._passed = scope, between or Effect(scope)
         self._memories = {(name,) for name in scope.own}
-        if last is not None:
-            self._passed.writing.add(path_of(last))  # it is brought up to date before the CASE
         self.code: dict[int, list[BranchCode]] = {}
 
     def can_take(self, network: CodeNetwork) -> bool:

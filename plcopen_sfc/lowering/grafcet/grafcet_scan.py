@@ -8,7 +8,7 @@ from dataclasses import replace
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform
-from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.lowering.actions.action_execution import add_actions, add_changes, add_conditions, add_main_actions
 from plcopen_sfc.lowering.actions.drive_block import DriveBlock, DriveSignal, without_texts
 from plcopen_sfc.lowering.code.boolean_logic import (
@@ -374,48 +374,37 @@ class GrafcetScan:
     def _jump(self, evolution: Sequence[CodeNetwork], moves: Expression) -> None:
         """Repeat an evolution by a jump back to its first network: networks have no other loops."""
         code, texts = self._code, self._texts
-        moving = code.declare(texts.moving, comment=texts.moving_comment)
         label = n.Name(code.naming.fresh(texts.next_evolution))
-        last: list[Statement] = [assignment(moving, moves)]
-        again: Expression = moving
-        if self.stability.most is None:
-            number, unstable, counted = self._counted()
-            code.add(texts.stability, [assignment(number, n.Literal("0"))])
-            again = conjunction([moving, n.Operation(n.Operator.LESS, (number, self._most))])
-            last.append(counted)
+        moving, starts, counted, goes_on = self._counted(Operator.LESS)
+        code.add(texts.stability, starts)
         first, *others = evolution
         code.networks += [replace(first, statements=(n.LabelStatement(label), *first.statements)), *others]
-        code.add(texts.stability, last)
-        code.add(texts.next_evolution_title, [when(again, n.Goto(label, "GOTO"))])
-        if self.stability.most is None:
-            code.add(texts.stability, [assignment(unstable, moving)])
-
-    def _counted(self) -> tuple[n.Name, n.Name, Statement]:
-        """Return the number of evolutions, the condition that they are too many, and the statements that count them."""
-        number = self._code.declare(self._texts.evolutions, INT)
-        unstable = self._code.declare_output(self._texts.unstable, self._texts.unstable_comment)
-        return number, unstable, assignment(number, n.Operation(n.Operator.ADD, (number, n.Literal("1"))))
-
-    @property
-    def _most(self) -> Expression:
-        return n.Literal(str(self._encoding.profile.max_evolutions))
+        code.add(texts.stability, [assignment(moving, moves), *counted])
+        code.add(texts.next_evolution_title, [when(conjunction([moving, *goes_on]), n.Goto(label, "GOTO"))])
 
     def _loop(self, evolution: Sequence[CodeNetwork], moves: Expression) -> None:
         """Repeat an evolution until no transition fires any more."""
-        texts = self._texts
-        moving = self._code.declare(texts.moving, comment=texts.moving_comment)
-        goes_on = assignment(moving, moves)
-        inside = [*evolution, CodeNetwork("", (goes_on,))]
-        ends = negation(moving)
-        ahead: list[Statement] = []
-        behind: list[Statement] = []
-        if self.stability.most is None:
-            number, unstable, counted = self._counted()
-            inside.insert(0, CodeNetwork("", (counted,)))
-            ends = disjunction([ends, n.Operation(n.Operator.GREATER_OR_EQUAL, (number, self._most))])
-            ahead, behind = [assignment(number, n.Literal("0"))], [assignment(unstable, moving)]
-        apart = [each for network in inside for each in (n.Remark(""), *titled(network))]
-        self._code.add(texts.stability, [*ahead, n.Repeat(tuple(apart[1:]), ends), *behind])
+        moving, starts, counted, ends = self._counted(Operator.GREATER_OR_EQUAL)
+        inside = [CodeNetwork("", tuple(counted)), *evolution, CodeNetwork("", (assignment(moving, moves),))]
+        apart = [each for network in inside if network.statements for each in (n.Remark(""), *titled(network))]
+        self._code.add(
+            self._texts.stability, [*starts, n.Repeat(tuple(apart[1:]), disjunction([negation(moving), *ends]))]
+        )
+
+    def _counted(self, bound: Operator) -> tuple[n.Name, list[Statement], list[Statement], list[Expression]]:
+        """Return what tells that a transition has fired; what starts, counts and compares evolutions with the most.
+
+        They are only counted where no end of them is known: then the first one is an output, which stays TRUE where no
+        stable situation was found.
+        """
+        code, texts = self._code, self._texts
+        if self.stability.most is not None:
+            return code.declare(texts.moving, comment=texts.moving_comment), [], [], []
+        number = code.declare(texts.evolutions, INT)
+        unstable = code.declare_output(texts.unstable, texts.unstable_comment)
+        counted = assignment(number, n.Operation(Operator.ADD, (number, n.Literal("1"))))
+        most = n.Literal(str(self._encoding.profile.max_evolutions))
+        return unstable, [assignment(number, n.Literal("0"))], [counted], [n.Operation(bound, (number, most))]
 
 
 def _bits(source: ChartSource) -> set[str]:

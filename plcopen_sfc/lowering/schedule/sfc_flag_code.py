@@ -243,7 +243,9 @@ class SfcFlagCode:
 
     def _ended_targets(self) -> list[Statement]:
         """Return the end of the variables that are written in every scan; those of the others is in `Memory.ends`."""
-        owned = OwnVariables(self._source)
+        # what the text of another action writes too is left alone while its own action is inactive
+        bodies = (each for action in self._source.actions if action.target is None for each in action.statements)
+        owned = OwnVariables(self._source, bodies)
         targets = (action.target for action in self._source.actions if action.target is not None)
         return [assignment(target, FALSE) for target in targets if owned.is_false_at_rest(target)]
 
