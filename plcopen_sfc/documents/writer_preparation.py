@@ -23,7 +23,7 @@ from plcopen_sfc.languages.s7_programs import has_results, name_results
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.model.body import IlBody, StBody
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import COUNTING_BYTES, Dialect, address_dialect
 from plcopen_sfc.model.project import Chart, Project
@@ -73,6 +73,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     of_grafcet = not options.same and is_put_into_sfc(project, kind)
     origin = _origin(project, kind, options, of_grafcet=of_grafcet)
     as_it_is = same_dialect and lacks_nothing and not options.flavour and not results and not of_grafcet
+    as_it_is = as_it_is and (options.same or not _writes_statements(kind) or not _has_drawn_bodies(project))
     if kind.drawing is DrawingNeed.NONE and kind.charts is None and as_it_is:
         behaviour = executed(project, at_rest=options.at_rest) if kind.tool else None
         same = project if origin == project.origin else project.model_copy(update={"origin": origin})
@@ -296,13 +297,22 @@ def _put_into_notation(project: Project, kind: Format, report: ConversionReport)
         report.add(Outcome.TRANSLATED, "step flag", path, why)
 
 
+def _writes_statements(kind: Format) -> bool:
+    """True if a tool executes statements in the place of networks that it cannot draw."""
+    return bool(kind.tool) and kind.networks is not NetworkForm.DRAWN
+
+
+def _has_drawn_bodies(project: Project) -> bool:
+    return any(isinstance(body, FbdBody | LdBody) for pou in project.pous for _, _, body in pou.named_bodies())
+
+
 def _in_structured_text(project: Project, kind: Format, report: ConversionReport) -> None:
     """Write instruction list and networks as structured text, where the target has none."""
     from plcopen_sfc.languages.networks.exported_networks import SOURCES  # noqa: PLC0415
     from plcopen_sfc.refactor.il_texts import (  # noqa: PLC0415
         write_bodies_as_statements,
         write_conditions_as_expressions,
-        write_drawn_pous_as_statements,
+        write_drawn_bodies_as_statements,
         write_exported_networks_as_statements,
     )
 
@@ -313,7 +323,8 @@ def _in_structured_text(project: Project, kind: Format, report: ConversionReport
     for source, tool in SOURCES.items():
         for path in write_exported_networks_as_statements(project, source) if kind.name != source else ():
             report.add(Outcome.TRANSLATED, "body", path, f"from networks of {tool} into structured text")
-    for path in write_drawn_pous_as_statements(project) if kind.networks is NetworkForm.COMMENTS else ():
+    is_kept = kind.networks is NetworkForm.STATEMENTS and kind.charts is None
+    for path in write_drawn_bodies_as_statements(project, keeps=is_kept) if _writes_statements(kind) else ():
         report.add(Outcome.TRANSLATED, "body", path, "from a drawing into structured text")
 
 

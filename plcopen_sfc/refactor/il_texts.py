@@ -6,17 +6,21 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import TypeGuard
 
+from plcopen_sfc.languages.binding.helper_variables import helper_variables
+from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.name_uses import dialect_of
+from plcopen_sfc.languages.binding.text_sites import Site
 from plcopen_sfc.languages.il import result_expression, statements
-from plcopen_sfc.languages.networks import shown_body, shown_named_condition
+from plcopen_sfc.languages.networks import body_statements, shown_body, shown_named_condition
 from plcopen_sfc.languages.networks.exported_networks import network_statements
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.pou import Action, Method
+from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import Body, BodyCondition
+from plcopen_sfc.model.sfc import Body, BodyCondition, SfcBody
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 
 def write_conditions_as_expressions(project: Project) -> Iterator[str]:
@@ -75,15 +79,68 @@ def _written(project: Project, as_statements: Callable[[Body | str | None, Diale
                     yield f"{chart.report_path} / step {step.name}"
 
 
-def write_drawn_pous_as_statements(project: Project) -> Iterator[str]:
-    """Write the drawn bodies of POUs as structured text, where it needs no more variables, and yield their paths."""
+def write_drawn_bodies_as_statements(project: Project, *, keeps: bool) -> Iterator[str]:
+    """Write drawn bodies of POUs, actions and methods as structured text, and yield the paths of their owners.
+
+    Variables that they need are declared. `keeps`: the writer keeps the drawing of those that need none beside
+    statements, so these stay. A function keeps no variables: a body of one that needs such stays drawn.
+    """
     dialect = dialect_of(project)
+    resolver = Resolver(project, dialect)
     for pou in project.pous:
-        for place, body in enumerate(pou.bodies):
-            text = shown_body(body, dialect) if isinstance(body, FbdBody | LdBody) else None
-            if text is not None:
-                pou.bodies[place] = StBody(text=text, worksheet=body.worksheet)
-                yield pou.report_path
+        owners: list[Pou | Action | Method] = [pou, *pou.actions, *pou.methods]
+        for owner in owners:
+            bodies = [owner.body] if isinstance(owner, Action | Method) else owner.bodies
+            for place, body in enumerate(bodies):
+                text = None
+                if isinstance(body, FbdBody | LdBody):
+                    text = _with_variables(pou, owner, body, resolver)
+                    if text is None and not keeps:
+                        text = shown_body(body, dialect)
+                if text is None or body is None:
+                    continue
+                statements = StBody(text=text, worksheet=body.worksheet)
+                if isinstance(owner, Action | Method):
+                    owner.body = statements
+                    yield pou.report_path_of(f"{pou.name}.{owner.name}")
+                else:
+                    owner.bodies[place] = statements
+                    yield pou.report_path
+
+
+def _with_variables(pou: Pou, owner: Pou | Action | Method, body: FbdBody | LdBody, resolver: Resolver) -> str | None:
+    """Return a drawn body as statements, and declare the variables in them; None where it needs none, or has no such.
+
+    Variables of a method are temporary: what it keeps is declared in its block.
+    """
+    method = owner if isinstance(owner, Method) else None
+    parts: list[Action | Method | NamedTransition] = [*pou.actions, *pou.methods, *pou.transitions]
+    names = [each.name for each in parts]
+    names += [each.name for each in pou.variables()]
+    names += [each.name for section in resolver.project.global_sections() for each in section.variables]
+    names += [step.name for each in pou.bodies if isinstance(each, SfcBody) for step in each.chart.steps]
+    names += [each.name for each in method.interface.variables()] if method is not None and method.interface else []
+    found = body_statements(body, resolver.dialect, taken=names)
+    if not found.helpers or found.obstacles:
+        return None
+    if pou.kind is PouKind.FUNCTION and any(helper.retained for helper in found.helpers):
+        return None
+    variables = helper_variables(found, found.tree, resolver, Site(pou=pou, method=method))
+    for variable, helper in zip(variables or (), found.helpers, strict=True) if variables is not None else ():
+        holder = method if method is not None and not helper.retained else pou
+        if holder.interface is None:
+            holder.interface = Interface()
+        sections = holder.interface.sections
+        local = next((each for each in sections if _is_plain_local(each)), None)
+        if local is None:
+            local = VariableSection(kind=SectionKind.LOCAL)
+            sections.append(local)
+        local.variables.append(variable)
+    return print_node(found.tree) if variables is not None else None
+
+
+def _is_plain_local(section: VariableSection) -> bool:
+    return section.kind is SectionKind.LOCAL and not (section.constant or section.retain or section.persistent)
 
 
 def _is_of(body: Body | str | None, source: str) -> TypeGuard[OpaqueBody]:

@@ -10,11 +10,18 @@ import plcopen_sfc as sfc
 from plcopen_sfc.languages.networks import draw_fbd
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.model import (
+    Action,
     ActionAssociation,
+    Block,
     Body,
     BodyCondition,
+    Connection,
+    Edge,
+    FbdBody,
     IlBody,
+    InputPin,
     Interface,
+    OutputVariable,
     Pou,
     PouKind,
     Project,
@@ -51,6 +58,19 @@ def program(body: Body, condition: str) -> Project:
     interface = Interface(sections=sections)
     pou = Pou(name="Main", kind=PouKind.PROGRAM, interface=interface, bodies=[SfcBody(chart=chart)])
     return Project(name="p", pous=[pou], dialect=Dialect.IEC)
+
+
+def keeping_network() -> FbdBody:
+    """``n`` counted, with what it was before added to `m`, while the edge of `c` toggles `r`: both need variables."""
+    body = draw_fbd(parse_statements("n := n + 1; m := n - 1; r := c;").tree.statements, divided=True).body
+    counting, rest, toggling = body.networks
+    (sum_,) = (node.id for node in counting.nodes if isinstance(node, Block))
+    wire = InputPin(connections=[Connection(source=sum_, pin="OUT")])
+    counting.nodes.append(OutputVariable(id=99, expression="m", input=wire))
+    (result,) = (node for node in toggling.nodes if isinstance(node, OutputVariable))
+    result.edge = Edge.RISING
+    body.networks.remove(rest)
+    return body
 
 
 CASES = [(target, language) for target in [*CODESYS_FAMILY, "iec-text"] for language in BODIES]
@@ -93,3 +113,29 @@ def test_a_block_called_before_a_condition_is_refused_once_in_text(tmp_path: Pat
     report = sfc.save(project, tmp_path / "main.st", format="iec-text", partial=True)
     assert [item.what for item in report.with_outcome(Outcome.NOT_EXECUTED)] == ["condition"]
     assert not any(item.what == "condition" for item in report.with_outcome(Outcome.TRANSLATED))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("target", [*CODESYS_FAMILY[1:], "iec-text"])
+@pytest.mark.parametrize("where", ["action", "pou"])
+def test_drawn_bodies_that_keep_something_get_variables_in_text(target: str, where: str, tmp_path: Path) -> None:
+    """Their text was left out with `cannot be written`, as the variable of a wire or an edge is not declared."""
+    project = program(BODIES["ST"], "c")
+    project.dialect = Dialect.CODESYS if target in CODESYS_FAMILY else Dialect.IEC  # the same final scans
+    (pou,) = project.pous
+    assert pou.interface is not None
+    outputs = [Variable(name="m", type="INT"), Variable(name="r", type="BOOL")]
+    pou.interface.sections[1].variables += outputs
+    drawn = keeping_network()
+    if where == "action":
+        pou.actions.append(Action(name="Count", body=drawn))
+        pou.chart.step("S2").actions = [ActionAssociation(id=50, target="Count", qualifier=Qualifier.N)]
+    else:
+        pou.bodies = [drawn]
+    path = tmp_path / "main"
+    report = sfc.save(project, path, format=target, limit=3 if where == "action" else 0)
+    assert report.with_outcome(Outcome.NOT_EXECUTED) == []
+    assert all("equal" in verdict for verdict in report.compared.values())
+    (seen,) = sfc.load(path, format=target, as_tool=True).pous
+    added = {getattr(each.type, "name", "") for each in seen.variables(SectionKind.LOCAL)}
+    assert added == {"INT", "R_TRIG"}

@@ -186,6 +186,7 @@ def test_flags_that_operate_a_chart_of_codesys_count_wherever_they_are_declared(
 
 def test_a_body_that_cannot_be_written_is_one_item(tmp_path: Path) -> None:
     source = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
+    source.pou("PLC_PRG").kind = m.PouKind.FUNCTION  # which keeps no edges
     report = sfc.save(source, f"{tmp_path}/out/", format="twincat", partial=True)
     found = [item.path for item in report.with_outcome(Outcome.NOT_EXECUTED) if item.what in ("body", "code")]
     assert found == ["POU PLC_PRG / action ACT_Belt"]
