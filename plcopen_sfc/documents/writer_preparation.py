@@ -89,7 +89,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     if of_grafcet:
         _put_into_sfc(copy, kind, report)
         profile = PROFILES["iec"]  # the words of the copy
-    options = for_source(options, profile)
+    options = replace(for_source(options, profile), of_grafcet=of_grafcet)
     if profile.graph_parameters and kind.name != TIA_FORMAT:
         _mark_first_steps(copy, kind, report)
     if kind.xml and not options.same:

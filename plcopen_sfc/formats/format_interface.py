@@ -116,6 +116,7 @@ class WriteOptions:
     writes its operand for itself, in the order of the rows.
     `of_codesys`: it has the semantics of CODESYS, step actions and SFC flags too.
     `of_matiec`: it is of Beremiz or OpenPLC, whose compiler matiec executes charts and FOR loops as they are.
+    `of_grafcet`: its charts were a GRAFCET, whose outputs are those of its steps at the end of every scan.
     `final_scan`: actions of the project are executed once more after their step was left (IEC 61131-3, 6.7.4.6).
     `at_rest` are the inactive inputs of sequencers of S7-GRAPH, in upper case.
     """
@@ -134,6 +135,7 @@ class WriteOptions:
     of_graph: bool = False
     of_codesys: bool = False
     of_matiec: bool = False
+    of_grafcet: bool = False
     final_scan: bool = True
     at_rest: Collection[str] = ()
 

@@ -1122,6 +1122,7 @@ _TRANSLATED = {
         "{} ist eine Flanke von etwas, das weder Variable noch Schritt ist: {}"
     ),
     "the condition cannot be read: {}": "die Bedingung ist nicht lesbar: {}",
+    "what it does cannot be read: {}": "was sie tut, ist nicht lesbar: {}",
     "the condition is FALSE: CODESYS leaves the transition out": (
         "die Bedingung ist FALSE: CODESYS lässt die Transition aus"
     ),

@@ -42,6 +42,48 @@ def random_grafcet(seed: int) -> m.Pou:
     return pou_with(m.SfcNetwork(partial_charts=partials), "a b", "Q R S")
 
 
+def random_hierarchy(seed: int) -> m.Pou:
+    """The same with a macro-step in its first chart, and often one more chart above it all; with comments and names."""
+    pou, random = random_grafcet(seed), Random(seed)  # noqa: S311
+    chart = pou.chart
+    assert chart is not None
+    below = chart.partial_charts[0].chart
+    inner = _chart(random, 31, random.randint(2, 3), times=seed % 3 == 0)
+    # what leads back to the first step of the expansion would be a loop around it
+    inner.transitions = [each for each in inner.transitions if inner.steps[0].id not in each.targets]
+    inner.steps[0].initial = False
+    inner.steps[0].name = "E1"
+    end = inner.add_step("S1")
+    inner.add_transition(inner.steps[-2], end, m.Expression(text=random.choice(CONDITIONS).format(step="31")))
+    for condition in _conditions(inner):
+        condition.text = condition.text.replace("X31", "XE1")
+    expansion = m.PartialChart(name="M1", kind=m.PartialChartKind.EXPANSION, chart=inner)
+    expansion.entry_step, expansion.exit_step = "E1", "S1"
+    chart.partial_charts.insert(1, expansion)
+    macro = below.add_step("M1")
+    macro.macro = m.Macro(expansion="M1")
+    onward = random.choice(below.transitions[: len(below.steps) - 1])
+    below.add_transition(macro, random.choice(below.steps[:-1]), m.Expression(text=random.choice(["a", "b", "1"])))
+    onward.targets = [macro.id]
+    onward.comment, onward.name = "zur Erweiterung", "hinein"
+    below.steps[0].comment = 'Grundstellung "0"'
+    above = chart.partial_charts[-1]
+    if above.name == "G2" and random.random() < 0.7:
+        top = _chart(random, 21, 2, times=False)
+        order = m.ForcingOrder(chart="G2", situation=random.choice([*m.ForcedSituation][:2]), steps=[])
+        if order.situation is m.ForcedSituation.EXPLICIT:
+            order.steps = [above.chart.steps[1].name]
+        top.steps[1].actions.append(m.ActionAssociation(id=91, kind=m.ActionKind.FORCING, forcing=order))
+        chart.partial_charts.append(m.PartialChart(name="G3", chart=top))
+    return pou
+
+
+def _conditions(chart: m.SfcNetwork) -> list[m.Expression]:
+    found = [each.condition for each in chart.transitions]
+    found += [each.condition for step in chart.steps for each in step.actions]
+    return [each for each in found if isinstance(each, m.Expression)]
+
+
 def _chart(
     random: Random, first: int, count: int, *, times: bool, conditions: Sequence[str] = CONDITIONS
 ) -> m.SfcNetwork:

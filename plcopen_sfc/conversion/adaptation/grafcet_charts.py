@@ -409,6 +409,8 @@ class _Chart:
                     self._share(uses, path)
         for step, each in list(self._chart.associations()):
             place = f"{path} / step {step.name} / action {each.target or 'in place'}"
+            if problem := _problem_of(each):
+                self._note(Outcome.NOT_EXECUTED, "action", place, f"what it does cannot be read: {problem}")
             if each.forcing is not None:
                 self._note(Outcome.NOT_EXECUTED, "forcing order", place, "it has no counterpart in this chart")
             elif each.kind in _CONTINUOUS:
@@ -554,6 +556,13 @@ class _Chart:
 
 def _why(error: ConditionError | _TermError) -> str:
     return f"the condition cannot be read: {error}" if isinstance(error, ConditionError) else str(error)
+
+
+def _problem_of(each: ActionAssociation) -> str:
+    """Return why the value or the statements of an action cannot be read; empty where they can."""
+    value = parse_expression(each.value).problems if each.value else ()
+    body = parse_statements(each.body.text).problems if isinstance(each.body, StBody) else ()
+    return next((problem.message for problem in (*value, *body)), "")
 
 
 def _acts_when_left(step: Step) -> bool:

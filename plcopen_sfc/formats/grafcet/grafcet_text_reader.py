@@ -78,6 +78,7 @@ _LATE = re.compile(rf"(?P<done>[^\s{{}}].*?)\s+ON\s+(?P<when>{'|'.join(STORED)}|
 _COUNTED = re.compile(r"(?P<on>ON\s+(?:ACTIVATION|DEACTIVATION)\s+)?(?P<name>\w+)\s*(?P<sign>[-+])(?P=sign)$")
 _EQUAL = re.compile(r"(?P<on>ON\s+(?:ACTIVATION|DEACTIVATION)\s+)?(?P<name>\w+)\s*=\s*(?P<value>.+)$")
 _EVENT = re.compile(r"ON\s+EVENT\s+(?P<event>[^\s:]+)\s+(?P<done>[^\s:]+\s*:=.*)$")
+_NUMBER = re.compile(r"\d+(?:[.,]\d+)?")
 _DONE = re.compile(r"(?:\{(?P<body>.*)\}|(?P<target>[^\s:={}]+)(?:\s*:=\s*(?P<value>.+))?)$")
 _ENCLOSURE = re.compile(r"(?P<chart>[^\s{},]+)\s*(?:\{(?P<steps>[^{}]*)\})?")
 _REMAINDER_CODES = {DAMAGED: "GRF202", OUTDATED: "GRF203"}
@@ -273,7 +274,7 @@ class _Reader:
 
     def _variable(self, found: re.Match[str], said: str | None, start: int, end: int) -> None:
         assert self._section is not None  # noqa: S101  # the caller has looked
-        if re.fullmatch(r"\d+(?:[.,]\d+)?", found["name"]):
+        if _NUMBER.fullmatch(found["name"]):
             raise self._wrong(f"{found['name']!r} is a number and no name", "Write: name %I0.0 : TYPE := value")
         if any(each.name.casefold() == found["name"].casefold() for each in self._variables()):
             raise self._wrong(f"there is a variable {found['name']} already", "Remove one of the lines, or rename it.")
@@ -410,6 +411,8 @@ class _Reader:
         found = _DONE.match(text.strip())
         if found is None:
             raise self._wrong(f"{text!r} is no action", _ACTIONS)
+        if found["target"] is not None and _NUMBER.fullmatch(found["target"]):
+            raise self._wrong(f"{found['target']!r} is a number and no variable", _ACTIONS)
         if found["body"] is not None:
             action.body = StBody(text=found["body"].strip())
         else:

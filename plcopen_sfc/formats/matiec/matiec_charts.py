@@ -49,7 +49,7 @@ class ChartFitter:
 
     `final_scan`: the tool of the project executes an action once more after its end, as CODESYS does; False: IEC
     61131-3 leaves that to the tool; None: its tool does not. `relies`: the statements are in place of what S7-GRAPH
-    has, and rely on that all the same. `calls` has the kinds of the associations in the place of
+    or a GRAFCET has, and rely on that all the same. `calls` has the kinds of the associations in the place of
     entry, main and exit actions, `in_place` the names of actions that have none in the source.
     """
 

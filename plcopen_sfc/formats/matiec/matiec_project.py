@@ -64,7 +64,7 @@ def fit_project(
         if pou.interface is not None:
             types.sections(pou.interface.sections, pou.report_path, constants)
         unit = FittedPou(pou, project.dialect, report, own, names, globals_, functions, keeps_drawings)
-        _fit_pou(unit, final_scan, same_loops=options.of_matiec, relies=options.of_graph)
+        _fit_pou(unit, final_scan, same_loops=options.of_matiec, relies=options.of_graph or options.of_grafcet)
     _configure(project, report, lists)
     fit_expressions(project, report)
     if not keeps_drawings:

@@ -14,7 +14,7 @@ from plcopen_sfc import model as m
 from plcopen_sfc.errors import LoweringError, StructureError
 from plcopen_sfc.model import ActionKind, ForcedSituation, PartialChartKind, PouKind, Project, SfcNetwork, Variable
 from plcopen_sfc.model.numbering import numbered_in_order
-from tests.lowering.random_grafcets import random_grafcet
+from tests.lowering.random_grafcets import random_hierarchy
 
 FIXTURES = Path("fixtures/grafcet")
 NAMES = sorted(path.stem for path in FIXTURES.glob("*.gct"))
@@ -270,6 +270,7 @@ def test_what_the_text_has_no_words_for_comes_back_from_a_comment() -> None:
         ("GRAFCET G\nSTEP 1\n1 -> 2 -> 3 : a\n", "'1 -> 2 -> 3 : a' is no transition", 3),
         ("GRAFCET G\nSTEP 1\n    Q WHEN a\n", "'Q WHEN a' is no action", 3),
         ("GRAFCET G\nSTEP 1\n    FORCE G1\n", "'FORCE G1' is no action", 3),
+        ("GRAFCET G\nSTEP 1\n    ON ACTIVATION 5 := 1\n", "'5' is a number and no variable", 3),
         ("GRAFCET G\nQ\n", "belongs to no step", 2),
         ("GRAFCET G\nINPUTS\n a : INT INT\n", "this is no declaration", 3),
         ("GRAFCET G\n\nSTEP 1\nINPUTS\n", "tables of variables come before", 4),
@@ -319,7 +320,7 @@ def test_a_text_without_its_head_is_told_what_it_lacks(text: str, tmp_path: Path
 
 @pytest.mark.parametrize("seed", range(12))
 def test_random_grafcets_go_through_the_text(seed: int) -> None:
-    project = Project(name="Ablauf", pous=[random_grafcet(seed)])
+    project = Project(name="Ablauf", pous=[random_hierarchy(seed)])
     data = sfc.dumps(project, format="grafcet-text")
     assert numbered_in_order(sfc.loads(data)).pous == numbered_in_order(project).pous
     assert b"// {plcopen_sfc" not in data.replace(b"initial", b"")

@@ -14,7 +14,7 @@ from plcopen_sfc.errors import StructureError
 from plcopen_sfc.model import Expression, Project
 from plcopen_sfc.model.numbering import numbered_in_order
 from tests.corpus import corpus_files
-from tests.lowering.random_grafcets import random_grafcet
+from tests.lowering.random_grafcets import random_hierarchy
 
 FILES = corpus_files("grafcet")
 SAMPLES = [path for path in FILES if path.suffix == ".grafcet"]
@@ -37,7 +37,7 @@ def test_a_sample_comes_back_and_goes_through_text_and_xmi(path: Path) -> None:
         assert numbered_in_order(written).pous == numbered_in_order(project).pous
 
 
-@pytest.mark.parametrize("name", ["four_steps", "two_cylinders"])
+@pytest.mark.parametrize("name", ["four_steps", "two_cylinders", "press", "forcing"])
 def test_a_text_becomes_a_file_of_the_editor(name: str) -> None:
     project = sfc.load(Path("fixtures/grafcet") / f"{name}.gct")
     data, report = sfc.convert(project, "grafcet")
@@ -47,7 +47,7 @@ def test_a_text_becomes_a_file_of_the_editor(name: str) -> None:
 
 @pytest.mark.parametrize("seed", range(10))
 def test_random_grafcets_go_through_files(seed: int) -> None:
-    project = Project(name="p", pous=[random_grafcet(seed)])
+    project = Project(name="p", pous=[random_hierarchy(seed)])
     report = sfc.convert(project, "grafcet", partial=True).report
     lost = [item for item in report.items if item.outcome == "not executed"]
     # a variable stands for a time in a term, but for none of an edge or of a time
