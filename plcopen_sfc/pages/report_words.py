@@ -568,6 +568,7 @@ _NOT_EXECUTED = {
     "charts of CODESYS are nested branches from one start on, and this is in none of them": (
         "Ablaufketten von CODESYS sind geschachtelte Verzweigungen von einem Anfang aus, und dies ist in keiner"
     ),
+    "the hierarchy is broken: {+}": "die Hierarchie ist fehlerhaft: {}",
     "{+}: lower the GRAFCET, which makes proven code of all of it": (
         "{}: den GRAFCET mit `lower` in Code umsetzen, dessen Verhalten bewiesen ist"
     ),

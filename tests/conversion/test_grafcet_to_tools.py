@@ -809,3 +809,17 @@ def test_names_that_a_plan_does_not_declare_are_told_in_every_tool(form: str) ->
     told = [item.why for item in report.losses if item.what == "undeclared name"]
     assert len(told) == 2
     assert all(any(f"`{name}`" in why for why in told) for name in ("Q1", "b"))
+
+
+@pytest.mark.parametrize(
+    ("lines", "why"),
+    [
+        ("STEP 2\n    FORCE G9{INIT}", "there is no partial chart G9"),
+        ("MACRO M2", "M2: macro-step without expansion; it is treated as a single step"),
+    ],
+)
+def test_a_broken_hierarchy_is_not_sent_to_lower(lines: str, why: str) -> None:
+    """`lower` refuses it, too."""
+    told = losses(converted(f"GRAFCET G\nINITIAL STEP 1\n{lines}\n", "codesys")[1])["hierarchy"]
+    assert told.startswith("the hierarchy is broken: ")
+    assert told.endswith(why)

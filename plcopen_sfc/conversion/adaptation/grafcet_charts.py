@@ -124,7 +124,9 @@ class _Chart:
         if _has_hierarchy(self._chart):
             try:
                 flat = self._flatten(path)
-            except (HierarchyError, UnknownBehaviourError) as error:
+            except UnknownBehaviourError as error:
+                self._note(Outcome.NOT_EXECUTED, "hierarchy", path, f"the hierarchy is broken: {error}")
+            except HierarchyError as error:
                 why = f"{error}: lower the GRAFCET, which makes proven code of all of it"
                 self._note(Outcome.NOT_EXECUTED, "hierarchy", path, why)
         self.steps = {step.name.casefold(): step for step in self._chart.steps}

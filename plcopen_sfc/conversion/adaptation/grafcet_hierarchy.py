@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from plcopen_sfc.analysis.exclusivity import exclusive
+from plcopen_sfc.errors import UnknownBehaviourError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, print_node
 from plcopen_sfc.languages.st.nodes import Expression as Tree
@@ -42,10 +43,10 @@ class FlatChart:
     """
 
     def __init__(self, source: SfcNetwork, path: str) -> None:
-        """Raise `HierarchyError` for what cannot be one chart, `UnknownBehaviourError` where there is no chart."""
+        """Raise `HierarchyError` for what cannot be one chart, `UnknownBehaviourError` for what is broken."""
         net = Net.of(source)
         if net.problems:
-            raise HierarchyError(net.problems[0].message)
+            raise UnknownBehaviourError(net.problems[0].message)
         if any(macro.step.actions for macro in net.macros):
             raise HierarchyError("a macro-step has actions")
         names = [step.step.name.casefold() for step in net.steps]
