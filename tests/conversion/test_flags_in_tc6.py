@@ -44,6 +44,17 @@ def test_flags_are_obeyed(flags: tuple[str, ...], fields: dict[str, str], flavou
     assert flags[0].encode() in data
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("flavour", ["", "beremiz"])
+def test_no_flag_waits_for_a_minimum_time(flavour: str) -> None:
+    source = chart_with("SFCReset", "SFCPause")
+    source.pou("Main").chart.step("Work").min_time = "T#40ms"
+    data, report = compared(source, flavour=flavour)
+    assert losses(report) == []
+    assert all("equal" in verdict and "proof:" in verdict for verdict in report.compared.values()), report.compared
+    assert b"T#40ms" in data
+
+
 @pytest.mark.parametrize("qualifier", ["N", *(pytest.param(each, marks=pytest.mark.slow) for each in ("P0", "P1"))])
 def test_statements_run_no_more_where_a_flag_ends_their_step(qualifier: str) -> None:
     source = chart_with(*FLAGS, work=f"Count({qualifier});", actions=COUNT)

@@ -199,8 +199,10 @@ class _ChartRewriter:
             rule.apply(self)
 
     def obey(self) -> None:
-        """Let the chart obey its flags, and nothing else."""
+        """Let the chart obey its flags, which no minimum time holds up, and nothing else."""
         self._shown = ShownState(self._rewriting, self._checks, self._modes)
+        for step in [each for each in self._chart.steps if each.min_time]:
+            self._wait(step)
         self._steps = StepRewriter(self._rewriting, self._checks)
         self._permanent = PermanentRewriter(self._rewriting, self._steps, self._checks, self._shown)
         self.flags()
@@ -300,6 +302,20 @@ class _ChartRewriter:
             self._note(Outcome.TRANSLATED, "condition", label, f"with what holds the step: {text}")
         transition.condition = Expression(text=text)
         return [*((step.id, "supervision") for step in supervised), *((step.id, "min_time") for step in timed)]
+
+    def _wait(self, step: Step) -> None:
+        """Let the conditions that leave a step ask for its minimum time, before those of flags are added."""
+        leaving = [each for each in self._chart.transitions if step.id in each.sources]
+        texts = [self._rewriting.text(each.condition) for each in leaving]
+        expressions = [text for text in texts if text is not None]
+        if len(expressions) < len(texts):
+            why = f"the flags of the chart wait for {step.min_time}, too"
+            self._note(Outcome.APPROXIMATED, "minimum time", f"step {step.name}", why)
+            return
+        for transition, text in zip(leaving, expressions, strict=True):
+            timed = conjunction(text, f"{self._host.elapsed(step)} >= {step.min_time}")
+            transition.condition = Expression(text=timed)
+        step.min_time = None
 
     def _held(self, step: Step, text: str) -> str:
         """Return the condition of a transition with the supervision of a step that it leaves."""
