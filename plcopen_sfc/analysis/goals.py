@@ -15,6 +15,7 @@ from itertools import chain, islice, takewhile
 from typing import Any, cast
 
 from plcopen_sfc.analysis.deciding_parts import ConditionPart, ConditionParts
+from plcopen_sfc.analysis.domains import plain
 from plcopen_sfc.analysis.exclusivity import association_condition, condition_of
 from plcopen_sfc.analysis.formulas import Formula, JudgedCondition, negation
 from plcopen_sfc.analysis.knowledge import ProjectKnowledge
@@ -30,6 +31,7 @@ from plcopen_sfc.languages.st.literals import LiteralKind, LiteralValue, literal
 from plcopen_sfc.languages.st.nodes import Expression, Operator
 from plcopen_sfc.languages.st.walking import with_children
 from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.net import NetTransition
@@ -107,6 +109,7 @@ class Goals:
         self.system = system
         self._signals = signals
         self._shared = {own.casefold(): name for own, name in system.shared_names().items()}
+        self._shared = _without_lists(system, self._shared) | self._shared
         self._project = system.subject.project
         self._knowledge = ProjectKnowledge(self._project)
         self._library = system.instance.controller.library
@@ -429,7 +432,7 @@ class Goals:
 
         def value() -> Any:
             try:
-                return function(frame)
+                return plain(function(frame))  # an input of a block may still have what a search put there
             except (SfcError, ArithmeticError, TypeError, AttributeError, IndexError):
                 return 0
 
@@ -562,6 +565,20 @@ def _inlined(tree: Expression, assigned: Mapping[str, Expression]) -> Expression
         return node if isinstance(node, n.Member | n.Index | n.Call) else with_children(node, changed)
 
     return cast("Expression", changed(tree))
+
+
+def _without_lists(system: ProgramSystem, shared: Mapping[str, str]) -> dict[str, str]:
+    """Return the inputs in lists of global variables by their names without the list, which programs may use."""
+    lists = {section.name.casefold() for section in system.subject.project.global_sections() if section.name}
+    pou = system.subject.pou
+    external = {variable.name for variable in pou.variables(SectionKind.EXTERNAL)}
+    own = {variable.name.casefold() for variable in pou.variables() if variable.name not in external}
+    found: dict[str, list[str]] = {}
+    for key, name in shared.items():
+        first, _, rest = key.partition(".")
+        if rest and first in lists and rest.partition(".")[0].partition("[")[0] not in own:
+            found.setdefault(rest, []).append(name)
+    return {name: names[0] for name, names in found.items() if len(names) == 1}
 
 
 def _nothing() -> float:

@@ -156,7 +156,7 @@ def connect(
     """
     keys = _input_keys(left, right)
     own_keys = {known: key for name, key in keys[0].items() for known in (name.casefold(), left.local_name(name))}
-    renamed = {other.casefold(): own_keys.get(own.casefold(), own.casefold()) for other, own in names.items()}
+    renamed = {other.casefold(): own.casefold() for other, own in names.items()}
     constants = {own_keys.get(name.casefold(), name.casefold()): value for name, value in fixed.items()}
     constants |= {name.casefold(): value for name, value in fixed.items()}
     shared: dict[str, str] = {}
@@ -166,7 +166,8 @@ def connect(
         own_fixed: dict[str, Value] = {}
         for name, signal in system.inputs.items():
             known = name.casefold(), system.local_name(name)
-            key = next((rename[each] for each in known if each in rename), own[name])
+            theirs = next(filter(None, (_old_path(rename, each) for each in known)), None)
+            key = own[name] if theirs is None else own_keys.get(theirs, theirs)
             constant = next((each for each in (key, *known) if each in constants), None)
             if constant is not None:
                 own_fixed[name] = signal.accept(constants[constant])
@@ -178,6 +179,16 @@ def connect(
                 raise ModelError(f"the input {name} is a {before.type} in the first and a {signal.type} in the second")
         system.connect(own_names, own_fixed)
     return signals
+
+
+def _old_path(renamed: Mapping[str, str], path: str) -> str | None:
+    """Return the path in the other system of a variable, or of a member of one, that has another name there."""
+    head = path
+    while head not in renamed:
+        head = head[: max(head.rfind("."), head.rfind("["), 0)]
+        if not head:
+            return None
+    return renamed[head] + path[len(head) :]
 
 
 def _input_keys(left: ProgramSystem, right: ProgramSystem) -> tuple[dict[str, str], dict[str, str]]:
@@ -214,7 +225,7 @@ def output_pairs(
     # Addresses come first: tools rename variables, but the wiring of the machine stays.
     placed = {right.addresses[name]: name for name in theirs if name in right.addresses}
     renamed = {other.casefold(): own.casefold() for other, own in names.items()}
-    named = {renamed.get(local, local): name for name in theirs for local in [right.local_name(name)]}
+    named = {_old_path(renamed, local) or local: name for name in theirs for local in [right.local_name(name)]}
     by_address = {name: placed[at] for name in mine if (at := left.addresses.get(name)) in placed and at is not None}
     taken = set(by_address.values())
     found = []
@@ -232,7 +243,7 @@ def output_pairs(
         {**{n: each for n, each in own.items() if n not in known and not each.is_input}, **system.members}
         for own, known, system in zip((mine, theirs), paired, (left, right), strict=True)
     )
-    members = {renamed.get(local, local): path for path in others for local in [right.local_name(path)]}
+    members = {_old_path(renamed, local) or local: path for path in others for local in [right.local_name(path)]}
     return found + [
         (path, member.signal, other)
         for path, member in loose.items()

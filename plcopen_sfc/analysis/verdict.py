@@ -47,7 +47,7 @@ class Difference:
             return self.error
         before = f" {abs(self.delay)} scan{'' if abs(self.delay) == 1 else 's'} before"
         sides = before if self.delay > 0 else "", before if self.delay < 0 else ""
-        left, right = _shown(self.left, self.signal), _shown(self.right, self.signal)
+        left, right = shown_value(self.left, self.signal), shown_value(self.right, self.signal)
         return f"{self.name} is {left} in the first{sides[0]} and {right} in the second{sides[1]}"
 
 
@@ -265,7 +265,8 @@ class Verdict:
         return data | ({} if self.counterexample is None else {"counterexample": self.counterexample.as_dict()})
 
 
-def _shown(value: Value | None, signal: Signal | None) -> str:
+def shown_value(value: Value | None, signal: Signal | None) -> str:
+    """Return a value of a signal for people."""
     if isinstance(value, bool):
         return {True: "TRUE", False: "FALSE"}[value]
     if signal is None or signal.kind not in (SignalKind.DURATION, SignalKind.INTEGER) or not isinstance(value, int):

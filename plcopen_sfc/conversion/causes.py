@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from plcopen_sfc.conversion.executed_charts import WRITTEN
 from plcopen_sfc.conversion.executed_parts import FIRST_SCAN, STABILITY, START
-from plcopen_sfc.languages.binding import SharedScans
+from plcopen_sfc.languages.binding import SharedScans, actions_by_name, step_effects
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.project import Chart
 from plcopen_sfc.model.sfc import ActionAssociation
@@ -19,6 +19,7 @@ from plcopen_sfc.semantics.profile import Profile, ScanOrder
 
 if TYPE_CHECKING:
     from plcopen_sfc.analysis.verdict import Counterexample, Verdict
+    from plcopen_sfc.semantics.signals import Value
 
 
 def told_difference(
@@ -177,33 +178,88 @@ def concerns(item: Item, path: str) -> bool:
     return place.startswith(inside) or inside.startswith(place)
 
 
-def times_among(inputs: Iterable[str], chart: Chart) -> dict[str, str]:
-    """Return the inputs that are times of actions of a chart, each with a value: that of its start, or a second."""
-    durations = {(row.duration or "").casefold() for _, row in chart.chart.associations()}
+class HeldInputs(NamedTuple):
+    """Inputs that keep a value in another run, and what of the tools that run leaves out."""
+
+    values: Mapping[str, Value]
+    texts: Mapping[str, str]
+    why: str
+    is_changed: bool
+    """True if one of them changes in the run that differs and determines what differs."""
+
+    def told(self, verdict: Verdict, difference: str) -> str:
+        """Return what their changes have to do with a difference, by the `verdict` on the other run; empty if nothing.
+
+        `difference`: that of the other run in words, where it has one.
+        """
+        held = " and ".join(f"`{name}` stays {text}" for name, text in self.texts.items())
+        if not verdict.different:
+            found = str(verdict).splitlines()[0] if verdict.equal else "equal as far as they ran"
+            return f"; while {held}, both are {found}: {self.why}"
+        return f"; {self.why}; while {held}: {difference}" if self.is_changed and difference else ""
+
+
+def held_inputs(
+    example: Counterexample, inputs: Iterable[str], chart: Chart, profiles: tuple[Profile, Profile], tool: str
+) -> Iterator[HeldInputs]:
+    """Yield inputs whose changes tools see at other times: times of actions of a chart, and what its actions read.
+
+    Times keep the value of their start, or a second, others that of the scan before a difference.
+    """
+    rows = list(chart.chart.associations())
+    durations = {(row.duration or "").casefold() for _, row in rows}
     known = {variable.name: variable.initial for variable in chart.pou.variables()}
     initial = {name: known.get(name) for name in inputs if name.casefold() in durations}
-    return {name: (each.text if isinstance(each, SimpleValue) else None) or "T#1s" for name, each in initial.items()}
+    if initial:
+        start = {name: each.text if isinstance(each, SimpleValue) else "" for name, each in initial.items()}
+        times = {name: text or "T#1s" for name, text in start.items()}
+        differing = {each.name.rpartition(".")[2].casefold() for each in example.differences}
+        used = {(row.duration or "").casefold() for _, row in rows if (row.target or "").casefold() in differing}
+        changed = any(len({row.get(name) for row in example.inputs}) > 1 for name in times if name.casefold() in used)
+        why = "tools differ in when they take up a new time of an action that runs"
+        yield HeldInputs(times, times, why, changed)
+    early = _acting_early(profiles, tool)
+    if early and len(example.inputs) > 1:
+        from plcopen_sfc.analysis.verdict import shown_value  # noqa: PLC0415  # charts that differ have brought it
+
+        last, before = example.inputs[-1], example.inputs[-2]
+        names = [name for name in _read_inputs(example, chart) if last.get(name) != before.get(name, last.get(name))]
+        values = {name: before[name] for name in names}
+        texts = {name: shown_value(value, example.left[name].signal) for name, value in values.items()}
+        if names:
+            yield HeldInputs(values, texts, early, is_changed=False)
 
 
-def told_while_held(verdict: Verdict, times: Mapping[str, str]) -> str:
-    """Return that both do the same while the times of actions keep their values; empty where they do not."""
-    if not verdict.equal:
-        return ""
-    held = " and ".join(f"`{name}` stays {value}" for name, value in times.items())
-    why = "tools differ in when they take up a new time of an action that runs"
-    return f"; while {held}, both are {str(verdict).splitlines()[0]}: {why}"
+def _read_inputs(example: Counterexample, chart: Chart) -> Iterator[str]:
+    """Yield the inputs that the steps read which write what differs."""
+    project = chart.pou.project
+    if project is None:
+        return
+    writers = {step for each in example.differences for step, _ in _writers(each.name, chart)}
+    actions = actions_by_name(chart.pou)
+    steps = (step for step in chart.chart.steps if step.name in writers)
+    reads = {path for step in steps for path in step_effects(step, actions, project.dialect).reads}
+    for name in example.inputs[-1]:
+        wanted = tuple(name.casefold().split("."))
+        if any(path and (path == wanted or path == wanted[-1:]) for path in reads):
+            yield name
 
 
 def told_apart(example: Counterexample, profiles: tuple[Profile, Profile], tool: str) -> str:
     """Return why tools differ that are equal with actions that see earlier inputs, and a first scan at rest."""
-    sides = {True: "the source", False: tool}
-    early = [sides[each is profiles[0]] for each in profiles if each.order is ScanOrder.ACTIONS_FIRST]
     held = _told_held(profiles, tool)
     if held and len(example.inputs) <= _FIRST_SCANS:  # actions that see other inputs need a step that was entered
         return held
-    if len(early) == 1:
-        return f"; {early[0]} executes the actions before the transitions, and so sees other inputs in them"
-    return held
+    early = _acting_early(profiles, tool)
+    return f"; {early}" if early else held
+
+
+def _acting_early(profiles: tuple[Profile, Profile], tool: str) -> str:
+    """Return which of two tools executes the actions first; empty where both or none do."""
+    sides = {True: "the source", False: tool}
+    early = [sides[each is profiles[0]] for each in profiles if each.order is ScanOrder.ACTIONS_FIRST]
+    why = "executes the actions before the transitions, and so sees other inputs in them"
+    return f"{early[0]} {why}" if len(early) == 1 else ""
 
 
 def _told_held(profiles: tuple[Profile, Profile], tool: str) -> str:

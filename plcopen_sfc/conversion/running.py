@@ -9,7 +9,7 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from plcopen_sfc.conversion.assumed_types import assumed_types, with_inputs, with_types
-from plcopen_sfc.conversion.causes import concerns, times_among, told_apart, told_difference, told_while_held
+from plcopen_sfc.conversion.causes import concerns, held_inputs, told_apart, told_difference
 from plcopen_sfc.conversion.executed_parts import (
     BOOLEAN_ACTIONS,
     FIRST_SCAN,
@@ -132,14 +132,12 @@ def report_running(
             _note_untested(report, there.report_path, f"not run: {error.message}")
             continue
         run = _Run(there, verdict, as_run, profiles, tool)
+        held = "" if verdict.equal else _told_while_held(compared, run, losses if named else report.losses, end)
         if named:
-            report.compared[there.report_path] = run.told_with(losses)
+            report.compared[there.report_path] = run.told_with(losses, held)
         elif verdict.kind is VerdictKind.UNTESTED:
             _note_untested(report, there.report_path, *str(verdict).splitlines())
         else:
-            times, left = times_among(verdict.inputs, there), end - time.thread_time()
-            is_held = verdict.counterexample is not None and times and left > 0
-            held = told_while_held(compared(delay="auto", limit=left, fixed=times), times) if is_held else ""
             _report_run(report, run, held)
         if as_run.counterexample is not None:
             report.compared[there.report_path] += _told_alike(
@@ -147,6 +145,22 @@ def report_running(
             )
         if any(name.casefold() == declaration.name.casefold() for name in types for declaration in assumed):
             report.compared[there.report_path] += "; types that nothing declares have the members that are used of them"
+
+
+def _told_while_held(compared: Callable[..., Verdict], run: _Run, losses: Sequence[Item], end: float) -> str:
+    """Return how a chart that differs compares while inputs stay that tools see at other times; empty if no better."""
+    example = run.verdict.counterexample
+    if example is None:
+        return ""
+    for held in held_inputs(example, run.verdict.inputs, run.place, run.profiles, run.tool):
+        left = end - time.thread_time()
+        verdict = compared(delay="auto", limit=left, fixed=held.values) if left > 0 else None
+        if verdict is not None:
+            other = verdict.counterexample
+            told = held.told(verdict, run.told(other, losses) if other is not None else "")
+            if told:
+                return told
+    return ""
 
 
 def _told_alike(
@@ -190,12 +204,12 @@ class _Run(NamedTuple):
     profiles: tuple[Profile, Profile]
     tool: str
 
-    def told_with(self, losses: Sequence[Item]) -> str:
-        """Return the verdict on a chart in which the report names something as approximated."""
+    def told_with(self, losses: Sequence[Item], held: str) -> str:
+        """Return the verdict on a chart in which the report names something as approximated; see `_told_while_held`."""
         example = self.as_run.counterexample
         told = str(self.as_run).splitlines()[0]
         if example is not None:
-            rule = told_apart(example, self.profiles, self.tool) if self.verdict.equal else ""
+            rule = told_apart(example, self.profiles, self.tool) if self.verdict.equal else held
             told = self.told(example, losses, rule)
         return f"{told}; what the report names as approximated is in it"
 
@@ -205,7 +219,7 @@ class _Run(NamedTuple):
 
 
 def _report_run(report: ConversionReport, run: _Run, held: str) -> None:
-    """Report the verdict on a chart of which the report names no loss; `held`: while times of actions stay."""
+    """Report the verdict on a chart of which the report names no loss; `held`: see `_told_while_held`."""
     verdict, as_run, path = run.verdict, run.as_run, run.place.report_path
     report.compared[path] = str(as_run).splitlines()[0]
     if not as_run.equal and verdict.equal:
@@ -222,8 +236,7 @@ def _report_run(report: ConversionReport, run: _Run, held: str) -> None:
             _note_proven(report, path, FIRST_SCAN, "whose actions have not seen the initial step then")
         _note_proven(report, path, ARITHMETIC, "which calculates with other numbers of bits")
     if verdict.counterexample is not None:
-        why = run.told(verdict.counterexample, report.losses)
-        report.add(Outcome.APPROXIMATED, "chart", path, why + held)
+        report.add(Outcome.APPROXIMATED, "chart", path, run.told(verdict.counterexample, report.losses, held))
     elif not as_run.equal:
         example = as_run.counterexample
         why = "it is not known to do the same"

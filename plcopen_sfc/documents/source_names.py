@@ -54,8 +54,8 @@ def _elements_of(chart: Chart, *, is_flat: bool) -> tuple[dict[int, str], dict[i
 
 
 def _without_lists(project: Project, copy: Project) -> dict[str, str]:
-    """Return the paths of variables of lists of CODESYS where the other side knows no lists: ``GVL.x`` is ``x``."""
-    if family(project.dialect) is not Dialect.CODESYS or family(copy.dialect) is not Dialect.IEC:
+    """Return the paths of variables of lists of CODESYS where the other side has none: ``GVL.x`` is ``x``, or a tag."""
+    if family(project.dialect) is not Dialect.CODESYS or family(copy.dialect) is Dialect.CODESYS:
         return {}
     sections = [section for section in project.global_sections() if section.name]
     counts = Counter(variable.name.casefold() for section in sections for variable in section.variables)

@@ -280,8 +280,11 @@ _DIFFERENCES = {
     "only while its action is executed": "nur während der Ausführung seiner Aktion",
     "only while an association decides on it": "nur wenn eine Aktionszuordnung darüber entscheidet",
     "`{#}` stays {}": "`{}` {} bleibt",
-    "while {+}, both are {+}: tools differ in when they take up a new time of an action that runs": (
-        "solange {}, sind beide {}: wann die neue Zeit einer laufenden Aktion gilt, ist anders"
+    "while {+}, both are {+}: {+}": "solange {}, sind beide {}: {}",
+    "while {+}: {+}": "solange {}: {}",
+    "equal as far as they ran": "gleich, soweit sie liefen",
+    "tools differ in when they take up a new time of an action that runs": (
+        "wann die neue Zeit einer laufenden Aktion gilt, ist anders"
     ),
     "{} executes the actions before the transitions, and so sees other inputs in them": (
         "{} führt die Aktionen vor den Transitionen aus und sieht darin andere Eingänge"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 
 import pytest
@@ -45,6 +46,26 @@ def test_tc6_names_the_variables_without_their_list() -> None:
     action = sfc.loads(data, as_tool=True).pou("Main").action("Act")
     assert action is not None
     assert action.body == m.StBody(text="n := n + y + z;")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("target", "flavour"), [("plcopen", ""), ("plcopen", "beremiz"), ("simaticml", "")])
+def test_variables_of_lists_and_their_members_are_the_same_in_a_run(target: str, flavour: str) -> None:
+    """TIA Portal has tags for addresses: the same word has another number there than in CODESYS."""
+    text = PROGRAM.format(local="k", step="S1").replace("GVL1.y > 3", "job.count > 3 AND GVL1.w > 2")
+    text = text.replace("n + GVL1.y + z", "n + 1")  # a tool that executes actions first sees other inputs in them
+    members = [m.Variable.model_validate({"name": "count", "type": "INT"})]
+    project = sfc.loads(text.encode(), format="iec-text")
+    project.dialect = m.Dialect.CODESYS
+    project.data_types = [m.DataTypeDeclaration(name="JobType", type=m.StructType(members=members))]
+    types = {"x": "BOOL", "y": "INT", "z": "INT", "job": m.DerivedType(name="JobType"), "w": "INT"}
+    variables = [m.Variable.model_validate({"name": name, "type": kind}) for name, kind in types.items()]
+    variables[-1].address = "%IW8"
+    section = m.VariableSection(kind=m.SectionKind.GLOBAL, name="GVL1", variables=variables)
+    project.applications = [m.Resource(name="Application", global_variables=[section])]
+    report = sfc.save(project, io.BytesIO(), format=target, flavour=flavour, partial=True, limit=30)
+    assert "chart" not in {item.what for item in report.losses}
+    assert report.compared["POU Main"].startswith(("equal", "not all was reached")), report.compared
 
 
 @pytest.mark.parametrize("source", [{"local": "y"}, {"step": "y"}, {"lists": ("GVL1", "GVL2")}])
