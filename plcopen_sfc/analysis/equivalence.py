@@ -448,12 +448,13 @@ class _Compared:
 
 @dataclass(frozen=True)
 class _Runs:
-    """Result of directed runs. `stopped`: why they ended early."""
+    """Result of directed runs. `stopped`: why they ended early; `notes`: where single runs ended."""
 
     counterexample: Counterexample | None = None
     runs: int = 0
     scans: int = 0
     stopped: str = ""
+    notes: tuple[str, ...] = ()
 
 
 class _Attempt:
@@ -536,7 +537,8 @@ class _Attempt:
             counterexample, stopped = None, directed.stopped
             if directed.steps is not None:
                 counterexample, stopped = _confirmed(directed.steps, comparison, signals, self._watch)
-            made = _Runs(counterexample, made.runs + directed.runs, made.scans + directed.scans, stopped)
+            notes = tuple(dict.fromkeys([*made.notes, *directed.notes]))
+            made = _Runs(counterexample, made.runs + directed.runs, made.scans + directed.scans, stopped, notes)
             if counterexample is not None or stopped:
                 break
         return made
@@ -545,15 +547,18 @@ class _Attempt:
         comparison, clock, compared = self._comparison, self._clock, self._compared
         left, right, delay = self._left, self._right, self._delay
         frozen = tuple(dict.fromkeys([*left.frozen(), *right.frozen()]))
-        failed = next((note for note in found.notes if note.startswith(BOTH_FAIL)), "")
+        failed = next((note for note in (*found.notes, *ran.notes) if note.startswith(BOTH_FAIL)), "")
         covered = found.complete and not frozen and not failed
         coverage = coverage_of(self._tallies, comparison.pairs, complete=covered, is_late=self._watch.is_late)
         equal = VerdictKind.PROVEN if found.complete else VerdictKind.TESTED
         reason = "; ".join(dict.fromkeys(filter(None, (found.reason, ran.stopped))))
         interrupted = reason.endswith(INTERRUPTED)
-        if any_untested(coverage) or (found.complete and found.dead) or interrupted:
+        # a controller goes on after an error, each in its own way: what follows is not compared
+        if any_untested(coverage) or (found.complete and found.dead) or failed or interrupted:
             equal = VerdictKind.UNTESTED
-            if found.complete:
+            if failed and not found.complete:
+                reason = "; ".join(dict.fromkeys(filter(None, (reason, failed))))
+            elif found.complete:
                 ended = failed or ("; ".join(found.notes) if found.dead else "")
                 reason = f"all inputs were tried, but {ended}" if ended else f"{', '.join(frozen)} kept their values"
         # outputs that could not be compared may differ, however equal all others are
@@ -587,7 +592,7 @@ class _Attempt:
             ),
             comparison.unknown,
             interrupted,
-            comparison.gap,
+            "; ".join(filter(None, (comparison.gap, failed))),
         )
 
 

@@ -121,7 +121,8 @@ class Verdict:
     variables that nothing writes and that are declared as no inputs, so that they kept their values. `delay`: by how
     many scans the second is later in all that was compared, and how that was compared; `delay_notes` describe it.
     `unknown`: functions and blocks that are called and that the file does not contain; see `equivalent`.
-    `gap`: what is written and can be seen from outside, but was not compared, in words.
+    `gap`: what was not compared, in words: what is written and can be seen from outside, or what follows an error of
+    both.
     """
 
     kind: VerdictKind
@@ -260,6 +261,8 @@ class Verdict:
             data["delay_notes"] = list(self.delay_notes)
         if self.reason:
             data["reason"] = self.reason
+        if self.gap:
+            data["gap"] = self.gap
         if self.notes:
             data["notes"] = list(self.notes)
         return data | ({} if self.counterexample is None else {"counterexample": self.counterexample.as_dict()})

@@ -88,7 +88,7 @@ def test_large_arrays_that_are_written_in_structures_and_instances_are_named(ins
     text = f"""TYPE Bag : STRUCT a : ARRAY[0..299] OF INT; bags : ARRAY[0..299] OF Inner; END_STRUCT; END_TYPE
     TYPE Inner : STRUCT a : ARRAY[0..9] OF INT; END_STRUCT; END_TYPE
     FUNCTION_BLOCK Filler VAR_INPUT i : INT; END_VAR VAR a : ARRAY[0..299] OF INT; END_VAR a[2] := i; END_FUNCTION_BLOCK
-    PROGRAM Main VAR_INPUT k : INT; END_VAR VAR_OUTPUT q : INT; END_VAR VAR {inside} END_VAR
+    PROGRAM Main VAR_INPUT k : USINT; END_VAR VAR_OUTPUT q : INT; END_VAR VAR {inside} END_VAR
     q := k; {body} END_PROGRAM"""
     whole = sfc.loads(text.encode(), format="iec-text")
     main = whole.pou("Main")

@@ -254,12 +254,16 @@ def test_what_was_not_reached_is_not_called_equal() -> None:
     assert sfc.lower(STUCK, "bits", accept_untested=True).proof is not None
 
 
-def test_errors_of_both_are_no_proof() -> None:
-    text = "PROGRAM Main\nVAR_INPUT c : BOOL; END_VAR\nVAR_OUTPUT q : INT; END_VAR\nVAR s : INT; END_VAR\n"
-    text += "s := s + 1; q := 10 / (2 - s);\nEND_PROGRAM\n"
-    verdict = equivalent(*(sfc.loads(text.encode(), format="iec-text") for _ in range(2)), "iec")
-    assert verdict.kind is VerdictKind.UNTESTED, str(verdict)
-    assert "both end with an error" in verdict.reason
+@pytest.mark.parametrize("body", ["s := s + 1; q := 10 / (2 - s);", "q := 10 / n;", "IF c THEN q := 10 / n; END_IF;"])
+@pytest.mark.parametrize("cap", [2000, 1])
+def test_errors_of_both_are_no_proof(body: str, cap: int) -> None:
+    text = "PROGRAM Main\nVAR_INPUT c : BOOL; n : INT; END_VAR\nVAR_OUTPUT q : INT; END_VAR\nVAR s : INT; END_VAR\n"
+    programs = [sfc.loads(f"{text}{body}\nEND_PROGRAM\n".encode(), format="iec-text") for _ in range(2)]
+    verdict = equivalent(*programs, "iec", cap=cap, runs=1)
+    assert (verdict.kind, verdict.equal) == (VerdictKind.UNTESTED, False), str(verdict)
+    assert "both end with an error: division by zero" in verdict.reason
+    assert str(verdict).startswith("not all was compared")
+    assert verdict.as_dict()["gap"] == "both end with an error: division by zero"
 
 
 def test_a_limit_ends_a_comparison_and_progress_is_told() -> None:
