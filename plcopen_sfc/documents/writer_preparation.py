@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -33,6 +34,7 @@ from plcopen_sfc.report import ARITHMETIC, FALLING_EDGE, ORDER_OF_ACTIONS, Conve
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import (
     PROFILES,
+    ActionOrder,
     Profile,
     StepVariables,
     default_profile,
@@ -152,14 +154,28 @@ def _note_differences(
     _note_sections(project, kind, report)
     _note_falling_edges(project, kind, dialect, report)
     if default_profile(project).flags and (kind.charts is None or not kind.charts.is_codesys):
-        _note_step_actions(project, report)
+        is_text = dialect is None and not options.flavour
+        target = PROFILES[options.flavour] if options.flavour else profile_of_format(kind.name)
+        _note_step_actions(project, profile_as(project, kind.name) if is_text else target, report)
 
 
-def _note_step_actions(project: Project, report: ConversionReport) -> None:
+def _note_step_actions(project: Project, target: Profile, report: ConversionReport) -> None:
     """Report associations that CODESYS executes after the entry, main and exit actions of steps, and others before."""
     for place in project.charts():
-        if told := told_step_actions(place.chart, place.pou, project.dialect):
+        by_name = _order_of_names(target.action_order, place)
+        exits_first = target.graph_parameters
+        if told := told_step_actions(place.chart, place.pou, project.dialect, by_name, exits_first=exits_first):
             report.add(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, place.report_path, told)
+
+
+def _order_of_names(order: ActionOrder, place: Chart) -> Callable[[str], tuple[int, str]] | None:
+    """Return the place of an action by its name, in a tool in which names tell it."""
+    if order is ActionOrder.ALPHABETIC:
+        return lambda name: (0, name.casefold())
+    if order is ActionOrder.DECLARED:
+        declared = {action.name.casefold(): number for number, action in enumerate(place.pou.actions)}
+        return lambda name: (declared.get(name.casefold(), -1), "")
+    return None
 
 
 def _forget_replaced(project: Project) -> None:

@@ -92,7 +92,9 @@ class AttachedSymbols:
                 block.entries = [entry for entry in block.entries or () if entry.step_action is not None]
             elsewhere = []
         steps_own = [entry for entry in last.entries or () if entry.step_action is not None]
-        last.entries = [lines[number] for number in wanted[len(elsewhere) :]] + steps_own
+        first = [entry for entry in steps_own if entry.step_action is StepActionKind.ENTRY]
+        behind = [entry for entry in steps_own if entry.step_action is not StepActionKind.ENTRY]
+        last.entries = [*first, *(lines[number] for number in wanted[len(elsewhere) :]), *behind]
 
     def _feeds_logic(self, step: int) -> bool:
         pins = [pin for node in self.chart.logic for pin in input_pins_of(node)]
@@ -139,7 +141,10 @@ ASIDE = 40
 
 
 def draw_step_actions(chart: SfcNetwork, style: DrawingStyle) -> None:
-    """Give every step action a line in an action block of its step: entry, main and exit, in this order."""
+    """Give every step action a line in an action block of its step: entry actions before all others, which they precede.
+
+    Main and exit actions come behind, in this order.
+    """
     drawing = chart.drawing
     if drawing is None or not any(_missing(step, None) for step in chart.steps):
         return
@@ -167,7 +172,8 @@ def draw_step_actions(chart: SfcNetwork, style: DrawingStyle) -> None:
                 drawing.order.insert(drawing.order.index(step.id) + 1, block.id)
         lines = list(block.entries or ())
         for kind in missing:
-            lines.append(ActionEntry(association=new_id, step_action=kind))
+            place = 0 if kind is StepActionKind.ENTRY else len(lines)
+            lines.insert(place, ActionEntry(association=new_id, step_action=kind))
             new_id += 1
         block.entries = lines
 

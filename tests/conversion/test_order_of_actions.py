@@ -10,6 +10,7 @@ from plcopen_sfc.errors import LossError
 from plcopen_sfc.pages.report_words import german
 from plcopen_sfc.report import Item, Outcome
 from tests.conversion.features import Feature, FeatureChart, feature_project, variable
+from tests.conversion.matrix import converted, same_behaviour
 
 CHART = """PROGRAM Main
 VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT n, m : INT; END_VAR
@@ -134,3 +135,37 @@ def test_networks_that_execute_actions_after_the_rows_are_told(step: str, qualif
         assert german(item.why).startswith("drive.Turn wird in einem Zyklus nach Copy ausgeführt")
     compared = sfc.convert(project, "simaticml", limit=8).report.compared
     assert compared["POU Main"].startswith("different" if told else "equal")
+
+
+@pytest.mark.parametrize("target", ["plcopen-2.01", "iec-text", pytest.param("simaticml", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (("entry", "Idle"), ("exit", "Done")),
+        (("main", "Idle"), ("exit", "Done")),
+        (("entry", "Work"), ("row", "Work")),
+        (("exit", "Idle"), ("row", "Work")),
+        (("exit", "Work"), ("entry", "Done")),
+        (("main", "Idle"), ("exit", "Idle")),
+        (("main", "Idle"), ("entry", "Work")),
+    ],
+)
+def test_orders_of_step_actions_of_codesys_are_kept_or_told(
+    one: tuple[str, str], other: tuple[str, str], target: str
+) -> None:
+    for names in (("Aa", "Bb"), ("Bb", "Aa")):
+
+        def build(rig: FeatureChart, names: tuple[str, str] = names) -> None:
+            for name, text in zip(names, ("n := n + 1;", "n := n * 2;"), strict=True):
+                rig.action(name, m.StBody(text=text))
+            for (kind, step), name in zip((one, other), names, strict=True):
+                if kind == "row":
+                    rig.act(step, name)
+                else:
+                    setattr(rig.chart.step(step), f"{kind}_action", name)
+
+        project = feature_project(Feature("x", ("codesys",), build), "codesys")
+        result, report = converted(project, target)
+        verdict = same_behaviour(project, result)
+        assert verdict is not None
+        assert bool(report.losses) is not verdict.equal, f"{names}: {report.losses}, {verdict}"

@@ -251,36 +251,71 @@ def told_orders(scans: SharedScans, rows: Sequence[Row], differ: Callable[[Row, 
     return "; ".join(told)
 
 
-def told_step_actions(chart: SfcNetwork, pou: Pou, dialect: Dialect) -> str:
+def told_step_actions(
+    chart: SfcNetwork,
+    pou: Pou,
+    dialect: Dialect,
+    by_name: Callable[[str], tuple[int, str]] | None = None,
+    *,
+    exits_first: bool,
+) -> str:
     """Return which actions are executed before an entry, main or exit action of a chart of CODESYS in other tools.
 
-    CODESYS executes those before all associations and their final scans. Elsewhere they are associations of their
-    steps, and final scans come first.
+    CODESYS executes exit actions before entry actions, these before main actions, and all of them before associations
+    and their final scans. Elsewhere they are associations of their steps, and final scans come first. `by_name` gives
+    the order of actions in a tool that looks at their names only; others execute them in the order of their first use.
+    `exits_first`: those of steps that were left come before all of active steps, as in S7-GRAPH.
     """
     early = list(_step_actions(chart))
     if not early:
         return ""
     rows = [(step, row) for step, row in chart.associations() if not (step.exclude or row.exclude)]
     rows = [each for each in rows if each[1].qualifier not in (Qualifier.R, Qualifier.R0)]
-    scans, first = SharedScans(chart, pou, dialect), {id(row): row for _, row in early}
+    scans, phases = SharedScans(chart, pou, dialect), {id(row): _PHASES.index(row.qualifier) for _, row in early}
     places = {step.id: number for number, step in enumerate(chart.steps)}
-    used: dict[str, int] = {}
-    for step, row in rows:
-        used.setdefault(_called((step, row)).casefold(), places[step.id])
+    used: dict[str | int, int] = {}
+
+    def key(row: Row) -> str | int:  # a step action that is used elsewhere becomes statements of its own
+        return id(row[1]) if id(row[1]) in phases else _called(row).casefold()
+
+    def in_step(row: Row) -> tuple[int, int]:
+        _, association = row
+        phase = association.qualifier if id(association) in phases else None
+        return places[row[0].id], _IN_STEP.index(phase)
+
+    for number, row in enumerate(sorted([*early, *rows], key=in_step)):
+        used.setdefault(key(row), number)
 
     def differ(one: Row, other: Row) -> bool:
-        (here, row), (there, moved) = one, other
-        if id(moved) not in first or id(row) in first:
+        (here, row), (there, later) = one, other
+        mine, its = (phases.get(id(each), len(_PHASES)) for each in (row, later))
+        if (mine, places[here.id]) <= (its, places[there.id]) or its == len(_PHASES):
             return False
-        if row.qualifier in STORING or used[_called(one).casefold()] < places[there.id]:
+        is_row = mine == len(_PHASES)
+        if is_row and row.qualifier in STORING:
             return True
-        if moved.qualifier is Qualifier.N and here is there:  # statements of the step, behind its other associations
+        is_exit = later.qualifier is Qualifier.P0
+        if not is_row and is_exit and exits_first:
+            return False
+        if not is_row and row.qualifier is Qualifier.N:  # a main action has no final scan
+            meet = scans.follow(there, here) if is_exit else scans.are_together(here, there)
+            if not meet:
+                return False
+        if by_name is None and used[key(one)] < used[key(other)]:
             return True
-        is_code = row.body is not None or pou.find_action(row.target or "") is not None
-        ends = scans.are_together(here, there) if moved.qualifier is Qualifier.P0 else scans.follow(here, there)
+        if by_name is not None and by_name(row.target or "") < by_name(later.target or ""):
+            return True
+        is_code = is_row and (row.body is not None or pou.find_action(row.target or "") is not None)
+        ends = scans.are_together(here, there) if is_exit else scans.follow(here, there)
         return is_code and ends and row.qualifier not in (Qualifier.P1, Qualifier.P0)
 
     return told_orders(scans, [*rows, *early], differ, "before")
+
+
+_PHASES = (Qualifier.P0, Qualifier.P1, Qualifier.N)
+"""Step actions of CODESYS in the order in which a scan executes them."""
+_IN_STEP = (Qualifier.P1, None, Qualifier.N, Qualifier.P0)
+"""The order in which a step is written in other tools: associations (None) among step actions."""
 
 
 def _step_actions(chart: SfcNetwork) -> Iterator[Row]:
