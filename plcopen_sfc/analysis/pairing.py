@@ -175,7 +175,9 @@ def connect(
             common = shared.setdefault(key, f"{name} of the second" if name in signals and key not in shared else name)
             own_names[name] = common
             before = signals.setdefault(common, signal)
-            if before.kind is not signal.kind:
+            if signal.kind is SignalKind.ENUMERATION and _is_alike(before, signal):
+                signals[common] = signal  # its values are those that mean something
+            elif not _is_alike(before, signal):
                 raise ModelError(f"the input {name} is a {before.type} in the first and a {signal.type} in the second")
         system.connect(own_names, own_fixed)
     return signals

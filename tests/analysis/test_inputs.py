@@ -353,3 +353,16 @@ def test_flags_that_operate_a_chart_are_inputs_though_they_are_local_variables()
     END_PROGRAM"""
     chart = sfc.loads(text.encode(), format="iec-text")
     assert set(equivalent(chart, chart, "codesys", free_inputs="all").inputs) == {"a", "SFCInit"}
+
+
+@pytest.mark.parametrize(("last", "is_equal"), [("2", True), ("1", False)])
+def test_an_enumeration_and_its_numbers_are_the_same_input(last: str, is_equal: bool) -> None:
+    text = "PROGRAM Main VAR_INPUT m : {}; END_VAR VAR_OUTPUT q : BOOL; END_VAR q := m = {}; END_PROGRAM"
+    types = "TYPE E_Mode : (Off, Slow, Fast); END_TYPE "
+    names, numbers = (
+        sfc.loads(each.encode(), format="iec-text")
+        for each in (types + text.format("E_Mode", "E_Mode.Fast"), text.format("INT", last))
+    )
+    for sides in ((names, numbers), (numbers, names)):
+        verdict = equivalent(*sides, "iec")
+        assert (verdict.proven, verdict.different) == (is_equal, not is_equal), str(verdict)
