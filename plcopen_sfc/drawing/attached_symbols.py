@@ -141,9 +141,9 @@ ASIDE = 40
 
 
 def draw_step_actions(chart: SfcNetwork, style: DrawingStyle) -> None:
-    """Give every step action a line in an action block of its step: entry actions before all others, which they precede.
+    """Give every step action a line in an action block of its step.
 
-    Main and exit actions come behind, in this order.
+    The entry action comes first, as it is executed first; main and exit actions come behind all others, in this order.
     """
     drawing = chart.drawing
     if drawing is None or not any(_missing(step, None) for step in chart.steps):
