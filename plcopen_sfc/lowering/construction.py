@@ -23,6 +23,7 @@ from plcopen_sfc.lowering.encodings.case_encodings import CaseEncoding, RegionEn
 from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding, StepBitEncoding
 from plcopen_sfc.lowering.grafcet.grafcet_reading import is_grafcet, plain_chart, read_grafcet
 from plcopen_sfc.lowering.grafcet.grafcet_scan import GrafcetScan, no_case, refuse_cases
+from plcopen_sfc.lowering.grafcet.grafcet_scan import no_regions as no_regions_of_grafcet
 from plcopen_sfc.lowering.graph.sequencer_cases import (
     ON_BY_HAND,
     on_by_hand,
@@ -160,7 +161,8 @@ def _objections(source: ChartSource, profile: Profile) -> Iterator[str]:
             found = find(source, profile)
             yield found if isinstance(found, str) else ""
     elif source.grafcet is not None:
-        yield from repeat(no_case(source, profile), 2)
+        yield no_case(source, profile)
+        yield no_regions_of_grafcet(source, profile)
     elif firing_together(source, profile) is not None:
         yield from repeat(f"competing transitions fire together under the profile {profile.name}", 2)
     else:

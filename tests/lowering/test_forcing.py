@@ -21,7 +21,7 @@ from tests.lowering.test_grafcet import ONCE, SHORT, emergency_stop_of_the_seed
 from tests.semantics.charts.rig import chain
 from tests.semantics.charts.test_grafcet import action
 
-FORMS = [("flipflop", "FBD"), ("flipflop", "LD"), ("flipflop", "ST"), ("bits", "ST")]
+FORMS = [("flipflop", "FBD"), ("flipflop", "LD"), ("flipflop", "ST"), ("bits", "ST"), ("regions", "ST")]
 PROFILES = [ONCE, SHORT]
 
 

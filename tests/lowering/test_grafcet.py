@@ -45,7 +45,7 @@ def check(chart: m.SfcNetwork, inputs: str, outputs: str) -> LoweredPou:
     return compare(pou_with(chart, inputs, outputs))
 
 
-REFUSALS = ("one CASE cannot hold", "transitions are still cleared")
+REFUSALS = ("one CASE cannot hold", "no CASEs can hold", "transitions are still cleared")
 
 
 def lowered_if_possible(pou: m.Pou, construction: str, language: str, profile: Profile) -> LoweredPou | None:
@@ -60,7 +60,8 @@ def lowered_if_possible(pou: m.Pou, construction: str, language: str, profile: P
 
 def compare(pou: m.Pou, profiles: Sequence[Profile] = (ONCE, SHORT)) -> LoweredPou:
     for profile in profiles:
-        for construction, language in (("flipflop", "FBD"), ("flipflop", "ST"), ("case", "ST"), ("bits", "ST")):
+        forms = (("flipflop", "FBD"), ("flipflop", "ST"), ("case", "ST"), ("regions", "ST"), ("bits", "ST"))
+        for construction, language in forms:
             lowered = lowered_if_possible(pou, construction, language, profile)
             if lowered is None:
                 continue
@@ -355,6 +356,49 @@ def test_the_emergency_stop_of_the_seed_sets_the_initial_step_and_resets_all_oth
     assert lowered.proof is not None
     assert lowered.proof.proven
     assert len(lowered.proof.compared) >= 9
+
+
+def test_the_emergency_stop_of_the_seed_is_a_case_that_sets_the_step_of_the_other_one() -> None:
+    lowered = lower(emergency_stop_of_the_seed(), profile="grafcet")
+    assert lowered.construction == "regions"
+    assert lowered.proof is not None
+    assert lowered.proof.proven
+    lines = [line.strip() for line in text_of(lowered).splitlines()]
+    start = lines.index("IF step_number_G2 <> 11 THEN")
+    assert lines[start + 1] == "CASE step_number_G1 OF"
+    behind = lines.index("// Charts that others rule")
+    assert lines[behind + 1 : behind + 4] == ["IF step_number_G2 = 11 THEN", "step_number_G1 := 1;", "END_IF;"]
+    assert not [line for line in lines if "next_step" in line]  # the ruling chart has the last CASE
+
+
+def test_charts_that_ask_for_each_other_see_the_situation_as_it_was() -> None:
+    charts = [chain("1", "2", conditions="X12;a"), chain("11", "12", conditions="X1 AND b;X2")]
+    charts[0].step("2").actions = [action("continuous", "Q")]
+    parts = [m.PartialChart(name=f"G{number}", chart=each) for number, each in enumerate(charts, 1)]
+    made = lower(pou_with(m.SfcNetwork(partial_charts=parts), "a b", "Q"), "regions", profile="grafcet")
+    assert made.proof is not None
+    assert made.proof.proven
+    assert "next_step_number_G1 := 2;" in text_of(made)
+
+
+@pytest.mark.parametrize(
+    ("conditions", "why"),
+    [("a;b", "the conditions of"), ("a;NOT a", "has no target"), ("X12;NOT a", "an order puts")],
+)
+def test_what_several_cases_cannot_hold_is_refused_with_the_reason(conditions: str, why: str) -> None:
+    first, second = conditions.split(";")
+    below = chain("1", "2", "3", conditions=f"{first};b;a")
+    if why == "has no target":
+        below.add_transition(below.step("2"), [], "a")
+    elif why == "an order puts":
+        order = m.ForcingOrder(chart="G1", situation=m.ForcedSituation.EXPLICIT, steps=["1", "2"])
+    below.add_transition(below.step("1"), below.step("3"), second)
+    above = chain("11", "12", conditions="a;b")
+    if why == "an order puts":
+        above.step("12").actions = [m.ActionAssociation(id=9, kind=m.ActionKind.FORCING, forcing=order)]
+    parts = [m.PartialChart(name="G1", chart=below), m.PartialChart(name="G2", chart=above)]
+    with pytest.raises(LoweringError, match=why):
+        lower(pou_with(m.SfcNetwork(partial_charts=parts), "a b", "Q"), "regions", profile="grafcet")
 
 
 @pytest.mark.slow

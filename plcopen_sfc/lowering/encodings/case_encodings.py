@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from graphlib import CycleError, TopologicalSorter
 from itertools import groupby
 
 from plcopen_sfc.analysis.regions import ParallelBlock, Regions
@@ -25,6 +26,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     disjunction,
     equal,
     is_constant,
+    names_in,
     negation,
     one_of_values,
     remark,
@@ -68,7 +70,7 @@ class RegionEncoding(ScanSchedule):
             self._refuse_firing_together(source)
         self._regions = self.structure(source)
         # a step that is selected by its number needs a state of that number
-        own = OperatingMode.SELECT in self.rules.modes or source.starts_off
+        own = OperatingMode.SELECT in self.rules.modes or source.starts_off or source.grafcet is not None
         merged = frozenset[int]() if own else ending_together(self._regions)
         off = self._regions
         if source.starts_off:
@@ -85,6 +87,7 @@ class RegionEncoding(ScanSchedule):
         self._done: dict[int, list[BranchCode]] = {}
         self._entered: dict[int, n.Name] = {}
         self.may_fire: Expression = TRUE
+        self._held: dict[int, Expression] = {}
         # a contact in another body cannot compare
         self._asked = {
             step: self.code.declare_flag(
@@ -104,6 +107,10 @@ class RegionEncoding(ScanSchedule):
     def situation(self) -> StateVariables:
         """State variables."""
         return self.states
+
+    def hold(self, steps: Collection[int], held: Expression) -> None:
+        """Let no transition of some steps fire while a condition is TRUE; no more than one for a region."""
+        self._held |= {m.region.index: held for m in self.machines if m.first in steps}
 
     def divide(self) -> None:
         """Declare following states and bits of transitions where CASEs need each other."""
@@ -231,7 +238,7 @@ class RegionEncoding(ScanSchedule):
         self.code.add(self.texts.transitions, [*shared, *self._computed_bits()])
         self._declare_again()
         self.code.add("", [assignment(flag, FALSE) for flag in self._again.values()])
-        for machine in sorted(self.machines, key=self._depth, reverse=True) if self._in_sequence else self.machines:
+        for machine in self._sequence or self.machines:
             self.code.add(self.states.title(machine), self._guarded(machine, self._case(machine)))
         if self.blocking and not self._keeps_out:
             back = [self.states.set_back(each) for each in self.machines if self._is_set_back_behind(each)]
@@ -317,6 +324,19 @@ class RegionEncoding(ScanSchedule):
         """Return the assignments of the state of no step to some regions, or to all."""
         return [assignment(self.states.following(machine), self.names.none) for machine in machines or self.machines]
 
+    def imposing(self, situation: Mapping[int, Expression | None]) -> list[Statement]:
+        """Return the assignments that impose a situation: of each step TRUE or FALSE, or all as they were."""
+        found: list[Statement] = []
+        for machine in self.machines:
+            if machine.first in situation:
+                active = [i for i in machine.region.steps if situation[i] == TRUE]
+                state = self.names.step(active[0]) if active else self.names.none
+                if situation[machine.first] is None:
+                    state = self.states.state_before(machine)
+                both = dict.fromkeys([machine.state, self.states.following(machine)])
+                found += [assignment(each, state) for each in both]
+        return found
+
     def any_fires(self) -> Expression:
         """Return an expression that is TRUE if any state will be another one, or a step is left and entered at once."""
         changes = [negation(equal(self.states.following(m), m.state)) for m in self.machines]
@@ -355,21 +375,36 @@ class RegionEncoding(ScanSchedule):
         # where actions come first they see the situation of the last scan, chosen transitions wait until the next one
         if self.profile.order is ScanOrder.ACTIONS_FIRST and not self._is_announced:
             return True
-        if self._in_sequence:
+        if self._sequence:
             return False
         return bool(machine.blocks or machine.region.block is not None or self._is_asked(machine))
 
     @cached_property
-    def _in_sequence(self) -> bool:
-        """True if CASEs behind each other are as good as at once: those of branches before that which they branch from.
+    def _sequence(self) -> tuple[RegionState, ...]:
+        """Regions in an order in which CASEs behind each other are as good as at once; none if there is no such order.
 
-        A branch does not see that it is begun in this scan then; whether it is ended was decided before all of them.
+        Those of branches come before that which they branch from: a branch does not see that it is begun in this scan
+        then; whether it is ended was decided before all of them. Those whose conditions ask for the state of another
+        region come before that one.
         """
-        return not any(map(self._is_asked, self.machines))
+        ahead: dict[int, set[int]] = {}
+        for machine in sorted(self.machines, key=self._depth, reverse=True):
+            index, block = machine.region.index, machine.region.block
+            ahead.setdefault(index, set()).update(
+                self._askers.get(machine.state.identifier.casefold(), set()) - {index}
+            )
+            if block is not None:
+                ahead.setdefault(self._regions.blocks[block].parent, set()).add(index)
+        if not any(map(self._is_asked, self.machines)):
+            return tuple(sorted(self.machines, key=self._depth, reverse=True))
+        try:
+            return tuple(map(self.states.machine, TopologicalSorter(ahead).static_order()))
+        except CycleError:
+            return ()
 
     def _is_asked(self, machine: RegionState) -> bool:
         """Return True if conditions in the CASE of another region ask for the state of this one."""
-        return bool(self._askers.get(machine.state.identifier, set()) - {machine.region.index})
+        return bool(self._askers.get(machine.state.identifier.casefold(), set()) - {machine.region.index})
 
     def _depth(self, machine: RegionState) -> int:
         """Return how many simultaneous branches a region is in."""
@@ -383,7 +418,7 @@ class RegionEncoding(ScanSchedule):
         """True if transitions change the state itself, which then tells of the next scan: nothing asks before that."""
         return (
             self.profile.order is ScanOrder.ACTIONS_FIRST
-            and self._in_sequence
+            and bool(self._sequence)
             and not (self.source.asked_outside or self.source.logic)
             and SfcFlag.TRANS not in self.source.flags
             and not (self.blocking and self.modes.selecting is not None)
@@ -405,6 +440,9 @@ class RegionEncoding(ScanSchedule):
     def _askers(self) -> dict[str, set[int]]:
         """Return the regions in whose CASE conditions ask for a name, by these names."""
         found: dict[str, set[int]] = {}
+        for index, held in self._held.items():
+            for name in names_in(held):
+                found.setdefault(name, set()).add(index)
         for transition in self.net.transitions:
             # a join is tried in the CASE of the region that waits for it, whose steps are none of its sources; that
             # region has blocks and waits in any case
@@ -412,14 +450,15 @@ class RegionEncoding(ScanSchedule):
             for tree in (self.source.conditions[transition.index], *self.source.preparations[transition.index]):
                 for node in walk(tree):
                     if isinstance(node, n.Name):
-                        found.setdefault(node.identifier, set()).add(region)
+                        found.setdefault(node.identifier.casefold(), set()).add(region)
         return found
 
     def _guarded(self, machine: RegionState, case: list[Statement]) -> list[Statement]:
         """Return a CASE that is not executed while no transition may fire, or whose transitions do nothing then."""
+        may_fire = conjunction([self.may_fire, negation(self._held.get(machine.region.index, FALSE))])
+        case = [when(may_fire, *case)] if case and not is_constant(may_fire, TRUE) else case
         if not self.blocking:
-            idle = is_constant(self.may_fire, TRUE) or not case
-            return case if idle else [when(self.may_fire, *case)]
+            return case
         blocked, back = disjunction(self.blocking), self.states.set_back(machine)
         if not self._is_set_back_behind(machine):
             return [n.If((n.Branch(blocked, (back,)),), tuple(case) or None)]
@@ -447,7 +486,7 @@ class RegionEncoding(ScanSchedule):
             branches = [i for join in block.joins for i in self.net.transitions[join].sources]
             alone = all(map(self.states.is_merged, branches))
             waiting = all(self.states.has_following(self.states.machine_of(i)) for i in branches)
-            if self._in_sequence and not (alone or waiting):
+            if self._sequence and not (alone or waiting):
                 found.update(block.joins)
             found.update(join for join in block.joins if source.preparations[join])
         return sorted(found)
@@ -456,7 +495,8 @@ class RegionEncoding(ScanSchedule):
         for index, bit in self._bits.items():
             transition = self.net.transitions[index]
             free = [negation(self._bits[other]) for other in transition.competing if other in self._bits]
-            free += [negation(each) for each in self.blocking]
+            held = self._held.get(self.states.machine_of(transition.sources[0]).region.index, FALSE)
+            free += [negation(each) for each in (*self.blocking, held)]
             enabled = self._enabled(transition)
             yield from self.prepared(index, enabled, free)
             yield assignment(bit, conjunction([enabled, self.source.conditions[index], *free]))

@@ -81,9 +81,9 @@ class StateNames:
         self.merged = merged
         self._new_value: Callable[[str, str], Expression] = lambda _, number: n.Literal(number)
         self.no_empty_statements, self.has_regions = code.is_portable, code.has_regions
-        # where steps are selected, the regions of all others have none
-        # selecting a step of one region ends all others
+        # selecting a step of one region ends all others, a forcing order all that it does not name
         left = OperatingMode.SELECT in rules.modes and len(regions.regions) > 1
+        left |= source.grafcet is not None and bool(source.grafcet.ruled)
         own = [region for region in regions.regions if region.index not in merged]
         steps, waiting, none = _states(source.net, regions, rules.texts, own, left=left)
         states = [*steps, *waiting, *none]
@@ -323,7 +323,11 @@ class StateVariables:
         return self.names.declare(at_start, self.suffix(region), following=following)
 
     def suffix(self, region: Region) -> str:
-        """Return the end of the names of a region's variables: its first step, nothing more for the first region."""
+        """Return the end of the names of a region's variables: its chart or first step; of the first region nothing."""
+        roots = [each for each in self.regions.regions if each.block is None]
+        charts = [self._net.steps[self.regions.first_step(each)].path.rpartition(".")[0] for each in roots]
+        if region in roots and all(charts) and len(set(charts)) == len(charts) > 1:  # one for each partial chart
+            return charts[roots.index(region)]
         first = "" if region.index == 0 else self._net.steps[self.regions.first_step(region)].path
         return "_".join(filter(None, [self._part, first]))
 

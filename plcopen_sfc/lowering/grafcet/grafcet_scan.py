@@ -25,7 +25,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
 from plcopen_sfc.lowering.code.code_bodies import titled
 from plcopen_sfc.lowering.code.lowered_code import BOOL, INT, CodeNetwork
 from plcopen_sfc.lowering.encodings.case_encodings import RegionEncoding, one_step_at_a_time
-from plcopen_sfc.lowering.encodings.case_states import StateVariables
+from plcopen_sfc.lowering.encodings.case_states import StateVariables, regions_of
 from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding, StepFlagEncoding, StepFlags
 from plcopen_sfc.lowering.grafcet.forcing_orders import ForcingCode
 from plcopen_sfc.lowering.grafcet.grafcet_actions import (
@@ -54,6 +54,28 @@ def no_case(source: ChartSource, profile: Profile) -> str:
         return objection
     if source.grafcet is not None and source.grafcet.ruled:
         return "some of its charts force or enclose others"
+    return _firing_together(source, profile)
+
+
+def no_regions(source: ChartSource, profile: Profile) -> str:
+    """Return why several CASEs cannot hold a GRAFCET; empty if they can."""
+    assert source.grafcet is not None  # noqa: S101  # only such charts are asked for
+    regions = regions_of(source.net)
+    if isinstance(regions, str):
+        return regions
+    for chart in source.grafcet.ruled:
+        if chart.enclosures:
+            return f"steps enclose {chart.name}"
+        for order in chart.orders:
+            forced = [regions.region_of[i] for i in indexes(order.imposed or 0)]
+            branches = [i for i in forced if i is None or regions.regions[i].block is not None]
+            if branches or len(set(forced)) < len(forced):
+                return f"an order puts {chart.name} into simultaneous branches"
+    return _firing_together(source, profile)
+
+
+def _firing_together(source: ChartSource, profile: Profile) -> str:
+    """Return which transitions of a GRAFCET would need several states of one part in one evolution, or none."""
     for transition in source.net.transitions:
         # the state would not change, so that nothing shows the evolution
         if set(transition.sources) & set(transition.targets):
@@ -68,12 +90,12 @@ def no_case(source: ChartSource, profile: Profile) -> str:
 def refuse_cases(source: ChartSource, wanted: Construction, profile: Profile) -> None:
     """Raise `LoweringError` where CASEs are wanted that cannot hold a GRAFCET."""
     path = Location(path=source.pou.name)
-    if wanted is Construction.REGIONS:
-        message, hint = "a GRAFCET is not lowered to several CASEs", "Step bits can hold every chart."
-        raise LoweringError(message, location=path, hint=hint)
     objection = no_case(source, profile) if wanted is Construction.CASE else ""
     if objection:
         raise LoweringError(f"one CASE cannot hold the chart: {objection}", location=path, hint="Step bits can.")
+    objection = no_regions(source, profile) if wanted is Construction.REGIONS else ""
+    if objection:
+        raise LoweringError(f"no CASEs can hold the chart: {objection}", location=path, hint="Step bits can.")
 
 
 class GrafcetScan:
@@ -116,6 +138,7 @@ class GrafcetScan:
         code.add(texts.logic, encoding.source.logic)
         code.add(texts.times, encoding.times.calls())  # of steps whose time conditions read
         self._hold()
+        encoding.divide()
         continuous = ContinuousActionCode(
             self._grafcet.continuous, code, encoding.memory, encoding.active, encoding.times
         )
@@ -263,6 +286,9 @@ class GrafcetScan:
         preparations = list(self._encoding.source.preparations)
         for ruling in self._ruled:
             forced = ruling.forced()
+            if isinstance(self._encoding, RegionEncoding):
+                self._encoding.hold(ruling.steps, forced)
+                continue
             if is_constant(forced, FALSE):
                 continue
             for transition in self._net.transitions:
@@ -312,13 +338,12 @@ class GrafcetScan:
             encoding.change_situation(imposed, self._concurrency.both_fire, starts=starts, order=order)
             return
         encoding.change_situation()
-        if isinstance(encoding, StepFlagEncoding):
-            forced: list[Statement] = []
-            for ruling in self._ruled:
-                found = ruling.situations()
-                branches = (n.Branch(each.when, tuple(encoding.imposing(each.situation))) for each in found)
-                forced.append(n.If(tuple(branches)))
-            self._code.add(self._texts.forcing, forced)
+        forced: list[Statement] = []
+        for ruling in self._ruled:
+            found = ruling.situations()
+            branches = (n.Branch(each.when, tuple(encoding.imposing(each.situation))) for each in found)
+            forced.append(n.If(tuple(branches)))
+        self._code.add(self._texts.forcing, forced)
 
     def _ended(self) -> list[Statement]:
         """Return the effect of a restart on what is stored."""
