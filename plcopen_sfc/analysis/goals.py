@@ -119,6 +119,8 @@ class Goals:
             if isinstance(chart, ChartProgram | GraphProgram)
         ]
         self._own = [chart for _, chart in system.instance.unit.charts]
+        self._terms: dict[tuple[int, ...], tuple[list[Goal], Formula, list[Any]]] = {}
+        """The terms of goals by their ids, with these goals, so that no other gets the id of one."""
         self.transitions: list[list[Goal]] = [[] for _ in self.charts]
         self.branches: list[Goal] = []
         self.outcomes: list[Goal] = []
@@ -525,9 +527,13 @@ class Goals:
     def _solved(
         self, wanted: Sequence[Goal], unwanted: Sequence[Goal], known: Mapping[str, Any]
     ) -> dict[str, Value] | None:
-        formula = self._formula()
-        trees = [goal.tree for goal in (*wanted, *unwanted) if goal.tree is not None]
-        terms = formula.terms([JudgedCondition(tree) for tree in trees])
+        goals = [*wanted, *unwanted]
+        key = tuple(map(id, goals))
+        if key not in self._terms:  # making them takes longer than solving them
+            formula = self._formula()
+            trees = [goal.tree for goal in goals if goal.tree is not None]
+            self._terms[key] = goals, formula, formula.terms([JudgedCondition(tree) for tree in trees])
+        _, formula, terms = self._terms[key]
         terms = [*terms[: len(wanted)], *map(negation, terms[len(wanted) :])]
         found = formula.model(terms, {text: self._named(text, value) for text, value in known.items()})
         if found is None:

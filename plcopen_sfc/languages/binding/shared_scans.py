@@ -297,14 +297,13 @@ def told_step_actions(
         is_exit = later.qualifier is Qualifier.P0
         if not is_row and is_exit and exits_first:
             return False
-        if not is_row and row.qualifier is Qualifier.N:  # a main action has no final scan
-            meet = scans.follow(there, here) if is_exit else scans.are_together(here, there)
-            if not meet:
-                return False
-        if by_name is None and used[key(one)] < used[key(other)]:
-            return True
-        if by_name is not None and by_name(row.target or "") < by_name(later.target or ""):
-            return True
+        if not is_row and row.qualifier is Qualifier.N and not is_exit and not scans.are_together(here, there):
+            return False  # a main action has no final scan
+        if not is_exit or scans.follow(there, here):
+            if by_name is None and used[key(one)] < used[key(other)]:
+                return True
+            if by_name is not None and by_name(row.target or "") < by_name(later.target or ""):
+                return True
         is_code = is_row and (row.body is not None or pou.find_action(row.target or "") is not None)
         ends = scans.are_together(here, there) if is_exit else scans.follow(here, there)
         return is_code and ends and row.qualifier not in (Qualifier.P1, Qualifier.P0)
