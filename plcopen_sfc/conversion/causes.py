@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from plcopen_sfc.conversion.executed_charts import WRITTEN
-from plcopen_sfc.conversion.executed_parts import FIRST_SCAN, STABILITY, START
+from plcopen_sfc.conversion.executed_parts import FIRST_SCAN, SELECTION, STABILITY, START
 from plcopen_sfc.languages.binding import SharedScans, actions_by_name, step_effects
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.project import Chart
@@ -114,7 +114,9 @@ _STEP_ACTIONS = ("entry action", "main action", "exit action")
 
 
 _FIRST_SCANS = 2
-_OF_EVOLUTION = frozenset({STABILITY, START, "initial step", "condition", "transition", "min time", "minimum time"})
+_OF_EVOLUTION = frozenset(
+    {STABILITY, SELECTION, START, "initial step", "condition", "transition", "min time", "minimum time"}
+)
 """Subjects of items that tell of steps which are active at other times, so that actions are, too."""
 
 

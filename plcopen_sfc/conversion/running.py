@@ -16,6 +16,7 @@ from plcopen_sfc.conversion.executed_parts import (
     HIDDEN_FLAG,
     OPERATING_INPUT,
     OPERATING_KINDS,
+    SELECTION,
     SHOWN_STATE,
     STABILITY,
     START,
@@ -55,10 +56,10 @@ _CAP, _RUNS, _SCANS = 2_000, 10, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
 
 _APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, FIRST_SCAN, CHART_OF_ACTION, ORDER_OF_ACTIONS, FALLING_EDGE}
-_APART |= {ARITHMETIC, BOOLEAN_ACTIONS, "retain", "address", "interval", "max time", "maximum time"}
+_APART |= {SELECTION, ARITHMETIC, BOOLEAN_ACTIONS, "retain", "address", "interval", "max time", "maximum time"}
 """Losses beside which a run shows more: what operates a chart rests, nothing looks at addresses or times of tasks, and
-the chart of a GRAFCET may have no step that is only passed, and begins one scan later. A block for the chart of an
-action may do the same, and actions in another order or calculations of other widths."""
+the chart of a GRAFCET may have no step that is only passed or left by two transitions, and begins one scan later. A
+block for the chart of an action may do the same, and actions in another order or calculations of other widths."""
 
 
 def report_running(
@@ -228,6 +229,7 @@ def _report_run(report: ConversionReport, run: _Run, held: str) -> None:
         usual = 1 if run.profiles[1].order is ScanOrder.ACTIONS_FIRST else 0  # a later result passed other situations
         if abs(verdict.delay.scans) <= usual:
             _note_proven(report, path, STABILITY, "which fires transitions once in a scan")
+        _note_proven(report, path, SELECTION, "which fires other transitions of a selection")
         _note_proven(report, path, CHART_OF_ACTION, "which calls a block for the chart of the action")
         _note_proven(report, path, ORDER_OF_ACTIONS, "which executes actions in another order")
         _note_proven(report, path, BOOLEAN_ACTIONS, "which writes variables of actions at other times")

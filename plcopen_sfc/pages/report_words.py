@@ -499,6 +499,12 @@ _NOT_EXECUTED = {
     "IEC 60848 has no instructions that are always executed": (
         "IEC 60848 hat keine Anweisungen, die immer ausgeführt werden"
     ),
+    "the target fires one of the transitions behind {&}, a GRAFCET all that are TRUE": (
+        "das Ziel schaltet eine der Transitionen hinter {}, ein GRAFCET alle, die wahr sind"
+    ),
+    "with all inputs the target, which fires other transitions of a selection, does the same": (
+        "mit allen Eingängen tut das Ziel, das andere Transitionen einer Alternative schaltet, dasselbe"
+    ),
     "transitions of a GRAFCET have no order: two whose conditions are TRUE fire together (SEL01)": (
         "Transitionen eines GRAFCET haben keine Reihenfolge: zwei mit erfüllter Bedingung schalten zusammen (SEL01)"
     ),

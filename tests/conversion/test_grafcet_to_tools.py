@@ -517,6 +517,24 @@ def test_a_step_is_not_passed_with_an_edge_of_an_input(form: str) -> None:
     assert "Step" not in item.why
 
 
+@pytest.mark.parametrize("form", ["codesys", "plcopen", "simaticml"])
+def test_transitions_that_leave_a_step_together_are_told(form: str) -> None:
+    """A GRAFCET fires both; the report called the search for stability the cause of the difference."""
+    text = (
+        "GRAFCET G\nINPUTS\n    a\n    b\n    c\nINITIAL STEP 1\n1 -> 2 : {} * /c\n1 -> 3 : {} * /c\nSTEP 2\nSTEP 3\n"
+    )
+    text += "2 -> 1 : c * a\n3 -> 1 : c * a\n"
+    report = sfc.save(sfc.loads(text.format("a", "b").encode()), io.BytesIO(), format=form, limit=20)
+    assert losses(report)["selection"] == (
+        "the target fires one of the transitions behind Step1, a GRAFCET all that are TRUE"
+    )
+    assert report.compared["POU G"].startswith("different")
+    assert form == "simaticml" or "a cause is the selection, which the report names" in losses(report)["chart"]
+    report = sfc.save(sfc.loads(text.format("a * /b", "b * /a").encode()), io.BytesIO(), format=form, limit=20)
+    assert losses(report).keys() <= {FIRST_SCAN}
+    assert "(proof" in report.compared["POU G"]
+
+
 PRESS = """GRAFCET Press
 INPUTS
     a

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
+from itertools import combinations
 
 from plcopen_sfc.analysis.exclusivity import exclusive
 from plcopen_sfc.conversion.adaptation.chart_rewriting import taken_names
@@ -20,7 +21,7 @@ from plcopen_sfc.conversion.adaptation.grafcet_hierarchy import (
     sequences_of,
     step_flag,
 )
-from plcopen_sfc.conversion.executed_parts import FIRST_SCAN, STABILITY, START
+from plcopen_sfc.conversion.executed_parts import FIRST_SCAN, SELECTION, STABILITY, START
 from plcopen_sfc.errors import UnknownBehaviourError
 from plcopen_sfc.languages.binding.name_sites import in_tree
 from plcopen_sfc.languages.grafcet_conditions import ConditionError, to_structured_text
@@ -147,6 +148,7 @@ class _Chart:
         which = f"{_first_of(passed)} may be active where a GRAFCET only passes" if passed else "flags are a scan late"
         why = f"the target fires transitions once in a scan: {which}"
         self._note(Outcome.APPROXIMATED, STABILITY, path, why)
+        self._note_selections(path)
         self._note_first_scan(path)
         self._actions(path)
         if flat is not None and flat.ruled:
@@ -162,6 +164,18 @@ class _Chart:
             self._sequences()
         elif len(starts) > 1:
             self._start(starts, path)
+
+    def _note_selections(self, path: str) -> None:
+        """Tell of transitions that leave a step together, of which the target fires the first."""
+        trees = {each.id: _tree(each.condition) for each in self._chart.transitions}
+        found = []
+        for step in self._chart.steps:
+            leaving = [print_node(tree) for t in self._chart.outgoing(step) if (tree := trees[t.id]) is not None]
+            if any(not exclusive(one, other).answer for one, other in combinations(leaving, 2)):
+                found.append(step.name)
+        if found:
+            why = f"the target fires one of the transitions behind {_first_of(found)}, a GRAFCET all that are TRUE"
+            self._note(Outcome.APPROXIMATED, SELECTION, path, why)
 
     def _note_first_scan(self, path: str) -> None:
         """Tell what the target misses that a GRAFCET does in its first scan."""

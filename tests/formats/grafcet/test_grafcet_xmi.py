@@ -10,14 +10,17 @@ from pathlib import Path
 import pytest
 
 import plcopen_sfc as sfc
+from plcopen_sfc.analysis.marking import MarkingGraph
 from plcopen_sfc.errors import StructureError
 from plcopen_sfc.model import Expression, Project
 from plcopen_sfc.model.numbering import numbered_in_order
+from plcopen_sfc.semantics.net import Net
 from tests.corpus import corpus_files
 from tests.lowering.random_grafcets import random_hierarchy
 
 FILES = corpus_files("grafcet")
 SAMPLES = [path for path in FILES if path.suffix == ".grafcet"]
+REACHED = [path for path in FILES if path.name.startswith("Result_Concurrency_")]
 VERDICTS = [path for path in FILES if path.name.startswith("Result_AI_veri_")]
 
 
@@ -192,6 +195,70 @@ def test_checks_agree_with_the_verdicts_of_the_editor() -> None:
     assert ours["race"] - both["race"] == {"conflictingActions1", "conflictingActions6"}
     assert both["race"] <= ours["race"]
     assert constant == CONSTANT
+
+
+@pytest.mark.corpus
+@pytest.mark.skipif(not REACHED, reason="no corpus")
+def test_steps_that_are_reached_and_active_together_are_those_of_the_editor() -> None:
+    """Of each chart of its own; a forced chart has the situations of the order, which the editor takes for none."""
+    same = 0
+    for path in REACHED:
+        sample = next((each for each in SAMPLES if each.stem == path.stem.removeprefix("Result_Concurrency_")), None)
+        if sample is None:
+            continue
+        whole = sfc.load(sample).pous[0].chart
+        assert whole is not None
+        for part in path.read_text(encoding="utf-8").partition("global Conc")[0].split("Partial Grafcet ")[1:]:
+            name, kind = re.findall(r"Dependency: (\S+) - with initialization type (\w+)", part)[0]
+            if kind == "forced":
+                continue
+            chart = next(each.chart for each in whole.partial_charts if each.name == name).model_copy(deep=True)
+            links = [
+                linked
+                for partial in whole.partial_charts
+                for step in partial.chart.steps
+                for enclosure in step.encloses or ()
+                if enclosure.chart == name
+                for linked in enclosure.activated_steps
+            ]
+            for step in chart.steps if kind == "enclosed" else ():
+                step.initial = step.name in links
+            net = Net.of(chart)
+            of_steps = part.partition("concurrent statements")[0]
+            lists = re.findall(r"(?m)^s?(\d+|reachable steps): \[(.*)\]", of_steps)
+            told = {key: set(re.findall(r"\d+", steps)) for key, steps in lists}
+            together: dict[str, set[str]] = {}
+            for marking in MarkingGraph(net):
+                active = [step.step.name for step in net.steps if marking & step.bit]
+                for each in active:
+                    together.setdefault(each, set()).update({*active} - {each})
+            assert told.pop("reachable steps") == together.keys(), path
+            assert [(key, steps) for key, steps in sorted(told.items()) if steps] == [
+                (key, steps) for key, steps in sorted(together.items()) if steps
+            ]
+            same += 1
+    assert same == 31
+
+
+@pytest.mark.corpus
+@pytest.mark.skipif(not VERDICTS, reason="no corpus")
+def test_steps_that_are_passed_are_those_of_the_editor() -> None:
+    same, other = 0, []
+    for path in VERDICTS:
+        told = re.search(r"steps might be transient: \[(.*)\]|No transient steps", path.read_text(encoding="utf-8"))
+        name = path.stem.removeprefix("Result_AI_veri_")
+        if told is None:
+            continue
+        project = sfc.load(next(each for each in SAMPLES if each.stem == name))
+        items = sfc.convert(project, "plcopen", partial=True, limit=0).report.items
+        (why,) = [item.why for item in items if item.what == "search for stability"]
+        if set(re.findall(r"Step(\d+)", why)) == set(re.findall(r"\d+", told[1] or "")):
+            same += 1
+        else:
+            other.append(name)
+    assert same == 13
+    # a condition that is never true, a value that the chart writes, a step that is enclosed, more than are listed
+    assert sorted(other) == ["flawedTransitions1", "flawedTransitions2", "hierarchicalConflict1", "plant"]
 
 
 CONSTANT = {"both": 24, "only ours": 2, "only the editor": 10}
