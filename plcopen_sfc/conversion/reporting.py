@@ -51,7 +51,7 @@ def report_execution(
     refused = {item.path for item in report.losses if item.what == "hierarchy"}
     report.items = [item for item in report.items if not _is_of_refused(item, refused)]
     settled = Counter(
-        (in_the_source(item.path, called), item.what)
+        (_unnumbered(in_the_source(item.path, called)), item.what)
         for item in report.items
         if item.outcome in LOSSES or item.outcome is Outcome.TRANSLATED
     )
@@ -76,8 +76,8 @@ def report_execution(
     for difference in found:
         what = difference.aspect or difference.kind
         place = in_the_source(difference.path, called)
-        names = {(place, each) for each in (what, *_ALSO_CALLED.get(what, ()))}
-        names |= {(place, each) for each in OPERATING_KINDS if what in OPERATING_KINDS}
+        names = {(_unnumbered(place), each) for each in (what, *_ALSO_CALLED.get(what, ()))}
+        names |= {(_unnumbered(place), each) for each in OPERATING_KINDS if what in OPERATING_KINDS}
         if difference.kind == "chart" and place in refused:
             continue
         if difference.kind == "global variable" and any(
@@ -112,6 +112,14 @@ def report_execution(
             why += UNSAID
         report.items.append(Item(_outcome(difference), what, place, why))
     report.items = [item for item in report.items if not _is_superseded(item, told)]
+
+
+def _unnumbered(path: str) -> str:
+    """Return a path without the number of a transition: between the same steps the target may count otherwise."""
+    return _NUMBER.sub(r"\g<steps>", path)
+
+
+_NUMBER = re.compile(r"(?<= -> )(?P<steps>[^/]+) \(\d+\)$")
 
 
 def _is_of_refused(item: Item, refused: Iterable[str]) -> bool:
