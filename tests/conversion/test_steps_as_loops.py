@@ -125,6 +125,22 @@ def test_operating_modes_are_executed(inputs: tuple[str, ...], target: str) -> N
     assert sfc.dumps(sfc.loads(data, format=target), format=target) == data
 
 
+ALL_INPUTS = ("INIT_SQ", "OFF_SQ", "SW_AUTO", "SW_MAN", "SW_TAP", "SW_TOP", "T_PUSH", "S_ON", "S_OFF", "S_SEL")
+
+
+@pytest.mark.parametrize(("target", "longest"), [("codesys", 220), ("plcopen-2.01", 1200)])
+def test_conditions_of_a_block_with_all_inputs_can_be_read(target: str, longest: int) -> None:
+    """They had seven parentheses in a row, and 3,200 characters in TC6, where conditions read the inputs themselves."""
+    source = built("plain", ALL_INPUTS)
+    chart = sfc.loads(sfc.dumps(source, format=target), format=target, as_tool=True).pou("Main").chart
+    texts = [each.condition.text for each in chart.transitions]
+    assert max(map(len, texts)) < longest
+    assert not any("((((" in text for text in texts)
+    if target == "codesys":
+        [text] = [each.condition.text for each in chart.transitions if each.sources == [chart.step("Work").id]]
+        assert text.startswith("(b OR SW_TOP_is_on AND T_PUSH_edge) AND sequence_goes_on")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS[:2])
 def test_an_edit_of_one_loop_counts_for_all(target: str) -> None:

@@ -45,6 +45,8 @@ _MANUAL, _INCHING, _PUSHED = "SW_MAN", "SW_TAP", "SW_TOP"
 _MODES = ("SW_AUTO", _MANUAL, _INCHING, _PUSHED)
 """The inputs that switch modes; of several that rise the last counts."""
 _LAMPS = {"MAN_ON": _MANUAL, "TAP_ON": _INCHING, "TOP_ON": _PUSHED}
+_GOES_ON = ("sequence", "goes_on")
+"""The variable that is TRUE while the modes let transitions fire."""
 _PUSH, _ON, _OFF, _SELECTED, _NEXT, _PREVIOUS = "T_PUSH", "S_ON", "S_OFF", "S_SEL", "S_NEXT", "S_PREV"
 
 
@@ -79,6 +81,8 @@ class OperatingModes:
     def statements(self) -> list[str]:
         """Return the change of the modes, behind the edges of the inputs."""
         found = [f"{self._variable(mode)} := {self._on(mode, edges=True)};" for mode in self._modes]
+        if self._rewriting.host.is_codesys and (goes_on := self._goes_on()) != "TRUE":
+            found.append(f"{self._checks.quantity(*_GOES_ON)} := {goes_on};")
         shown = self.selected_shown
         return found if shown == self.selected else [*found, f"{shown} := {self.selected};"]
 
@@ -99,10 +103,13 @@ class OperatingModes:
         rises = {
             name: self._checks.edge(name) if edges else f"({self._checks.rising(name)})" for name in self._switches
         }
-        others = [rise for name, rise in rises.items() if name != mode]
-        later = [rises[name] for name in self._switches[self._switches.index(mode) + 1 :]]
-        kept = " AND ".join([self._variable(mode), *(f"NOT {each}" for each in others)])
-        return f"{as_term(' AND '.join([rises[mode], *(f'NOT {each}' for each in later)]))} OR {as_term(kept)}"
+        place = self._switches.index(mode)
+        before, later = (
+            [rises[name] for name in names] for names in (self._switches[:place], self._switches[place + 1 :])
+        )
+        kept = " AND ".join([self._variable(mode), *(f"NOT {each}" for each in before)])
+        found = f"{as_term(rises[mode])} OR {as_term(kept)}"
+        return " AND ".join([f"({found})", *(f"NOT {each}" for each in later)]) if later else found
 
     def _rises(self, name: str) -> str:
         return as_term(self._checks.rising(name)) if name in self._found else "FALSE"
@@ -112,12 +119,23 @@ class OperatingModes:
         push = self._rises(_PUSH)
         if _PUSHED in self._modes and push != "FALSE" and text != "TRUE":
             text = f"{as_term(text)} OR ({as_term(self._on(_PUSHED))} AND {push})"
-        if _INCHING in self._modes:
-            others = f" OR {push}" if push != "FALSE" else ""
-            text = conjunction(text, f"(NOT {as_term(self._on(_INCHING))}{others})")
-        if _MANUAL in self._modes:
-            text = conjunction(text, f"NOT {as_term(self._on(_MANUAL))}")
+        goes_on = self._goes_on()
+        if goes_on != "TRUE":
+            # where actions come before transitions, one of them computes it for all conditions
+            own = self._checks.quantity(*_GOES_ON) if self._rewriting.host.is_codesys else as_term(goes_on)
+            text = conjunction(text, own)
         return text
+
+    def _goes_on(self) -> str:
+        """Return when the modes let transitions fire."""
+        terms: list[str] = []
+        if _INCHING in self._modes:
+            push = self._rises(_PUSH)
+            others = f" OR {push}" if push != "FALSE" else ""
+            terms.append(f"(NOT {as_term(self._on(_INCHING))}{others})")
+        if _MANUAL in self._modes:
+            terms.append(f"NOT {as_term(self._on(_MANUAL))}")
+        return " AND ".join(terms) or "TRUE"
 
     def switched(self, step: Step) -> tuple[str, str]:
         """Return when people switch a step on, and when off."""

@@ -29,6 +29,8 @@ from plcopen_sfc.conversion.adaptation.step_checks import StepChecks
 from plcopen_sfc.conversion.executed_parts import START
 from plcopen_sfc.formats.format_interface import ChartHost
 from plcopen_sfc.formats.plcopen.source_marks import replaced_sequences
+from plcopen_sfc.languages.st import parse_expression, print_node
+from plcopen_sfc.lowering.code.boolean_logic import reduced
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.report import SEQUENCE, Outcome
 from plcopen_sfc.semantics.net import Net
@@ -115,7 +117,9 @@ class SequenceRewriter:
         ids = {step.id for step in steps}
         own = [each for each in self._order if not ids.isdisjoint((*each.sources, *each.targets))]
         edges = {key: self._checks.rising(key) for key in self._wanted}
-        conditions = [(self._begins(step, edges), self._ends(step, edges)) for step in steps]
+        conditions = [
+            (self._readable(self._begins(step, edges)), self._readable(self._ends(step, edges))) for step in steps
+        ]
         for each in own:
             self._note(each, "the steps that it connects are loops with its condition")
             self._rewriting.marks.pop(id(each), None)
@@ -131,6 +135,11 @@ class SequenceRewriter:
                 why = "conditions tell which transition fires"
                 self._rewriting.note(Outcome.TRANSLATED, "order of transitions", f"step {step.name}", why)
         return heads
+
+    def _readable(self, text: str) -> str:
+        """Return a condition without what other parts of it decide."""
+        parsed = parse_expression(text, self._host.dialect)
+        return text if parsed.problems else print_node(reduced(parsed.tree))
 
     def _note(self, transition: Transition, why: str) -> None:
         self._rewriting.note(Outcome.TRANSLATED, "transition", f"transition {self._chart.label(transition)}", why)
@@ -207,7 +216,7 @@ class SequenceRewriter:
             begins = f"NOT {self._checks.waits(start)}"
             if INIT in self._wanted:
                 begins = _any([begins, f"{self._checks.rising(INIT)} AND NOT {self._checks.rising(OFF)}"])
-        added.transition(start, heads, begins, "the sequences begin")
+        added.transition(start, heads, self._readable(begins), "the sequences begin")
         return start
 
 
