@@ -67,7 +67,7 @@ def patched(project: Project, source: FileSource, kind: Format, report: Conversi
             "the edits did not fit into its text; written from the model",
         )
         before = codec.read(source.content).project
-        options = WriteOptions(source.version, same=True, source=source.content, baseline=before)
+        options = WriteOptions(source.version, same=True, same_format=True, source=source.content, baseline=before)
         if is_other:
             project, marks = rewrite_project(project, kind, options, ConversionReport())
             options = replace(options, marks=marks)
@@ -265,6 +265,7 @@ def _merged(
     options = WriteOptions(
         source.version,
         same=True,
+        same_format=True,
         source=content,
         untouched=frozenset(untouched - touched),
         of_codesys=bool(default_profile(project).flags),  # a file of another tool may hold their replacement
@@ -368,7 +369,7 @@ def patched_text(project: Project, source: FileSource, kind: Format, report: Con
 
     codec = cast("TextCodec", kind.codec(source.version))
     before, text, spans = codec.located(source.content)
-    options = WriteOptions(source.version, same=True, source=source.content, baseline=before)
+    options = WriteOptions(source.version, same=True, same_format=True, source=source.content, baseline=before)
     known = ConversionReport()
     after, old = (_blocks(each, codec, kind, options, notes) for each, notes in ((project, report), (before, known)))
     _pass_known_losses(report, known)

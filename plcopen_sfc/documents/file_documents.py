@@ -107,13 +107,14 @@ def encode(
         if not fresh and (kind.xml or kind.text):
             with collecting_rarely():
                 return (patched if kind.xml else patched_text)(project, source, kind, report), report
-    same = source is not None and source.format == kind.name and source.version == version and not flavour
+    same_format = source is not None and source.format == kind.name and not flavour
+    same = same_format and source is not None and source.version == version
     if not same:
         refuse_reading_errors(project, report)
     elif kind.text:  # what was not understood of a text may be in its file only; the model keeps all of XML
         report_reading_errors(project, report)
     content = source.content if source is not None and same else b""
-    options = WriteOptions(version, flavour, same=same, source=content, at_rest=at_rest)
+    options = WriteOptions(version, flavour, same=same, same_format=same_format, source=content, at_rest=at_rest)
     from plcopen_sfc.documents.writer_preparation import prepared  # noqa: PLC0415  # loading needs no interpreter
 
     with collecting_rarely():

@@ -105,6 +105,7 @@ class WriteOptions:
 
     `same`: the project was read from this format in this version; ids come back by themselves then. `source` is the
     file that it was read from, to keep to its habits.
+    `same_format`: it was read from this format in whatever version, and is not written for a tool of its own.
     `untouched` names bodies (``Main``, ``Main.Fill``) whose charts are not written because they stay as they are in the
     file that is patched; `unchanged` has symbols of other charts, by the `id()` of the chart, whose elements stay so:
     they are written without their content. `baseline` is the project as it was read, by which a writer sees what was
@@ -124,6 +125,7 @@ class WriteOptions:
     version: str = ""
     flavour: str = ""
     same: bool = False
+    same_format: bool = False
     source: bytes = b""
     untouched: frozenset[str] = frozenset()
     unchanged: Mapping[int, frozenset[int]] = field(default_factory=dict)

@@ -107,6 +107,19 @@ def test_several_initial_steps_of_one_chart_get_a_step_before_them(target: str) 
     assert "it leads to all initial steps" in item.why
 
 
+@pytest.mark.parametrize("version", ["1.01", "2.0", "2.01"])
+def test_several_initial_steps_of_one_chart_stay_in_tc6(version: str) -> None:
+    """A new version of TC6 got a step before them."""
+    project = feature_project(Feature("", ("plcopen",), lambda _: None), "plcopen")
+    data = sfc.dumps(project, format="plcopen-1.01").replace(b'name="Done"', b'name="Done" initialStep="true"')
+    source = sfc.loads(data, format="plcopen-1.01")
+    source.accept_errors()
+    written = sfc.loads(sfc.dumps(source, format=f"plcopen-{version}", partial=True), as_tool=True)
+    assert [(s.name, s.initial) for s in written.pou("Main").chart.steps] == [
+        (s.name, s.initial) for s in source.pou("Main").chart.steps
+    ]
+
+
 @pytest.mark.parametrize("place", ["out.xml", "out/"])
 def test_types_and_names_that_nothing_declares_are_told_in_files_and_folders(place: str, tmp_path: Path) -> None:
     def build(rig: FeatureChart) -> None:

@@ -68,7 +68,7 @@ def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> boo
         return True
     if any(is_supervised(step) for step in chart.steps):
         return True
-    if not (options.of_codesys or options.same) and steps_to_start(chart, host):
+    if not (options.of_codesys or options.same_format) and steps_to_start(chart, host):
         return True
     if any(does_something(operation.body) for operation in (*chart.permanent_pre, *chart.permanent_post)):
         return True

@@ -77,7 +77,7 @@ class SequenceRewriter:
             self._rewriting.note(Outcome.TRANSLATED, SEQUENCE, "", why)
         if self._host.is_codesys and self._rewriting.of_graph and (len(heads) > 1 or looped):
             self._start(heads, added)
-        elif not (self._rewriting.of_graph or self._rewriting.options.same) and (
+        elif not (self._rewriting.of_graph or self._rewriting.options.same_format) and (
             together := steps_to_start(self._chart, self._host)
         ):
             start = self._start(together, added)
