@@ -11,9 +11,6 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport, Outcome
 
-STEPS_DATA = "urn:plcopen-sfc:steps"
-"""The data of a project that keeps the names of steps in its source."""
-
 
 def give_step_names(copy: Project, dialect: Dialect | None, tool: str, report: ConversionReport) -> None:
     """Rename the steps of a copy that have the name of a variable of their POU, where the tool has one for each step.
@@ -21,7 +18,7 @@ def give_step_names(copy: Project, dialect: Dialect | None, tool: str, report: C
     Those of CODESYS and S7 do. The project keeps the names of the source, and its steps get them in other tools again.
     It is called before texts are translated, which a new name needs, and behind that, which the old one does.
     """
-    from plcopen_sfc.languages.translation.renames import keep_table, kept_table  # noqa: PLC0415  # bring the parser
+    from plcopen_sfc.languages.translation.renames import STEPS_DATA, keep_table, kept_table  # noqa: PLC0415  # bring the parser
     from plcopen_sfc.refactor.rename import rename_step, restore_step_name  # noqa: PLC0415
 
     kept = kept_table(copy, STEPS_DATA) if not (_has_steps(dialect) or _has_steps(copy.dialect)) else []
