@@ -74,8 +74,8 @@ def report_running(
 ) -> None:
     """Run each chart of `source` and what the target `tool` reads of it, and add what came of it to `report`.
 
-    Charts in which something is not executed are left out: they differ. Where something is approximated, the run tells
-    whether that changes what the chart does; the report names it already, so a difference is no item of its own.
+    Charts in which something is not executed are left out: they differ. A call of what no file declares is the same
+    unknown function on both sides. Where something is approximated, the run tells whether that changes what the chart does; the report names it already, so a difference is no item of its own.
     `called` gives the paths in the source of what has another name in the result, `target` the rules of the target
     where they are not those of its files. `limit` is the processor time that all of this may take, in seconds.
     """
@@ -95,9 +95,9 @@ def report_running(
     for number, (there, here) in enumerate(pairs):
         named = {item.outcome for item in losses if concerns(item, there.report_path)}
         types = [name for variable in there.pou.variables() for name in used_types(variable.type)]
-        unknown = next((name for name in types if name.casefold() in undeclared), None)
-        if here is not None and unknown is not None:  # no run knows what its members are, or that blocks share them
-            report.compared[there.report_path] = f"not compared: nothing declares the type `{unknown}` of its variables"
+        untyped = next((name for name in types if name.casefold() in undeclared), None)
+        if here is not None and untyped is not None:  # no run knows what its members are, or that blocks share them
+            report.compared[there.report_path] = f"not compared: nothing declares the type `{untyped}` of its variables"
             continue
         if here is None or Outcome.NOT_EXECUTED in named:
             what = "what is not executed" if named else f"nothing in {tool} that has its name"
@@ -144,6 +144,9 @@ def report_running(
             report.compared[there.report_path] += _told_alike(
                 compared, profiles, tool, verdict, end - time.thread_time()
             )
+        if as_run.unknown and there.report_path not in report.untested:  # whose lines tell it already
+            unknown = ", ".join(as_run.unknown)
+            report.compared[there.report_path] += f"; unknown, taken as functions of what they are given: {unknown}"
         if any(name.casefold() == declaration.name.casefold() for name in types for declaration in assumed):
             report.compared[there.report_path] += "; types that nothing declares have the members that are used of them"
 
@@ -378,5 +381,9 @@ def _pairs(source: Project, result: Project, called: Mapping[str, str]) -> Itera
 
 
 def _is_apart(item: Item) -> bool:
-    """True for a loss beside which a run shows more: a name that nothing declares is the same input on both sides."""
-    return item.what in _APART or (item.what == UNDECLARED and item.outcome is Outcome.APPROXIMATED)
+    """True for a loss beside which a run shows more.
+
+    A name that no file declares, neither of the source nor of the target, is the same input on both sides, or the same
+    unknown function.
+    """
+    return item.what in _APART or (item.what == UNDECLARED and " declared neither in the source nor in " in item.why)

@@ -220,11 +220,19 @@ def test_parallel_sequences_that_write_one_operand_are_told_apart_by_the_order_o
 
 
 def test_a_chart_in_which_something_is_not_executed_is_not_run_and_none_without_a_limit() -> None:
-    project = sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml")
-    report = saved(project, "codesys", partial=True)
+    report = saved(sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml"), "scl", partial=True)
     assert report.compared == {"POU FB_Drill": "not compared: the report names what is not executed"}
     assert report.untested == {}
     assert sfc.save(chart("Zz(N); Aa(N);"), io.BytesIO(), format="codesys").compared == {}
+
+
+@pytest.mark.slow
+def test_a_block_alone_is_run_though_it_calls_what_no_file_declares() -> None:
+    report = saved(sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml"), "codesys", partial=True)
+    assert [item.what for item in report.with_outcome(Outcome.NOT_EXECUTED)] == ["undeclared name"]
+    found = report.compared["POU FB_Drill"]
+    assert found.startswith("different after 1 scan"), "no transition is tested in the first scan of the source"
+    assert found.endswith("; unknown, taken as functions of what they are given: FC_Count")
 
 
 @pytest.mark.parametrize(("condition", "outcome"), [("a", "equal"), ("b", "it does something else after 1 scan: ")])
