@@ -297,7 +297,9 @@ class ExecutedChartReader:
         others = (pou for pou in self.owner.project.pous if pou is not self.pou) if shared else ()
         outside = {path for pou in others for path in self._written(pou) & shared}
         rules = {".".join(path): self._written_at(each) for path, each in acting.items()}
-        return BooleanActions(rules, *(frozenset(map(".".join, each)) for each in (paths & inside, outside)))
+        spelled = {".".join(path): (each[0].target or "").translate(_NO_MARKS) for path, each in acting.items()}
+        by_code, elsewhere = (frozenset(map(".".join, each)) for each in (paths & inside, outside))
+        return BooleanActions(rules, by_code, elsewhere, spelled)
 
     def _written_at(self, rows: Sequence[ActionAssociation]) -> tuple[str, str]:
         """Return when the variable of these rows is written, and when, if only other POUs look."""
@@ -539,7 +541,8 @@ WRITTEN = {
 """When a Boolean variable that is an action is written, in words."""
 BY_STEPS = "only while a step with it is active, before other actions"
 """The same of S7-GRAPH: coils come first, S and R are rows of their steps."""
-_NONE_WRITTEN = BooleanActions({}, frozenset(), frozenset())
+_NONE_WRITTEN = BooleanActions({}, frozenset(), frozenset(), {})
+_NO_MARKS = str.maketrans("", "", '#"')
 _COILS = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.D, Qualifier.L})
 _STORED = {Qualifier.S: "TRUE", Qualifier.R: "FALSE", Qualifier.R0: "FALSE"}
 _ALONE = ""

@@ -50,12 +50,13 @@ class BooleanActions(NamedTuple):
 
     `rules`: when the steps that act do so, in words, and when, if only others than the chart are looked at. `by_code`:
     the variables that statements of the POU write, too, those of excluded steps with them; `elsewhere`: those that only
-    other POUs write.
+    other POUs write. `spelled`: the names as the chart has them.
     """
 
     rules: dict[str, tuple[str, str]]
     by_code: frozenset[str]
     elsewhere: frozenset[str]
+    spelled: dict[str, str]
 
 
 def told_flag(flag: SfcFlag) -> tuple[str, str]:

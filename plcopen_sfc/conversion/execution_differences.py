@@ -131,7 +131,7 @@ def _boolean_actions(
     for which, name in sorted(written):
         if name in other.rules:
             rules = one.rules[name][which] if name in one.rules else "never", other.rules[name][which]
-            found.setdefault(rules, []).append(name)
+            found.setdefault(rules, []).append(one.spelled.get(name, name))
     for (before, after), names in found.items():
         if before != after:
             yield ExecutionDifference(left.path, key.kind, ", ".join(names), BOOLEAN_ACTIONS, before, after)

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+import re
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from datetime import date
 
 from plcopen_sfc.comparison import Change, ChangeKind, ProjectDiff, Proof
-from plcopen_sfc.drawing.pictures import chart_figure
+from plcopen_sfc.drawing.pictures import PairedChart, chart_figure, paired_figures
 from plcopen_sfc.errors import check_argument
+from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.pages.conversion_overview import provenance, tasks, tool_of, verdicts
+from plcopen_sfc.pages.conversion_items import ItemLists
+from plcopen_sfc.pages.conversion_overview import counts, provenance, tasks, tool_of, verdicts
 from plcopen_sfc.pages.html_text import Html, document, element, link, picture_figure
 from plcopen_sfc.pages.page_index import PageIndex
 from plcopen_sfc.pages.page_words import Words
 from plcopen_sfc.pages.project_page import file_name_of, title_of
-from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome, grouped
+from plcopen_sfc.pages.step_cells import Bodies, StepCells, steps_side_by_side
+from plcopen_sfc.report import LOSSES, ConversionReport, Outcome
 
 _SIGNS = {"+": "added", "-": "removed", "@": "moved"}
 _MARKS = {
@@ -26,9 +30,6 @@ _MARKS = {
     Outcome.TRANSLATED: "found-info",
 }
 """Styles of steps and transitions that an item of a report is about; the worst first."""
-_MOST_ITEMS = 500
-_FEWEST_GROUPED = 3
-"""Number of items with one reason that are behind one line."""
 
 
 def diff_page(a: Project, b: Project, changes: ProjectDiff, *, lang: str = "en") -> str:
@@ -65,7 +66,7 @@ def diff_page(a: Project, b: Project, changes: ProjectDiff, *, lang: str = "en")
         element("ul", *proofs) if proofs else Html(""),
         id="project",
     )
-    return document(_title(a, b), words, _tree(pairs, words, words("Differences")), overview, *charts)
+    return document(_title(a, b), words, _tree(pairs, words, words("Differences")), overview, *charts, wide=True)
 
 
 def conversion_page(
@@ -86,40 +87,41 @@ def conversion_page(
     """
     check_argument(source, Project, "conversion_page needs a project", "Load the file first.")
     words = Words(lang)
-    left = _Side(_index(source, "a-"), report.source_format)
+    left = _Side(_index(source, "a-"), _caption("Source", source, report.source_format, words))
     for outcome, mark in _MARKS.items():
         for item in report.with_outcome(outcome):
             left.marks.setdefault(left.index.anchor_at(item.path), {mark: None})
-    right = _Side(_index(target if target is not None else Project(), "b-"), report.target_format)
+    is_written = target is not None
+    right = _Side(_index(target if target is not None else Project(), "b-"), "")
+    if target is not None:
+        right.caption = _caption("Target", None if report.written == ["-"] else target, report.target_format, words)
     pairs = list(_pairs(left, right))
     tools = " \u2192 ".join(words.message(tool_of(name)) for name in (report.source_format, report.target_format))
     title = f"{title_of(source)}: {tools}"
-    rows = [
-        element(
-            "tr", element("th", words.heading(outcome.value)), element("td", str(len(report.with_outcome(outcome))))
-        )
-        for outcome in Outcome
-        if report.with_outcome(outcome)
-    ]
+    lists = ItemLists(report, left.index, words)
+    outcomes = [outcome for outcome in (*_MARKS, Outcome.EXTENSION_DATA) if report.with_outcome(outcome)]
     overview = element(
         "section",
         element("h1", title),
-        element("p", words("nothing was written")) if target is None else Html(""),
-        verdicts(source, report, words),
-        tasks(report, words, written=target is not None),
-        element("h2", words("Report")),
-        element("table", element("tbody", *rows)),
+        element("p", element("b", words("nothing was written"))) if target is None else Html(""),
         provenance(source, report, target, words, made_on),
+        verdicts(source, report, words),
+        tasks(report, lists, words, written=is_written),
+        counts(report, words),
         id="project",
     )
-    charts = list(_charts(pairs, words))
-    outcomes = [outcome for outcome in (*_MARKS, Outcome.EXTENSION_DATA) if report.with_outcome(outcome)]
-    lists = {outcome: _items(report.with_outcome(outcome), outcome, left, words) for outcome in outcomes}
-    tree = _tree(
-        pairs, words, words("Report"), [(outcome.name.lower(), words.heading(outcome.value)) for outcome in outcomes]
-    )
-    first = [lists.pop(outcome) for outcome in outcomes if outcome in (*LOSSES, Outcome.DROPPED)]
-    return document(title, words, tree, overview, *first, *charts, *lists.values())
+    charts = list(_charts(pairs, words, converted=True))
+    names = [(outcome.name.lower(), words.heading(outcome.value)) for outcome in outcomes]
+    tree = _tree(pairs, words, words("Report"), names)
+    sections = {outcome: lists.section(outcome) for outcome in outcomes}
+    first = [sections.pop(outcome) for outcome in outcomes if outcome in (*LOSSES, Outcome.DROPPED)]
+    return document(title, words, tree, overview, *first, *charts, *sections.values(), wide=True)
+
+
+def _caption(side: str, project: Project | None, format_name: str, words: Words) -> str:
+    told = f"{words(side)}: {words.message(tool_of(format_name))}"
+    name = file_name_of(project) if project is not None else ""
+    return f"{told}, {name}" if name else told
 
 
 @dataclass(slots=True)
@@ -184,25 +186,73 @@ def _pairs(left: _Side, right: _Side) -> Iterator[_Pair]:
     yield from (((left, ""), (right, prefix)) for prefix in others.values())
 
 
-def _charts(pairs: Iterable[_Pair], words: Words) -> Iterator[Html]:
+def _charts(pairs: Iterable[_Pair], words: Words, *, converted: bool = False) -> Iterator[Html]:
+    """Yield the sections of the charts.
+
+    `converted`: both get a new layout, so that their steps can be at one height, and a table has them side by side.
+    """
+    bodies = {id(side): Bodies(side.index, words) for pair in pairs for side, _ in pair}
     for number, pair in enumerate(pairs):
-        figures = [_figure(side, prefix, words) for side, prefix in pair]
         path = words.place(_path(pair))
-        parts = element("h2", path), element("div", *figures, class_="pair")
+        parts = [element("h2", path), element("div", *_figures(pair, words, fresh=converted), class_="pair")]
+        if converted and all(prefix for _, prefix in pair):
+            one, other = (
+                StepCells(
+                    side.index.parts[prefix][0].chart, side.index, bodies[id(side)], words, pou=_pou_of(side, prefix)
+                )
+                for side, prefix in pair
+            )
+            captions = [side.caption for side, _ in pair]
+            parts += [
+                element("h3", words("Step by step")),
+                steps_side_by_side(one, other, dict(_same_steps(pair)), captions),
+            ]
         yield element("section", *parts, id=f"chart-{number}", data_name=path)
+
+
+def _pou_of(side: _Side, prefix: str) -> Pou | None:
+    placed = (each for those in side.index.bodies.values() for each in those)
+    return next((each.found.pou for each in placed if f"{each.anchor}-" == prefix), None)
 
 
 def _path(pair: _Pair) -> str:
     return next(side.index.parts[prefix][0].path for side, prefix in reversed(pair) if prefix)
 
 
-def _figure(side: _Side, prefix: str, words: Words) -> Html:
-    if not prefix:
-        title = element("figcaption", side.caption)
-        return element("figure", title, element("p", words("no such chart"), class_="comment"))
-    marks: Mapping[str, str] = {anchor: " ".join(sorted(kinds)) for anchor, kinds in side.marks.items()}
-    picture = chart_figure(side.index.parts[prefix][0].chart, prefix, marks, told=words)
-    return picture_figure(picture, words, side.caption)
+def _figures(pair: _Pair, words: Words, *, fresh: bool) -> Iterator[Html]:
+    drawn = [_paired(side, prefix) for side, prefix in pair if prefix]
+    if len(drawn) == len(pair):
+        one, other = drawn
+        pictures = list(paired_figures((one, other), _same_steps(pair), words, fresh=fresh))
+    else:
+        pictures = [chart_figure(each.chart, each.prefix, each.marks, told=words) for each in drawn]
+    for side, prefix in pair:
+        if prefix:
+            yield picture_figure(pictures.pop(0), words, side.caption)
+        elif side.caption:
+            title = element("figcaption", side.caption)
+            yield element("figure", title, element("p", words("no such chart"), class_="comment"), class_="missing")
+
+
+def _paired(side: _Side, prefix: str) -> PairedChart:
+    marks = {anchor: " ".join(sorted(kinds)) for anchor, kinds in side.marks.items()}
+    return PairedChart(side.index.parts[prefix][0].chart, prefix, marks)
+
+
+def _same_steps(pair: _Pair) -> list[tuple[int, int]]:
+    """Return the ids of the steps of one name; tools write other letters in the place of blanks and the like."""
+    one, other = (side.index.parts[prefix][0] for side, prefix in pair)
+    index = pair[0][0].index
+    names = (
+        (step.id, index.as_called(f"{one.path} / step {step.name}").rpartition(" / step ")[2])
+        for step in one.chart.steps
+    )
+    found = {_NO_LETTERS.sub("_", step.name).casefold(): step.id for step in other.chart.steps}
+    keys = ((number, _NO_LETTERS.sub("_", name).casefold()) for number, name in names)
+    return [(number, found[key]) for number, key in keys if key in found]
+
+
+_NO_LETTERS = re.compile(r"\W")
 
 
 def _tree(pairs: Iterable[_Pair], words: Words, first: str, links: Iterable[tuple[str, str]] = ()) -> Html:
@@ -229,36 +279,6 @@ def _change(change: Change, sides: tuple[_Side, _Side], shown: tuple[str, ...], 
     if change.lines:
         lines = [element("span", line, "\n", class_=f"is-{_SIGNS.get(line[:1], 'same')}") for line in change.lines]
         yield element("pre", element("code", *lines))
-
-
-def _items(items: list[Item], outcome: Outcome, side: _Side, words: Words) -> Html:
-    shown: list[Html] = []
-    for group in grouped(items[:_MOST_ITEMS], words.message):
-        lines = [element("li", *_item(item, side, words)) for item in group.items]
-        if len(lines) < _FEWEST_GROUPED:
-            shown.append(element("ul", *lines))
-            continue
-        caption = f"{len(lines)} \u00d7 {words.message(group.items[0].what)}: {group.reason}"
-        shown.append(element("details", element("summary", caption), element("ul", *lines)))
-    if len(items) > _MOST_ITEMS:
-        shown.append(element("p", words("and {} more", len(items) - _MOST_ITEMS)))
-    heading = element("h2", f"{words.heading(outcome.value)} ({len(items)})")
-    return element("section", heading, *shown, id=outcome.name.lower())
-
-
-def _item(item: Item, side: _Side, words: Words) -> Iterator[str]:
-    anchor = side.index.anchor_at(item.path)
-    is_drawn = any(anchor.startswith(prefix) for prefix in side.index.parts)
-    yield link(anchor if is_drawn else "", element("b", _place(item, words)))
-    if item.why:
-        yield f": {words.message(item.why)}"
-    if item.line:
-        yield from (" ", element("small", words("line {}", item.line)))
-
-
-def _place(item: Item, words: Words) -> str:
-    path = words.place(item.path)
-    return path if item.place == item.path else f"{words.message(item.what)} {path}".strip()
 
 
 def _proof(proof: Proof, words: Words) -> str:

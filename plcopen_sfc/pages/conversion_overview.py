@@ -11,9 +11,11 @@ from plcopen_sfc.documents.sources import FileSource, FolderSource
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.pages.html_text import Html, element, joined
+from plcopen_sfc.pages.conversion_items import MEANINGS, ItemLists
+from plcopen_sfc.pages.html_text import Html, element, joined, link
 from plcopen_sfc.pages.page_words import Words
-from plcopen_sfc.report import ConversionReport, Item, Outcome
+from plcopen_sfc.pages.project_page import file_name_of
+from plcopen_sfc.report import SEQUENCE, ConversionReport, Item, Outcome
 from plcopen_sfc.version import __version__
 
 
@@ -67,7 +69,8 @@ def verdicts(source: Project, report: ConversionReport, words: Words) -> Html:
         return Html("")
     names = ("chart", "Verdict", "Losses", "Run in both tools")
     head = element("thead", element("tr", *(element("th", words.heading(name)) for name in names)))
-    return joined(element("h2", words("Charts")), element("table", head, element("tbody", *rows)))
+    table = element("table", head, element("tbody", *rows))
+    return joined(element("h2", words("Charts")), element("div", table, class_="scroll"))
 
 
 _TASKS = {
@@ -94,13 +97,14 @@ _TASKS = {
 """Tasks for a person after the losses of a kind, by their subject."""
 
 
-def tasks(report: ConversionReport, words: Words, *, written: bool) -> Html:
+def tasks(report: ConversionReport, lists: ItemLists, words: Words, *, written: bool) -> Html:
     """Return the tasks of a person in the target tool, from losses and from parts not seen to be the same."""
     found: dict[str, list[Item]] = {}
     for item in report.losses:
         usual = "Program what is not executed" if item.outcome is Outcome.NOT_EXECUTED else "Look at what differs"
         found.setdefault(_TASKS.get(item.what, usual), []).append(item)
-    lines = [_task(words(text), _places(items, words)) for text, items in found.items()]
+    found.setdefault(_TASKS["operating input"], []).extend(item for item in report.items if item.what == SEQUENCE)
+    lines = [_task(words(text), lists.links(items, _MOST_PLACES)) for text, items in found.items() if items]
     if written:
         lines.append(_task(words("Import into {} and compile: not tried yet", tool_of(report.target_format))))
     unseen = [path for path in report.compared if verdict_of(report, path) is not ChartVerdict.SAME]
@@ -117,30 +121,41 @@ def _task(text: str, places: str = "") -> Html:
     return element("li", f"\u2610 {text}", element("div", places, class_="comment") if places else Html(""))
 
 
-def _places(items: list[Item], words: Words) -> str:
-    paths = list(dict.fromkeys(words.place(item.path) for item in items))
-    more = len(paths) - _MOST_PLACES
-    return "; ".join(paths[:_MOST_PLACES]) + (f"; +{more}" if more > 0 else "")
-
-
 _MOST_PLACES = 8
+
+
+def counts(report: ConversionReport, words: Words) -> Html:
+    """Return the table of outcomes: how many items, and what that means for the machine."""
+    rows = [
+        element(
+            "tr",
+            element(
+                "th", link(outcome.name.lower() if outcome is not Outcome.KEPT else "", words.heading(outcome.value))
+            ),
+            element("td", str(number)),
+            element("td", words(MEANINGS[outcome]), class_="meaning"),
+        )
+        for outcome in Outcome
+        if (number := len(report.with_outcome(outcome)))
+    ]
+    return joined(element("h2", words("Report")), element("table", element("tbody", *rows)))
 
 
 def provenance(
     source: Project, report: ConversionReport, target: Project | None, words: Words, made_on: date | None
 ) -> Html:
     """Return the table of both files: tool, format, digest; the version of this package, and the day of the report."""
-    # what goes to standard output was read again from a file that is gone now
-    written = "" if report.written == ["-"] else _path_of(target)
-    rows = [
-        *_file(words("Source"), source, report.source_format, _path_of(source), source.header.tool),
+    rows = list(_file("Source", source, report.source_format, source.header.tool, words))
+    if target is not None:
+        # what goes to standard output was read again from a file that is gone now
+        is_named = report.written != ["-"]
         # the header of what is written still names the tool of the source, which is not what will open it
-        *(_file(words("Target"), target, report.target_format, written, "") if target is not None else ()),
-        ("plcopen_sfc", Html(__version__)),
-    ]
+        tool = tool_of(report.target_format)
+        rows += _file("Target", target, report.target_format, tool, words, is_named=is_named)
+    rows.append((words("Converted by"), f"plcopen_sfc {__version__}"))
     if made_on is not None:
-        rows.append((words("Date"), Html(made_on.isoformat())))
-    cells = [element("tr", element("th", name), element("td", element("small", value))) for name, value in rows]
+        rows.append((words("Date"), made_on.isoformat()))
+    cells = [element("tr", element("th", name), element("td", value)) for name, value in rows]
     return joined(element("h2", words("Files")), element("table", element("tbody", *cells)))
 
 
@@ -149,18 +164,22 @@ def tool_of(format_name: str) -> str:
     return format_named(format_name)[0].tool or format_name
 
 
-def _path_of(project: Project | None) -> str:
-    return project.source.path or "" if project is not None and project.source is not None else ""
-
-
-def _file(caption: str, project: Project, format_name: str, path: str, tool: str) -> Iterator[tuple[str, str]]:
+def _file(
+    side: str, project: Project, format_name: str, tool: str, words: Words, *, is_named: bool = True
+) -> Iterator[tuple[str, str]]:
     source = project.source
     version = source.version if source is not None else ""
-    yield caption, ", ".join(filter(None, (path, f"{format_name} {version}".strip(), tool)))
+    name = file_name_of(project) if is_named else ""
+    name = f"{name}/" if isinstance(source, FolderSource) else name
+    form = f"{words('Format')} {format_name} {version}".rstrip()
+    yield words(side), ", ".join(filter(None, (name, tool, form)))
     if isinstance(source, FolderSource):
         files = {name: document.source.content for name, document in source.documents.items()}
-        digests = [f"{sha256(content).hexdigest()} {name}" for name, content in files.items()]
-        summary = element("summary", f"{len(digests)} \u00d7")
-        yield "SHA-256", element("details", summary, element("pre", "\n".join(digests)))
+        digests = [element("div", _digest(files[name]), f" {name}") for name in files]
+        yield "SHA-256", joined(*digests)
     elif isinstance(source, FileSource):
-        yield "SHA-256", sha256(source.content).hexdigest()
+        yield "SHA-256", _digest(source.content)
+
+
+def _digest(content: bytes) -> Html:
+    return element("small", element("code", sha256(content).hexdigest()))

@@ -60,8 +60,19 @@ def data_element(identifier: str, data: Any) -> Html:
     return element("script", Html(text.replace("&", "\\u0026")), type="application/json", id=identifier)
 
 
-def document(title: str, words: Words, tree: Html, *content: Html) -> str:
-    """Return a whole page: a head line with the search, the `tree` of what is in it beside the content."""
+def with_code(text: str) -> Html:
+    """Return a message in which what is between backticks is code."""
+    parts = text.split("`")
+    if not len(parts) % 2:
+        return joined(text)
+    return joined(*(element("code", part) if number % 2 else part for number, part in enumerate(parts)))
+
+
+def document(title: str, words: Words, tree: Html, *content: Html, wide: bool = False) -> str:
+    """Return a whole page: a head line with the search, the `tree` of what is in it beside the content.
+
+    `wide`: the content needs the whole width, and the tree is a line above it.
+    """
     style, script = _style(), _text("page.js")
     policy = f"default-src 'none'; style-src '{_hash(style)}'; script-src '{_hash(script)}'; base-uri 'none'; "
     head = element(
@@ -86,6 +97,7 @@ def document(title: str, words: Words, tree: Html, *content: Html) -> str:
         element("nav", contents, aria_label=words("Contents")),
         element("main", *content),
         element("script", Html(script)),
+        class_="wide" if wide else "",
     )
     return "<!DOCTYPE html>\n" + element("html", head, "\n", body, lang=words.lang) + "\n"
 
@@ -93,20 +105,26 @@ def document(title: str, words: Words, tree: Html, *content: Html) -> str:
 def picture_figure(picture: str, words: Words, caption: str = "") -> Html:
     """Return a picture in its size, to be scrolled, or in the width of the page: a button changes between them.
 
-    A picture with a `caption` is set beside others: it begins in the width that is there, unless it is so wide that
-    nothing could be read.
+    A picture with a `caption` is set beside another one: both begin smaller, and in the width that is there unless
+    they are so wide that nothing could be read.
     """
-    title = element("figcaption", caption) if caption else Html("")
-    fit = element("button", words("the whole width"), type="button", class_="fit", hidden=True)
+    fit = element("button", words("fit / full size"), type="button", class_="fit", hidden=True)
+    head = element("figcaption", caption, " ", fit) if caption else fit
+    size = _SIZE.search(picture)
+    fitted = False
+    if caption and size is not None:
+        width, height = (round(int(length) * _BESIDE) for length in size.groups())
+        picture = _SIZE.sub(f' width="{width}" height="{height}"', picture, count=1)
+        fitted = width <= _READABLE
     scroll = element("div", Html(picture), class_="scroll", tabindex="0")
-    width = _WIDTH.search(picture)
-    fitted = bool(caption) and width is not None and int(width[1]) <= _READABLE
-    return element("figure", title, fit, scroll, class_="fitted" if fitted else "")
+    return element("figure", head, scroll, class_="fitted" if fitted else "")
 
 
-_WIDTH = re.compile(r' width="(\d+)"')
-_READABLE = 1_000
-"""A picture that is wider, in pixels, cannot be read in half of the width of a screen."""
+_SIZE = re.compile(r' width="(\d+)" height="(\d+)"')
+_BESIDE = 0.75
+"""Scale of pictures beside each other: letters of 9 pixels. The script of a page gives them the room that is there."""
+_READABLE = 1_600
+"""A picture that is wider, in pixels, cannot be read in the width of a screen."""
 
 
 @cache

@@ -55,10 +55,43 @@ document.addEventListener("click", (event) => {
   const step = event.target.closest("g.step[id]");
   if (step && !event.target.closest("a") && byId(`${step.id}-row`)) location.hash = `${step.id}-row`;
 });
+const resize = (figure, scale) => {
+  const picture = figure.querySelector("svg"), box = picture.viewBox.baseVal;
+  picture.setAttribute("width", box.width * scale);
+  picture.setAttribute("height", box.height * scale);
+};
 for (const button of all("button.fit")) {
   button.hidden = false;
-  button.addEventListener("click", () => button.closest("figure").classList.toggle("fitted"));
+  button.addEventListener("click", () => {
+    const figure = button.closest("figure");
+    if (figure.classList.toggle("fitted")) arrange();
+    else resize(figure, 1);
+  });
 }
+
+/* pictures beside each other: of one scale, as large as the page has room; below each other where that is too small */
+function arrange() {
+  for (const pair of all(".pair")) {
+    const figures = all("figure.fitted", pair);
+    const widths = figures.map((each) => each.querySelector("svg").viewBox.baseVal.width);
+    const room = pair.closest("section").clientWidth - 16; /* of the pair itself it may not be known yet */
+    const together = room / widths.reduce((sum, each) => sum + each, 0);
+    const scales = widths.map((each) => (together < 0.6 ? room / each : together));
+    figures.forEach((each, index) => resize(each, Math.min(1, Math.max(0.6, scales[index]))));
+  }
+}
+arrange();
+addEventListener("resize", arrange);
+
+/* on paper all is open */
+let closed = [];
+addEventListener("beforeprint", () => {
+  closed = all("details:not([open])");
+  for (const each of closed) each.open = true;
+});
+addEventListener("afterprint", () => {
+  for (const each of closed) each.open = false;
+});
 if (matchMedia("(max-width: 48rem)").matches) byId("contents").open = false;
 
 /* a trace: one change after the other, on the chart and in the timing diagram */

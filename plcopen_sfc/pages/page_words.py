@@ -68,6 +68,7 @@ _GERMAN = {
     "Source": "Quelle",
     "Source transitions": "Quelltransitionen",
     "Step": "Schritt",
+    "Step by step": "Schritt f\u00fcr Schritt",
     "Steps": "Schritte",
     "Tag tables": "Variablentabellen",
     "Tags": "Variablen",
@@ -147,7 +148,18 @@ _GERMAN = {
     "temp": "tempor\u00e4r",
     "the same": "gleich",
     "the same, a scan later": "gleich, einen Zyklus sp\u00e4ter",
-    "the whole width": "ganze Breite",
+    "written as it is, in the terms of the target": "so geschrieben, wie es ist, mit den Mitteln des Ziels",
+    "written in other terms that do the same": "mit anderen Mitteln geschrieben, die dasselbe tun",
+    "executed otherwise in the target: the reason names the difference": (
+        "im Ziel anders ausgef\u00fchrt: der Grund nennt den Unterschied"
+    ),
+    "executed in the source, and not in the target": "in der Quelle ausgef\u00fchrt, im Ziel nicht",
+    "kept in the file for the way back: no machine executes it": (
+        "f\u00fcr den R\u00fcckweg in der Datei erhalten: keine Maschine f\u00fchrt es aus"
+    ),
+    "not in the written file": "nicht in der geschriebenen Datei",
+    "fit / full size": "einpassen / volle Gr\u00f6\u00dfe",
+    "Converted by": "Umgewandelt mit",
     "translated": "\u00fcbersetzt",
     "warning": "Warnung",
 }

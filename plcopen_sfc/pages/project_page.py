@@ -10,22 +10,19 @@ from plcopen_sfc.analysis.coverage import Coverage, Unreached
 from plcopen_sfc.analysis.verdict import Verdict
 from plcopen_sfc.checking import check
 from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.drawing.pictures import body_figure, chart_figure
-from plcopen_sfc.drawing.wording import Wording
+from plcopen_sfc.drawing.pictures import chart_figure
 from plcopen_sfc.errors import check_argument
 from plcopen_sfc.languages.declarations.declaration_writing import write_data_type, write_type, write_value
-from plcopen_sfc.languages.networks import shown_body
-from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
-from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project, Task
-from plcopen_sfc.model.sfc import ActionAssociation, Body, BodyCondition, Condition, SfcBody, Step, Transition
+from plcopen_sfc.model.sfc import Body, SfcBody, Step
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import VariableSection
 from plcopen_sfc.pages.html_text import Html, document, element, joined, link, picture_figure
 from plcopen_sfc.pages.page_index import DrawnPart, PageIndex, PlacedBody
 from plcopen_sfc.pages.page_words import Words
+from plcopen_sfc.pages.step_cells import Bodies, StepCells, comment_lines
 from plcopen_sfc.pages.timing_diagram import trace_section
 from plcopen_sfc.semantics.trace import Trace
 
@@ -109,7 +106,7 @@ class _ProjectContent:
         found = [*index.project.diagnostics, *check(index.project)]
         order = {severity: number for number, severity in enumerate(_SEVERITIES)}
         self.findings = sorted(dict.fromkeys(found), key=lambda finding: order[finding.severity])
-        self._drawn = 0
+        self._bodies = Bodies(index, words)
         self._found_at: dict[str, list[Diagnostic]] = {}
         for finding in self.findings:
             self._found_at.setdefault(index.anchor_at(finding.location.path or ""), []).append(finding)
@@ -204,7 +201,7 @@ class _ProjectContent:
         anchor = self.index.anchor(pou)
         parts = [
             element("h2", element("small", kind), " ", pou.name),
-            self._comment(pou.title, pou.comment),
+            comment_lines(pou.title, pou.comment),
             self._findings_at(anchor),
             self._declarations(pou.interface.sections if pou.interface is not None else []),
             *(self._body(placed, is_own=placed.found.name == pou.name) for placed in self.index.bodies[id(pou)]),
@@ -231,21 +228,7 @@ class _ProjectContent:
     def _content(self, body: Body | None, anchor: str) -> Html:
         if isinstance(body, SfcBody) and anchor:
             return self._chart(body, f"{anchor}-")
-        if isinstance(body, StBody | IlBody):
-            return element("pre", element("code", self.index.linked(body, "text"))) if body.text else Html("")
-        if isinstance(body, FbdBody | LdBody):
-            text = shown_body(body, self.project.dialect)
-            as_text = element("details", element("summary", "ST"), element("pre", element("code", text or "")))
-            figure = self._networks(body)
-            return joined(figure, as_text) if text else figure
-        if isinstance(body, OpaqueBody):
-            note = self.words("a body in a form that is kept but not read")
-            return element("details", element("summary", note), element("pre", body.content))
-        return Html("")
-
-    def _networks(self, body: FbdBody | LdBody) -> Html:
-        self._drawn += 1
-        return picture_figure(body_figure(body, f"{self.index.prefix}drawn-{self._drawn}-", self.words), self.words)
+        return self._bodies.content(body)
 
     # -- charts
 
@@ -256,26 +239,18 @@ class _ProjectContent:
             marks |= {anchor: f"{marks.get(anchor, '')} {kind}".strip() for anchor in anchors}
         picture = chart_figure(body.chart, prefix, marks, self.index.names(prefix), self.words)
         figure = picture_figure(picture, self.words)
-        parts = self.index.parts[prefix]
-        return joined(figure, *(self._permanent(part) for part in parts), *(self._steps(part) for part in parts))
+        tables = [(part, self._cells(part)) for part in self.index.parts[prefix]]
+        permanent = (cells.permanent() for _, cells in tables)
+        return joined(figure, *permanent, *(self._steps(part, cells) for part, cells in tables))
 
-    def _permanent(self, part: DrawnPart) -> Html:
-        operations = [*part.chart.permanent_pre, *part.chart.permanent_post]
-        items = [element("li", self._comment(each.title), self._content(each.body, "")) for each in operations]
-        return joined(element("h4", self.words("Permanent instructions")), element("ul", *items)) if items else Html("")
+    def _cells(self, part: DrawnPart) -> StepCells:
+        return StepCells(part.chart, self.index, self._bodies, self.words, told=self._findings_at)
 
-    def _steps(self, part: DrawnPart) -> Html:
-        wording = Wording(part.chart, self.project.dialect, self.words)
-        leaving: dict[int, list[Transition]] = {}
-        for transition in part.chart.transitions:
-            for source in transition.sources:
-                leaving.setdefault(source, []).append(transition)
-        names = {step.id: step for step in part.chart.steps}
-        rows = [self._step(step, leaving.get(step.id, []), names, wording) for step in part.chart.steps]
-        first = [each for each in part.chart.transitions if names.keys().isdisjoint(each.sources)]
-        if first:
+    def _steps(self, part: DrawnPart, cells: StepCells) -> Html:
+        rows = [self._step(step, cells) for step in part.chart.steps]
+        if first := cells.leaving(None):
             label = element("th", self.words("Source transitions"))
-            rows.append(element("tr", label, element("td"), self._leaving(first, None, names, wording)))
+            rows.append(element("tr", label, element("td"), element("td", first)))
         titles = (self.words("Step"), self.words("Actions"), self.words("Transitions"))
         table = _table(titles, rows, "steps") if rows else Html("")
         return joined(self._heading(part), table) if rows else self._heading(part)
@@ -288,116 +263,13 @@ class _ProjectContent:
         name = link(part.anchor, partial.name if partial is not None else part.drawn.heading)
         kind = [" ", element("small", self.words(partial.kind.value))] if partial is not None else []
         heading = element("h4", name, *kind, id=f"{part.anchor}-heading", data_name=part.drawn.name)
-        return joined(heading, self._comment(part.drawn.comment), self._findings_at(part.anchor))
+        return joined(heading, comment_lines(part.drawn.comment), self._findings_at(part.anchor))
 
-    def _step(self, step: Step, leaving: Sequence[Transition], names: dict[int, Step], wording: Wording) -> Html:
-        anchor, words = self.index.anchor(step), self.words
-        times = (("minimum time", "min_time"), ("maximum time", "max_time"), ("warning time", "warning_time"))
-        told = [
-            element("div", f"{words(label)} ", self.index.linked(step, key))
-            for label, key in times
-            if getattr(step, key)
-        ]
-        head = element(
-            "th",
-            link(anchor, *([element("small", str(step.number)), " "] if step.number is not None else []), step.name),
-            *self._excluded(step),
-            *told,
-            *self._supervised(step, wording),
-            self._comment(step.title, step.comment),
-            self._findings_at(anchor),
-            self._uses(anchor),
-        )
-        done = [element("li", each) for each in self._actions(step, wording)]
-        actions = element("td", element("ul", *done)) if done else element("td")
-        going = self._leaving(leaving, step, names, wording)
-        return element("tr", head, actions, going, id=f"{anchor}-row", data_name=step.name)
-
-    def _leaving(
-        self, leaving: Sequence[Transition], step: Step | None, names: dict[int, Step], wording: Wording
-    ) -> Html:
-        ordered = sorted(leaving, key=lambda each: (each.priority is None, each.priority or 0))
-        many = len(leaving) > 1 and step is not None
-        items = [
-            element("li", self._transition(each, step, names, wording, many=many), data_name=each.name)
-            for each in ordered
-        ]
-        return element("td", element("ul", *items)) if items else element("td")
-
-    def _excluded(self, thing: Step | Transition | ActionAssociation) -> Iterator[str]:
-        if thing.exclude:
-            yield from (" ", element("em", self.words("excluded")))
-
-    def _supervised(self, step: Step, wording: Wording) -> Iterator[Html]:
-        for label, part in (("interlock", step.interlock), ("supervision", step.supervision)):
-            if part is not None and part.condition is not None:
-                told = element("div", f"{self.words(label)} ", self._condition(part.condition, wording))
-                yield joined(told, self._comment(part.title, part.alarm))
-
-    def _actions(self, step: Step, wording: Wording) -> Iterator[Html]:
-        named = {"entry": "entry_action", "main": "main_action", "exit": "exit_action"}
-        for label, key in named.items():
-            action = getattr(step, key)
-            if isinstance(action, str) and action:
-                yield joined(element("b", self.words(label)), " ", self.index.linked(step, key))
-            elif action:
-                yield joined(element("b", self.words(label)), " ", self._content(action, ""))
-        for association in step.actions:
-            yield self._association(association, wording)
-        names = (self.words("macro"), self.words("encloses"))
-        inside = [line for line in wording.actions(step) if line.qualifier in names]
-        for line, anchor in zip(inside, self.index.chart_anchors(step), strict=True):
-            name = line.what or self.words("chart")
-            yield joined(element("b", line.qualifier), " ", link(anchor, name) if anchor else name)
-
-    def _association(self, association: ActionAssociation, wording: Wording) -> Html:
-        line = wording.association(association)
-        when = " ".join(filter(None, (line.event, line.qualifier, line.duration)))
-        parts: list[str] = [element("b", when), " "] if when else []
-        if association.target and association.forcing is None:
-            parts += ["NOT " if association.negated else "", self.index.linked(association, "target")]
-            if association.value is not None:
-                parts += [" := ", self.index.linked(association, "value")]
-        elif association.body is not None and not isinstance(association.body, SfcBody):
-            parts.append(self._content(association.body, ""))
-        else:
-            parts.append(line.what)
-        if association.condition is not None:
-            parts += [" [", self._condition(association.condition, wording), "]"]
-        if association.indicator:
-            parts += [" (", self.index.linked(association, "indicator"), ")"]
-        return joined(*parts, *self._excluded(association), self._comment(association.comment))
-
-    def _transition(
-        self, transition: Transition, step: Step | None, names: dict[int, Step], wording: Wording, *, many: bool
-    ) -> Html:
-        anchor = self.index.anchor(transition)
-        condition = self._condition(transition.condition, wording)
-        others = [names[each].name for each in transition.sources if each in names and names[each] is not step]
-        together = f" ({self.words('after {} too', ', '.join(dict.fromkeys(others)))})" if others else ""
-        targets: list[str] = []
-        for target in transition.targets:
-            step = names.get(target)
-            if step is not None:
-                targets += [" \u2192 " if not targets else ", ", link(self.index.anchor(step), step.name)]
-        number = f"{transition.number} " if transition.number is not None else ""
-        head = link(anchor, f"{number}{transition.name}".strip() or "\u22a2")
-        order = f" ({self.words('priority {}', transition.priority)})" if many and transition.priority else ""
-        return joined(
-            *(head, *self._excluded(transition), f"{order}{together} ", condition, *targets),
-            *(self._comment(transition.comment), self._findings_at(anchor)),
-        )
-
-    def _condition(self, condition: Condition | None, wording: Wording) -> Html:
-        if isinstance(condition, Expression | NamedCondition):
-            text = self.index.linked(condition, "text" if isinstance(condition, Expression) else "name")
-            return element("code", *(["NOT (", text, ")"] if condition.negated else [text]))
-        told = wording.condition(condition)
-        text = element("code", told) if told else element("em", self.words("condition missing"))
-        if isinstance(condition, BodyCondition) and isinstance(condition.body, FbdBody | LdBody):
-            drawn = element("details", element("summary", condition.body.language), self._networks(condition.body))
-            return joined(text, drawn)
-        return text
+    def _step(self, step: Step, cells: StepCells) -> Html:
+        anchor = self.index.anchor(step)
+        head = element("th", *cells.name(step), self._findings_at(anchor), self._uses(anchor))
+        done, going = element("td", cells.actions(step)), element("td", cells.leaving(step))
+        return element("tr", head, done, going, id=f"{anchor}-row", data_name=step.name)
 
     # -- declarations
 
@@ -465,11 +337,6 @@ class _ProjectContent:
         return element("section", element("h2", name), self._findings_at(anchor), content, id=anchor, data_name=name)
 
     # -- what is said about objects
-
-    @staticmethod
-    def _comment(*texts: object) -> Html:
-        told = [plain(text) for text in texts]  # type: ignore[arg-type]  # titles and comments, which may be None
-        return joined(*(element("div", text, class_="comment") for text in told if text))
 
     def _uses(self, anchor: str) -> Html:
         paths = self.index.uses(anchor)

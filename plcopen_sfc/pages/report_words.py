@@ -520,7 +520,9 @@ _NOT_EXECUTED = {
     "a comment begins with the quotation mark in the text of a GRAFCET": (
         "im Text eines GRAFCET beginnt mit dem Anführungszeichen ein Kommentar"
     ),
-    "a GRAFCET is a chart, and executes no other POU": "ein GRAFCET ist ein Plan und führt keine andere POE aus",
+    "a GRAFCET is a chart, and executes no other POU": (
+        "ein GRAFCET ist eine Ablaufkette und führt keinen anderen Baustein aus"
+    ),
     "a GRAFCET gets no expansion for its steps: dissolve the macro-step": (
         "ein GRAFCET bekommt keine Expansion für seine Schritte: den Makroschritt auflösen"
     ),
@@ -663,7 +665,7 @@ _OTHERWISE = {
     ),
     **{
         f"{{}}: other code writes it, too; the chart does so {before} in the source, {after} in {{+}}": (
-            f"{{}}: auch anderer Code schreibt das; der Plan tut es in der Quelle {frueher}, in {{}} {spaeter}"
+            f"{{}}: auch anderer Code schreibt das; die Kette tut es in der Quelle {frueher}, in {{}} {spaeter}"
         )
         for before, frueher in _WRITTEN.items()
         for after, spaeter in _WRITTEN.items()

@@ -102,7 +102,7 @@ def test_a_conversion_shows_both_charts_and_what_is_not_executed() -> None:
     tree = parse(sfc.conversion_page(source, report, sfc.loads(data, as_tool=True), lang="de"))
     (losses,) = tree.xpath("//section[@id='not_executed']")
     assert len(losses.findall(".//li")) == len(report.with_outcome(sfc.Outcome.NOT_EXECUTED)) > 0
-    assert [svg.findtext("title") for svg in tree.xpath("//svg")] == ["FB_Drill", "FB_Drill"]
+    assert [svg.findtext("title") for svg in tree.xpath("//div[@class='pair']//svg")] == ["FB_Drill", "FB_Drill"]
     assert "Schritt Drill / Aktion" in words_of(losses)
     (step,) = tree.xpath("//g[starts-with(@id, 'a-') and contains(@class, 'found-error')]")
     assert step.findtext("title").startswith("Schritt Drill")
@@ -114,7 +114,7 @@ def test_a_conversion_shows_both_charts_and_what_is_not_executed() -> None:
 
 def test_pictures_side_by_side_begin_in_the_width_that_is_there_unless_they_are_very_wide() -> None:
     narrow, wide = sfc.SfcNetwork(), sfc.SfcNetwork()
-    for chart, count in ((narrow, 2), (wide, 12)):
+    for chart, count in ((narrow, 2), (wide, 30)):
         chart.add_step("S1", initial=True)
         for number in range(2, count):
             chart.add_step(f"S{number}")
@@ -139,7 +139,7 @@ def test_a_conversion_begins_with_verdicts_tasks_and_files() -> None:
     }
     tree = parse(sfc.conversion_page(source, report, sfc.loads(data, as_tool=True)))
     (overview,) = tree.xpath("//section[@id='project']")
-    verdicts, _, files = overview.findall("table")
+    files, verdicts, _ = overview.findall(".//table")
     rows = {row[0].text: row[1].text for row in verdicts.findall(".//tbody/tr")}
     assert rows == {
         "POU Ablauf_Band": "the same, a scan later",
@@ -167,6 +167,60 @@ def test_the_report_of_a_folder_has_the_digest_of_each_file_and_the_day() -> Non
     assert "Datum2026-11-28" in "".join(text.split())
     for path in folder.glob("*.xml"):
         assert f"{hashlib.sha256(path.read_bytes()).hexdigest()} {path.name}" in text
+
+
+@pytest.fixture(scope="module")
+def station(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of the conversion of a whole project of TIA Portal to CODESYS."""
+    folder = tmp_path_factory.mktemp("station")
+    source = sfc.load(FIXTURES / "simaticml")
+    report = sfc.save(source, folder / "line.xml", format="codesys")
+    page = folder / "report.html"
+    text = sfc.conversion_page(source, report, sfc.load(folder / "line.xml", as_tool=True))
+    page.write_text(text, encoding="ascii")
+    return page
+
+
+@pytest.mark.slow
+def test_a_report_can_be_handed_over(station: Path) -> None:
+    tree = parse(station.read_text(encoding="ascii"))
+    text = words_of(tree.find(".//main"))
+    assert str(station.parent) not in text, "where the files were is of no interest to others"
+    assert "`" not in text
+    assert "Boolean actions: FeedDown: other code writes it" in text, "as the chart has the name"
+    assert [words_of(each) for each in tree.xpath("//figcaption")] == [
+        "Source: TIA Portal, simaticml fit / full size",
+        "Target: CODESYS, line.xml fit / full size",
+    ]
+    (tasks,) = tree.xpath("//ul[@class='tasks']")
+    assert {tree.get_element_by_id(link[1:]).tag for link in tasks.xpath(".//a/@href")} == {"li"}
+    # each step beside that of the target, with the program text of its actions
+    rows = {row[0].xpath("string(.//a[1])"): words_of(row[1]) for row in tree.xpath("//table[@class='side']/tbody/tr")}
+    assert "Clamp_part_actionsIF Clamp_part.x THEN IF GuardClosed THEN Clamp := TRUE;" in rows["2 Clamp part"]
+    assert rows["8 Release"].startswith("Release")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [390, 500, 1400, 1900])
+def test_a_report_fits_in_its_window(browser: Browser, station: Path, width: int) -> None:
+    browser.open(station, width=width)
+    assert browser.evaluate("document.documentElement.scrollWidth") <= width
+    cut = "all('td, th, h1, h2, li').filter((each) => each.scrollWidth > each.clientWidth + 1 && each.clientWidth)"
+    assert browser.evaluate(f"{cut}.map((each) => each.textContent)") == []
+    assert browser.messages == []
+    if width < 1000:
+        return  # pictures are scrolled there
+    browser.evaluate("document.querySelector('.pair').scrollIntoView()")
+    assert browser.evaluate("all('.pair .scroll').every((each) => each.scrollWidth <= each.clientWidth)")
+    for one, other in (("Clamp part", "Clamp_part"), ("Drill", "Drill"), ("Lift", "Lift"), ("Release", "Release")):
+        tops = [
+            browser.evaluate(
+                f"all('[id^={side}-] > title').find((each) => /step {name}\\b/i.test(each.textContent))"
+                ".parentNode.querySelector('.box').getBoundingClientRect().top"
+            )
+            for side, name in (("a", one), ("b", other))
+        ]
+        assert tops[0] == pytest.approx(tops[1], abs=1), one
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 * `chart_picture`: a chart with the charts inside it, as the text of an SVG file
 * `chart_arrangement`: the nested branches of a chart on the page
+* `lined_up_charts`: two charts with the same steps at one height
 * `file_arrangement`: a chart as its file draws it
 * `symbol_pictures`: steps, transitions, jumps and action blocks
 * `network_picture`: networks of FBD and LD
@@ -12,10 +13,12 @@
 
 from plcopen_sfc.drawing.pictures.chart_picture import (
     ChartPart,
+    PairedChart,
     chart_figure,
     chart_svg,
     charts_in,
     chosen_theme,
+    paired_figures,
     part_prefix,
 )
 from plcopen_sfc.drawing.pictures.graph_texts import dot_text, mermaid_text
@@ -27,6 +30,7 @@ from plcopen_sfc.drawing.pictures.symbol_pictures import PictureStyle
 __all__ = [
     "Canvas",
     "ChartPart",
+    "PairedChart",
     "PictureStyle",
     "Theme",
     "body_figure",
@@ -38,6 +42,7 @@ __all__ = [
     "dot_text",
     "escape",
     "mermaid_text",
+    "paired_figures",
     "part_prefix",
     "sheets",
     "style_rules",

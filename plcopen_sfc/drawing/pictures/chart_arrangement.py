@@ -12,8 +12,8 @@ room beside the lower part of a long one.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from plcopen_sfc.drawing.chart_nesting import ChartGraph, ChartSegment, NestedDivergence, NestedJump, NestedNode, nest
@@ -102,7 +102,7 @@ class _Fan:
     """A divergence: `columns` side by side, their axes at `offsets` from its own.
 
     `joined`: columns that go on below. `shares_bottom`: its last bar is that of the divergence around it. `ends`: the
-    axes of the lines that lead down from it.
+    axes of the lines that lead down from it. `last`: the last step of its longest column, by its id.
     """
 
     parallel: bool
@@ -117,9 +117,11 @@ class _Fan:
     ends: list[int] = field(default_factory=list)
     inner: int = 0
     height: int = 0
+    last: int | None = None
 
     def measure(self) -> None:
         """Set the size from the columns, which are measured already."""
+        self.last = max(self.columns, key=lambda column: column.height).last
         if len(self.columns) == 1:
             self.lead = 0
         self.inner = max(column.height for column in self.columns) + (8 if self.converges else 0)
@@ -210,7 +212,8 @@ def _bar(canvas: Canvas, axes: Sequence[int], y: int, *, parallel: bool) -> None
 class _Column:
     """Symbols and divergences below each other.
 
-    `enters[i]`: a wire leads from above into item i. `ends`: the axes of the lines that lead down from it.
+    `enters[i]`: a wire leads from above into item i. `ends`: the axes of the lines that lead down from it. `last`: its
+    last step, by its id.
     """
 
     items: list[Symbol | _Fan] = field(default_factory=list)
@@ -219,9 +222,16 @@ class _Column:
     right: Outline = field(default_factory=list)
     ends: list[int] = field(default_factory=list)
     height: int = 0
+    last: int | None = None
 
     def measure(self) -> None:
         """Set the size from the items, which are measured already."""
+        lasts = (
+            each.last if isinstance(each, _Fan) else each.step.id
+            for each in reversed(self.items)
+            if isinstance(each, _Fan | StepSymbol)
+        )
+        self.last = next((each for each in lasts if each is not None), None)
         self.left = stacked((_outline(item.left, item.height), item.height) for item in self.items)
         self.right = stacked((_outline(item.right, item.height), item.height) for item in self.items)
         self.height = sum(item.height for item in self.items)
@@ -250,6 +260,13 @@ def _outline(side: int | Outline, height: int) -> Outline:
     return [(height, side)] if isinstance(side, int) else side
 
 
+class StepLevel(NamedTuple):
+    """The level of the box of a step, and the id of the step above that moves it down when it is moved."""
+
+    top: int
+    before: int | None
+
+
 class Arrangement:
     """A chart with the size of its picture, ready to be drawn."""
 
@@ -261,17 +278,45 @@ class Arrangement:
         for segment in reversed(self._links.order):
             made[id(segment)] = self._column(segment, made)
         self._columns = [made[id(segment)] for segment in segments]
-        self.width = sum(reach(column.left) + reach(column.right) for column in self._columns)
-        self.width += _BETWEEN_SEGMENTS * max(0, len(self._columns) - 1)
-        self.height = max((column.height for column in self._columns), default=0)
+        corners = list(self._corners())
+        self.width = max((x + reach(each.left) + reach(each.right) for each, x, _ in corners), default=0)
+        self.height = max((y + each.height for each, _, y in corners), default=0)
+
+    def with_room(self, room: Mapping[int, int]) -> Arrangement:
+        """Return the chart with longer wires above steps: how much longer, by their ids."""
+        return Arrangement(replace(self._sheet, room=room))
+
+    @property
+    def levels(self) -> dict[int, StepLevel]:
+        """The level of each step by its id, and the step above that moves it down when it is moved."""
+        found: dict[int, StepLevel] = {}
+        walk: list[tuple[_Column, int, int | None]] = [(column, y, None) for column, _, y in self._corners()]
+        while walk:
+            column, y, before = walk.pop()
+            for item in column.items:
+                if isinstance(item, _Fan):
+                    walk += ((inner, y + item.top, before) for inner in item.columns)
+                    before = item.last if item.last is not None else before
+                elif isinstance(item, StepSymbol):
+                    found[item.step.id] = StepLevel(y + item.lead, before)
+                    before = item.step.id
+                y += item.height
+        return found
+
+    def _corners(self) -> Iterator[tuple[_Column, int, int]]:
+        """Yield the columns of the chart with their upper left corners: side by side, or below each other."""
+        x = y = 0
+        for column in self._columns:
+            yield column, x, y
+            if self._sheet.narrow:
+                y += column.height + _BETWEEN_SEGMENTS
+            else:
+                x += reach(column.left) + reach(column.right) + _BETWEEN_SEGMENTS
 
     def draw(self, canvas: Canvas, left: int, top: int) -> None:
         """Draw the chart with its upper left corner at `left`, `top`."""
-        x = left
-        pending: list[_PlacedColumn] = []
-        for column in self._columns:
-            pending.append(_PlacedColumn(column, x + reach(column.left), top, False, 0))
-            x += reach(column.left) + reach(column.right) + _BETWEEN_SEGMENTS
+        corners = self._corners()
+        pending = [_PlacedColumn(each, left + x + reach(each.left), top + y, False, 0) for each, x, y in corners]
         pending.reverse()
         while pending:
             column, axis, y, goes_on, floor = pending.pop()

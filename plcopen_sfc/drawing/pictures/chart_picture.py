@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from types import MappingProxyType
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.drawing.pictures.chart_arrangement import Arrangement
 from plcopen_sfc.drawing.pictures.file_arrangement import FileArrangement
+from plcopen_sfc.drawing.pictures.lined_up_charts import lined_up
 from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme, text_width, widest, wrap
 from plcopen_sfc.drawing.pictures.symbol_pictures import PictureSheet, PictureStyle
 from plcopen_sfc.drawing.wording import KINDS, Told, Wording, english
@@ -43,7 +44,7 @@ def chart_svg(chart: SfcNetwork, style: str | None = None, theme: str = Theme.LI
     """
     colours = chosen_theme(theme)
     look = _choice(PictureStyle, style, "style") if style is not None else usual_style(chart)
-    return _picture(chart, look, colours, "", Canvas(), fresh=fresh)
+    return _picture(chart, _Look(look, fresh=fresh), colours, "", Canvas())
 
 
 def chart_figure(
@@ -58,20 +59,57 @@ def chart_figure(
     It has no colours of its own, see `Canvas.document`. `marks` and `names` are those of `Canvas`, `told`
     gives the words of the picture.
     """
-    return _picture(chart, usual_style(chart), None, prefix, Canvas(marks, names), told=told)
+    return _picture(chart, _Look(usual_style(chart)), None, prefix, Canvas(marks, names), told=told)
+
+
+class PairedChart(NamedTuple):
+    """A chart that is shown beside another one: the prefix of its ids, and the marks of its elements (`Canvas`)."""
+
+    chart: SfcNetwork
+    prefix: str
+    marks: Mapping[str, str]
+
+
+def paired_figures(
+    pair: tuple[PairedChart, PairedChart], same: Sequence[tuple[int, int]], told: Told = english, *, fresh: bool = False
+) -> tuple[str, str]:
+    """Return pictures of two charts that are set beside each other: they are narrow, as parts of a page.
+
+    Steps that are the `same`, ids of steps of the first chart with those of the second, are at the same height where
+    both charts get a new layout; `fresh`: they do, even if their files draw them.
+    """
+    with collecting_rarely():
+        one, other = (
+            _arranged(each.chart, _Look(usual_style(each.chart), fresh=fresh, narrow=True), each.prefix, told)
+            for each in pair
+        )
+        first, second = one[0].arrangement, other[0].arrangement
+        if isinstance(first, Arrangement) and isinstance(second, Arrangement):
+            one[0].arrangement, other[0].arrangement = lined_up(first, second, same)
+        left, right = (
+            _drawn(each.chart, parts, each.prefix, Canvas(each.marks), theme=None, told=told, narrow=True)
+            for each, parts in zip(pair, (one, other), strict=True)
+        )
+    return left, right
+
+
+class _Look(NamedTuple):
+    """How charts are drawn. `fresh`: not as in their files; `narrow`: beside others."""
+
+    style: PictureStyle
+    fresh: bool = False
+    narrow: bool = False
 
 
 def _picture(
-    chart: SfcNetwork,
-    look: PictureStyle,
-    theme: Theme | None,
-    prefix: str,
-    canvas: Canvas,
-    *,
-    fresh: bool = False,
-    told: Told = english,
+    chart: SfcNetwork, look: _Look, theme: Theme | None, prefix: str, canvas: Canvas, *, told: Told = english
 ) -> str:
-    dialect = chart.project.dialect if chart.project is not None else Dialect.IEC
+    with collecting_rarely():
+        return _drawn(chart, _arranged(chart, look, prefix, told), prefix, canvas, theme=theme, told=told)
+
+
+def _arranged(chart: SfcNetwork, look: _Look, prefix: str, told: Told) -> list[ChartPart]:
+    """Return the charts of a picture with the places of their symbols."""
     parts = list(charts_in(chart, told))
     activated = {
         enclosure.chart: frozenset(enclosure.activated_steps)
@@ -79,14 +117,27 @@ def _picture(
         for step in part.chart.steps
         for enclosure in step.encloses or ()
     }
-    with collecting_rarely():
-        for number, part in enumerate(parts):
-            starred = activated.get(part.name, frozenset()) if number else frozenset()
-            wording = Wording(part.chart, dialect, told)
-            sheet = PictureSheet(part.chart, look, wording, prefix + part_prefix(number), starred)
-            drawn = None if fresh else FileArrangement.of(sheet)
-            part.arrangement = drawn or Arrangement(sheet)
-        width, height = _place(canvas, parts, prefix)
+    dialect = chart.project.dialect if chart.project is not None else Dialect.IEC
+    for number, part in enumerate(parts):
+        starred = activated.get(part.name, frozenset()) if number else frozenset()
+        wording = Wording(part.chart, dialect, told)
+        sheet = PictureSheet(part.chart, look.style, wording, prefix + part_prefix(number), starred, narrow=look.narrow)
+        drawn = None if look.fresh else FileArrangement.of(sheet)
+        part.arrangement = drawn or Arrangement(sheet)
+    return parts
+
+
+def _drawn(
+    chart: SfcNetwork,
+    parts: list[ChartPart],
+    prefix: str,
+    canvas: Canvas,
+    *,
+    theme: Theme | None,
+    told: Told,
+    narrow: bool = False,
+) -> str:
+    width, height = _place(canvas, parts, prefix, _LONGEST_ROW // 2 if narrow else _LONGEST_ROW)
     return canvas.document(width, height, theme, _name_of(chart), _description(parts, told))
 
 
@@ -183,8 +234,11 @@ def _inner_bodies(step: Step, told: Told) -> Iterator[tuple[str, str, SfcBody]]:
     yield from ((what, below, body) for what, below, body in bodies if isinstance(body, SfcBody))
 
 
-def _place(canvas: Canvas, parts: list[ChartPart], prefix: str) -> tuple[int, int]:
-    """Draw the parts in rows from left to right; return the size of the picture."""
+def _place(canvas: Canvas, parts: list[ChartPart], prefix: str, longest: int) -> tuple[int, int]:
+    """Draw the parts in rows from left to right, none of them longer than `longest` but for a part that is itself.
+
+    Returns the size of the picture.
+    """
     x = y = _MARGIN
     right = row = 0
     for number, part in enumerate(parts):
@@ -198,7 +252,7 @@ def _place(canvas: Canvas, parts: list[ChartPart], prefix: str) -> tuple[int, in
         if framed:
             width = max(width, text_width(part.heading, 13, bold=True), widest(remark, 11)) + 2 * _FRAME
             height += heading + _FRAME
-        if x > _MARGIN and x + width > max(_LONGEST_ROW, right):
+        if x > _MARGIN and x + width > max(longest, right):
             x, y, row = _MARGIN, y + row + _GAP, 0
         if framed:
             title = ". ".join(filter(None, (part.heading, part.comment)))

@@ -14,7 +14,7 @@ it: an arrow up or down for stored actions, the condition above the action, two 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
@@ -28,7 +28,8 @@ from plcopen_sfc.model.text import plain
 
 SIZE = 12
 PITCH = 15
-TEXT_WIDTH = 230
+_TEXT_WIDTH, _NARROW = 230, 170
+"""Texts of actions and conditions are wrapped at this width; in a narrow picture at the second."""
 _PAD = 6
 _MOST_LINES = 12
 """Program text in an action is cut off after so many lines; its tooltip has all of it."""
@@ -62,8 +63,8 @@ class _Row:
 class ActionBlock:
     """The action block of a step. Its `width` is 0 where the step has no actions."""
 
-    def __init__(self, step: Step, words: Wording, prefix: str, *, grafcet: bool) -> None:
-        self._rows = list(_rows(step, words, prefix, grafcet=grafcet))
+    def __init__(self, step: Step, sheet: PictureSheet) -> None:
+        self._rows = list(_rows(step, sheet))
         columns = zip(*(row.cells for row in self._rows), strict=True)
         widths = [max((widest(cell, SIZE) for cell in column), default=0) for column in columns]
         self._widths = [width + 2 * _PAD if width else 0 for width in widths]
@@ -125,39 +126,40 @@ class ActionBlock:
 _ACTION, _INDICATOR = 2, 3
 
 
-def _rows(step: Step, words: Wording, prefix: str, *, grafcet: bool) -> Iterator[_Row]:
+def _rows(step: Step, sheet: PictureSheet) -> Iterator[_Row]:
+    words, width = sheet.words, sheet.text_width
     actions = {"entry": step.entry_action, "main": step.main_action, "exit": step.exit_action}
     bodies = {words.told(label): action for label, action in actions.items()}
     for line in words.actions(step):
         if line.qualifier in bodies:
-            yield _row(line, bodies[line.qualifier])
+            yield _row(line, bodies[line.qualifier], width)
     for association in step.actions:
         line = words.association(association)
-        row = _row(line, None if association.target else association.body)
-        row.identifier = f"{prefix}action-{association.id}"
+        row = _row(line, None if association.target else association.body, width)
+        row.identifier = f"{sheet.prefix}action-{association.id}"
         row.excluded = association.exclude
         row.remark = wrap(plain(association.comment), 11, 160)
         mark, qualifier, _, indicator = row.cells
-        indicator += wrap(association.indicator or "", SIZE, TEXT_WIDTH // 2)
+        indicator += wrap(association.indicator or "", SIZE, width // 2)
         if association.interlock:
             mark.append("C")
         if association.kind is not None:
             row.kind = association.kind
-            row.above = wrap(_above(step, association, words), SIZE, TEXT_WIDTH)
+            row.above = wrap(_above(step, association, words), SIZE, width)
             qualifier.clear()
-        elif grafcet and association.qualifier is Qualifier.N and not association.duration:
+        elif sheet.style is PictureStyle.GRAFCET and association.qualifier is Qualifier.N and not association.duration:
             qualifier.clear()
         yield row
 
 
-def _row(line: ActionLine, body: str | Body | None) -> _Row:
+def _row(line: ActionLine, body: str | Body | None, width: int) -> _Row:
     """Return a row for `line`; program text that is the `body` of its action is shown line by line."""
     what = body.text if isinstance(body, StBody | IlBody) else line.what
-    lines = wrap(what, SIZE, TEXT_WIDTH)
+    lines = wrap(what, SIZE, width)
     if len(lines) > _MOST_LINES:
         lines = [*lines[: _MOST_LINES - 1], "\u2026"]
     when = " ".join(filter(None, (line.qualifier, line.duration)))
-    return _Row(str(replace(line, what=what)), (wrap(line.event, SIZE, TEXT_WIDTH), wrap(when, SIZE, 110), lines, []))
+    return _Row(str(replace(line, what=what)), (wrap(line.event, SIZE, width), wrap(when, SIZE, 110), lines, []))
 
 
 def _above(step: Step, association: ActionAssociation, words: Wording) -> str:
@@ -171,7 +173,6 @@ def _above(step: Step, association: ActionAssociation, words: Wording) -> str:
 
 
 _NAME_WIDTH = 210
-_CONDITION_WIDTH = 230
 _REMARK_WIDTH = 200
 _ARM = 24
 _MOST_REFERENCES = 4
@@ -195,13 +196,19 @@ class LinkEnd:
 
 @dataclass(slots=True)
 class PictureSheet:
-    """Common facts of symbols of one chart. `prefix` begins the ids of its elements, `activated` are starred steps."""
+    """Common facts of symbols of one chart.
+
+    `prefix` begins the ids of its elements, `activated` are starred steps. `narrow`: the picture is set beside another
+    one. `room`: how much longer the wire above a step is, by its id.
+    """
 
     chart: SfcNetwork
     style: PictureStyle
     words: Wording
     prefix: str = ""
     activated: frozenset[str] = frozenset()
+    narrow: bool = False
+    room: Mapping[int, int] = field(default_factory=dict)
     steps: dict[int, Step] = field(init=False)
     transitions: dict[int, Transition] = field(init=False)
     labels: dict[int, str] = field(init=False)
@@ -210,6 +217,11 @@ class PictureSheet:
         self.steps = {step.id: step for step in self.chart.steps}
         self.transitions = {transition.id: transition for transition in self.chart.transitions}
         self.labels = self.chart.labels()
+
+    @property
+    def text_width(self) -> int:
+        """The width at which texts of actions and conditions are wrapped."""
+        return _NARROW if self.narrow else _TEXT_WIDTH
 
     def step_reference(self, number: int) -> LinkEnd:
         """Return the reference to a step: its name, in GRAFCET and S7-GRAPH its number."""
@@ -245,7 +257,7 @@ class StepSymbol:
         self.entries = _shown(entries)
         self.exits = _shown(exits)
         self._label()
-        self._block = ActionBlock(self.step, sheet.words, sheet.prefix, grafcet=sheet.style is PictureStyle.GRAFCET)
+        self._block = ActionBlock(self.step, sheet)
         self._texts = [(kind, text) for kind, text in _about_step(sheet, self.step) if text]
         self._about = [(kind, line) for kind, text in self._texts for line in wrap(text, 11, _REMARK_WIDTH)]
         about = max((text_width(text, 11) for _, text in self._about), default=0)
@@ -254,7 +266,8 @@ class StepSymbol:
         beside = max(self._block.width, about)
         self.left = max(half + 22, _reference_width([*self.entries, *self.exits]))
         self.right = half + (arm + beside if beside else 0) + 6
-        self._lead = 8 + 14 * len(self.entries) + (4 if self.entries else 0)
+        self._room = sheet.room.get(number, 0)
+        self._lead = self._room + 8 + 14 * len(self.entries) + (4 if self.entries else 0)
         self._tail = 4 + 14 * len(self.exits)
         self._block_down = max(0, (self._box - self._block.height) // 2)
         text = 14 * len(self._about)
@@ -281,11 +294,17 @@ class StepSymbol:
         if self._above_name:
             self._box += 12
 
+    @property
+    def lead(self) -> int:
+        """How far its box is below the top of the symbol."""
+        return self._lead
+
     def draw(self, canvas: Canvas, x: int, y: int, *, enters: bool, leaves: bool) -> None:
         """Draw the step on the axis `x` below `y`; `enters` and `leaves`: wires above and below belong to it."""
         top = y + self._lead
         bottom = top + self._box
-        _draw_entries(canvas, self.entries, x, y + 6, top, enters=y if enters else None, sheet=self.sheet)
+        first = y + self._room + 6
+        _draw_entries(canvas, self.entries, x, first, top, enters=y if enters else None, sheet=self.sheet)
         below = top + self._body
         if leaves or self.exits:
             last = below + 8 + 14 * (len(self.exits) - 1)
@@ -406,7 +425,8 @@ class TransitionSymbol:
         told, label = sheet.words.told, sheet.words.label(sheet.labels[transition.id])
         name = f"{label} {told(EXCLUDED)}" if transition.exclude else label
         self._title = f"{told('Transition {}', name)}: {condition or told('(no condition)')}"
-        widest_line = min(max(_CONDITION_WIDTH, text_width(condition, 12) // 4), 2 * _CONDITION_WIDTH)
+        width = sheet.text_width
+        widest_line = min(max(width, text_width(condition, 12) // 4), 2 * width)
         self._condition = wrap(condition, 12, widest_line)
         about = [plain(transition.title), plain(transition.comment)]
         self._about = [line for text in about for line in wrap(text, 11, _REMARK_WIDTH)]

@@ -1,0 +1,222 @@
+"""Steps of a chart as cells of tables: times, supervision, actions with their program text, transitions that leave."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+from plcopen_sfc.drawing.pictures import body_figure
+from plcopen_sfc.drawing.wording import Wording
+from plcopen_sfc.languages.networks import shown_body
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
+from plcopen_sfc.model.conditions import Expression, NamedCondition
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.sfc import (
+    ActionAssociation,
+    Body,
+    BodyCondition,
+    Condition,
+    SfcBody,
+    SfcNetwork,
+    Step,
+    Transition,
+)
+from plcopen_sfc.model.text import plain
+from plcopen_sfc.pages.html_text import Html, element, joined, link, picture_figure
+from plcopen_sfc.pages.page_index import PageIndex
+from plcopen_sfc.pages.page_words import Words
+
+
+class Bodies:
+    """Bodies of a project: program text with links, networks as pictures."""
+
+    def __init__(self, index: PageIndex, words: Words) -> None:
+        self._index, self._words = index, words
+        self._drawn = 0
+
+    def content(self, body: Body | None) -> Html:
+        """Return a body; nothing for a chart, which has a section of its own."""
+        if isinstance(body, StBody | IlBody):
+            return element("pre", element("code", self._index.linked(body, "text"))) if body.text else Html("")
+        if isinstance(body, FbdBody | LdBody):
+            text = shown_body(body, self._index.project.dialect)
+            as_text = element("details", element("summary", "ST"), element("pre", element("code", text or "")))
+            figure = self.networks(body)
+            return joined(figure, as_text) if text else figure
+        if isinstance(body, OpaqueBody):
+            note = self._words("a body in a form that is kept but not read")
+            return element("details", element("summary", note), element("pre", body.content))
+        return Html("")
+
+    def networks(self, body: FbdBody | LdBody) -> Html:
+        """Return the picture of networks."""
+        self._drawn += 1
+        picture = body_figure(body, f"{self._index.prefix}drawn-{self._drawn}-", self._words)
+        return picture_figure(picture, self._words)
+
+
+class StepCells:
+    """The steps of one chart.
+
+    `told` is what is told about the element at an anchor, such as findings. `pou`: the table is beside another one, and
+    all that can be compared is text: drawn conditions too, and the actions of this POU at the steps that name them.
+    """
+
+    def __init__(
+        self,
+        chart: SfcNetwork,
+        index: PageIndex,
+        bodies: Bodies,
+        words: Words,
+        *,
+        told: Callable[[str], Html] = lambda _: Html(""),
+        pou: Pou | None = None,
+    ) -> None:
+        self.chart, self.words = chart, words
+        self._index, self._bodies, self._told, self._pou = index, bodies, told, pou
+        self._wording = Wording(chart, index.project.dialect, words)
+        self._steps = {step.id: step for step in chart.steps}
+        self._leaving: dict[int, list[Transition]] = {}
+        for transition in chart.transitions:
+            for source in transition.sources:
+                self._leaving.setdefault(source, []).append(transition)
+
+    def name(self, step: Step) -> Iterator[Html]:
+        """Yield the name of a step as a link to its picture, its times, and its conditions that supervise it."""
+        number = [element("small", str(step.number)), " "] if step.number is not None else []
+        yield link(self._index.anchor(step), *number, step.name)
+        yield self._excluded(step)
+        times = (("minimum time", "min_time"), ("maximum time", "max_time"), ("warning time", "warning_time"))
+        for label, key in times:
+            if getattr(step, key):
+                yield element("div", f"{self.words(label)} ", self._index.linked(step, key))
+        for label, part in (("interlock", step.interlock), ("supervision", step.supervision)):
+            if part is not None and part.condition is not None:
+                told = element("div", f"{self.words(label)} ", self._condition(part.condition))
+                yield joined(told, comment_lines(part.title, part.alarm))
+        yield comment_lines(step.title, step.comment)
+
+    def actions(self, step: Step) -> Html:
+        """Return the list of the actions of a step."""
+        items = [element("li", each) for each in self._actions(step)]
+        return element("ul", *items) if items else Html("")
+
+    def leaving(self, step: Step | None) -> Html:
+        """Return the list of the transitions that leave a step; None: of those that have no source."""
+        if step is not None:
+            leaving: Sequence[Transition] = self._leaving.get(step.id, [])
+        else:
+            leaving = [each for each in self.chart.transitions if self._steps.keys().isdisjoint(each.sources)]
+        ordered = sorted(leaving, key=lambda each: (each.priority is None, each.priority or 0))
+        many = len(leaving) > 1 and step is not None
+        items = [element("li", self._transition(each, step, many=many), data_name=each.name) for each in ordered]
+        return element("ul", *items) if items else Html("")
+
+    def permanent(self) -> Html:
+        """Return the permanent instructions of the chart."""
+        operations = [*self.chart.permanent_pre, *self.chart.permanent_post]
+        items = [element("li", comment_lines(each.title), self._bodies.content(each.body)) for each in operations]
+        return joined(element("h4", self.words("Permanent instructions")), element("ul", *items)) if items else Html("")
+
+    def _excluded(self, thing: Step | Transition | ActionAssociation) -> Html:
+        return joined(" ", element("em", self.words("excluded"))) if thing.exclude else Html("")
+
+    def _actions(self, step: Step) -> Iterator[Html]:
+        named = {"entry": "entry_action", "main": "main_action", "exit": "exit_action"}
+        for label, key in named.items():
+            action = getattr(step, key)
+            if isinstance(action, str) and action:
+                text = self._text_of(action)
+                yield joined(element("b", self.words(label)), " ", self._index.linked(step, key), text)
+            elif action:
+                yield joined(element("b", self.words(label)), " ", self._bodies.content(action))
+        for association in step.actions:
+            yield self._association(association)
+        names = (self.words("macro"), self.words("encloses"))
+        inside = [line for line in self._wording.actions(step) if line.qualifier in names]
+        for line, anchor in zip(inside, self._index.chart_anchors(step), strict=True):
+            name = line.what or self.words("chart")
+            yield joined(element("b", line.qualifier), " ", link(anchor, name) if anchor else name)
+
+    def _association(self, association: ActionAssociation) -> Html:
+        line = self._wording.association(association)
+        mark = "C" if association.interlock else ""
+        when = " ".join(filter(None, (mark, line.event, line.qualifier, line.duration)))
+        parts: list[str] = [element("b", when), " "] if when else []
+        if association.target and association.forcing is None:
+            parts += ["NOT " if association.negated else "", self._index.linked(association, "target")]
+            if association.value is not None:
+                parts += [" := ", self._index.linked(association, "value")]
+        elif association.body is not None and not isinstance(association.body, SfcBody):
+            parts.append(self._bodies.content(association.body))
+        else:
+            parts.append(line.what)
+        if association.condition is not None:
+            parts += [" [", self._condition(association.condition), "]"]
+        if association.indicator:
+            parts += [" (", self._index.linked(association, "indicator"), ")"]
+        text = self._text_of(association.target or "")
+        return joined(*parts, self._excluded(association), comment_lines(association.comment), text)
+
+    def _text_of(self, name: str) -> Html:
+        action = self._pou.find_action(name) if self._pou is not None and name else None
+        return self._bodies.content(action.body) if action is not None else Html("")
+
+    def _transition(self, transition: Transition, step: Step | None, *, many: bool) -> Html:
+        anchor, names = self._index.anchor(transition), self._steps
+        condition = self._condition(transition.condition)
+        others = [names[each].name for each in transition.sources if each in names and names[each] is not step]
+        together = f" ({self.words('after {} too', ', '.join(dict.fromkeys(others)))})" if others else ""
+        targets: list[str] = []
+        for target in transition.targets:
+            step = names.get(target)
+            if step is not None:
+                targets += [" \u2192 " if not targets else ", ", link(self._index.anchor(step), step.name)]
+        number = f"{transition.number} " if transition.number is not None else ""
+        head = link(anchor, f"{number}{transition.name}".strip() or "\u22a2")
+        order = f" ({self.words('priority {}', transition.priority)})" if many and transition.priority else ""
+        return joined(
+            *(head, self._excluded(transition), f"{order}{together} ", condition, *targets),
+            *(comment_lines(transition.comment), self._told(anchor)),
+        )
+
+    def _condition(self, condition: Condition | None) -> Html:
+        if isinstance(condition, Expression | NamedCondition):
+            text = self._index.linked(condition, "text" if isinstance(condition, Expression) else "name")
+            return element("code", *(["NOT (", text, ")"] if condition.negated else [text]))
+        told = self._wording.condition(condition)
+        text = element("code", told) if told else element("em", self.words("condition missing"))
+        body = condition.body if isinstance(condition, BodyCondition) else None
+        if isinstance(body, FbdBody | LdBody) and self._pou is None:
+            drawn = element("details", element("summary", body.language), self._bodies.networks(body))
+            return joined(text, drawn)
+        return text
+
+
+def steps_side_by_side(one: StepCells, other: StepCells, same: dict[int, int], captions: Sequence[str]) -> Html:
+    """Return the table of the steps of two charts, each with its actions and the transitions that leave it.
+
+    `same` has the steps of the second chart for those of the first, by their ids; those that only it has are the last.
+    """
+    found = {step.id: step for step in other.chart.steps}
+    pairs: list[tuple[Step | None, Step | None]] = [
+        (step, found.pop(same.get(step.id, -1), None)) for step in one.chart.steps
+    ]
+    pairs += [(None, step) for step in found.values()]
+    rows = [element("tr", _step_cell(one, left), _step_cell(other, right)) for left, right in pairs]
+    permanent = one.permanent(), other.permanent()
+    if any(permanent):
+        rows.insert(0, element("tr", *(element("td", each) for each in permanent)))
+    head = element("thead", element("tr", *(element("th", caption) for caption in captions)))
+    return element("div", element("table", head, element("tbody", *rows), class_="side"), class_="scroll")
+
+
+def _step_cell(cells: StepCells, step: Step | None) -> Html:
+    if step is None:
+        return element("td", "\u2013", class_="comment")
+    return element("td", element("div", *cells.name(step), class_="name"), cells.actions(step), cells.leaving(step))
+
+
+def comment_lines(*texts: object) -> Html:
+    """Return titles and comments, each as a line of its own."""
+    told = [plain(text) for text in texts]  # type: ignore[arg-type]  # titles and comments, which may be None
+    return joined(*(element("div", text, class_="comment") for text in told if text))
