@@ -75,7 +75,8 @@ def report_running(
     """Run each chart of `source` and what the target `tool` reads of it, and add what came of it to `report`.
 
     Charts in which something is not executed are left out: they differ. A call of what no file declares is the same
-    unknown function on both sides. Where something is approximated, the run tells whether that changes what the chart does; the report names it already, so a difference is no item of its own.
+    unknown function on both sides. Where something is approximated, the run tells whether that changes what the chart
+    does; the report names it already, so a difference is no item of its own.
     `called` gives the paths in the source of what has another name in the result, `target` the rules of the target
     where they are not those of its files. `limit` is the processor time that all of this may take, in seconds.
     """
