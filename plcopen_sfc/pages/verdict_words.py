@@ -281,6 +281,8 @@ _DIFFERENCES = {
     "only while an association decides on it": "nur wenn eine Aktionszuordnung darüber entscheidet",
     "`{#}` stays {}": "`{}` {} bleibt",
     "while {+}, both are {+}: {+}": "solange {}, sind beide {}: {}",
+    "while {+}, both are {+} (proof: {+}): {+}": "solange {}, sind beide {} (Beweis: {}): {}",
+    "while {+}, both are {+} (no proof: {+}): {+}": "solange {}, sind beide {} (kein Beweis: {}): {}",
     "while {+}: {+}": "solange {}: {}",
     "equal as far as they ran": "gleich, soweit sie liefen",
     "tools differ in when they take up a new time of an action that runs": (
