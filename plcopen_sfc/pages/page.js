@@ -53,7 +53,8 @@ document.addEventListener("keydown", (event) => {
 /* pictures: a step leads to its row; a button fits the picture into the page */
 document.addEventListener("click", (event) => {
   const step = event.target.closest("g.step[id]");
-  if (step && !event.target.closest("a") && byId(`${step.id}-row`)) location.hash = `${step.id}-row`;
+  const row = step && `${step.id.replace(/^trace-/, "")}-row`;
+  if (step && !event.target.closest("a") && byId(row)) location.hash = row;
 });
 const resize = (figure, scale) => {
   const picture = figure.querySelector("svg"), box = picture.viewBox.baseVal;
@@ -76,7 +77,8 @@ function arrange() {
     const widths = figures.map((each) => each.querySelector("svg").viewBox.baseVal.width);
     const room = pair.closest("section").clientWidth - 16; /* of the pair itself it may not be known yet */
     const together = room / widths.reduce((sum, each) => sum + each, 0);
-    const scales = widths.map((each) => (together < 0.6 ? room / each : together));
+    const alone = together < 0.6 || matchMedia("(max-width: 48rem)").matches;
+    const scales = widths.map((each) => (alone ? room / each : together));
     figures.forEach((each, index) => resize(each, Math.min(1, Math.max(0.6, scales[index]))));
   }
 }
@@ -102,7 +104,7 @@ if (player) {
   const picture = timing.querySelector("svg"), cells = all("#trace .value");
   const cursor = document.createElementNS(picture.namespaceURI, "line");
   cursor.setAttribute("class", "cursor");
-  cursor.setAttribute("y1", 0);
+  cursor.setAttribute("y1", trace.top);
   cursor.setAttribute("y2", picture.getAttribute("height"));
   picture.append(cursor);
   const at = (runs, scan) => {
@@ -119,7 +121,7 @@ if (player) {
     for (const step of all(".now")) step.classList.remove("now");
     output.replaceChildren(`${trace.times[range.value]} `);
     for (const [name, anchor] of active) {
-      byId(anchor)?.classList.add("now");
+      for (const id of [anchor, `trace-${anchor}`]) byId(id)?.classList.add("now");
       const link = document.createElement(anchor ? "a" : "span");
       if (anchor) link.href = `#${anchor}`;
       link.textContent = name;
@@ -130,10 +132,12 @@ if (player) {
     cursor.setAttribute("x1", x);
     cursor.setAttribute("x2", x);
   };
+  const play = player.querySelector("[data-move='0']");
   let timer = 0;
   const stop = () => {
     clearInterval(timer);
     timer = 0;
+    play.textContent = "\u25b6";
   };
   const move = (by) => {
     range.value = Number(range.value) + by;
@@ -150,6 +154,7 @@ if (player) {
     if (range.value === range.max) range.value = 0;
     show();
     timer = setInterval(move, 600, 1);
+    play.textContent = "\u2759\u2759";
   });
   range.addEventListener("input", () => {
     stop();

@@ -19,7 +19,7 @@ from plcopen_sfc.model.sfc import Body, SfcBody, Step
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import VariableSection
-from plcopen_sfc.pages.html_text import Html, document, element, joined, link, picture_figure
+from plcopen_sfc.pages.html_text import Html, document, element, joined, link, picture_figure, with_code
 from plcopen_sfc.pages.page_index import DrawnPart, PageIndex, PlacedBody
 from plcopen_sfc.pages.page_words import Words
 from plcopen_sfc.pages.step_cells import Bodies, StepCells, comment_lines
@@ -356,13 +356,13 @@ class _ProjectContent:
     def _finding(self, finding: Diagnostic, *, linked: bool) -> Html:
         place = finding.location
         title = element("b", f"{self.words(finding.severity.value)} {finding.code}")
-        parts: list[str] = [title, " ", self.words.finding(finding.message)]
+        parts: list[str] = [title, " ", with_code(self.words.finding(finding.message))]
         if linked and place.path:
             parts += [" ", link(self.index.anchor_at(place.path), self.words.place(place.path))]
         if place.line:
             parts += [" ", element("small", self.words("line {}", place.line))]
         if finding.hint:
-            parts.append(element("div", self.words.finding(finding.hint), class_="comment"))
+            parts.append(element("div", with_code(self.words.finding(finding.hint)), class_="comment"))
         return element("li", *parts, class_=f"is-{finding.severity}")
 
 

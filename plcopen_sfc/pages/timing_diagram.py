@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from plcopen_sfc.drawing.pictures import Canvas, Theme, chosen_theme
+from plcopen_sfc.drawing.pictures import Canvas, Theme, chart_figure, chosen_theme
 from plcopen_sfc.drawing.pictures.svg_canvas import text_width
 from plcopen_sfc.languages.st.literals import time_literal
-from plcopen_sfc.pages.html_text import Html, data_element, element, joined
+from plcopen_sfc.pages.html_text import Html, data_element, element, joined, picture_figure
 from plcopen_sfc.pages.page_index import PageIndex
 from plcopen_sfc.pages.page_words import Words
 from plcopen_sfc.semantics.signals import SignalKind
@@ -57,6 +57,12 @@ def trace_section(trace: Trace, index: PageIndex, words: Words) -> Html:
         "details", element("summary", words("Values")), element("table", element("tbody", *rows)), open=True
     )
     named = {name: index.step_anchor(trace.name, name) for name in trace.steps}
+    drawn = [prefix for anchor in named.values() for prefix in index.parts if anchor.startswith(prefix)]
+    picture = Html("")
+    if drawn:  # beside the diagram too: the section of the chart may be far below
+        picture = picture_figure(
+            chart_figure(index.parts[drawn[0]][0].chart, f"trace-{drawn[0]}", {}, told=words), words
+        )
     events = trace.eventful_scans()
     data = {
         "scans": len(trace),
@@ -66,12 +72,18 @@ def trace_section(trace: Trace, index: PageIndex, words: Words) -> Html:
         "columns": [[[scan, column.signal.text(value)] for scan, value in column.runs()] for column in trace.columns],
         "left": diagram.left,
         "width": diagram.width,
+        "top": diagram.top,
     }
     player = element(
         "div",
-        element("button", "\u25c0", type="button", data_move="-1", aria_label=words("one change back")),
-        element("button", "\u25b6\u25b6", type="button", data_move="0", aria_label=words("play")),
-        element("button", "\u25b6", type="button", data_move="1", aria_label=words("one change on")),
+        *(
+            element("button", sign, type="button", data_move=move, aria_label=words(told), title=words(told))
+            for sign, move, told in (
+                ("\u2759\u25c0", "-1", "one change back"),
+                ("\u25b6", "0", "play"),
+                ("\u25b6\u2759", "1", "one change on"),
+            )
+        ),
         element("input", type="range", min="0", max=str(max(len(events) - 1, 0)), value="0", id="scan"),
         element("output"),
         id="player",
@@ -79,12 +91,17 @@ def trace_section(trace: Trace, index: PageIndex, words: Words) -> Html:
     )
     told = words("{} scans of {}, executed as in {}", len(trace), time_literal(trace.scan_time), trace.profile or "-")
     heading = element("h2", element("small", words("Simulation")), " ", trace.name)
-    section = element("section", heading, element("p", told), figure, values, id="trace")
+    section = element("section", heading, element("p", told), figure, picture, values, id="trace")
     return joined(section, player, data_element("trace-data", data))  # outside: what contains a section fixes in it
 
 
 class TimingDiagram:
-    """The timing diagram of a trace. Scan 0 begins at `left`, all scans together are `width` pixels wide."""
+    """The timing diagram of a trace.
+
+    Scan 0 begins at `left`, all scans together are `width` pixels wide; `top` is below the times over the diagram.
+    """
+
+    top = _MARGIN + 16
 
     def __init__(self, trace: Trace) -> None:
         self.trace = trace
@@ -111,7 +128,7 @@ class TimingDiagram:
         step = next(each for each in _round_numbers() if each * self.width >= _TICKS * scans)
         for scan in range(0, scans + 1, step):
             x = self._x(scan)
-            canvas.wire((x, _MARGIN + 16), (x, bottom), kind="thin")
+            canvas.wire((x, self.top), (x, bottom), kind="thin")
             label = time_literal(scan * trace.scan_time).removeprefix("T#")
             if x + text_width(label, 11) <= self.left + self.width:
                 canvas.text("quiet", x + 3, _MARGIN + 12, label)

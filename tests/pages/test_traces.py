@@ -77,14 +77,19 @@ def test_a_trace_is_played_on_the_chart(
     browser.open(page)
 
     def active() -> list[str]:
-        return browser.evaluate(
-            "all('.now').map((each) => each.querySelector('title').textContent.split(/[. ]+/).at(-1))"
-        )
+        """The steps that are coloured: in the picture beside the diagram, and alike in the section of the chart."""
+        names = "map((each) => each.querySelector('title').textContent.split(/[. ]+/).at(-1))"
+        shown = browser.evaluate(f"['#trace', '.pou'].map((where) => all(`${{where}} .now`).{names})")
+        assert shown[0] == shown[1]
+        return shown[0]  # type: ignore[no-any-return]
 
     def click(selector: str) -> None:
         browser.evaluate(f"document.querySelector({selector!r}).click()")
 
     assert browser.evaluate("byId('player').getBoundingClientRect().bottom === innerHeight")
+    times = "all('#timing text.quiet').map((each) => each.getBoundingClientRect().bottom)"
+    cursor = "document.querySelector('#timing .cursor').getBoundingClientRect().top"
+    assert browser.evaluate(f"Math.max(...{times}) <= {cursor} + 4"), "the line hides no time"
     seen = [active()]
     for _ in trace.eventful_scans()[1:]:
         click("[data-move='1']")
