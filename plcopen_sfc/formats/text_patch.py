@@ -460,6 +460,7 @@ def _merged(source: str, old: str, new: str) -> str | None:
     words, old_words, new_words = (list(_WORDS.finditer(text)) for text in (source, old, new))
     marks, old_marks, new_marks = ([_mark(word.group()) for word in found] for found in (words, old_words, new_words))
     place = _places(old_marks, marks)
+    indents = _indents(source, old, [(words[there], old_words[here]) for here, there in place.items()])
     edits: list[Edit] = []
     words_after, position = [], 0  # the words of the source after the edits
     for operation, low, high, new_low, new_high in SequenceMatcher(
@@ -473,11 +474,25 @@ def _merged(source: str, old: str, new: str) -> str | None:
             return None
         words_after += marks[position:first] + new_marks[new_low:new_high]
         position = first + high - low
-        edits.append(_word_edit(words[first:position], words[:first], new, new_words, slice(new_low, new_high)))
+        edit = _word_edit(words[first:position], words[:first], new, new_words, slice(new_low, new_high))
+        edits.append(edit._replace(text=_LINE_START.sub(lambda at: indents.get(at.group(), at.group()), edit.text)))
     text = apply_edits(source, edits)
     words_after += marks[position:]
     # An edit beside a comment or a string may join or swallow words: then the block is laid out as a whole.
     return text if [_mark(word) for word in _WORDS.findall(text)] == words_after else None
+
+
+_LINE_START = re.compile(r"(?<=\n)[ \t]*")
+
+
+def _indents(source: str, old: str, pairs: Iterable[tuple[_Word, _Word]]) -> dict[str, str]:
+    """Return the indentation in the source of lines by that which a writer gives them."""
+    found: dict[str, str] = {}
+    for mine, written in pairs:
+        indent, own = (text[: word.start()].rpartition("\n") for text, word in ((old, written), (source, mine)))
+        if indent[1] and own[1] and not indent[2].strip() and not own[2].strip():
+            found.setdefault(indent[2], own[2])
+    return found
 
 
 def _word_edit(gone: list[_Word], before: list[_Word], new: str, new_words: list[_Word], at: slice) -> Edit:

@@ -20,9 +20,10 @@ WATCHING_FLAGS = frozenset({SfcFlag.ERROR, SfcFlag.ENABLE_LIMIT})
 
 
 def named_flags(names: Names) -> frozenset[str]:
-    """Return the flags that something in a project reads or writes, in lower case."""
+    """Return the flags that something in a project reads or writes, in lower case; a declaration as text does not."""
     words = [flag.variable for flag in SfcFlag]
-    return frozenset(each.reference.name.casefold() for each in names.occurrences(*words))
+    found = (each for each in names.occurrences(*words) if each.text_site.key != "declaration")
+    return frozenset(each.reference.name.casefold() for each in found)
 
 
 def flags_at_rest(project: Project, pou: Pou, flags: Iterable[SfcFlag], named: Collection[str]) -> set[SfcFlag]:

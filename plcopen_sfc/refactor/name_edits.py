@@ -10,6 +10,7 @@ from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.binding import Declaration, Kind, Names
 from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of, unique_declaration
 from plcopen_sfc.languages.binding.text_sites import Role, TextSite
+from plcopen_sfc.languages.networks import condition_reader
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_statements
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
@@ -140,7 +141,12 @@ def extract_condition(journal: Journal, chart: SfcNetwork, link: Transition, nam
         check_free(Names(_project(chart)), pou, name)
         known = NamedTransition(name=name, body=body)
         journal.put(pou, "transitions", [*pou.transitions, known])
-    journal.put(link, "condition", NamedCondition(name=known.name, negated=condition.negated))
+    named = NamedCondition(name=known.name, negated=condition.negated)
+    read = condition_reader(chart, dialect_in(chart), transitions=pou.transitions)
+    if read(condition).complete and not read(named).complete:
+        own = condition.name if isinstance(condition, BodyCondition) else ""
+        raise refused(what, f"its code gives a value to {own or 'something else'}, not to {name}", f'name="{own}"')
+    journal.put(link, "condition", named)
     return known
 
 
@@ -157,7 +163,7 @@ def inline_condition(journal: Journal, chart: SfcNetwork, link: Transition) -> C
     if isinstance(body, StBody):
         text = _value(body.text, condition.name, dialect_in(chart))
         made = Expression(text=text, negated=condition.negated) if text is not None else None
-    put = made or BodyCondition(body=body.model_copy(deep=True), negated=condition.negated)
+    put = made or BodyCondition(body=body.model_copy(deep=True), name=found[0].name, negated=condition.negated)
     journal.put(link, "condition", put)
     return put
 
@@ -226,6 +232,8 @@ def inline_action(journal: Journal, project: Project, action: Action) -> None:
     if len(holders) != 1:
         raise refused(what, f"{len(holders)} places name it")
     holder, key = holders[0], uses[0].text_site.key
+    if uses[0].text_site.site.pou is not pou:
+        raise refused(what, f"{uses[0].use} is in another POU, where its names mean something else")
     body = action.body.model_copy(deep=True)
     if isinstance(holder, ActionAssociation):
         if holder.body is not None:

@@ -10,8 +10,10 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import jump, selection, simultaneous, step
 from plcopen_sfc.errors import ArgumentError, ModelError
+from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.refactor.editor import Editor
 from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
+from tests.samples import FIXTURES
 
 
 def plant() -> sfc.Project:
@@ -452,3 +454,24 @@ def test_a_pou_is_copied_into_another_project() -> None:
     assert target.pous == []
     target.global_variables.append(sfc.VariableSection(variables=[sfc.Variable(name="Lamp2", type="BOOL")]))
     assert edit.copy_pou(source, "Main", {"Light": "Lamp2"}).chart is not None
+
+
+def test_an_action_of_another_pou_is_not_inlined() -> None:
+    project = sfc.load(FIXTURES / "twincat" / "press_station.xml")
+    edit = project.edit()
+    with pytest.raises(ModelError, match="is in another POU"):
+        edit.inline_action(project.pou("FB_Press").action("ACT_Open"))
+
+
+def test_a_condition_that_gives_its_value_to_a_name_is_extracted_under_that_name() -> None:
+    project = sfc.load(FIXTURES / "plcopen" / "filling_station_2.0.xml")
+    chart = project.pou("FillingStation").chart
+    assert chart is not None
+    edit = project.edit(clean=True)
+    link = chart.transition("Init -> Idle")
+    edit.inline_condition(link)
+    assert edit.removed == ["FillingStation.TankReady"]
+    with pytest.raises(ModelError, match="gives a value to TankReady"):
+        edit.extract_condition(link, "Other")
+    assert edit.extract_condition(link, "TankReady").name == "TankReady"
+    assert [str(each.use) for each in Names(project).undeclared()] == []

@@ -18,7 +18,7 @@ from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import FormatError, Location, StructureError
 from plcopen_sfc.formats.archives.archived_charts import ChartReader, ChartWriter, read_settings, write_settings
 from plcopen_sfc.formats.archives.object_archive import archived, kept_data, kept_in, unknown_type
-from plcopen_sfc.formats.archives.object_declarations import METHOD, PROPERTY, bare, declaration_of, read, unit_of
+from plcopen_sfc.formats.iectext.object_declarations import METHOD, PROPERTY, bare, declaration_of, read, unit_of
 from plcopen_sfc.formats.iectext.text_source import unwrapped, wrapped
 from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext, line_of
 from plcopen_sfc.formats.xml.extension_data import add_markup, markup

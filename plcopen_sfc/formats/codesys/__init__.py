@@ -6,4 +6,5 @@ Public: `codesys_codec.CODEC` and `validate_codesys`.
   tools.
 * `element_data`: these data of charts and of elements (entry, main and exit actions of steps, times, settings), read
   and written; `object_data`: those of projects and POUs. `codesys_names`: their names.
+* `declaration_texts`: declarations as text, which say what the elements say.
 """

@@ -28,6 +28,7 @@ from lxml import etree
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.codesys import codesys_names as names
+from plcopen_sfc.formats.codesys.declaration_texts import declaration_texts
 from plcopen_sfc.formats.codesys.element_data import (
     finish_chart,
     read_call_type,
@@ -62,12 +63,9 @@ from plcopen_sfc.formats.xml.xml_codec import XmlStyle
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
 from plcopen_sfc.languages.declarations.kept_texts import KEPT_DATA
 from plcopen_sfc.languages.standard_blocks import Tool
-from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.types import DataTypeDeclaration
-from plcopen_sfc.model.variables import Interface, VariableSection
-from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.report import ConversionReport
 
 _OF_TC6 = {"application": "resource", "pou": "pou", "datatype": "dataType", "globalvars": "globalVars"}
 _OF_VENDOR = {
@@ -345,9 +343,9 @@ class CodesysCodec(Tc6Codec):
 
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
         """Return the tree of the export. The tools write TC6 2.0; a file that was put into 2.01 by hand stays so."""
-        stale = drop_stale(project, options.baseline, report) if options.baseline is not None else frozenset()
+        texts = declaration_texts(project, options.baseline, report) if options.baseline is not None else {}
         dialect = replace(CODESYS_DIALECT, version=V2_01) if options.version == V2_01.name else CODESYS_DIALECT
-        root = write_project(project, dialect, report, options, stale)
+        root = write_project(project, dialect, report, options, texts)
         mark_as_codesys(root)
         return root
 
@@ -361,46 +359,3 @@ class CodesysCodec(Tc6Codec):
 
 
 CODEC = CodesysCodec()
-
-
-_Declared = Interface | DataTypeDeclaration | VariableSection
-
-
-def drop_stale(project: Project, baseline: Project, report: ConversionReport) -> frozenset[int]:
-    """Return the objects (by `id()`) whose text was typed for what `baseline` declares; each is in the report."""
-    before, after = _by_path(baseline), _by_path(project)
-    stale: set[int] = set()
-    for path, things in after.items():
-        thing, old = things[0], before.get(path)
-        if old is None or thing.declaration is None or thing.declaration != old[0].declaration:
-            continue
-        if list(map(_content, things)) != list(map(_content, old)):
-            stale.add(id(thing))
-            why = "it no longer fits what is declared; the tool builds it again, without pragmas and comments between"
-            report.add(Outcome.APPROXIMATED, "declaration text", path, why)
-    return frozenset(stale)
-
-
-def _by_path(project: Project) -> dict[str, list[_Declared]]:
-    """Return declarations by path; a list of global variables may have several sections, and its text at the first."""
-    found: dict[str, list[_Declared]] = {}
-    for path, thing in _declared(project):
-        found.setdefault(path, []).append(thing)
-    return found
-
-
-def _content(thing: Element) -> dict[str, object]:
-    return {name: value for name, value in vars(thing).items() if name != "declaration"}
-
-
-def _declared(project: Project) -> Iterator[tuple[str, _Declared]]:
-    for pou in project.pous:
-        if pou.interface is not None:
-            yield f"POU {pou.name}", pou.interface
-        for method in pou.methods:
-            if method.interface is not None:
-                yield f"POU {pou.name} / method {method.name}", method.interface
-    for declaration in project.data_types:
-        yield f"type {declaration.name}", declaration
-    for section in project.global_sections():
-        yield f"global variables {section.name}", section

@@ -86,8 +86,8 @@ def read_declaration(ctx: Tc6ReadContext, data: etree._Element, fields: Fields, 
 def _write_declaration(
     ctx: Tc6WriteContext, thing: Interface | DataTypeDeclaration | VariableSection
 ) -> Iterator[Written]:
-    text = thing.declaration
-    if text is not None and id(thing) not in ctx.stale:
+    text = ctx.texts.get(id(thing), thing.declaration)
+    if text is not None:
         holder = etree.Element(ctx.version_tag("InterfaceAsPlainText"), nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
         etree.SubElement(holder, f"{{{XHTML}}}xhtml", nsmap={None: XHTML}).text = legal_text(text)  # type: ignore[dict-item]
         yield names.PLAIN_TEXT, UnknownDataRule.IMPLEMENTATION, holder

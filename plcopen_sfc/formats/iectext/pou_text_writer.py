@@ -41,7 +41,7 @@ from plcopen_sfc.languages.pragmas import Fields, Numbered, RemainderEntry, Segm
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.words import is_plain
 from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.model.body import FbdBody, LdBody, StBody
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou, PouKind
 from plcopen_sfc.model.sfc import (
@@ -619,7 +619,9 @@ class _Unit:
         if not lines.text:
             return []
         if self.keyword == "TRANSITION":
-            if read_back["body"]["language"] == "ST" and self.printer.is_expression(lines.text):
+            is_il = isinstance(getattr(self.thing, "body", None), IlBody)
+            if not is_il and self.printer.is_expression(lines.text):
+                read_back["body"]["language"] = "ST"  # `NOT a OR b` begins as instruction list does
                 return [WrittenBlock(("body", ""), f"{self.inner}:= {lines.text};")]
             return [WrittenBlock(("body", ""), f"{self.inner}:\n{indented(lines.text, self.inner + INDENT)}")]
         return [WrittenBlock(("body", ""), indented(lines.text, self.inner), apart=not self.alone, block=True)]

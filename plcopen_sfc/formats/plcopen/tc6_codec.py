@@ -9,8 +9,9 @@ other terms, or refused, before it is written.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from datetime import datetime
+from types import MappingProxyType
 
 from lxml import etree
 from pydantic import ValidationError
@@ -269,13 +270,13 @@ def write_project(
     dialect: Tc6Dialect,
     report: ConversionReport,
     options: WriteOptions,
-    stale: frozenset[int] = frozenset(),
+    texts: Mapping[int, str | None] = MappingProxyType({}),
 ) -> etree._Element:
     """Return the tree of the file for `project`; what becomes of each item goes into `report`.
 
-    `stale` are the objects (by `id()`) whose declaration as text is left out.
+    `texts` are declarations as text to write instead of those of objects, by their `id()`; None is left out.
     """
-    ctx = Tc6WriteContext(dialect, report, project, options, stale)
+    ctx = Tc6WriteContext(dialect, report, project, options, texts)
     nsmap: dict[str | None, str] = {None: dialect.version.namespace}
     if dialect.declares_xhtml:
         nsmap["xhtml"] = XHTML

@@ -385,8 +385,7 @@ def write_lists(ctx: Tc6WriteContext, parent: etree._Element, sections: Iterable
                 write_section(ctx, parent, section)
             continue
         plain: dict[str, object] = dict.fromkeys(_FLAGS, False)
-        if id(found[0]) in ctx.stale:
-            plain["declaration"] = None
+        plain["declaration"] = ctx.texts.get(id(found[0]), found[0].declaration)
         variables = [variable for section in found for variable in section.variables]
         whole = found[0].model_copy(update={**plain, "variables": variables})
         ctx.parts[id(whole)] = found

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
+from types import MappingProxyType
 from typing import Any
 
 from lxml import etree
@@ -77,7 +78,7 @@ class Tc6WriteContext:
         report: ConversionReport,
         project: Project,
         options: WriteOptions,
-        stale: frozenset[int] = frozenset(),
+        texts: Mapping[int, str | None] = MappingProxyType({}),
     ) -> None:
         self.dialect = dialect
         self.version = dialect.version
@@ -93,8 +94,8 @@ class Tc6WriteContext:
         """True if the project was read from this format in this version."""
         self.counts_ids = options.same and _IDS.search(options.source) is None
         """True if TC6 1.01 gets no ids in comments: the file has none either, and they come back by counting."""
-        self.stale = stale
-        """Objects (by `id()`) whose declaration as text is not written."""
+        self.texts = texts
+        """Declarations as text that are written instead of those of objects, by their `id()`."""
         self.body_name = ""
         """The name of the body being written, as `Pou.named_bodies` gives it."""
         self.place: list[str] = []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 
 from lxml import etree
 
@@ -188,18 +189,34 @@ class _ChartWriter:
                 element.extend(list(holder[0]))
 
     def _sequences(self) -> list[tuple[Sequence, list[Transition]]]:
-        """Return the sequences with their transitions; steps and transitions of none go into the last one."""
-        sequences = list(self.chart.sequences) or [Sequence(steps=[step.id for step in self.chart.steps])]
-        member = {number: index for index, sequence in enumerate(sequences) for number in sequence.steps}
-        lost = [step.id for step in self.chart.steps if step.id not in member]
-        if lost:
-            sequences[-1] = sequences[-1].model_copy(update={"steps": [*sequences[-1].steps, *lost]})
-            member.update(dict.fromkeys(lost, len(sequences) - 1))
-        found: list[list[Transition]] = [[] for _ in sequences]
+        """Return the sequences with their transitions. Transitions connect steps of one; others go into the last."""
+        sequences = list(self.chart.sequences) or [Sequence()]
+        near: dict[int, list[int]] = {step.id: [] for step in self.chart.steps}
         for transition in self.chart.transitions:
-            index = next((member[s] for s in (*transition.sources, *transition.targets) if s in member), -1)
+            ends = [number for number in (*transition.sources, *transition.targets) if number in near]
+            for one, other in pairwise(ends):
+                near[one].append(other)
+                near[other].append(one)
+        member: dict[int, int] = {}
+        for index, sequence in enumerate(sequences):
+            waiting = [number for number in sequence.steps if number in near]
+            while waiting:
+                number = waiting.pop()
+                if number not in member:
+                    member[number] = index
+                    waiting += near[number]
+        steps: list[dict[int, None]] = [dict.fromkeys(n for n in each.steps if n in near) for each in sequences]
+        found: list[list[Transition]] = [[] for _ in sequences]
+        for number in near:
+            steps[member.setdefault(number, len(sequences) - 1)].setdefault(number)
+        for transition in self.chart.transitions:
+            index = next((member[n] for n in (*transition.sources, *transition.targets) if n in member), -1)
             found[index].append(transition)
-        return list(zip(sequences, found, strict=True))
+        return [
+            (sequence.model_copy(update={"steps": [n for n in steps[index] if member[n] == index]}), found[index])
+            for index, sequence in enumerate(sequences)
+            if any(member[n] == index for n in steps[index]) or not steps[index]
+        ]
 
     def _sequence(self, parent: etree._Element, sequence: Sequence, transitions: list[Transition]) -> None:
         ctx = self.ctx

@@ -77,7 +77,7 @@ class Site:
 
     pou: Pou | None = None
     method: Method | None = None
-    transition: NamedTransition | None = None
+    transition: NamedTransition | s.BodyCondition | None = None
     charts: tuple[s.SfcNetwork, ...] = ()
     place: str = ""
 
@@ -382,6 +382,10 @@ def _named_transition(transition: NamedTransition, where: _Where) -> _Where:
     return where.inside(transition.name, "transition")._replace(site=replace(where.site, transition=transition))
 
 
+def _condition(condition: s.BodyCondition, where: _Where) -> _Where:
+    return where._replace(site=replace(where.site, transition=condition)) if condition.name else where
+
+
 def _method(method: Method, where: _Where) -> _Where:
     return where.inside(method.name, "method")._replace(site=replace(where.site, method=method))
 
@@ -456,6 +460,7 @@ _ENTERING: dict[type[Model], _Entering] = {
     Pou: _pou,
     Action: _action,
     NamedTransition: _named_transition,
+    s.BodyCondition: _condition,
     Method: _method,
     DataBlock: _data_block,
     Interface: lambda _, where: where._replace(language="declaration"),

@@ -113,6 +113,8 @@ def declaration_of(declared: Project, source: str | None) -> str:
         if _is_declared_by(read(unit.around(source), None).project, declared):
             return source
         found = unit.inside(_patched(unit.around(source), declared))
+        if found is not None and "{plcopen_sfc" in found:
+            found = _TEXT.as_tool_sees(found.encode()).decode()
         if found is not None and _meaning(unit.around(found)) == _meaning(_DIALECT + _written(declared)):
             return found
     text = _written(declared)
