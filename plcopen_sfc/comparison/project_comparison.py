@@ -20,6 +20,7 @@ from plcopen_sfc.comparison.tree_comparison import TreeComparison, word_of
 from plcopen_sfc.conversion import Detail, Part, executed
 from plcopen_sfc.errors import ModelError, SfcError, check_argument
 from plcopen_sfc.languages.binding import Declaration, Names
+from plcopen_sfc.languages.executed_names import reordered, shows_names_of_steps
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.drawing import Places
@@ -189,7 +190,11 @@ def proofs(projects: tuple[Project, Project], changes: Iterable[Change], limit: 
     These are the programs, function blocks and charts that have changed, and all of them where something has changed
     that is in none: they may use it. Where no run can show it, the proof has no verdict.
     """
-    executed = [change for change in changes if _is_executed(change)]
+    changes = list(changes)
+    renamed = [change for change in changes if _renames_executed(projects, change)]
+    if renamed:
+        projects = _with_old_names(projects[0], renamed), projects[1]
+    executed = [change for change in changes if change in renamed or _is_executed(change)]
     shown = []
     for change in executed:
         reason = _NOT_RUN.get(change.aspect) or _NOT_RUN.get(change.what) or _not_called(projects, change)
@@ -208,6 +213,30 @@ def proofs(projects: tuple[Project, Project], changes: Iterable[Change], limit: 
 def _is_executed(change: Change) -> bool:
     is_behaviour = change.kind not in (ChangeKind.LAYOUT, ChangeKind.RENAMED)
     return is_behaviour and change.aspect not in _NEVER_EXECUTED
+
+
+def _renames_executed(projects: tuple[Project, Project], change: Change) -> bool:
+    """True if another name of a step or an action is executed by a tool."""
+    if change.kind is not ChangeKind.RENAMED or change.before is None or change.after is None:
+        return False
+    if change.what == "step":
+        return any(shows_names_of_steps(Names(project)) for project in projects)
+    owner = ObjectPath.of(change.path).owner.casefold()
+    found = [pou for project in projects for pou in project.pous if pou.report_path.casefold() == owner]
+    named = change.before, change.after
+    return change.what == "action" and any(reordered(pou, *named, projects[0].dialect) for pou in found)
+
+
+def _with_old_names(project: Project, renamed: Iterable[Change]) -> Project:
+    """Return a project with the names that it had before it was compared, where a tool executes them."""
+    found = project.model_copy(deep=True)
+    table: dict[Declaration | str, str] = {}
+    for change in renamed:
+        owner = ObjectPath.of(change.path).owner.casefold()
+        pou = next(each for each in found.pous if each.report_path.casefold() == owner)
+        table[f"{pou.name}.{change.after}"] = change.before or ""
+    rename_many(found, table)
+    return found
 
 
 def _runnable(project: Project) -> dict[str, _Runnable]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from itertools import combinations, product
 
 from plcopen_sfc.comparison.changes import Change, ChangeKind
 from plcopen_sfc.conversion.executed_parts import (
@@ -65,6 +66,7 @@ class TreeComparison:
         matched = matches(left, right)
         if key.kind in _CHARTS:
             self._moved_steps(left, right)
+            self._order_of_simultaneous_steps(key, left, right, matched)
         self._orders(key, left, right, matched)
         for inner, part in left.parts.items():
             other = matched.get(inner)
@@ -134,7 +136,7 @@ class TreeComparison:
             if inner.kind == "step":
                 mine, theirs = left.parts[inner], right.parts[other]
                 found.append(("transitions to", inner, mine, mine.order, theirs.order))
-        for kind, aspect in (("action", "actions"), ("member", "members")):
+        for kind, aspect in (("action", "actions"), ("member", "members"), ("program instance", "programs")):
             of_kind = [tuple(each for each in side.parts if each.kind == kind) for side in (left, right)]
             found.append((aspect, key, left, of_kind[0], of_kind[1]))
         for section in _IN_ORDER if key.kind in ("POU", "method") else ():
@@ -146,6 +148,21 @@ class TreeComparison:
                 was, now = (", ".join(_label(left, each) for each in keys) for keys in (before, after))
                 change = Change(ChangeKind.CHANGED, part.path, word_of(owner.kind), f"order of {aspect}", was, now)
                 self._note(change, owner, part)
+
+    def _order_of_simultaneous_steps(self, key: Key, left: Part, right: Part, matched: dict[Key, Key]) -> None:
+        """Note another order of steps that act in one scan: what they write is written in the order of the chart."""
+        steps = [each for each in left.parts if each.kind == "step" and left.parts[each].parts and each in matched]
+        there = {each: number for number, each in enumerate(right.parts)}
+        places = {step.name: (number, there[matched[step]]) for number, step in enumerate(steps)}
+        if not self.is_written or [new for _, new in places.values()] == sorted(new for _, new in places.values()):
+            return
+        names = {step.name: _label(left, step) for step in steps}
+        pairs = (sorted(pair & places.keys(), key=lambda step: places[step]) for pair in _Flow(left).simultaneous())
+        swapped = [pair for pair in pairs if len(pair) > 1 and places[pair[0]][1] > places[pair[1]][1]]
+        for first, second in sorted(swapped, key=lambda pair: [places[step] for step in pair]):
+            both = f"{names[first]}, {names[second]}", f"{names[second]}, {names[first]}"
+            change = Change(ChangeKind.CHANGED, left.path, word_of(key.kind), "order of simultaneous steps", *both)
+            self._note(change, key, left)
 
     def _moved_steps(self, left: Part, right: Part) -> None:
         """Note the steps that are elsewhere in the flow: after others and before others than they were."""
@@ -225,8 +242,8 @@ class _Flow:
         self.names = {key.name: _name_of(part, key) for key, part in chart.parts.items() if key.kind == "step"}
         self.into: dict[str, set[str]] = {step: set() for step in self.names}
         self.out_of: dict[str, set[str]] = {step: set() for step in self.names}
-        for key in (key for key in chart.parts if key.kind == "transition"):
-            sources, targets = ends(key)
+        self.links = [ends(key) for key in chart.parts if key.kind == "transition"]
+        for sources, targets in self.links:
             for source in sources:
                 self.out_of.setdefault(source, set()).update(targets)
             for target in targets:
@@ -241,6 +258,25 @@ class _Flow:
             new = [each for each in self.names if each in self.out_of[step] and each not in seen]
             seen.update(new)
             found += new
+
+    def simultaneous(self) -> set[frozenset[str]]:
+        """Return the pairs of steps in different branches of simultaneous sequences."""
+        joined = {step for sources, _ in self.links if len(sources) > 1 for step in sources}
+        found: set[frozenset[str]] = set()
+        for _, targets in self.links:
+            branches = [self._branch(target, joined) for target in targets] if len(targets) > 1 else []
+            for one, other in combinations(branches, 2):
+                found |= {frozenset(pair) for pair in product(one - other, other - one)}
+        return found
+
+    def _branch(self, step: str, joined: set[str]) -> set[str]:
+        found, waiting = set[str](), [step]
+        while waiting:
+            each = waiting.pop()
+            if each not in found:
+                found.add(each)
+                waiting += () if each in joined else self.out_of.get(each, ())
+        return found
 
     def place(self, step: str) -> str:
         """Return where a step is, in words."""

@@ -22,7 +22,7 @@ WATCHING_FLAGS = frozenset({SfcFlag.ERROR, SfcFlag.ENABLE_LIMIT})
 def named_flags(names: Names) -> frozenset[str]:
     """Return the flags that something in a project reads or writes, in lower case; a declaration as text does not."""
     words = [flag.variable for flag in SfcFlag]
-    found = (each for each in names.occurrences(*words) if each.text_site.key != "declaration")
+    found = (each for each in names.occurrences(*words) if not each.reference.declares)
     return frozenset(each.reference.name.casefold() for each in found)
 
 

@@ -108,15 +108,15 @@ def _named_there(names: Names, use: Occurrence, declaration: Declaration) -> Edi
 # -- conditions
 
 
-def check_free(names: Names, pou: Pou, name: str) -> None:
-    """Raise `ModelError` where a POU cannot declare something of this name."""
+def check_free(names: Names, pou: Pou, name: str, condition: Condition | None = None) -> None:
+    """Raise `ModelError` where a POU cannot declare something of this name; `condition` may give it its value."""
     problem = objection(name, names.project.dialect)
     if problem:
         raise ModelError(f"{name!r} cannot be a name: {problem}")
     beside = names.resolver.scopes.pou(pou).named(name)
     if beside:
         raise ModelError(f"{name!r} is taken: the {beside[0]} has this name already")
-    if any(True for _ in names.occurrences(name)):
+    if any(condition is None or each.text_site.site.transition is not condition for each in names.occurrences(name)):
         raise ModelError(f"{name!r} is named already, and would mean something else", hint="Take another name.")
 
 
@@ -138,7 +138,7 @@ def extract_condition(journal: Journal, chart: SfcNetwork, link: Transition, nam
         raise refused(what, "it is named already, drawn in the chart, or there is none")
     known = next((each for each in pou.transitions if each.name.casefold() == name.casefold()), None)
     if known is None or known.body != body:
-        check_free(Names(_project(chart)), pou, name)
+        check_free(Names(_project(chart)), pou, name, condition)
         known = NamedTransition(name=name, body=body)
         journal.put(pou, "transitions", [*pou.transitions, known])
     named = NamedCondition(name=known.name, negated=condition.negated)

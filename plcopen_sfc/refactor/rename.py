@@ -18,6 +18,7 @@ from plcopen_sfc.errors import Location, ModelError, check_argument
 from plcopen_sfc.languages.binding.name_sites import Reference
 from plcopen_sfc.languages.binding.name_uses import Names, Occurrence, unique_declaration
 from plcopen_sfc.languages.binding.text_sites import Role, SiteKind, TextSite
+from plcopen_sfc.languages.executed_names import reordered, shows_names_of_steps, texts_with_name
 from plcopen_sfc.languages.grafcet_conditions import OVERLINE
 from plcopen_sfc.languages.st.nodes import Quoting
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
@@ -30,7 +31,7 @@ from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcBody, SfcNetwork, Step
 from plcopen_sfc.refactor.journal import Journal
-from plcopen_sfc.report import RenameResult, Undecided
+from plcopen_sfc.report import RenameResult, Undecided, Use
 
 Wanted = Mapping[Declaration, str]
 """The new names of declarations that are renamed together."""
@@ -92,6 +93,19 @@ def _beside(names: Names, declaration: Declaration, wanted: Wanted) -> Iterator[
             for other in alike:
                 if other in level and (other.kind is Kind.TRANSITION) == transition:
                     yield f"the {other} gets this name too"
+
+
+def _executed_names(names: Names, declaration: Declaration, new: str) -> Iterator[Undecided]:
+    """Yield what a tool does otherwise because of the new name of a step or an action."""
+    if declaration.kind is Kind.STEP and shows_names_of_steps(names):
+        for use in texts_with_name(names, declaration.name):
+            yield Undecided(use, "a text, which an SFC flag may be compared with: it keeps the old name of the step")
+    elif declaration.kind is Kind.ACTION and declaration.pou is not None:
+        passed = reordered(declaration.pou, declaration.name, new, names.project.dialect)
+        if passed:
+            place = Use(declaration.path, "SFC", (0, 0), 1, 1, declaration.name)
+            order = f"actions are executed in the order of their names: as {new} it changes places with"
+            yield Undecided(place, f"{order} {', '.join(passed)}")
 
 
 def _gives_up_name(declaration: Declaration, wanted: Wanted) -> bool:
@@ -223,6 +237,7 @@ def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: 
             _refuse(declaration, new, visible_clashes(names, declaration, uses, wanted))
         # the places are described as they are before the rename
         undecided = tuple(Undecided(o.use, o.meaning.doubt) for o in own if o.may_refer_to(declaration))
+        undecided += tuple(_executed_names(names, declaration, new)) if declaration in wanted else ()
         changed = tuple(occurrence.use for occurrence in uses)
         results.append(RenameResult(declaration.path, declaration.name, new, changed, undecided))
         if declaration in wanted:

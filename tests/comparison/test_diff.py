@@ -477,6 +477,74 @@ class TestProofs:
         after.pou("Ablauf").comment = "a comment"
         assert sfc.diff(before, after, prove=True).proofs == ()
 
+    @pytest.mark.parametrize(
+        ("path", "new", "equal"),
+        [("Main.Aaa", "Zzz", [False]), ("Main.Fill", "Filling", [False]), ("Main.Aaa", "Abc", []), ("Main.m", "k", [])],
+    )
+    def test_other_names_are_run_where_codesys_executes_them(self, path, new, equal):
+        text = """{plcopen_sfc project.dialect := 'codesys'}
+PROGRAM Main
+VAR_INPUT a : BOOL; END_VAR
+VAR_OUTPUT n, m : INT; END_VAR
+VAR SFCCurrentStep : STRING; END_VAR
+INITIAL_STEP Init: Aaa(N); Bbb(N); END_STEP
+TRANSITION FROM Init TO Fill := a; END_TRANSITION
+STEP Fill: Aaa(N); END_STEP
+TRANSITION FROM Fill TO Init := NOT a; END_TRANSITION
+ACTION Aaa: n := n * 2 + 1; IF SFCCurrentStep = 'Fill' THEN m := 5; END_IF END_ACTION
+ACTION Bbb: n := n + 3; END_ACTION
+END_PROGRAM
+"""
+        before, after = (sfc.loads(text.encode(), format="iec-text") for _ in range(2))
+        result = after.rename(path, new)
+        assert [each.equal for each in sfc.diff(before, after, prove=True).proofs] == equal
+        assert len(result.undecided) == len(equal)
+        edit = before.edit(prove=True)
+        if equal:
+            with pytest.raises(sfc.SfcError, match="change what the charts do"):
+                edit.rename(path, new)
+        else:
+            edit.rename(path, new)
+
+    def test_another_order_of_simultaneous_steps_is_a_change_and_is_run(self):
+        text = """PROGRAM Main
+VAR_INPUT a : BOOL; END_VAR
+VAR_OUTPUT n : INT; END_VAR
+INITIAL_STEP Init: END_STEP
+TRANSITION FROM Init TO (A1, B1) := a; END_TRANSITION
+STEP A1: Add(N); END_STEP
+STEP B1: Twice(N); END_STEP
+STEP C1: Add(N); END_STEP
+TRANSITION FROM (A1, B1) TO C1 := NOT a; END_TRANSITION
+TRANSITION FROM C1 TO Init := a; END_TRANSITION
+ACTION Add: n := n + 3; END_ACTION
+ACTION Twice: n := n * 2 + 1; END_ACTION
+END_PROGRAM
+"""
+        first, second, third = text.splitlines()[5:8]
+        for order, change in (
+            ([second, first, third], "order of simultaneous steps A1, B1 -> B1, A1"),
+            ([third, first, second], None),  # C1 is never active together with them
+        ):
+            other = text.replace("\n".join([first, second, third]), "\n".join(order))
+            found = sfc.diff(*(sfc.loads(each.encode(), format="iec-text") for each in (text, other)), prove=True)
+            assert [each.news for each in found.changes] == ([change] if change else [])
+            assert [each.verdict.different for each in found.proofs] == ([True] if change else [])
+
+    def test_another_order_of_the_programs_of_a_task_is_a_change(self):
+        programs = "".join(f"PROGRAM P{i}\nVAR x : INT; END_VAR\nx := 1;\nEND_PROGRAM\n" for i in (1, 2))
+        lines = ["PROGRAM i1 WITH T : P1;", "PROGRAM i2 WITH T : P2;"]
+        projects = [
+            sfc.loads(
+                f"{programs}CONFIGURATION C\nRESOURCE R ON PLC\nTASK T(INTERVAL := T#10ms, PRIORITY := 1);\n"
+                f"{chr(10).join(each)}\nEND_RESOURCE\nEND_CONFIGURATION\n".encode(),
+                format="iec-text",
+            )
+            for each in (lines, lines[::-1])
+        ]
+        (change,) = sfc.diff(*projects).changes
+        assert (change.path, change.news) == ("task T", "order of programs i1, i2 -> i2, i1")
+
     def test_what_no_run_shows_is_not_compared(self):
         text = """PROGRAM Main
 VAR_INPUT Go : BOOL; END_VAR

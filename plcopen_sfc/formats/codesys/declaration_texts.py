@@ -45,6 +45,9 @@ def declaration_texts(project: Project, baseline: Project, report: ConversionRep
     `baseline` is the project as it was read. None for a text into which an edit does not go: it is in the report.
     """
     before, after = _by_path(baseline), _by_path(project)
+    gone, new = ([path for path in one if path not in other] for one, other in ((before, after), (after, before)))
+    if len(gone) == len(new):  # renamed
+        before |= {path: before[was] for was, path in zip(gone, new, strict=True)}
     texts: dict[int, str | None] = {}
     for path, things in after.items():
         text, old = things[0].declaration, before.get(path, [])
@@ -120,7 +123,7 @@ def _edited(text: str, things: Sequence[Declared], old: Sequence[Declared]) -> s
 
 
 def _retype(known: DataTypeDeclaration, old: DataTypeDeclaration | None, new: DataTypeDeclaration) -> None:
-    if old is not None and _content(old, "type", "initial") != _content(new, "type", "initial"):
+    if old is not None and _content(old, "name", "type", "initial") != _content(new, "name", "type", "initial"):
         raise _UnfitError
     if isinstance(known.type, StructType) and isinstance(new.type, StructType):
         members = old.type.members if old is not None and isinstance(old.type, StructType) else []

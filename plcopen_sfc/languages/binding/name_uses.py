@@ -181,8 +181,9 @@ class Names:
         for each in self.everything:
             if each.reference.declares or each.reference.role in (Role.HEAD, Role.OBJECT):
                 continue
-            if each.meaning.declaration is not None:
-                used.add(each.meaning.declaration)
+            if (found := each.meaning.declaration) is not None:
+                if found.holder is not each.text_site.site.transition:  # its body gives it its value
+                    used.add(found)
             elif each.meaning.doubt:
                 doubtful.add(each.reference.name.casefold())
         return [

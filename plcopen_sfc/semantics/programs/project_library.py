@@ -5,6 +5,7 @@ Declared types become those of running programs, and initial values Python sourc
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
@@ -191,6 +192,10 @@ def _cells(type_: t.Type) -> int:
     return 1
 
 
+_OWN_FRAME = re.compile(r"\bv\b")
+"""The variables of the frame that is made, in Python source."""
+
+
 class Initials:
     """First values of variables."""
 
@@ -207,7 +212,7 @@ class Initials:
         field.preset = code.text != self._library.default(field.type)
         if code.constant:
             field.value = code.value if field.direction is Direction.CONSTANT else None
-        elif isinstance(field.type, t.ScalarType):
+        elif isinstance(field.type, t.ScalarType | t.ReferenceType) or _OWN_FRAME.search(code.text):
             field.late = True
 
     def source(self, type_: t.Type, value: m.Value, scope: Scope) -> Code:

@@ -1,0 +1,68 @@
+"""Names that are executed: CODESYS shows the name of a step in a flag, and executes actions in the order of names.
+
+Another name of such a step or action is another behaviour (CODESYS V3 online help, "Processing order of elements",
+step 5; "SFC flags": SFCCurrentStep, SFCErrorStep).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from plcopen_sfc.languages.binding import Names
+from plcopen_sfc.languages.effects import Effects, effects, may_change
+from plcopen_sfc.languages.st import parse_statements
+from plcopen_sfc.languages.translation.translation_context import family
+from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.chart_settings import SfcFlag
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.pou import Action, Pou
+from plcopen_sfc.report import Use
+
+_SHOWING = (SfcFlag.CURRENT_STEP, SfcFlag.ERROR_STEP)
+
+
+def shows_names_of_steps(names: Names) -> bool:
+    """True if a text of the project reads the name of a step in an SFC flag."""
+    found = names.occurrences(*(flag.variable for flag in _SHOWING))
+    return any(not each.reference.declares for each in found)
+
+
+def texts_with_name(names: Names, name: str) -> Iterator[Use]:
+    """Yield the places of program text that have the name of a step as a string: ``SFCCurrentStep = 'Fill'``."""
+    for text_site in names.text_sites():
+        text = text_site.text
+        start = text.casefold().find(f"'{name.casefold()}'")
+        if start >= 0:
+            span = start + 1, start + 1 + len(name)
+            line = text.count("\n", 0, start) + 1
+            column = start + 2 - (text.rfind("\n", 0, start) + 1)
+            yield Use(text_site.path, text_site.language, span, line, column, text.splitlines()[line - 1].strip())
+
+
+def reordered(pou: Pou, old: str, new: str, dialect: Dialect) -> list[str]:
+    """Return the actions before or behind which an action is executed under another name, if it shares variables.
+
+    `old` and `new` are its names; `pou` has it under one of them.
+    """
+    if family(dialect) is not Dialect.CODESYS:
+        return []
+    keys = old.casefold(), new.casefold()
+    own = next((each for each in pou.actions if each.name.casefold() in keys), None)
+    others = [each for each in pou.actions if each is not own]
+    passed = [each for each in others if len({each.name.casefold() < key for key in keys}) > 1]
+    return [each.name for each in passed if own is not None and _share(own, each, dialect)]
+
+
+def _share(one: Action, other: Action, dialect: Dialect) -> bool:
+    """True if it may matter which of two actions is executed first."""
+    first, second = (_effects_of(each, dialect) for each in (one, other))
+    if first is None or second is None:
+        return True
+    pairs = (first, second), (second, first)
+    return any(may_change(a.reads | a.writes, b.writes, frozenset()) for a, b in pairs)
+
+
+def _effects_of(action: Action, dialect: Dialect) -> Effects | None:
+    if not isinstance(action.body, StBody):
+        return None
+    return effects(parse_statements(action.body.text, dialect).tree.statements)
