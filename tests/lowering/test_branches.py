@@ -138,3 +138,19 @@ def test_what_another_branch_asks_for_is_in_front_of_all() -> None:
     before, _, cases = of_branches("p").partition("// Step sequence")
     assert "p := step_number_P1 = " in before
     assert "q := TRUE;" in cases
+
+
+def test_timers_of_the_code_keep_no_action_out_of_its_branch() -> None:
+    """A timed action behind it is called; the call changes nothing but its timer."""
+    pou = clamp()
+    chart = pou.sfc
+    assert chart is not None
+    assert pou.interface is not None
+    pou.interface.sections.append(m.VariableSection(kind=m.SectionKind.EXTERNAL, variables=[boolean("Lamp")]))
+    act(chart, chart.step("Wait"), "Lamp")
+    act(chart, chart.step("Release"), "Zeit", m.Qualifier.L, duration="T#20ms")
+    pou.interface.sections[-2].variables.append(boolean("Zeit"))
+    made = lowered(pou)
+    assert made.proof is not None
+    assert made.proof.kind is VerdictKind.PROVEN
+    assert "Lamp := TRUE;" in text_of(made).partition("// Step sequence")[2]

@@ -57,6 +57,14 @@ def test_comparisons_that_another_one_decides_are_left_out() -> None:
     assert without("q := s = A AND s <> A;") == "q := FALSE;"
 
 
+def test_what_one_of_several_values_excludes_is_left_out() -> None:
+    assert without("q := (s = A OR s = B) AND s <> C;") == "q := s = A OR s = B;"
+    assert without("q := (s = A OR s = B) AND s <> A;") == "q := (s = A OR s = B) AND s <> A;"
+    assert without("q := (s = A OR s = B) AND s = C;") == "q := FALSE;"
+    assert without("q := (s = A OR t = B) AND s <> C;") == "q := (s = A OR t = B) AND s <> C;"
+    assert without("q := (s = A OR s = B) AND s <> C OR y;") == "q := s = A OR s = B OR y;"
+
+
 def test_comparisons_of_others_stay() -> None:
     for text in ("q := s = A AND t <> B;", "q := s = A OR s = B;", "q := s = D AND s <> B;", "q := s <> A AND s <> B;"):
         assert without(text) == text
@@ -217,8 +225,8 @@ def test_what_is_short_and_stays_the_same_has_no_helper() -> None:
     made = sfc.lower(project, "case", pou="Mischer", verify=False)
     assert isinstance(made.pou.body, m.StBody)
     text = made.pou.body.text
-    assert "IF Pumpe_before AND (step_number <> STEP_Pumpen OR Pumpe_L.Q) THEN" in text
-    assert "Pumpe_Q" not in {variable.name for variable in made.pou.variables()}
+    assert "IF Pumpe_Q AND (step_number <> STEP_Pumpen OR Pumpe_L.Q) THEN" in text
+    assert "Pumpe_before" not in {variable.name for variable in made.pou.variables()}
     # the end of the scan of SFCInit is in the IF that ends all else
     assert "    last_step_number := NO_STEP;\n    RETURN;\nEND_IF;" in text
 
@@ -329,3 +337,14 @@ def test_a_reduced_expression_has_the_same_values() -> None:
             names = {**dict(zip("abcd", values, strict=True)), "TRUE": True, "FALSE": False}
             python = [re.sub("AND|OR|NOT", lambda word: word[0].lower(), each) for each in (text, short)]
             assert eval(python[0], names.copy()) == eval(python[1], names.copy()), (text, short)  # noqa: S307
+
+
+def test_reasons_of_an_error_are_put_together_with_one_call_each() -> None:
+    belt = sfc.lower(sfc.load(FIXTURES / "codesys" / "distribution_belt.xml"), pou="Ablauf_Band", verify=False)
+    assert isinstance(belt.pou.body, m.StBody)
+    text = belt.pou.body.text
+    assert "SFCErrorAnalyzation := CONCAT(SFCErrorAnalyzation, '|iAnzahl = 0');" in text
+    assert "SEL(" not in text
+    # the maximum time is watched in the branch of its step
+    branch = text.partition("STEP_Zu_Platz3: // Step Zu_Platz3\n")[2].partition("STEP_Warten:")[0]
+    assert "// Maximum time\n        IF NOT SFCError AND SFCEnableLimit AND step_time.ET > T#12s THEN" in branch

@@ -6,7 +6,7 @@ import pytest
 
 from plcopen_sfc import model as m
 from plcopen_sfc.languages.st import parse_statements, print_node
-from plcopen_sfc.languages.st.nodes import Name, Statements
+from plcopen_sfc.languages.st.nodes import Name, Remark, Statements
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode, Naming
 from plcopen_sfc.lowering.code.single_use import inline_single_uses, remove_unread
 
@@ -120,3 +120,16 @@ def test_what_nothing_reads_is_not_assigned_inside_of_others_either(text: str, l
     made, variables = inlined(text)
     assert made == left
     assert variables == (["edge"] if "edge" in left else [])
+
+
+def test_comments_alone_stay_and_titles_of_what_is_gone_go() -> None:
+    code = LoweredCode(Naming(m.Dialect.IEC, ()))
+    code.declare("edge")
+    code.declare("old")
+    code.add("Nothing to do", [Remark("nothing yet")])
+    code.add("Unread", statements_of("old := a;").statements)
+    code.add("Gone", statements_of("edge := a AND b;").statements)
+    code.add("Kept", statements_of("q := edge;").statements)
+    inline_single_uses(code, [])
+    remove_unread(code, [])
+    assert [each.title for each in code.networks] == ["Nothing to do", "Kept"]

@@ -11,6 +11,7 @@ from typing import NamedTuple, Protocol
 
 from plcopen_sfc.languages.effects import path_of, reads
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.actions.action_control import ActionControlCode, SequentialControlCode
@@ -88,6 +89,10 @@ def _in_order(source: ChartSource, rules: LoweringRules) -> list[ActionSource]:
         return late, declared.get(name, -1) if order is ActionOrder.DECLARED else 0, ""
 
     return sorted(source.actions, key=place)
+
+
+_SHOWN_TWICE = 100
+"""Characters of a decision that is written for the execution and for the end of an action, instead of a variable."""
 
 
 class _Execution:
@@ -258,9 +263,23 @@ class _Execution:
                     self._memory.ends.append(when(before, *rest))
                 acting.append((replace(action, statements=(on,)), driven))
                 continue
+            stored = self._control.set_and_reset(action) if isinstance(self._control, ActionControlCode) else None
+            if stored is not None and self._is_kept_while_on(action, *stored):
+                kept = self._memory.variable(f"{name}_S", BOOL)
+                begins = disjunction([conjunction([stored[0], negation(stored[1])]), kept])
+                ending.append(self._ended(action, kept, stored[1]))
+                acting.append((self._marked(action, kept), begins))
+                continue
             lasting, single = self._control.outputs(action, deciding)
+            driven = disjunction([lasting, single]) if action.target is not None else lasting
+            alone = action.target is not None or is_constant(single, FALSE)
+            if alone and not is_constant(driven, FALSE) and self._is_kept_while_on(action, driven):
+                kept = self._memory.variable(f"{name}_Q", BOOL)
+                ending.append(self._ended(action, kept, not_all(driven)))
+                acting.append((self._marked(action, kept), driven))
+                continue
             if action.target is not None:
-                driven = self._decided(f"{name}_Q", disjunction([lasting, single]), deciding)
+                driven = self._decided(f"{name}_Q", driven, deciding)
                 rest, on = [assignment(action.target, FALSE)], assignment(action.target, TRUE)
                 if self._always:
                     idle += self._memory.conditional("", not_all(driven), rest)
@@ -289,6 +308,32 @@ class _Execution:
         for action, executed in acting:
             self._add(action, executed)
 
+    def _is_kept_while_on(self, action: ActionSource, *asked: Expression) -> bool:
+        """Return True if one variable, TRUE from the execution of an action to its end, tells that it has ended.
+
+        What is asked for then must be the same when actions are executed, and short enough to be written twice.
+        """
+        ends_once = self._final_scan if action.target is None else not self._always
+        return (
+            (self._verbatim and ends_once and not self._is_block and not self._control.never_ends(action))
+            and all(map(self._is_of_steps, asked))
+            and sum(len(print_node(each)) for each in asked) <= _SHOWN_TWICE
+        )
+
+    def _marked(self, action: ActionSource, on: Expression) -> ActionSource:
+        """Return an action that also makes a variable TRUE."""
+        doing = action.statements if action.target is None else (assignment(action.target, TRUE),)
+        return replace(action, statements=(*doing, assignment(on, TRUE)))
+
+    def _ended(self, action: ActionSource, on: Expression, over: Expression) -> Statement:
+        """Return the end of an action that is `over` while it is `on`."""
+        if action.target is not None:
+            self._end_when_set_back(on, action.target)
+        else:
+            self._memory.ends.append(assignment(on, FALSE))
+        ending = action.statements if action.target is None else (assignment(action.target, FALSE),)
+        return when(conjunction([on, over]), *ending, assignment(on, FALSE))
+
     def _decided(self, wanted: str, value: Expression, deciding: list[Statement]) -> Expression:
         """Return the decision as a variable, unless it is short and stays the same while actions are executed."""
         return value if self._verbatim and self._is_brief(value) else self._memory.named(wanted, value, deciding)
@@ -302,7 +347,12 @@ class _Execution:
     ) -> None:
         """Append a network that executes an action, with its comments where its text is written as it was."""
         acting = self._memory.conditional(f"{action.name}_A", executed, action.statements)
-        self._code.add(self._texts.action(action.name), [*before, *acting, *behind], self._captions(action))
+        title = self._texts.action(action.name)
+        # an output and a call have a name that tells as much as the title
+        is_clear = action.in_place or action.target is not None
+        is_clear |= len(action.statements) == 1 and isinstance(action.statements[0], n.CallStatement)
+        inside = "" if is_clear else title
+        self._code.add(title, [*before, *acting, *behind], self._captions(action), inside=inside)
 
     def explain(self, action: ActionSource) -> None:
         """Append the comments of an action that does nothing."""

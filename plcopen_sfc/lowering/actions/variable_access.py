@@ -19,15 +19,15 @@ from plcopen_sfc.model.variables import SectionKind
 class UntouchedVariables:
     """Variables of a POU that code outside of it cannot touch, and what a call of its own actions touches.
 
-    `own`: names that only the lowered code knows, in lower case.
+    `own`: names that only the lowered code knows, in lower case. `timers`: its instances of timers.
     """
 
-    def __init__(self, source: ChartSource, own: Collection[str] = ()) -> None:
+    def __init__(self, source: ChartSource, own: Collection[str] = (), timers: Collection[Path] = ()) -> None:
         sections = source.pou.interface.sections if source.pou.interface is not None else ()
         local = (v.name.casefold() for each in sections if each.kind in _LOCAL for v in each.variables if not v.address)
         self.own = frozenset(own)
         self.private = {*own, *local}
-        self.blocks = standard_instances(source)
+        self.blocks = standard_instances(source) | {*timers}
         self._pou, self._dialect = source.pou, source.dialect
 
     @cached_property

@@ -181,17 +181,28 @@ def with_distinct(tree: Statement, alternative: Alternative) -> Statement:
 
     def simpler(node: n.Node) -> n.Node:
         if isinstance(node, n.Operation) and node.operator is Operator.OR:
-            constant = any(is_constant(each, FALSE) for each in node.operands)
-            return disjunction(node.operands) if constant else node
+            inside = [n.bare(each) for each in node.operands]
+            changed = any(
+                is_constant(each, FALSE) or (isinstance(each, n.Operation) and each.operator is Operator.OR)
+                for each in inside
+            )
+            return disjunction(inside) if changed else node
         if not (isinstance(node, n.Operation) and node.operator is Operator.AND):
             return node
-        known = dict(filter(None, map(alternative, map(n.bare, node.operands))))
+        known: dict[Hashable, set[Hashable]] = {}
+        for operand in node.operands:
+            inner = n.bare(operand)
+            one_of = inner.operands if isinstance(inner, n.Operation) and inner.operator is Operator.OR else (inner,)
+            pairs = [pair for each in one_of if (pair := alternative(n.bare(each))) is not None]
+            if len(pairs) == len(one_of) and len({key for key, _ in pairs}) == 1:
+                ((key, _), *_), values = pairs, {value for _, value in pairs}
+                known[key] = known.get(key, values) & values
 
         def decided(operand: Expression) -> Expression:
             inner = n.bare(operand)
             pair = alternative(inner)
             if pair is not None:
-                return FALSE if known.get(pair[0], pair[1]) != pair[1] else operand
+                return operand if pair[1] in known.get(pair[0], {pair[1]}) else FALSE
             match inner:
                 case n.Unary(Operator.NOT, negated):
                     choice = n.bare(negated)
@@ -203,7 +214,10 @@ def with_distinct(tree: Statement, alternative: Alternative) -> Statement:
                     return operand
             excluded = alternative(n.bare(negation(inner)))
             if excluded is not None and excluded[0] in known:
-                return FALSE if known[excluded[0]] == excluded[1] else TRUE
+                values = known[excluded[0]]
+                if excluded[1] not in values:
+                    return TRUE
+                return FALSE if values == {excluded[1]} else operand
             return operand
 
         found = conjunction(map(decided, node.operands)) if known else node

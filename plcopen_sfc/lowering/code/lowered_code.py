@@ -286,11 +286,15 @@ StepValue: TypeAlias = Callable[[int], n.Expression]
 
 @dataclass(frozen=True)
 class CodeNetwork:
-    """Statements that belong together: a network of FBD and LD, a paragraph of ST."""
+    """Statements that belong together: a network of FBD and LD, a paragraph of ST.
+
+    `inside` is the title in the branch of a step; mostly it needs none.
+    """
 
     title: str
     statements: tuple[n.Statement, ...]
     comment: str = ""
+    inside: str = ""
 
 
 @dataclass
@@ -429,11 +433,17 @@ class LoweredCode:
         return self.naming.local(name)
 
     def add(
-        self, title: str, statements: Sequence[n.Statement], comment: str = "", *, place: int | None = None
+        self,
+        title: str,
+        statements: Sequence[n.Statement],
+        comment: str = "",
+        *,
+        place: int | None = None,
+        inside: str = "",
     ) -> None:
         """Append a network, or put it at a place, if there is something in it."""
         if statements:
-            network = CodeNetwork(title, tuple(statements), comment)
+            network = CodeNetwork(title, tuple(statements), comment, inside)
             self.networks.insert(len(self.networks) if place is None else place, network)
 
     def add_each(self, title: str, parts: Sequence[CodeNetwork]) -> None:

@@ -63,12 +63,13 @@ def inline_single_uses(code: LoweredCode, kept: Collection[Expression]) -> None:
         for at, statement in inliner.placed:
             left[at].append(with_bodies(statement, inside))
         parts = zip(networks, left, strict=True)
-        return [replace(network, statements=tuple(own)) for network, own in parts if any(map(does_something, own))]
+        kept = ((network, own) for network, own in parts if not _is_emptied(network.statements, own))
+        return [replace(network, statements=tuple(own)) for network, own in kept]
 
     def inside(body: Body) -> Body:
-        parts = [CodeNetwork("", part) for part in paragraphs(body) if any(map(does_something, part))]
-        if once.isdisjoint(names_in(*body)) or not parts:
+        if once.isdisjoint(names_in(*body)):
             return body
+        parts = [CodeNetwork("", part) for part in paragraphs(body)]
         return together([network.statements for network in inlined(parts)])
 
     code.networks[:] = inlined(code.networks)
@@ -87,8 +88,8 @@ def _with_short_end(statement: Statement, once: Collection[str], gone: set[str])
             shorter = _with(condition, identifier.casefold(), value)
             if len(print_node(shorter)) <= _LONGEST:
                 gone.add(identifier.casefold())
-                parts = [part for part in paragraphs(tuple(others)) if any(map(does_something, part))]
-                return n.Repeat(together(parts), shorter)
+                *first, last = paragraphs(tuple(others))
+                return n.Repeat(together([*first, *([last] if last else [])]), shorter)
     return statement
 
 
@@ -145,9 +146,14 @@ def _without(body: Body, unread: set[str]) -> Body:
     for part in paragraphs(body):
         whole = (with_bodies(each, lambda inner: _without(inner, unread)) for each in part)
         left = tuple(rest for each in whole if _pure_target(each) not in unread for rest in _not_empty(each))
-        if any(map(does_something, left)) or not any(map(does_something, part)):
+        if not _is_emptied(part, left):
             parts.append(left)
     return together(parts)
+
+
+def _is_emptied(before: Sequence[Statement], after: Sequence[Statement]) -> bool:
+    """Return True if nothing but comments is left of statements: their title goes too. Comments alone stay."""
+    return any(map(does_something, before)) and not any(map(does_something, after))
 
 
 def _not_empty(statement: Statement) -> Sequence[Statement]:

@@ -33,6 +33,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     when,
 )
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork
+from plcopen_sfc.lowering.code.statement_lists import timers_of
 from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.encodings.case_states import (
     RegionState,
@@ -229,7 +230,7 @@ class RegionEncoding(ScanSchedule):
 
     def _branches(self, machine: RegionState, *, whole: bool) -> StepBranches:
         """Return empty branches of a CASE for the code of its steps."""
-        scope = UntouchedVariables(self.source, self.code.own_names)
+        scope = UntouchedVariables(self.source, self.code.own_names, timers_of(self.code))
         last = self._last.get(machine.region.index)
         return StepBranches(self.states, machine, last, scope, whole=whole, between=self._between(machine, scope))
 

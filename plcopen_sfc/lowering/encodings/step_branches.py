@@ -21,6 +21,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     equal,
     is_constant,
     negation,
+    not_all,
     remark,
     when,
 )
@@ -111,7 +112,7 @@ class StepBranches:
 
     def _taken(self, network: CodeNetwork) -> tuple[Statement, ...]:
         kept: list[Statement] = []
-        comment = "\n".join(filter(None, [network.title if self._whole else "", network.comment]))
+        comment = "\n".join(filter(None, [network.title if self._whole else network.inside, network.comment]))
         alone = len(network.statements) == 1
         for statement in reversed(network.statements):
             parts = self._divided(statement)
@@ -151,7 +152,7 @@ class StepBranches:
                 if parts is None:
                     return None
                 # the second branch: not while the first one is executed
-                ended = when(conjunction([condition, negation(first.condition)]), *statements)
+                ended = when(conjunction([condition, not_all(first.condition)]), *statements)
                 return _Parts((ended,), parts.moves)
             case n.Assignment(target, value, n.AssignmentKind.ASSIGN):
                 stored = self._stored(target, value)

@@ -112,6 +112,8 @@ def _is_table(variable: Variable) -> bool:
 _STRING = StringType()
 _TEXTS = (SfcFlag.ERROR_STEP, SfcFlag.ERROR_POU, SfcFlag.ERROR_ANALYZATION, SfcFlag.CURRENT_STEP)
 _EMPTY = n.Literal("''")
+_USUAL_LENGTH = "80"
+"""Characters of a STRING without a length in CODESYS; 254 in S7, where this is too careful."""
 
 
 class SfcFlagCode:
@@ -313,7 +315,8 @@ class SfcFlagCode:
             statements = self._memory.conditional(
                 self._texts.with_suffix(self._texts.flag_name(step.step), "late"), late, report
             )
-            self._code.add(self._texts.maximum_time(step.path), statements)
+            title = self._texts.maximum_time(step.path)
+            self._code.add(title, statements, inside=self._texts.maximum_time_inside)
 
     def _analysis(self, watch: StepTimeLimit) -> list[Statement]:
         """Return the operands that keep the step active, divided by vertical bars."""
@@ -321,15 +324,27 @@ class SfcFlagCode:
         if analyzation is None:
             return []
         found: list[Statement] = [assignment(analyzation, _EMPTY)]
-        empty = equal(analyzation, _EMPTY)
+        # a bar before each of them, the first of which goes, unless the text has no room for one more character
+        ahead = len(watch.reasons) > 1 and sum(len(each.text) + 1 for each in watch.reasons) <= self._room(analyzation)
         for number, reason in enumerate(watch.reasons):
-            # SEL instead of IF: drawn code has no IF
-            bar = _function("SEL", empty, self._text("|"), _EMPTY)
-            longer = self._text(reason.text)
-            if number:
+            longer = self._text(f"|{reason.text}" if ahead else reason.text)
+            if number and ahead:
+                longer = _function("CONCAT", analyzation, longer)
+            elif number:  # SEL instead of IF: drawn code has no IF
+                bar = _function("SEL", equal(analyzation, _EMPTY), self._text("|"), _EMPTY)
                 longer = _function("CONCAT", _function("CONCAT", analyzation, bar), longer)
             found += self._memory.conditional("", reason.holds, [assignment(analyzation, longer)])
+        if ahead:
+            rest = assignment(analyzation, _function("DELETE", analyzation, n.Literal("1"), n.Literal("1")))
+            found += self._memory.conditional("", negation(equal(analyzation, _EMPTY)), [rest])
         return found
+
+    def _room(self, text: n.Name) -> int:
+        """Return how many characters a variable can have; 0 where that is a constant."""
+        variables = (*self._source.pou.variables(), *self._code.variables)
+        declared = next((each.type for each in variables if each.name == text.identifier), None)
+        length = (declared.length or _USUAL_LENGTH) if isinstance(declared, StringType) else ""
+        return int(length) if length.isdecimal() else 0
 
     # -- parts
 
