@@ -316,15 +316,15 @@ class SourceMerge:
                 f"the root element is <{self._tree.tag(root)}> in the file, <{kind_of(self._before)}> before and "
                 f"<{kind_of(self._after)}> after the edit"
             )
-        self._element(root, self._before, self._after)
+        if not self._comparison.same(self._before, self._after):
+            self._element(root, self._before, self._after)
         self._write_insertions()
         return apply_edits(self._tree.text, self._edits)
 
     # One element. Recursion: `_element` -> `_children` or `_mixed` -> `_element`; depth is bounded by the parser.
 
     def _element(self, node: SourceNode, before: etree._Element, after: etree._Element) -> None:
-        if self._comparison.same(before, after):
-            return
+        """Edit a node whose content differs."""
         if not node.is_element:
             self._replace(node.start, node.end, self._fragments.note(after))
             return
@@ -495,7 +495,8 @@ class SourceMerge:
         if origins == list(range(len(old))) and len(found) == len(old) and in_order:
             self._mixed_runs(node, before, after, found)
             for place, original, element in zip(found, old, new, strict=True):
-                self._element(place, original, element)
+                if not self._comparison.same(original, element):
+                    self._element(place, original, element)
             return
         used = {places[origin] for origin in origins if origin is not None}
         for index, gone in enumerate(places):
@@ -596,7 +597,8 @@ class SourceMerge:
                 name = f"xmlns:{prefix}" if prefix else "xmlns"
                 end = self._tree.name_end(node)
                 self._replace(end, end, f" {self._fragments.attribute(name, uri)}")
-        self._element(node, before, after)
+        if not self._comparison.same(before, after):
+            self._element(node, before, after)
         self._write_insertions()
         edits = self._edits
         self._edits, self._insertions = outer
