@@ -454,7 +454,7 @@ class ExecutedChartReader:
         if not self.owner.detail or not isinstance(condition, BodyCondition) or not isinstance(condition.body, IlBody):
             return meaning
         text = condition.body.text.strip()
-        return replace(meaning, show=lambda: meaning.show() if read().tree is not None else text)
+        return replace(meaning, shown=lambda: meaning.show() if read().tree is not None else text)
 
     # -- around the steps
 

@@ -7,7 +7,6 @@ connect, actions by what they execute, variables by name.
 from __future__ import annotations
 
 import re
-from collections import Counter
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import NamedTuple
@@ -115,7 +114,7 @@ class Part:
     subject: NamedObject | None = field(default=None, repr=False, compare=False)
     _steps: dict[str, list[Part]] = field(default_factory=dict, repr=False, compare=False)
     _steps_of: int = field(default=0, repr=False, compare=False)
-    _counts: Counter[tuple[str, str]] = field(default_factory=Counter, repr=False, compare=False)
+    _counts: dict[tuple[str, str], int] = field(default_factory=dict, repr=False, compare=False)
 
     def steps_named(self, name: str) -> list[Part]:
         """The steps of a chart that have a plain name."""
@@ -134,8 +133,8 @@ class Part:
     def add(self, kind: str, name: str, path: str, subject: NamedObject | None = None) -> Part:
         """A new part inside this one; the name of a transition is made of plain names of steps."""
         plain = name if kind == "transition" else plain_name(name)
-        number = self._counts[kind, plain]
-        self._counts[kind, plain] += 1
+        number = self._counts.get((kind, plain), 0)
+        self._counts[kind, plain] = number + 1
         part = self.parts[Key(kind, plain, number)] = Part(path, subject=subject)
         return part
 

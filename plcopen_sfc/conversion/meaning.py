@@ -32,15 +32,17 @@ _NOT_EXECUTED = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class Meaning:
-    """Something that is executed: as people read it (`show`), as it is written (`raw`), and in normal form.
+    """Something that is executed: as people read it (`shown`), as it is written (`raw`), and in normal form.
 
+    `normal` is None where what is written is in normal form. Charts have these by the ten thousand: no functions for
+    plain values.
     `condition` is the expression of a condition, which z3 can compare with another; `text` gives a program as text with
     its lines, `statements` those of networks, None where they are no program.
     """
 
-    show: Callable[[], str]
+    shown: str | Callable[[], str]
     raw: Hashable
-    form: Callable[[], Hashable]
+    normal: Callable[[], Hashable] | None = None
     condition: Callable[[], NetworkExpression] | None = None
     text: Callable[[], str] | None = None
     statements: Callable[[], Sequence[n.Statement] | None] | None = None
@@ -48,7 +50,15 @@ class Meaning:
     @classmethod
     def of(cls, value: Hashable, shown: str | None = None) -> Meaning:
         """A plain value."""
-        return cls(lambda: str(value) if shown is None else shown, value, lambda: value)
+        return cls(value.__str__ if shown is None else shown, value)
+
+    def show(self) -> str:
+        """Return it as people read it."""
+        return self.shown if isinstance(self.shown, str) else self.shown()
+
+    def form(self) -> Hashable:
+        """Return its normal form."""
+        return self.raw if self.normal is None else self.normal()
 
 
 def same(left: Meaning | None, right: Meaning | None) -> bool:
