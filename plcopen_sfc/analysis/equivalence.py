@@ -40,6 +40,7 @@ from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.analysis.timers import Clocking, StepTimes, clocking, step_times
 from plcopen_sfc.analysis.verdict import Counterexample, Verdict, VerdictKind
 from plcopen_sfc.errors import ModelError
+from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
@@ -597,12 +598,19 @@ class _Attempt:
 
 
 def _has_start(pou: Pou) -> bool:
-    """True if a chart begins with a step that does nothing but lead to several others at once."""
+    """True if a chart begins with a step that does nothing but lead to several others at once.
+
+    Actions that one of these stores, too, are no matter: they are executed in every scan, as the logic of a chart is.
+    """
     initial = pou.chart.initial_steps if pou.chart is not None else []
-    if pou.chart is None or len(initial) != 1 or initial[0].actions:
+    if pou.chart is None or len(initial) != 1:
         return False
     leaving = pou.chart.outgoing(initial[0])
     if len(leaving) != 1 or len(leaving[0].targets) < 2 or pou.chart.incoming(initial[0]):
+        return False
+    after = [each for step in pou.chart.steps if step.id in leaving[0].targets for each in step.actions]
+    stored = {each.target for each in after if each.qualifier is Qualifier.S}
+    if any(each.qualifier is not Qualifier.S or each.target not in stored for each in initial[0].actions):
         return False
     condition = leaving[0].condition
     return isinstance(condition, Expression) and condition.text.strip().upper() == "TRUE" and not condition.negated

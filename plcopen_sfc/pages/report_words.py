@@ -707,8 +707,8 @@ _OTHERWISE = {
     "it was in the notation of another tool; an edit writes it as the text of a GRAFCET": (
         "es war in der Schreibweise eines anderen Werkzeugs; eine Änderung schreibt es als Text eines GRAFCET"
     ),
-    "where it leaves {}, actions on deactivation miss it: they have not seen the step": (
-        "wo er {} verlässt, versäumen das Aktionen bei Deaktivierung: sie haben den Schritt nicht gesehen"
+    "where it leaves {}, stored actions miss it: they have not seen the step": (
+        "wo er {} verlässt, versäumen das gespeicherte Aktionen: sie haben den Schritt nicht gesehen"
     ),
     "with all inputs the target, whose actions have not seen the initial step then, does the same": (
         "mit allen Eingängen tut das Ziel, dessen Aktionen den Initialschritt da nicht gesehen haben, dasselbe"

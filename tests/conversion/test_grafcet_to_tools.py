@@ -535,6 +535,51 @@ def test_transitions_that_leave_a_step_together_are_told(form: str) -> None:
     assert "(proof" in report.compared["POU G"]
 
 
+EDGED = "GRAFCET G\nINPUTS\n    a\nOUTPUTS\n    H\n    m : INT\n    w %QW4 : WORD\n"
+EDGED += "INITIAL STEP 1\n{}1 -> 2 : ↑a\nSTEP 2\n{}"
+
+
+def run(text: str, form: str) -> tuple[str, set[str]]:
+    options = {"format": "plcopen", "flavour": form} if form == "beremiz" else {"format": form}
+    report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), limit=20, **options)  # type: ignore[arg-type]
+    return report.compared.popitem()[1], set(losses(report))
+
+
+@pytest.mark.parametrize("form", ["plcopen", "beremiz", "codesys", "codesys23", "simaticml"])
+def test_numbers_that_are_0_and_1_are_no_boolean_actions(form: str) -> None:
+    """S of an INT stopped every tool; two numbers of a step were an entry action and a P1, which CODESYS has not."""
+    stored = "    ON ACTIVATION m := 1\n    ON ACTIVATION w := 1\n2 -> 1 : ↓a\n"
+    verdict, lost = run(EDGED.format("    ON ACTIVATION m := 0\n", stored), form)
+    assert "(proof" in verdict
+    assert lost <= {FIRST_SCAN}
+
+
+@pytest.mark.parametrize("kind", ["FOR", "AFTER"])
+@pytest.mark.parametrize("form", ["plcopen", "codesys"])
+def test_times_of_steps_that_follow_each_other_begin_again(form: str, kind: str) -> None:
+    """The L of one Boolean in two steps has one time, which went on."""
+    text = EDGED.format("", f"    H {kind} 1s\n2 -> 3 : ↓a\nSTEP 3\n    H {kind} 1s\n3 -> 1 : ↑a\n")
+    verdict, lost = run(text, form)
+    assert "(proof" in verdict
+    assert not lost
+
+
+def test_what_the_initial_step_stores_is_missed_where_the_first_scan_leaves_it() -> None:
+    text = EDGED.replace("↑a", "a").format("    ON ACTIVATION m := 2\n", "2 -> 1 : /a\n")
+    report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), format="plcopen", limit=20)
+    assert "where it leaves Step1, stored actions miss it" in losses(report)[FIRST_SCAN]
+    assert "a cause is the first scan" in losses(report)["chart"]
+
+
+def test_a_chart_whose_logic_begins_with_its_start_is_compared_behind_it() -> None:
+    """The logic of edges for matiec begins in the step `Start`: the comparison took that for a scan of the chart."""
+    text = EDGED.format("", "    ON EVENT ↓a : H := TRUE\n2 -> 1 : ↓a\nINITIAL STEP 5\n5 -> 5 : a * /a\n")
+    verdict, lost = run(text, "beremiz")
+    assert "begins when the second has passed its initial step" in verdict
+    assert "(proof" in verdict
+    assert lost <= {START}
+
+
 PRESS = """GRAFCET Press
 INPUTS
     a

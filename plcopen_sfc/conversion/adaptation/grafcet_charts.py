@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Sequence
 from itertools import combinations
+from typing import TypeAlias
 
 from plcopen_sfc.analysis.exclusivity import exclusive
 from plcopen_sfc.conversion.adaptation.chart_rewriting import taken_names
@@ -48,6 +49,10 @@ Note = Callable[[Outcome, str, str, str], None]
 """Takes what became of something, what it is, where and why."""
 
 _CONTINUOUS = frozenset({ActionKind.CONTINUOUS, ActionKind.CONDITIONAL, ActionKind.DELAYED, ActionKind.LIMITED})
+_BOOL = ElementaryType(name=Elementary.BOOL)
+_Use: TypeAlias = tuple[Step, ActionAssociation]
+_COMPARED = {ActionKind.DELAYED: ">=", ActionKind.LIMITED: "<"}
+_TRUE = ("TRUE", "1")
 _CONSTANTS = {None: "TRUE", "TRUE": "TRUE", "1": "TRUE", "FALSE": "FALSE", "0": "FALSE"}
 
 
@@ -99,7 +104,9 @@ class _Chart:
         self._note = note
         self._of_graph = target.graph_parameters
         self._actions_first = target.order is ScanOrder.ACTIONS_FIRST
-        self._tags = {tag.name.casefold() for table in project.tag_tables for tag in table.tags}
+        tags = [tag for table in project.tag_tables for tag in table.tags]
+        self._tags = {tag.name.casefold() for tag in tags}
+        self._numbers = {tag.name.casefold() for tag in tags if tag.type.casefold() != "bool"}
         self._globals = {name.casefold() for section in project.global_sections() for name in _named_by(section)}
         self._taken = taken_names(project, Chart(pou.name, pou, chart))
         self._macros: dict[str, list[Step]] = {}
@@ -108,6 +115,7 @@ class _Chart:
         self._events: list[str] = []
         self._was_active: dict[int, str] = {}
         self._over: dict[str, n.Expression] = {}
+        self._stores: dict[tuple[int, Qualifier], StBody] = {}
         self._inputs = {
             variable.name.casefold()
             for section in (pou.interface.sections if pou.interface is not None else ())
@@ -183,8 +191,8 @@ class _Chart:
         if self._of_graph:
             why = "S7-GRAPH tests no transition in its first scan: what is TRUE in that scan only is missed"
             self._note(Outcome.APPROXIMATED, FIRST_SCAN, path, why)
-        elif not self._actions_first and len(starts) == 1 and _acts_when_left(starts[0]):
-            why = f"where it leaves {starts[0].name}, actions on deactivation miss it: they have not seen the step"
+        elif not self._actions_first and len(starts) == 1 and _stores(starts[0]):
+            why = f"where it leaves {starts[0].name}, stored actions miss it: they have not seen the step"
             self._note(Outcome.APPROXIMATED, FIRST_SCAN, path, why)
 
     def _passed(self, flat: FlatChart | None) -> Iterator[Step]:
@@ -325,7 +333,7 @@ class _Chart:
             self._chart.permanent_pre.append(self._drawn("\n".join([*self._memories, *self._events])))
             why = "a permanent instruction before the sequences"
         else:
-            name = self._new_action("A_edges", "\n".join([*self._events, *self._memories, *last]))
+            name = self._new_action("A_edges", StBody(text="\n".join([*self._events, *self._memories, *last])))
             # of the first scan those steps are active that it begins with, or those that follow them
             follow = {i for t in self._chart.transitions if {s.id for s in starts} & {*t.sources} for i in t.targets}
             for step in self._chart.steps:
@@ -408,15 +416,22 @@ class _Chart:
     # -- actions
 
     def _actions(self, path: str) -> None:
-        conditional: dict[str, list[tuple[Step, ActionAssociation]]] = {}
+        conditional: dict[str, list[_Use]] = {}
+        timed: dict[str, list[_Use]] = {}
         stored: dict[str, list[ActionAssociation]] = {}
         for step, each in self._chart.associations():
             if each.target is not None and each.kind in (ActionKind.CONTINUOUS, ActionKind.CONDITIONAL):
                 conditional.setdefault(each.target.casefold(), []).append((step, each))
-            elif each.target is not None and each.kind is not None and each.kind not in _CONTINUOUS:
+            elif each.target is not None and each.kind in (ActionKind.DELAYED, ActionKind.LIMITED):
+                timed.setdefault(each.target.casefold(), []).append((step, each))
+            elif each.target is not None and each.kind is not None:
                 stored.setdefault(each.target.casefold(), []).append(each)
-        constants = {name for name, each in stored.items() if all(map(_is_constant, each))}
-        alone = conditional.keys() - stored.keys() - {(each.target or "").casefold() for each in self._timed()}
+        numbers = self._numbers | {each.name.casefold() for each in self._pou.variables() if each.type != _BOOL}
+        constants = {name for name, each in stored.items() if name not in numbers and all(map(_is_constant, each))}
+        for target, uses in timed.items():
+            if target not in stored and self._share_a_time(uses):
+                self._share([*conditional.pop(target, []), *uses], path)
+        alone = conditional.keys() - stored.keys() - timed.keys()
         for target, uses in conditional.items():
             if any(each.kind is ActionKind.CONDITIONAL for _, each in uses):
                 if self._of_graph and not (target in alone and self._have_other_interlocks(uses)):
@@ -437,7 +452,25 @@ class _Chart:
                 constant = (each.target or "").casefold() in constants
                 self._store(step, each, place, constant=constant and each.body is None)
 
-    def _share(self, uses: list[tuple[Step, ActionAssociation]], path: str) -> None:
+    def _share_a_time(self, uses: list[_Use]) -> bool:
+        """True if delayed or limited actions of several steps have one time in a tool, which goes on from step to step.
+
+        In a GRAFCET each has its own. It is the same where the steps never follow each other, nor are active together.
+        """
+        if any(each.condition is not None or each.value not in (None, *_TRUE) for _, each in uses):
+            return False
+        return any(self._overlap([use for use in uses if use[1].kind is kind]) for kind in _COMPARED)
+
+    def _overlap(self, uses: list[_Use]) -> bool:
+        if len(uses) < 2:
+            return False
+        steps = {step.id for step, _ in uses}
+        follow = any(steps & {*t.sources} and steps & {*t.targets} for t in self._chart.transitions)
+        parts = [part for each in sequences_of(self._chart) if steps & (part := {step.id for step in each})]
+        branched = any(len(t.targets) > 1 and parts[0] & {*t.targets} for t in self._chart.transitions)
+        return follow or branched or len(parts) > 1 or len({each.duration for _, each in uses}) > 1
+
+    def _share(self, uses: list[_Use], path: str) -> None:
         """Give all uses of an output one action, which assigns it in every scan and in the one behind the last.
 
         In S7-GRAPH it is a permanent instruction, behind the sequences: a step has one interlock for all its rows.
@@ -446,6 +479,8 @@ class _Chart:
         parts = []
         for step, each in uses:
             flag = f"{step.name}.X"
+            if each.kind in _COMPARED:
+                flag += f" AND {step.name}.T {_COMPARED[each.kind]} {each.duration}"
             if isinstance(each.condition, Expression):
                 try:
                     flag += f" AND ({self._text(each.condition.text, _Terms(self, in_action=True))})"
@@ -461,17 +496,13 @@ class _Chart:
                 why = f"a permanent instruction assigns {target}: the interlock of the step is that of another action"
                 self._note(Outcome.TRANSLATED, "action", f"{path} / step {step.name} / action {target}", why)
             return
-        name = self._new_action(f"Assign_{target}", text)
+        name = self._new_action(f"Assign_{target}", StBody(text=text))
         for step, each in uses:
-            each.target, each.kind, each.condition = name, ActionKind.CONTINUOUS, None
+            each.target, each.kind, each.condition, each.duration = name, ActionKind.CONTINUOUS, None, None
             why = f"the action {name} assigns {target} in all steps that drive it"
             self._note(Outcome.TRANSLATED, "action", f"{path} / step {step.name} / action {target}", why)
 
-    def _timed(self) -> Iterator[ActionAssociation]:
-        """Yield the delayed and limited actions."""
-        return (each for _, each in self._chart.associations() if each.kind in (ActionKind.DELAYED, ActionKind.LIMITED))
-
-    def _have_other_interlocks(self, uses: list[tuple[Step, ActionAssociation]]) -> bool:
+    def _have_other_interlocks(self, uses: list[_Use]) -> bool:
         """True if the condition of a use cannot be the interlock of its step, which has another one."""
         wanted = {id(step): step.interlock for step, _ in uses if step.interlock is not None}
         conditional = [(step, each.condition) for step, each in uses if isinstance(each.condition, Expression)]
@@ -484,7 +515,7 @@ class _Chart:
     def _as_interlock(self, condition: Expression) -> Supervised:
         return Supervised(condition=Expression(text=self._text(condition.text, _Terms(self, in_action=True))))
 
-    def _interlock(self, uses: list[tuple[Step, ActionAssociation]], path: str) -> None:
+    def _interlock(self, uses: list[_Use], path: str) -> None:
         """Make the condition of an action the interlock of its step, unless that has another one."""
         for step, each in uses:
             if not isinstance(each.condition, Expression):
@@ -505,7 +536,7 @@ class _Chart:
             self._note(Outcome.TRANSLATED, "action", place, "its condition is the interlock of the step")
 
     def _continuous(self, each: ActionAssociation, place: str) -> None:
-        if each.condition is not None or each.value not in (None, "TRUE", "1"):
+        if each.condition is not None or each.value not in (None, *_TRUE):
             why = f"{each.kind} with a condition has no qualifier: lower the GRAFCET, which makes proven code of it"
             self._note(Outcome.NOT_EXECUTED, "action", place, why)
             return
@@ -526,11 +557,17 @@ class _Chart:
             return
         else:
             text = each.body.text if isinstance(each.body, StBody) else f"{each.target} := {each.value or 'TRUE'};"
-            on = each.kind is ActionKind.ON_ACTIVATION
-            each.target = self._new_action(f"{step.name}_{each.target or 'stores'}_{'P1' if on else 'P0'}", text)
+            qualifier = Qualifier.P1 if each.kind is ActionKind.ON_ACTIVATION else Qualifier.P0
+            self._note(Outcome.TRANSLATED, "action", place, f"{each.kind} is {qualifier} with an action")
+            first = self._stores.get((step.id, qualifier))
+            if first is not None:  # a step has one entry action and one exit action in CODESYS
+                first.text += f"\n{text}"
+                step.actions.remove(each)
+                return
+            body = self._stores[step.id, qualifier] = StBody(text=text)
+            each.target = self._new_action(f"{step.name}_{each.target or 'stores'}_{qualifier}", body)
             each.body = None
-            each.qualifier = Qualifier.P1 if on else Qualifier.P0
-            self._note(Outcome.TRANSLATED, "action", place, f"{each.kind} is {each.qualifier} with an action")
+            each.qualifier = qualifier
         each.kind = each.value = None
 
     def _on_event(self, step: Step, each: ActionAssociation, place: str) -> None:
@@ -564,9 +601,9 @@ class _Chart:
             raise _TermError("a permanent instruction of S7-GRAPH is drawn, and has boxes for assignments only")
         return [print_node(each) for each in statements]
 
-    def _new_action(self, wanted: str, text: str) -> str:
+    def _new_action(self, wanted: str, body: StBody) -> str:
         name = self._new_name(wanted)
-        self._pou.actions.append(Action(name=name, body=StBody(text=text)))
+        self._pou.actions.append(Action(name=name, body=body))
         return name
 
 
@@ -581,8 +618,8 @@ def _problem_of(each: ActionAssociation) -> str:
     return next((problem.message for problem in (*value, *body)), "")
 
 
-def _acts_when_left(step: Step) -> bool:
-    return any(each.kind is ActionKind.ON_DEACTIVATION for each in step.actions)
+def _stores(step: Step) -> bool:
+    return any(each.kind in (ActionKind.ON_ACTIVATION, ActionKind.ON_DEACTIVATION) for each in step.actions)
 
 
 def _is_constant(each: ActionAssociation) -> bool:
