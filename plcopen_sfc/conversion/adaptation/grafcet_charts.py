@@ -191,9 +191,16 @@ class _Chart:
         if self._of_graph:
             why = "S7-GRAPH tests no transition in its first scan: what is TRUE in that scan only is missed"
             self._note(Outcome.APPROXIMATED, FIRST_SCAN, path, why)
-        elif not self._actions_first and len(starts) == 1 and _stores(starts[0]):
+        elif not self._actions_first and len(starts) == 1 and any(map(self._is_missed, starts[0].actions)):
             why = f"where it leaves {starts[0].name}, stored actions miss it: they have not seen the step"
             self._note(Outcome.APPROXIMATED, FIRST_SCAN, path, why)
+
+    def _is_missed(self, each: ActionAssociation) -> bool:
+        """True if an action of the initial step changes something when that is left at once."""
+        if each.kind is ActionKind.ON_ACTIVATION and each.value in ("FALSE", "0"):
+            initial = {variable.name.casefold(): variable.initial for variable in self._pou.variables()}
+            return initial.get((each.target or "").casefold()) is not None  # else it is so from the start
+        return each.kind in (ActionKind.ON_ACTIVATION, ActionKind.ON_DEACTIVATION)
 
     def _passed(self, flat: FlatChart | None) -> Iterator[Step]:
         """Yield the steps that can be left with the inputs with which they are entered: a GRAFCET only passes them.
@@ -616,10 +623,6 @@ def _problem_of(each: ActionAssociation) -> str:
     value = parse_expression(each.value).problems if each.value else ()
     body = parse_statements(each.body.text).problems if isinstance(each.body, StBody) else ()
     return next((problem.message for problem in (*value, *body)), "")
-
-
-def _stores(step: Step) -> bool:
-    return any(each.kind in (ActionKind.ON_ACTIVATION, ActionKind.ON_DEACTIVATION) for each in step.actions)
 
 
 def _is_constant(each: ActionAssociation) -> bool:
