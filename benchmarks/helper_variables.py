@@ -4,7 +4,7 @@
 
 Every chart of the files is lowered as `auto` chooses, without the proof. A helper is a variable that the code declares
 and the chart did not have; constants are none. Steps of partial charts and macro-steps count too; a chart
-that is refused is counted as such.
+that is refused is counted as such, a file that cannot be read is named.
 """
 
 from __future__ import annotations
@@ -34,13 +34,18 @@ def main() -> None:
     arguments = parser.parse_args()
     all_helpers = all_steps = refused = 0
     for path in arguments.files:
-        project = sfc.load(path)
+        try:
+            project = sfc.load(path)
+        except SfcError as error:
+            print(f"{path.name}: not read: {str(error).splitlines()[0]}")
+            continue
         for pou in project.pous:
             if pou.chart is None:
                 continue
             try:
                 lowered = sfc.lower(project, pou=pou.name, target=arguments.to, verify=False)
-            except SfcError:
+            except SfcError as error:
+                print(f"{path.name} {pou.name}: refused: {str(error).splitlines()[0]}")
                 refused += 1
                 continue
             count, steps = len(helpers(pou, lowered.pou)), len(Net.of(pou.chart).steps)

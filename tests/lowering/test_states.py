@@ -228,3 +228,15 @@ def test_the_chart_of_an_action_has_an_enumeration_of_its_own() -> None:
     assert lowered.proof is not None
     assert lowered.proof.kind is VerdictKind.PROVEN, str(lowered.proof)
     assert [kind.name for kind in lowered.project.data_types] == ["Ablauf_Step", "Ablauf_Step_2"]
+
+
+@pytest.mark.parametrize(("target", "numbered"), [("plcopen", False), ("iec-text", False), ("codesys", True)])
+def test_values_have_numbers_only_where_the_tool_of_the_target_takes_them(target: str, numbered: bool) -> None:
+    """Beremiz and matiec number values themselves, and do not compile others; the source may be one of CODESYS."""
+    source = project(training_chain(), dialect=m.Dialect.CODESYS)
+    made = lower(source, target=target, states="enumeration", profile="codesys")
+    assert made.proof is not None
+    assert made.proof.proven
+    (states,) = made.data_types
+    assert isinstance(states.type, m.EnumType)
+    assert [value.value is not None for value in states.type.values] == [numbered] * len(states.type.values)

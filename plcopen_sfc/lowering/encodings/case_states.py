@@ -97,7 +97,7 @@ class StateNames:
             self._new_value = lambda name, number: self._constant(_State(int(number), name, name, comment))
         elif rules.states is States.ENUMERATION:
             _refuse_without_enumerations(source, rules)
-            written = self._enumeration(states, source, surroundings)
+            written = self._enumeration(states, source, rules, surroundings)
             self._initial = [print_node(value) for value in written]
         self.all: frozenset[Expression] = frozenset(written)
         self._steps = written[: len(steps)]
@@ -168,7 +168,7 @@ class StateNames:
         return self._code.declare_constant(state.constant, self._type, str(state.number), state.comment)
 
     def _enumeration(
-        self, states: Sequence[_State], source: ChartSource, surroundings: Collection[str]
+        self, states: Sequence[_State], source: ChartSource, rules: LoweringRules, surroundings: Collection[str]
     ) -> list[Expression]:
         """Declare a type of its own: its values are written with its name, so that no other value can be meant."""
         used = {name.casefold() for name in source.names()}
@@ -189,9 +189,9 @@ class StateNames:
         def declared(wanted: str, number: str) -> Expression:
             value = naming.fresh(wanted)
             # edition 2 of IEC 61131-3 and matiec number values themselves, and no code asks for the numbers
-            numbered = source.dialect is Dialect.CODESYS
+            numbered = tool_of(rules.target, source.dialect) is Tool.CODESYS
             enumeration.values.append(EnumValue(name=value, value=number if numbered else None))
-            if numbered:
+            if source.dialect is Dialect.CODESYS:
                 return n.Member(n.Name(name), n.Name(value))
             return n.Literal(f"{name}#{value}")
 
