@@ -10,7 +10,7 @@ from typing import NamedTuple
 from plcopen_sfc.conversion import Part, executed
 from plcopen_sfc.conversion.adaptation import rewrite_project
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.documents.step_names import give_step_names
+from plcopen_sfc.documents.step_names import give_legal_names, give_step_names
 from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, NetworkForm, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_statements import note_loops
 from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
@@ -86,6 +86,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         name_results(copy, report)
     if kind.tool and not options.same:
         give_step_names(copy, kind.dialect, kind.tool, report)
+        if not of_grafcet:  # its names follow rules of their own
+            give_legal_names(copy, kind.dialect, kind.tool, report)
     if kind.xml and kind.name != TIA_FORMAT and project.dialect is Dialect.SCL and dialect not in (None, Dialect.SCL):
         translate_boxes(copy, dialect, kind.tool, report)
     if of_grafcet:
@@ -105,6 +107,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         wholly = bool(options.flavour)
         _put_into_dialect(copy, dialect, addresses, report, wholly=wholly, calls_actions=calls_actions)
     if kind.tool and not options.same:
+        give_legal_names(copy, kind.dialect, kind.tool, report)
         give_step_names(copy, kind.dialect, kind.tool, report)
     _renumber_addresses(copy, project.address_dialect, addresses, report)
     if options.flavour and options.of_graph:

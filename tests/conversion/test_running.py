@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -339,6 +340,32 @@ def test_a_step_with_the_name_of_a_variable_gets_another_and_its_own_again(targe
     condition = again.transitions[2].condition
     assert isinstance(condition, m.Expression)
     assert condition.text == "S2.X AND NOT s2"
+
+
+@pytest.mark.parametrize("target", ["codesys", "twincat", "codesys23"])
+def test_names_that_are_none_in_codesys_are_others_there_and_come_back(target: str, tmp_path: Path) -> None:
+    text = CHART.format(first="Ventil_Öl(N);", second="zähle(P1);", initial="", edge="", actions="").replace(
+        "m : INT", "m : INT; Ventil_Öl, Fuellen : BOOL"
+    )
+    text = text.replace("S1", "Füllen").replace(
+        "END_FUNCTION_BLOCK", "ACTION zähle: m := m + 1; END_ACTION\nEND_FUNCTION_BLOCK"
+    )
+    project = sfc.loads(text.encode(), format="iec-text")
+    path = tmp_path / ("out" if target == "twincat" else "out.xml")
+    report = sfc.save(project, path, format=target)
+    assert {item.why.split(" in ")[0] for item in report.items if item.what == "name"} == {
+        "Ventil_Oel", "zaehle", "Fuellen_2"
+    }  # fmt: skip
+    written = sfc.load(path)
+    pou = written.pou("Main")
+    assert pou.chart is not None
+    names = [*(v.name for v in pou.variables()), *(a.name for a in pou.actions), *(s.name for s in pou.chart.steps)]
+    assert all(name.isascii() for name in names)
+    if target == "codesys":
+        again = sfc.loads(sfc.dumps(written, format="plcopen", partial=True)).pou("Main")
+        assert again.chart is not None
+        assert [step.name for step in again.chart.steps] == ["S0", "Füllen", "S2"]
+        assert {action.name for action in again.actions} == {"zähle"}
 
 
 @pytest.mark.parametrize("target", ["codesys", "plcopen"])

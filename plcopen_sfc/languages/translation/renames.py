@@ -144,6 +144,8 @@ _CODESYS_WORDS = CODESYS_KEYWORDS | frozenset(
 
 NAMES_DATA = "urn:plcopen-sfc:names"
 """The data of a project that keeps them."""
+DECLARED_DATA = "urn:plcopen-sfc:declared"
+"""The data of a project that keeps the names of what it declares that no identifiers of CODESYS are."""
 STEPS_DATA = "urn:plcopen-sfc:steps"
 """The data of a project that keeps the names of steps in its source; files of all tools have it."""
 
