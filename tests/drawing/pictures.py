@@ -52,6 +52,9 @@ def read_picture(svg: str) -> Picture:
     for path in picture.root.iterfind(f"{SVG}path"):
         assert path.get("class") == "wire"
         line = points(path)
+        for (x, y), (at_x, at_y), (to_x, to_y) in zip(line, line[1:], line[2:], strict=False):
+            turns = (at_x - x) * (to_x - at_x) < 0 or (at_y - y) * (to_y - at_y) < 0
+            assert not turns, f"a wire leads back on itself: {line}"
         picture.wires += [(*one, *other) for one, other in pairwise(line)]
     return picture
 

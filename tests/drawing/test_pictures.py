@@ -129,6 +129,18 @@ class TestEveryChart:
         arrows = {g.findtext(f"{SVG}title") for g in picture.by_class("reference")}
         assert arrows == {"From Recover", "From CheckBatch", "From BatchDone"}
 
+    def test_an_end_of_a_wire_that_leads_back_on_itself_is_not_drawn(self) -> None:
+        chart = sfc.load(FIXTURES / "plcopen" / "filling_station_2.01.xml").pous[0].chart
+        before = chart.to_svg()
+        pins = [pin for symbol in chart.drawing.symbols for pin in symbol.inputs]
+        bent = [each for pin in pins for each in pin.connections if len(each.points or ()) > 3]
+        assert bent
+        for connection in bent:
+            one, (x, y), *others = connection.points
+            beyond = (x, y + 30) if x == one[0] and y > one[1] else (x, y - 30) if x == one[0] else (x + 30, y)
+            connection.points = [one, beyond, (x, y), *others]
+        assert chart.to_svg() == before
+
     @pytest.mark.slow
     @pytest.mark.corpus
     def test_real_charts_are_tidy(self) -> None:

@@ -363,7 +363,24 @@ def _routed(points: Wire, user: _Placed, source: _Placed) -> Wire:
             level = before[1] - _BEND if before == into else point[1] + _BEND if point == out else before[1]
             path += [(before[0], level), (point[0], level)]
         path.append(point)
-    return path
+    return _without_spurs(path)
+
+
+def _without_spurs(path: Wire) -> Wire:
+    """Return a wire without ends that lead back on themselves: editors leave such as a bend is moved."""
+    found: Wire = []
+    for point in path:
+        while len(found) > 1 and _turns_back(found[-2], found[-1], point):
+            found.pop()
+        found.append(point)
+    return found
+
+
+def _turns_back(before: Point, at: Point, after: Point) -> bool:
+    return any(
+        before[other] == at[other] == after[other] and (at[way] - before[way]) * (after[way] - at[way]) < 0
+        for way, other in ((0, 1), (1, 0))
+    )
 
 
 def _meets(end: Point, box: _Box, level: float) -> bool:
