@@ -25,7 +25,7 @@ from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.drawing import Places
 from plcopen_sfc.model.pou import Pou, PouKind
-from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.refactor.dialect_translation import translate_project
@@ -86,7 +86,9 @@ class _Comparison:
         for find in (renamed_outer, renamed_steps, renamed_transitions, self._renamed_members):
             self._rename(find)
         found = TreeComparison(is_written=self.is_written, layout=layout).changes(*self.listed)
-        found = [*self.renamed, *found, *(self._positions() if layout else ())]
+        found = [*self.renamed, *found]
+        if layout:
+            found += [*self._positions(), *self._priorities()]
         owners = dict.fromkeys(ObjectPath.of(part.path).owner for side in self.listed for part in side.parts.values())
         return _grouped(found, owners)
 
@@ -132,15 +134,33 @@ class _Comparison:
 
     def _positions(self) -> Iterator[Change]:
         """Symbols of charts that are drawn elsewhere."""
-        there = {chart.report_path.casefold(): chart for chart in self.b.charts()}
-        for chart in self.left.charts():
-            other = there.get(chart.report_path.casefold())
-            before, after = _places(chart.chart), _places(other.chart) if other is not None else {}
+        for chart, other in self._charts():
+            before, after = _places(chart.chart), _places(other.chart)
             for step in chart.chart.steps:
                 old, new = before.get(step.name.casefold()), after.get(step.name.casefold())
                 if old and new and old != new:
                     path = ObjectPath.of(chart.report_path) / f"step {step.name}"
                     yield Change(ChangeKind.LAYOUT, path, "step", "position", old, new)
+
+    def _priorities(self) -> Iterator[Change]:
+        """Priorities that are other numbers. What is executed is the order that they make, which is compared itself."""
+        for chart, other in self._charts():
+            labels = {label: number for number, label in other.chart.labels().items()}
+            after = {transition.id: transition.priority for transition in other.chart.transitions}
+            own = chart.chart.labels()
+            for transition in chart.chart.transitions:
+                path = ObjectPath.of(chart.report_path) / f"transition {own[transition.id]}"
+                old, new = transition.priority, after.get(labels.get(own[transition.id], -1))
+                if old is not None and new is not None and old != new:
+                    yield Change(ChangeKind.LAYOUT, path, "transition", "priority", str(old), str(new))
+
+    def _charts(self) -> Iterator[tuple[Chart, Chart]]:
+        """Charts of the first project, each with that of the second."""
+        there = {chart.report_path.casefold(): chart for chart in self.b.charts()}
+        for chart in self.left.charts():
+            other = there.get(chart.report_path.casefold())
+            if other is not None:
+                yield chart, other
 
 
 def _grouped(changes: Iterable[Change], owners: Iterable[str]) -> list[Change]:

@@ -457,6 +457,15 @@ def test_positions_are_layout():
     assert change.news == f"position {x:g}, {y:g} -> {x + 40:g}, {y:g}"
 
 
+def test_priorities_that_leave_the_order_are_layout():
+    """A changed number was told nowhere, not even with the layout."""
+    before, after = (loaded("simaticml/FB_Drill.xml") for _ in range(2))
+    flat = next(each for each in after.pou("FB_Drill").chart.transitions if each.name == "T_Flat")
+    flat.priority = 7
+    assert sfc.diff(before, after).changes == ()
+    assert told(sfc.diff(before, after, layout=True)) == ["POU FB_Drill / transition T_Flat: priority 2 -> 7"]
+
+
 class TestProofs:
     def test_a_changed_chart_does_the_same_or_not(self):
         before, after = loaded("training-chain/model.json"), loaded("training-chain/model.json")
