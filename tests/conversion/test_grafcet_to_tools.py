@@ -11,7 +11,9 @@ import plcopen_sfc as sfc
 from plcopen_sfc.conversion.reporting import UNSAID
 from plcopen_sfc.errors import LossError
 from plcopen_sfc.model import Elementary, ElementaryType, Expression, Project, SectionKind, Variable, VariableSection
+from plcopen_sfc.model.numbering import numbered_in_order
 from plcopen_sfc.report import ConversionReport
+from tests.conversion.random_plans import random_plan
 from tests.lowering.random_grafcets import random_grafcet
 
 TEXT = """GRAFCET Kette AS FUNCTION_BLOCK
@@ -642,6 +644,21 @@ def test_random_grafcets_are_converted_or_refused_with_reasons(form: str, seed: 
         refused += bool(lost)
         assert lost or not [found for found in sfc.loads(data).diagnostics if found.severity.value == "error"]
     assert refused == 1
+
+
+@pytest.mark.parametrize("form", ["plcopen", "beremiz"])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(6, 11))])
+def test_random_plans_without_passed_steps_do_the_same(seed: int, form: str) -> None:
+    """All that these tools do otherwise is told; a difference would be one of the conversion."""
+    text = random_plan(seed)
+    project = sfc.loads(text.encode())
+    for other in ("grafcet-text", "grafcet", "json"):
+        back = sfc.loads(sfc.convert(sfc.loads(sfc.dumps(project, format="json")), other).data)
+        assert numbered_in_order(back).pous == numbered_in_order(project).pous
+    verdict, lost = run(text, form)
+    assert "equal" in verdict
+    assert "without" not in verdict
+    assert lost <= {START, STABILITY, FIRST_SCAN}
 
 
 MACRO = """GRAFCET G AS FUNCTION_BLOCK
