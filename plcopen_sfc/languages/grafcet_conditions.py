@@ -5,7 +5,7 @@ words of structured text too, since every GRAFCET's condition comes through here
 
 | meaning | written |
 |---|---|
-| and | ``*`` ``·`` ``.`` ``∧`` ``&`` ``AND`` |
+| and | ``*`` ``·`` (``∙`` ``•``) ``.`` ``∧`` ``&`` ``AND`` |
 | or | ``+`` ``∨`` ``OR`` |
 | not | ``/a`` ``!a`` ``¬a`` ``NOT a``, an overline on every character of a name |
 | edges | ``↑a`` ``↓a`` |
@@ -71,7 +71,7 @@ _TOKEN = re.compile(
   | (?P<number>\d+(?:\.\d+)?)
   | (?P<compare><>|<=|>=|[=<>≤≥≠])
   | (?P<not>[!¬])
-  | (?P<and>[·∧&⋅])
+  | (?P<and>[·∧&⋅∙•])
   | (?P<or>∨)
   | (?P<mark>\*\*|[-*+/.()\[\]↑↓^,]|:=|=>)
     )""",

@@ -492,5 +492,5 @@ def _has_grafcet(project: Project) -> bool:
     return False
 
 
-_NOTATION = re.compile(r"[↑↓·¬!]|(?<![\w.])\d+[ \t]*(?:ms|min|[smhd])[ \t]*/")
+_NOTATION = re.compile(r"[↑↓·⋅∙•¬!]|(?<![\w.])\d+[ \t]*(?:ms|min|[smhd])[ \t]*/")
 """Signs that only conditions of GRAFCETs have."""

@@ -60,7 +60,7 @@ _FLAG_EDGE = re.compile(r"(?P<edge>[↑↓])\s*X(?P<step>\w+)")
 def _own_edge(step: Step, condition: Condition | None) -> str:
     """Return the edge of the step's own flag that an event needs: it comes before or after the step is active."""
     text = condition.text if isinstance(condition, Expression) else ""
-    for factor in () if re.search(r"[+∨()\[]|\bX?OR\b", text) else re.split(r"[*·.∧&]|\bAND\b", text):
+    for factor in () if re.search(r"[+∨()\[]|\bX?OR\b", text) else re.split(r"[*·⋅∙•.∧&]|\bAND\b", text):
         found = _FLAG_EDGE.fullmatch(factor.strip())
         if found is not None and found["step"].casefold() in (step.name.casefold(), str(step.number)):
             return found["edge"]

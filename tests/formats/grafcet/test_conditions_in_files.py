@@ -14,6 +14,7 @@ FORMS = [
         "1B1 * 2B1 * START",
         "a . b",
         "a · b",
+        "a ∙ b • START",
         "a + b",
         "/a",
         "a̅",
