@@ -240,6 +240,7 @@ class Texts:
     part = Phrase("Step sequence from {}", "Schrittfolge ab {}")
     enumeration_of = Phrase("steps of {}", "Schritte von {}")
     maximum_time = Phrase("Maximum time of step {}", "Höchstzeit von Schritt {}")
+    main_actions_of = Phrase("Actions of the active steps from {}", "Aktionen der aktiven Schritte ab {}")
     maximum_time_inside = CodeWords("Maximum time", "Höchstzeit")
     action = Phrase("Action {}", "Aktion {}")
     set_while = Phrase("set action while {}", "Aktion setzen, solange {} aktiv")

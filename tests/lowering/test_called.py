@@ -154,3 +154,19 @@ def test_what_cannot_be_drawn_is_named_with_its_pou() -> None:
         lower(project, "flipflop", pou="Ablauf", target="plcopen", verify=False)
     assert refused.value.location is not None
     assert str(refused.value.location.path).startswith("POU Ablauf / network ")
+
+
+def test_names_that_the_chart_around_has_too_end_with_the_action() -> None:
+    """Both charts go back with SFCReset, and remember its edge."""
+    outer, inner = ring("S1", "S2"), ring("S1", "S3", prefix="i")
+    pou = pou_with(outer)
+    assert pou.interface is not None
+    pou.interface.sections[0].variables += [boolean(name) for name in ("c1", "c2", "i1", "i2", "SFCReset")]
+    pou.actions.append(m.Action(name="Fill", body=m.SfcBody(chart=inner)))
+    outer.steps[1].actions.append(m.ActionAssociation(id=91, target="Fill", qualifier=m.Qualifier.N))
+    made = lower(m.Project(dialect=m.Dialect.CODESYS, pous=[pou]), "case", pou="Ablauf", states="constants")
+    assert made.proof is not None
+    assert made.proof.proven, str(made.proof)
+    names = {variable.name for variable in made.pou.variables()}
+    assert {"step_number", "step_number_Fill", "STEP_1", "STEP_1_Fill", "STEP_3"} <= names
+    assert [name for name in names if name.endswith("_2")] == ["STEP_2"]

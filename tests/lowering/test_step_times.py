@@ -69,11 +69,11 @@ def test_what_was_said_of_a_time_holds_whatever_is_asked_later() -> None:
     short, long = n.Literal("T#20ms"), n.Literal("T#40ms")
     asked = [times.is_over(0, short), times.is_over(0, long), times.elapsed(0), times.is_over(0, short)]
     told = [print_node(value) for value in asked]
-    assert told == ["X1_time.Q", "X1_time_2.Q", "X1_time_3.ET", "X1_time_3.ET >= T#20ms"]
+    assert told == ["X1_time.Q", "X1_time_40ms.Q", "X1_time_2.ET", "X1_time_2.ET >= T#20ms"]
     assert [print_node(each) for each in times.calls()] == [
         "X1_time(IN := X1, PT := T#20ms);",
-        "X1_time_2(IN := X1, PT := T#40ms);",
-        "X1_time_3(IN := X1, PT := T#24d);",
+        "X1_time_40ms(IN := X1, PT := T#40ms);",
+        "X1_time_2(IN := X1, PT := T#24d);",
     ]
     assert len(times.ends()) == len(times.restarts(0, n.Name("again"))) == 3
 

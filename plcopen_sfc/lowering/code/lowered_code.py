@@ -37,9 +37,14 @@ from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 
 class Naming:
-    """Source of names that nothing else in the POU has. `taken` are all names that occur in it."""
+    """Source of names that nothing else in the POU has. `taken` are all names that occur in it.
 
-    def __init__(self, dialect: Dialect, taken: Iterable[str]) -> None:
+    `part` is behind those that are taken, as they are when the chart around has the same; numbers where that does not
+    help.
+    """
+
+    def __init__(self, dialect: Dialect, taken: Iterable[str], part: str = "") -> None:
+        self._part = part
         self._local = n.Quoting.LOCAL if dialect is Dialect.SCL else n.Quoting.NONE
         self.taken = {name.casefold() for name in taken}
         self._numbers: dict[str, int] = {}
@@ -52,6 +57,8 @@ class Naming:
     def fresh(self, wanted: str) -> str:
         """Return `wanted` as an identifier, with a number behind it if that is taken."""
         name = candidate = _identifier(wanted)
+        if self._part and name.casefold() in self.taken:
+            name = candidate = _identifier(f"{wanted}_{self._part}")
         number = self._numbers.get(name.casefold(), 2)
         while candidate.casefold() in self.taken:
             candidate = f"{name}_{number}"

@@ -194,11 +194,14 @@ class RegionEncoding(ScanSchedule):
             return  # what can moves to the transitions
         branches = [self._branches(machine, whole=True) for machine in self.machines]
         found: list[CodeNetwork] = []
+        firsts = (self.net.steps[machine.first].path for machine in self.machines)
+        several = [*map(self.texts.main_actions_of, firsts)] if len(self.machines) > 1 else [self.texts.main_actions]
+        titles = dict(zip(branches, several, strict=True))
         groups = groupby(self.code.networks[begin:], lambda each: next((b for b in branches if b.can_take(each)), None))
         for taking, networks in groups:
             run = list(networks)
             if taking is not None and len(run) > 1:
-                run = [*taking.take(run), CodeNetwork(self.texts.main_actions, (taking.case(),))]
+                run = [*taking.take(run), CodeNetwork(titles[taking], (taking.case(),))]
             found += run
         self.code.networks[begin:] = found
 

@@ -112,7 +112,10 @@ class StepTimers:
     def _timer(self, step: int, limit: Expression) -> n.Name:
         timers = self._timers.setdefault(step, {})
         if limit not in timers:
-            timers[limit] = self._code.declare(self._name(step), DerivedType(name="TON"))
+            name = self._name(step)
+            if timers and isinstance(limit, n.Literal) and limit != FOREVER:
+                name = self._code.texts.delay_name([name], limit.text)
+            timers[limit] = self._code.declare(name, DerivedType(name="TON"))
         return timers[limit]
 
     def calls(self, *, changed: bool = True) -> list[Statement]:
