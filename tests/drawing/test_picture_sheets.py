@@ -28,7 +28,8 @@ def areas(root: etree._Element) -> list[Area]:
 
 
 def is_inside(area: Area, shown: Area) -> bool:
-    return all(shown[at] <= area[at] and area[at] + area[at + 2] <= shown[at] + shown[at + 2] for at in (0, 1))
+    """True if an element is shown with the lines on its edge, half of which are outside of it."""
+    return all(shown[at] < area[at] and area[at] + area[at + 2] < shown[at] + shown[at + 2] for at in (0, 1))
 
 
 def test_every_element_is_whole_on_a_sheet_of_the_size_of_the_paper(tmp_path: Path) -> None:

@@ -19,6 +19,8 @@ _LEAST = 0.5
 """The part of a sheet that is filled at least."""
 _REPEATED = 0.4
 """The part of a sheet that the next one shows again at most."""
+_EDGE = 2
+"""Lines around an element are drawn on its edge, half of them outside: a border there would cut them."""
 _HEAD = re.compile(r'<svg xmlns="[^"]*" (class="[^"]*" role="[^"]*") width="(\d+)" height="(\d+)"')
 _AREA = re.compile(r'<g [^>]*data-area="(-?\d+) (-?\d+) (\d+) (\d+)"')
 _LINE = re.compile(r'<(?:path|text|circle) class="[^"]*" (d="[^"]*"|c?x="-?\d+" c?y="-?\d+")')
@@ -107,7 +109,8 @@ def _parts(shapes: Sequence[str]) -> list[_Part]:
     for shape in shapes:
         if area := _AREA.match(shape):
             x, y, width, height = map(int, area.groups())
-            found.append(_Part(shape, (x, x + width), (y, y + height), divisible=False))
+            across, down = ((start - _EDGE, start + length + _EDGE) for start, length in ((x, width), (y, height)))
+            found.append(_Part(shape, across, down, divisible=False))
         elif line := _LINE.match(shape):
             numbers = list(map(int, _NUMBER.findall(line[1])))
             xs, ys = numbers[::2], numbers[1::2]
