@@ -30,6 +30,7 @@ from plcopen_sfc.conversion.meaning import (
     Meaning,
     address_meaning,
     code_meaning,
+    folded,
     plain,
     type_meaning,
 )
@@ -540,7 +541,7 @@ class _Reader:
         for data in instance.extension_data.data if instance.extension_data is not None else ():
             place, text = unwrapped(data.content) or ("", "")
             if place == "arguments":
-                part.tell("arguments", Meaning.of(" ".join(text.split()).casefold(), text))
+                part.tell("arguments", Meaning.of(folded(" ".join(text.split())), text))
 
     # -- POUs
 

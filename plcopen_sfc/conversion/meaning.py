@@ -7,8 +7,10 @@ forms are made only where the texts differ: most texts of a conversion do not.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import zip_longest
 from typing import Any, TypeVar
 
 from plcopen_sfc.languages.declarations.declaration_writing import write_type
@@ -160,8 +162,7 @@ def _common_form(tree: N, named: Renaming) -> N:
 
     def common(node: n.Node) -> n.Node:
         node = named(node)
-        is_name = isinstance(node, n.Name) and node.quoting is n.Quoting.NONE
-        return n.Name(node.identifier.casefold()) if is_name and isinstance(node, n.Name) else node
+        return replace(node, identifier=node.identifier.casefold()) if isinstance(node, n.Name) else node
 
     return transform(normal_form(tree), common)
 
@@ -251,7 +252,7 @@ def literal_form(text: str) -> Hashable:
         found = literal_value(text)
     except LiteralError:
         parsed = parse_expression(text)
-        return text.casefold() if parsed.problems else print_node(normal_form(parsed.tree)).casefold()
+        return folded(text if parsed.problems else print_node(normal_form(parsed.tree)))
     return (found.value,)
 
 
@@ -295,4 +296,16 @@ def plain(thing: Any) -> Hashable:
         return tuple(map(plain, thing))
     if isinstance(thing, dict):
         return tuple(sorted((str(key), plain(value)) for key, value in thing.items()))
-    return thing.casefold() if isinstance(thing, str) else thing
+    return folded(thing) if isinstance(thing, str) else thing
+
+
+_STRINGS = re.compile(r"""'(?:\$.|[^'$\r\n])*'|"(?:\$.|[^"$\r\n])*\"""")
+
+
+def folded(text: str) -> str:
+    """Return a text in lower case but for the strings in it: ``Mode = 'AUTO'`` is not ``mode = 'auto'``."""
+    if "'" not in text and '"' not in text:
+        return text.casefold()
+    strings = _STRINGS.findall(text)
+    between = [part.casefold() for part in _STRINGS.split(text)]
+    return "".join(part for pair in zip_longest(between, strings, fillvalue="") for part in pair)

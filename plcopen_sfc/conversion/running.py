@@ -92,6 +92,7 @@ def report_running(
     undeclared -= {declaration.name.casefold() for declaration in assumed}
     pairs = list(_pairs(source, result, called))
     asked = with_inputs(result, _kept_inside(pairs, called))
+    listed = _listed_variables(source, result)
     running = [with_types(project, assumed) if assumed else project for project in (source, asked)]
     for number, (there, here) in enumerate(pairs):
         named = {item.outcome for item in losses if concerns(item, there.report_path)}
@@ -118,7 +119,7 @@ def report_running(
             resolve(running[1], here.name),
             profile=profiles,
             step_flags=_step_flags(there, here, called, _hidden_flags(report, there)),
-            inputs=_renamed_variables(here, called) | _executed_inputs(report, there),
+            inputs=listed | _renamed_variables(here, called) | _executed_inputs(report, there),
             free_inputs=ALL_FREE,
             cap=_CAP,
             runs=_RUNS,
@@ -339,6 +340,16 @@ def _renamed_variables(here: Chart, called: Mapping[str, str]) -> dict[str, str]
         if variable.name not in external:
             found.pop(variable.name, None)
     return found | {name: ObjectPath.of(called[own + name]).last for name in plain if " / " not in name}
+
+
+def _listed_variables(source: Project, result: Project) -> dict[str, str]:
+    """Return the names in the source of global variables that are in no list there, and in one of the result."""
+    here, there = (
+        [(each.name, variable.name) for each in project.global_sections() for variable in each.variables]
+        for project in (source, result)
+    )
+    unlisted = {name.casefold(): name for of_list, name in here if not of_list}
+    return {f"{of}.{name}": unlisted[name.casefold()] for of, name in there if of and name.casefold() in unlisted}
 
 
 def _kept_inside(pairs: Sequence[tuple[Chart, Chart | None]], called: Mapping[str, str]) -> dict[str, set[str]]:

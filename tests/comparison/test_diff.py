@@ -540,6 +540,31 @@ END_PROGRAM
             assert [each.news for each in found.changes] == ([change] if change else [])
             assert [each.verdict.different for each in found.proofs] == ([True] if change else [])
 
+    @pytest.mark.parametrize(
+        ("old", "new", "changes"),
+        [
+            ("s = 'Auto'", "s = 'AUTO'", 1),
+            ("s = 'Auto'", "S = 'Auto'", 0),
+            ("v <> 'Auto'", "v <> 'AUTO'", 1),
+            ('w = "Auto"', 'w = "AUTO"', 1),
+            (":= 'x'", ":= 'X'", 1),
+        ],
+    )
+    def test_the_case_of_strings_counts_and_that_of_names_does_not(self, old, new, changes):
+        text = """PROGRAM Main
+VAR_INPUT s : STRING; w : WSTRING; END_VAR
+VAR v : STRING := 'x'; END_VAR
+VAR_OUTPUT q, r : BOOL; END_VAR
+INITIAL_STEP Init: q(N); END_STEP
+TRANSITION FROM Init TO Fill := s = 'Auto'; END_TRANSITION
+STEP Fill: Act(N); END_STEP
+TRANSITION FROM Fill TO Init := w = "Auto"; END_TRANSITION
+ACTION Act: r := v <> 'Auto'; END_ACTION
+END_PROGRAM
+"""
+        before, after = (sfc.loads(each.encode(), format="iec-text") for each in (text, text.replace(old, new)))
+        assert len(sfc.diff(before, after).changes) == changes
+
     def test_another_order_of_the_programs_of_a_task_is_a_change(self):
         programs = "".join(f"PROGRAM P{i}\nVAR x : INT; END_VAR\nx := 1;\nEND_PROGRAM\n" for i in (1, 2))
         lines = ["PROGRAM i1 WITH T : P1;", "PROGRAM i2 WITH T : P2;"]

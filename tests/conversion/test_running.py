@@ -342,6 +342,21 @@ def test_a_step_with_the_name_of_a_variable_gets_another_and_its_own_again(targe
     assert condition.text == "S2.X AND NOT s2"
 
 
+def test_global_variables_of_no_list_are_run_where_they_are_in_one(tmp_path: Path) -> None:
+    text = CHART.format(first="q(N);", second="", initial="", edge="", actions="")
+    variables = "level AT %IW2 : INT; other AT %IW4 : INT; limit : REAL := 0.5;"
+    text = text.replace("FUNCTION_BLOCK Main", f"VAR_GLOBAL {variables} END_VAR\nPROGRAM Main")
+    text = text.replace("END_FUNCTION_BLOCK", "END_PROGRAM").replace(":= b;", ":= level > 10 AND other < 3;")
+    text = text.replace("q : BOOL", "q : BOOL; r : REAL := -1.5")
+    for target in ("twincat", "codesys", "plcopen"):
+        project = sfc.loads(text.encode(), format="iec-text")
+        folder = tmp_path / "out"
+        folder.mkdir(exist_ok=True)
+        report = sfc.save(project, folder if target == "twincat" else io.BytesIO(), format=target, limit=20)
+        assert report.losses == []
+        assert report.compared["POU Main"].startswith("equal")
+
+
 @pytest.mark.parametrize("target", ["codesys", "twincat", "codesys23"])
 def test_names_that_are_none_in_codesys_are_others_there_and_come_back(target: str, tmp_path: Path) -> None:
     text = CHART.format(first="Ventil_Öl(N);", second="zähle(P1);", initial="", edge="", actions="").replace(
@@ -351,7 +366,7 @@ def test_names_that_are_none_in_codesys_are_others_there_and_come_back(target: s
         "END_FUNCTION_BLOCK", "ACTION zähle: m := m + 1; END_ACTION\nEND_FUNCTION_BLOCK"
     )
     project = sfc.loads(text.encode(), format="iec-text")
-    path = tmp_path / ("out" if target == "twincat" else "out.xml")
+    path = tmp_path if target == "twincat" else tmp_path / "out.xml"
     report = sfc.save(project, path, format=target)
     assert {item.why.split(" in ")[0] for item in report.items if item.what == "name"} == {
         "Ventil_Oel", "zaehle", "Fuellen_2"

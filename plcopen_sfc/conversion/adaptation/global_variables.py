@@ -328,7 +328,8 @@ def declare_lists(project: Project, report: ConversionReport, marks: SourceMarks
     counts = Counter(v.name.casefold() for section in _lists(project) for v in section.variables)
     members: dict[str, set[str]] = {}
     for section in _lists(project):
-        members.setdefault((section.name or "").casefold(), set()).update(v.name.casefold() for v in section.variables)
+        if section.name:
+            members.setdefault(section.name.casefold(), set()).update(v.name.casefold() for v in section.variables)
     shared = {name for name, count in counts.items() if count > 1}
     for name in sorted(shared):
         why = "several lists have a variable of this name, and TC6 knows no lists: what names it does not compile"
