@@ -647,7 +647,7 @@ def test_random_grafcets_are_converted_or_refused_with_reasons(form: str, seed: 
 
 
 @pytest.mark.parametrize("form", ["plcopen", "beremiz"])
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(6, 11))])
+@pytest.mark.parametrize("seed", [28, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(6, 11))])
 def test_random_plans_without_passed_steps_do_the_same(seed: int, form: str) -> None:
     """All that these tools do otherwise is told; a difference would be one of the conversion."""
     text = random_plan(seed)

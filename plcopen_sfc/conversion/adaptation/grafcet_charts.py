@@ -341,12 +341,14 @@ class _Chart:
             why = "a permanent instruction before the sequences"
         else:
             name = self._new_action("A_edges", StBody(text="\n".join([*self._events, *self._memories, *last])))
+            # an event of a step comes before what its deactivation and the next activation store
+            self._pou.actions.insert(0, self._pou.actions.pop())
             # of the first scan those steps are active that it begins with, or those that follow them
             follow = {i for t in self._chart.transitions if {s.id for s in starts} & {*t.sources} for i in t.targets}
             for step in self._chart.steps:
                 if step.initial or (step.id in follow and not self._actions_first and len(starts) == 1):
                     added = ActionAssociation(id=self._chart.new_id(), qualifier=Qualifier.S, target=name)
-                    step.actions.append(added)
+                    step.actions.insert(0, added)
             why = f"the action {name}, which is executed in every scan"
         for operand, rises in self._edges:
             self._note(Outcome.TRANSLATED, "edge", f"{path} / {_shown_edge(operand, rising=rises)}", why)
