@@ -566,6 +566,17 @@ def test_times_of_steps_that_follow_each_other_begin_again(form: str, kind: str)
     assert not lost
 
 
+def test_a_step_that_is_forced_begins_its_time_again() -> None:
+    text = (
+        "GRAFCET G\nINPUTS\n    a\n    c\nOUTPUTS\n    H\nCHART G1\nINITIAL STEP 1\n    H FOR 1s\n1 -> 2 : ↑a\nSTEP 2\n"
+        "2 -> 3 : ↓a\nSTEP 3\n    H FOR 1s\n3 -> 4 : ↑a\nSTEP 4\n4 -> 1 : ↓a\n"
+        "CHART G2\nINITIAL STEP 10\n10 -> 11 : ↑c\nSTEP 11\n    FORCE G1{INIT}\n11 -> 10 : ↓c\n"
+    )
+    verdict, lost = run(text, "plcopen")
+    assert verdict.startswith("equal (proof")
+    assert lost <= {START}
+
+
 def test_what_the_initial_step_stores_is_missed_where_the_first_scan_leaves_it() -> None:
     text = EDGED.replace("↑a", "a").format("    ON ACTIVATION m := 2\n", "2 -> 1 : /a\n")
     report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), format="plcopen", limit=20)

@@ -31,7 +31,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform
 from plcopen_sfc.languages.translation.renames import identifier
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, disjunction
-from plcopen_sfc.model.actions import ActionEvent, ActionKind, Qualifier
+from plcopen_sfc.model.actions import ActionEvent, ActionKind, ForcedSituation, Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
@@ -67,6 +67,17 @@ def put_into_sfc(project: Project, note: Note, target: Profile) -> None:
 def _has_hierarchy(chart: SfcNetwork) -> bool:
     forces = any(each.forcing is not None for _, each in chart.associations())
     return forces or bool(chart.partial_charts) or any(step.macro or step.encloses for step in chart.steps)
+
+
+def _forced_steps(chart: SfcNetwork) -> set[str]:
+    """Return the names that the steps to which forcing orders lead have in the target."""
+    charts = {each.name: each.chart for each in chart.partial_charts}
+    orders = [each.forcing for part in charts.values() for _, each in part.associations() if each.forcing is not None]
+    names = {name for order in orders if order.situation is ForcedSituation.EXPLICIT for name in order.steps}
+    for order in orders:
+        if order.situation is ForcedSituation.INITIAL and order.chart in charts:
+            names |= {step.name for step in charts[order.chart].initial_steps}
+    return {f"Step{name}" if name.isdecimal() else name for name in names}
 
 
 class _TermError(ValueError):
@@ -115,6 +126,7 @@ class _Chart:
         self._events: list[str] = []
         self._was_active: dict[int, str] = {}
         self._over: dict[str, n.Expression] = {}
+        self._forced: set[str] = set()
         self._stores: dict[tuple[int, Qualifier], StBody] = {}
         self._inputs = {
             variable.name.casefold()
@@ -131,6 +143,7 @@ class _Chart:
         path = f"POU {self._pou.name}"
         flat: FlatChart | None = None
         if _has_hierarchy(self._chart):
+            self._forced = _forced_steps(self._chart)
             try:
                 flat = self._flatten(path)
             except UnknownBehaviourError as error:
@@ -475,6 +488,7 @@ class _Chart:
             return False
         steps = {step.id for step, _ in uses}
         follow = any(steps & {*t.sources} and steps & {*t.targets} for t in self._chart.transitions)
+        follow |= any(step.name in self._forced for step, _ in uses)
         parts = [part for each in sequences_of(self._chart) if steps & (part := {step.id for step in each})]
         branched = any(len(t.targets) > 1 and parts[0] & {*t.targets} for t in self._chart.transitions)
         return follow or branched or len(parts) > 1 or len({each.duration for _, each in uses}) > 1
