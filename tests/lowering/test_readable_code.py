@@ -348,3 +348,27 @@ def test_reasons_of_an_error_are_put_together_with_one_call_each() -> None:
     # the maximum time is watched in the branch of its step
     branch = text.partition("STEP_Zu_Platz3: // Step Zu_Platz3\n")[2].partition("STEP_Warten:")[0]
     assert "// Maximum time\n        IF NOT SFCError AND SFCEnableLimit AND step_time.ET > T#12s THEN" in branch
+
+
+def test_steps_that_do_the_same_are_one_branch_unless_their_comments_tell_them_apart() -> None:
+    pumps = sfc.lower(sfc.load(FIXTURES / "codesys" / "device_export.xml"), pou="PRG_Pumps", verify=False)
+    assert isinstance(pumps.pou.body, m.StBody)
+    text = pumps.pou.body.text
+    assert "STEP_StartPump1, STEP_StartPump2, STEP_Pumping: // Step StartPump1, Step StartPump2, Step Pumping" in text
+    chart = m.SfcNetwork()
+    steps = [chart.add_step(name, initial=name == "S1") for name in ("S1", "S2", "S3")]
+    for number, step in enumerate(steps):
+        chart.add_transition(step, steps[(number + 1) % 3], "a")
+        step.main_action = m.StBody(text="IF a THEN n := n + 1; END_IF; // the first" if number == 0 else "n := q;")
+    variables = [m.Variable(name="a", type=m.ElementaryType(name="BOOL"))]
+    variables += [m.Variable(name=name, type=m.ElementaryType(name="INT")) for name in ("n", "q")]
+    interface = m.Interface(sections=[m.VariableSection(variables=variables)])
+    pou = m.Pou(name="Main", kind=m.PouKind.PROGRAM, interface=interface, bodies=[m.SfcBody(chart=chart)])
+    for comment, label in (("// why", "STEP_2: "), ("", "STEP_2, STEP_3: ")):
+        steps[2].main_action = m.StBody(text=f"n := q; {comment}".rstrip())
+        project = m.Project(dialect=m.Dialect.CODESYS, pous=[pou])
+        made = sfc.lower(project, "case", states="constants", profile="iec", verify=False)
+        assert isinstance(made.pou.body, m.StBody)
+        main = made.pou.body.text.partition("// Actions of the active steps")[2]
+        assert label in main
+        assert comment in main

@@ -108,11 +108,15 @@ class _CodePrinter(Printer):
         # textbooks have an empty line behind each branch, and labels right below their CASE
         is_listing = any(branch.statements[-1:] == (n.Remark(""),) for branch in node.branches)
         deeper = indent if is_listing else indent + INDENT
-        texts = [self.text(branch, deeper) for branch in node.branches]
+        texts = [self._with_short_labels(self.text(branch, deeper), deeper) for branch in node.branches]
         apart = not is_listing and any(text.count("\n") > _SHORT for text in texts)
         branches = ("\n\n" if apart else "\n").join(deeper + text for text in texts)
         end = f"\n{self._otherwise(node.otherwise, indent)}{indent}END_CASE;"
         return f"CASE {self.text(node.selector)} OF\n{branches}{end}"
+
+    def _with_short_labels(self, branch: str, indent: str) -> str:
+        labels, line_end, statements = branch.partition("\n")
+        return (labels if " " not in labels.partition(":")[0] else wrapped(labels, indent)) + line_end + statements
 
     def _statement(self, node: n.Node, indent: str) -> str:
         if isinstance(node, n.RegionBlock):

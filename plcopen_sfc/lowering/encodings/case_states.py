@@ -50,6 +50,9 @@ from plcopen_sfc.model.types import (
 )
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition, indexes
 
+_SHORT_TITLE = 60
+"""Characters of a comment behind several labels of a CASE."""
+
 
 @dataclass(frozen=True)
 class _State:
@@ -112,6 +115,11 @@ class StateNames:
     def no_state(self) -> Expression:
         """State of no step, also where the chart always has one."""
         return self._new_value(self._texts.no_step, self._no_number)
+
+    def are_written_alike(self, some: Sequence[Statement], others: Sequence[Statement]) -> bool:
+        """Return True if the code has the same text for statements, with their comments."""
+        texts = ([self._code.text_of(each[i:])[1] for i in range(len(each))] for each in (some, others))
+        return some == others and next(texts) == next(texts)
 
     def step(self, step: int) -> Expression:
         """Return the state in which a step is active."""
@@ -460,11 +468,22 @@ class StateVariables:
         by_state: dict[Expression, list[StepCode]] = {}
         for part in parts:
             by_state.setdefault(self.state_of(part.step), []).append(part)
-        branches: list[n.CaseBranch] = []
+        alike: list[tuple[list[Expression], list[str], list[Statement]]] = []
         for state, these in by_state.items():
             found = [each for part in these for each in self.in_branch(selector, state, part.statements, other)]
-            title = beside(self.heading(self._net.steps[these[0].step]))
-            branches.append(n.CaseBranch((state,), (title, *found)))
+            heading = self.heading(self._net.steps[these[0].step])
+            same = next((each for each in alike if self.names.are_written_alike(each[2], found)), None)
+            if same is None:
+                alike.append(([state], [heading], found))
+            else:  # steps that do the same are one branch
+                same[0].append(state)
+                same[1].append(heading)
+        branches: list[n.CaseBranch] = []
+        for labels, told, found in alike:
+            title = ", ".join(told)
+            # of many steps the labels are enough
+            shown = [beside(title)] if len(told) == 1 or len(title) <= _SHORT_TITLE else []
+            branches.append(n.CaseBranch(tuple(labels), (*shown, *found)))
         return n.Case(selector, tuple(branches))
 
     def in_branch(

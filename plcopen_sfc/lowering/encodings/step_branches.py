@@ -168,9 +168,9 @@ class StepBranches:
     def _case(self, branches: tuple[n.CaseBranch, ...], *, entering: bool) -> _Parts | None:
         found: list[tuple[int, BranchCode]] = []
         for branch in branches:
-            (label,) = branch.labels
-            assert not isinstance(label, n.Range)  # noqa: S101  # our own code
-            found.append((self._steps[label], BranchCode(branch_content(branch), entering)))
+            for label in branch.labels:
+                assert not isinstance(label, n.Range)  # noqa: S101  # our own code
+                found.append((self._steps[label], BranchCode(branch_content(branch), entering)))
         return _Parts((), tuple(found))
 
     def _if(self, branch: n.Branch) -> _Parts | None:
