@@ -85,6 +85,7 @@ _TASKS = {
     "initial": "Set these start values",
     "initial value": "Set these start values",
     "start values": "Set these start values",
+    "constant expression": "Set these start values",
     "retain": "Make these variables retentive",
     "method": "Program these methods as blocks",
     "POU action": "Program these actions as blocks, and call them",

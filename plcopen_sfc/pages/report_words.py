@@ -187,6 +187,7 @@ _PARTS = {
     "association": "Zuordnung",
     "bodies": "Rümpfe",
     "chart extension data": "Erweiterungsdaten der Ablaufkette",
+    "constant expression": "konstanter Ausdruck",
     "constants": "Konstanten",
     "content extension data": "Erweiterungsdaten des Inhalts",
     "data types": "Datentypen",
@@ -826,6 +827,12 @@ _TRANSLATED = {
         "AND und OR, die {} zuweisen: Flipflops anderer Werkzeuge halten ihren Zustand nicht in einer Variablen"
     ),
     "from {} into {}": "von {} nach {}",
+    "the value of `{}`: TIA Portal takes no calculation here": (
+        "der Wert von `{}`: TIA Portal nimmt hier keine Rechnung an"
+    ),
+    "TIA Portal takes a literal or one constant here, and the value of `{}` is not known": (
+        "TIA Portal nimmt hier ein Literal oder eine einzelne Konstante an, und der Wert von `{}` ist nicht bekannt"
+    ),
     "from instruction list into structured text": "von Anweisungsliste in strukturierten Text",
     "from instruction list into an expression": "von Anweisungsliste in einen Ausdruck",
     "from a drawing into structured text": "von einer Zeichnung in strukturierten Text",

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.binding.constant_values import ConstantValues
 from plcopen_sfc.languages.binding.name_resolution import Resolver, Type
 from plcopen_sfc.languages.binding.symbols import inside
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
@@ -74,7 +75,7 @@ from plcopen_sfc.whole_numbers import whole_number
 class TranslatedText:
     """Result of the translation of one text: its path, in the words of reports, and the notes on it.
 
-    `what` it is: a text, or the address of a variable.
+    `what` it is: a text, a constant expression, or the address of a variable.
     """
 
     path: str
@@ -105,6 +106,7 @@ def translate_project(
     """
     source, target = project.dialect, Dialect(target)
     counting = (project.address_dialect, addresses or target)
+    computed = _compute_constants(project, target)
     functions = {
         pou.name.casefold(): [v.name for kind in _ARGUMENTS for v in pou.variables(kind)]
         for pou in project.pous
@@ -127,6 +129,7 @@ def translate_project(
         if len(renames) == known:
             break
     found = list(_boxes_of_other_types(project, source, target, globals_)) if source is not target else []
+    found += computed
     for text_site, result in zip(texts, results, strict=True):
         changed = result.text != text_site.text
         if changed:
@@ -145,6 +148,26 @@ def translate_project(
     for path, severity, why in renumber_declared(project, *counting):
         found.append(TranslatedText(path, True, (Note(severity, why, (0, 0), 1, 1),), "address"))
     project.dialect = target
+    return found
+
+
+def _compute_constants(project: Project, target: Dialect) -> list[TranslatedText]:
+    """Write the values of calculated start values, bounds and lengths, where S7 takes one literal or constant."""
+    if target is not Dialect.SCL or project.dialect is Dialect.SCL:
+        return []
+    values = ConstantValues(Resolver(project, project.dialect))
+    calculated = [text_site for text_site in text_sites(project) if values.is_calculated(text_site)]
+    literals = [values.literal(text_site) for text_site in calculated]
+    found: list[TranslatedText] = []
+    for text_site, literal in zip(calculated, literals, strict=True):
+        if literal is None:
+            severity = Severity.ERROR
+            why = f"TIA Portal takes a literal or one constant here, and the value of `{text_site.text}` is not known"
+        else:
+            severity, why = Severity.INFO, f"the value of `{text_site.text}`: TIA Portal takes no calculation here"
+            text_site.put(literal)
+        note = Note(severity, why, (0, 0), 1, 1)
+        found.append(TranslatedText(text_site.report_path, literal is not None, (note,), "constant expression"))
     return found
 
 

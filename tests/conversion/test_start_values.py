@@ -221,3 +221,58 @@ def test_calls_pass_start_values_of_timers_to_tia_portal(body: str, becomes: str
     assert not any(verdict.startswith("different") for verdict in report.compared.values())
     back = sfc.loads(convert(sfc.loads(data), "codesys")[0])
     assert not list(compare(executed(project), executed(back)))
+
+
+CALCULATED = """
+{plcopen_sfc format := 1}
+{plcopen_sfc project.dialect := '%s'}
+{plcopen_sfc name := 'GVL'}
+VAR_GLOBAL CONSTANT
+  K1 : INT := 3;
+  K2 : INT := K1 * 2 + 1;
+  K3 : INT := K2;
+END_VAR
+FUNCTION_BLOCK FB_A
+VAR CONSTANT
+  L1 : INT := 4;
+  L2 : INT := L1 + %sK2;
+END_VAR
+VAR_OUTPUT q : BOOL; END_VAR
+VAR x : %s; END_VAR
+q := TRUE;
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.mark.parametrize(
+    ("declared", "written"),
+    [
+        ("INT := L2", "<StartValue>#L2</StartValue>"),
+        ("INT := -5", "<StartValue>-5</StartValue>"),
+        ("INT := -L2 * (K3 - 1)", "<StartValue>-66</StartValue>"),
+        ("INT := -7 / 2 + L1 MOD K1", "<StartValue>-2</StartValue>"),
+        ("WORD := K2 * 2", "<StartValue>16#E</StartValue>"),
+        ("REAL := K1 / 4.0", "<StartValue>0.75</StartValue>"),
+        ("BOOL := NOT FALSE AND TRUE", "<StartValue>TRUE</StartValue>"),
+        ("TIME := T#1s * L1 + T#500ms", "<StartValue>T#4s500ms</StartValue>"),
+        ("ARRAY[0..1] OF INT := [L2 * 2, K1]", "<StartValue>22</StartValue>"),
+        ("ARRAY[0..L1 - 1, 1..K1*2] OF INT", "Array[0..3, 1..6] of Int"),
+        ("STRING(K1 + 4)", "String[7]"),
+        ("SINT := K2 * 100", ""),
+        ("INT := K1 / (L1 - 4)", ""),
+        ("INT := INT#32767 * 100000 * 100000", ""),
+        ("REAL := SQRT(4.0)", ""),
+        ("INT := L1 + 1 - UINT#6", ""),
+    ],
+)
+def test_calculated_constants_are_values_in_tia_portal(declared: str, written: str) -> None:
+    for dialect, list_ in (("codesys", "GVL."), ("iec", "")):
+        project = sfc.loads((CALCULATED % (dialect, list_, declared)).encode(), format="iec-text")
+        data, report = convert(project, "simaticml", partial=True, limit=3)
+        text = data.decode()
+        assert "<StartValue>11</StartValue>" in text
+        assert text.count("<Value>7</Value>") == 2
+        lost = [item.what for item in report.with_outcome(Outcome.NOT_EXECUTED)]
+        assert (written in text) if written else "constant expression" in lost, (dialect, lost)
+        assert not written or not lost, report.losses
+        assert not any(verdict.startswith("different") for verdict in report.compared.values())

@@ -87,7 +87,7 @@ class Resolver:
         if reference.expected is not None:
             type_ = self.type_of(reference.expected, text_site.site)
         elif isinstance(text_site.owner, ValueOf) and not reference.access:
-            type_ = self._type_of_value(text_site.owner, text_site.site)
+            type_ = self.type_of_value(text_site.owner, text_site.site)
         else:
             return None
         level = self.scopes.enumeration(type_) if isinstance(type_, t.EnumType) else type_
@@ -102,7 +102,7 @@ class Resolver:
         if reference.role is Role.PARAMETER:
             return self._parameters(self._called_by_block(text_site.owner, site))
         if reference.role is Role.MEMBER:
-            return self._members(self._type_of_value(text_site.owner, site))
+            return self._members(self.type_of_value(text_site.owner, site))
         if reference.base is not None:
             return self._members(self.type_of(reference.base, site, reference.name))
         if reference.callee is not None:
@@ -436,9 +436,10 @@ class Resolver:
     def _member_of_value(self, value: object, name: str, site: Site) -> Binding:
         if not isinstance(value, ValueOf):
             return Binding(doubt="the type of the value is not known")
-        return self._parameter(self._type_of_value(value, site), name)
+        return self._parameter(self.type_of_value(value, site), name)
 
-    def _type_of_value(self, value: object, site: Site) -> Type:
+    def type_of_value(self, value: object, site: Site) -> Type:
+        """Return the type of what an initial value at a site is for."""
         if not isinstance(value, ValueOf):
             return Untyped.UNKNOWN
         type_ = self.settled(value.type, site.place)
