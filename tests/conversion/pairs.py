@@ -14,12 +14,12 @@ from random import Random
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.formats.registry import format_named
-from tests.conversion.features import FEATURES, Feature, FeatureChart
+from tests.conversion.features import FEATURES, Feature, FeatureChart, feature_project
 from tests.conversion.matrix import CAUTIOUS, TARGETS, Cell, is_other, judge
 
 _NAMES = re.compile(
-    r"\b(Count|Clear|Inner|Ready|Wait|Note|Raise|One|Two|Other|Left|Right|Side|Last|Test|Sum|FB_Odd|counter|timer|text|"
-    r'limit|LIMIT|level|total|lamp|Lamp|E_Level|Low|High|GVL|Tags)\b(?!":)'
+    r"(?:\b|(?<=\\n))(Count|Clear|Inner|Ready|Wait|Note|Raise|One|Two|Other|Left|Right|Side|Last|Test|Sum|FB_Odd|counter|timer|"
+    r'text|limit|LIMIT|level|total|lamp|Lamp|E_Level|Low|High|GVL|Tags)\b(?!":)'
 )
 """Names that features give: those of the first one get an A behind, but for keys of JSON."""
 
@@ -64,7 +64,7 @@ def cells(seed: int, count: int) -> Iterator[Cell]:
     random = Random(seed)  # noqa: S311
     while count:
         pair = paired(*random.sample(FEATURES, 2))
-        if not pair.sources:
+        if not pair.sources or _contradict(pair):
             continue
         count -= 1
         source = random.choice(pair.sources)
@@ -73,6 +73,16 @@ def cells(seed: int, count: int) -> Iterator[Cell]:
                 yield judge(pair, source, target)
             except sfc.SfcError:
                 break  # the two contradict each other
+
+
+def _contradict(pair: Feature) -> bool:
+    """True if one feature takes away a step that a transition of the other one has."""
+    try:
+        chart = feature_project(pair, pair.sources[0]).pou("Main").chart
+    except sfc.SfcError:  # a step that it needs is gone
+        return True
+    steps = {step.id for step in chart.steps}
+    return any(not steps.issuperset((*each.sources, *each.targets)) for each in chart.transitions)
 
 
 def is_silent(cell: Cell) -> bool:

@@ -27,6 +27,8 @@ FOUND = [
     ("ON + event L0", "simaticml", "codesys"),
     ("SFCInit + minimum time", "codesys", "simaticml"),  # transitions of flags wait for no minimum time
     ("SFCReset + minimum time", "codesys", "simaticml"),
+    ("entry action + action that calls another one", "codesys", "plcopen-2.01"),  # an entry action comes first
+    ("entry action + action that calls another one", "codesys", "iec-text"),
 ]
 
 
@@ -43,6 +45,17 @@ def test_a_chart_of_s7_graph_that_runs_otherwise_is_compared() -> None:
     project = feature_project(named("event S1 + ON"), "simaticml")
     report = sfc.convert(project, "codesys", partial=True, limit=5).report
     assert report.compared["POU Main"].startswith("it does something else after")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("pair", "source"), [("INIT_SQ + global variable", "simaticml"), ("SFCReset + retain", "codesys")]
+)
+def test_a_transition_put_beside_another_between_the_same_steps_is_told_once(pair: str, source: str) -> None:
+    """Its path has a number, and which of the two has it depends on the file."""
+    report = sfc.convert(feature_project(named(pair), source), "plcopen-2.01").report
+    assert report.losses == []
+    assert [item.path for item in report.items if item.what == "transition"]
 
 
 def two_writers(rig: FeatureChart) -> None:
