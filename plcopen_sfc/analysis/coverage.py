@@ -217,7 +217,8 @@ class Tally:
 
         Of code that does the same as a chart: what nothing reaches there, and flags of steps that are `never` TRUE.
         """
-        kinds: tuple[str, ...] = (STEP, TRANSITION, ACTION, PART, ASSIGNMENT) if _charts(self.system) else (ASSIGNMENT,)
+        kinds: tuple[str, ...] = (STEP, TRANSITION, ACTION) if counted_charts(self.system) else ()
+        kinds += (PART, ASSIGNMENT) if _charts(self.system) else (ASSIGNMENT,)
         kinds += (OUTCOME, DECISION) if self.parts is not None else ()
         counts: dict[str, tuple[int, int]] = {}
         missing: dict[str, list[Key]] = {}
@@ -284,12 +285,23 @@ def _charts(system: ProgramSystem) -> list[tuple[str, ChartProgram | GraphProgra
     return found if own and subject.name == subject.pou.name else own
 
 
+def counted_charts(system: ProgramSystem) -> list[tuple[str, ChartProgram | GraphProgram]]:
+    """Return the charts that count, with their names: its own, and those of called POUs that the other side has not."""
+    called = [
+        (name, chart)
+        for unit in system.instance.controller.library.units.values()
+        for name, chart in unit.charts
+        if unit.pou.name in system.also_counted and isinstance(chart, ChartProgram | GraphProgram)
+    ]
+    return _charts(system) + called
+
+
 def _of_kind(system: ProgramSystem, kind: str) -> Iterator[tuple[Key, bool]]:
     """All of a kind, each with True if it was reached."""
     if kind in _OF_TEXTS:
         yield from _OF_TEXTS[kind](system)
         return
-    for name, chart in _charts(system):
+    for name, chart in counted_charts(system):
         reached = chart.reached
         if kind == STEP:
             for step in chart.net.steps:
@@ -387,13 +399,13 @@ class _Reasons:
         self._parts = parts
         self._unreachable = unreachable
         self._complete = complete
-        self._nets = {name: chart.net for name, chart in _charts(system)}
+        self._nets = {name: chart.net for name, chart in counted_charts(system)}
 
     def of(self, kind: str, key: Key) -> Unreached:
         name, label, number, condition = key
         if kind in (OUTCOME, DECISION):
             return self._outcome(kind, key)
-        several = len(self._nets) > 1 if kind != ASSIGNMENT else not _is_own(self._system, name)
+        several = (len(self._nets) > 1 and kind != ASSIGNMENT) or not _is_own(self._system, name)
         shown = f"{name}: {label}" if several else label
         if kind == ASSIGNMENT:
             if self._unreachable.is_never_executed(name):
@@ -447,7 +459,7 @@ class _Reasons:
 
     def _not_executed(self, name: str, label: str, net: Net) -> tuple[str, bool]:
         """Return why an action was never executed, and True if nothing can execute it."""
-        chart = next(chart for own, chart in _charts(self._system) if own == name)
+        chart = next(chart for own, chart in counted_charts(self._system) if own == name)
         told: dict[str, bool] = {}
         entered = sum(1 << index for index in self._reached_steps(name, net))
         dead = sum(1 << index for index in self._unreachable.steps.get(name, ()))

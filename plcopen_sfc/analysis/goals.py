@@ -14,6 +14,7 @@ from functools import cached_property
 from itertools import chain, islice, takewhile
 from typing import Any, cast
 
+from plcopen_sfc.analysis.coverage import counted_charts
 from plcopen_sfc.analysis.deciding_parts import ConditionPart, ConditionParts
 from plcopen_sfc.analysis.domains import plain
 from plcopen_sfc.analysis.exclusivity import association_condition, condition_of
@@ -26,15 +27,16 @@ from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.networks import normal_form
 from plcopen_sfc.languages.networks.wires import joined
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import print_node, walk
+from plcopen_sfc.languages.st import parse_expression, print_node, walk
 from plcopen_sfc.languages.st.literals import LiteralKind, LiteralValue, literal_value
 from plcopen_sfc.languages.st.nodes import Expression, Operator
 from plcopen_sfc.languages.st.walking import with_children
 from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
-from plcopen_sfc.semantics.net import NetTransition
+from plcopen_sfc.semantics.net import Net, NetTransition
 from plcopen_sfc.semantics.programs.marks import bounds
 from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.runtime_types import Family, ScalarType
@@ -113,11 +115,9 @@ class Goals:
         self._project = system.subject.project
         self._knowledge = ProjectKnowledge(self._project)
         self._library = system.instance.controller.library
-        self.charts = [
-            (chart, frame)
-            for _, chart, frame in system.instance.charts()
-            if isinstance(chart, ChartProgram | GraphProgram)
-        ]
+        found = [each for each in system.instance.charts() if isinstance(each[1], ChartProgram | GraphProgram)]
+        self.charts = [(chart, frame) for _, chart, frame in found if isinstance(chart, ChartProgram | GraphProgram)]
+        called = {id(chart): name for name, chart in counted_charts(system)}
         self._own = [chart for _, chart in system.instance.unit.charts]
         self._terms: dict[tuple[int, ...], tuple[list[Goal], Formula, list[Any]]] = {}
         """The terms of goals by their ids, with these goals, so that no other gets the id of one."""
@@ -125,8 +125,17 @@ class Goals:
         self.branches: list[Goal] = []
         self.outcomes: list[Goal] = []
         for number, (chart, _) in enumerate(self.charts):
-            if chart in self._own:
-                self.transitions[number] = [self._of_transition(number, each) for each in chart.net.transitions]
+            pou = system.subject.pou
+            seen_as: Callable[[Expression], Expression] = _same
+            if chart not in self._own:
+                if id(chart) not in called:
+                    continue
+                name, _, action = called[id(chart)].partition(".")
+                pou = self._project.pou(name)
+                seen_as = self._outside(found[number][0].removesuffix(f".{action}"), pou, chart.net)
+            self.transitions[number] = [
+                self._of_transition(number, each, pou, seen_as) for each in chart.net.transitions
+            ]
         self.actions = [goal for number, _ in enumerate(self.charts) for goal in self._of_actions(number)]
         self._find_branches(look)
         self.parts = [self._of_part(part) for part in parts if not look(0)]
@@ -135,15 +144,16 @@ class Goals:
 
     # -- which
 
-    def _of_transition(self, number: int, transition: NetTransition) -> Goal:
-        pou = self.system.subject.pou
+    def _of_transition(
+        self, number: int, transition: NetTransition, pou: Pou, seen_as: Callable[[Expression], Expression]
+    ) -> Goal:
         place = [(number, transition.pre)]
         goal = Goal(transition.path, None, number, transition.bit, transition.pre, places=place)
         if transition.transition.condition is None:
             return goal
         read = condition_of(transition.chart, transition.transition, self._project.dialect, transitions=pou.transitions)
         if read.tree is not None and read.complete:
-            goal.tree = normal_form(read.tree)
+            goal.tree = normal_form(seen_as(read.tree))
             goal.own = frozenset(
                 node.identifier.casefold()
                 for statement in read.before
@@ -152,6 +162,37 @@ class Goals:
             )
             self._measure(goal)
         return goal
+
+    def _outside(self, path: str, pou: Pou, net: Net) -> Callable[[Expression], Expression]:
+        """Return how texts of an instance of a called block are texts of the compared POU.
+
+        Its inputs are what a statement of the body passes, its other variables and steps members of the instance.
+        """
+        external = {variable.name for variable in pou.variables(SectionKind.EXTERNAL)}
+        own = {variable.name.casefold() for variable in pou.variables() if variable.name not in external}
+        own |= {step.step.name.casefold() for step in net.steps}
+        members = {name: parse_expression(f"{path}.{name}", self._project.dialect).tree for name in own}
+        given: dict[str, Expression] = {}
+        for body in self.system.subject.pou.bodies:
+            for statement in bind(body, self._project.dialect).statements:
+                call = statement.call if isinstance(statement, n.CallStatement) else None
+                if isinstance(call, n.Call) and print_node(call.callee).casefold() == path.casefold():
+                    for each in call.arguments:
+                        if each.name is not None and each.value is not None and not each.output:
+                            given[each.name.identifier.casefold()] = n.Parenthesized(each.value)
+
+        def changed(node: n.Node) -> n.Node:
+            match node:
+                case n.Name(identifier):
+                    key = identifier.casefold()
+                    return given.get(key) or members.get(key) or node
+                case n.Member(base, _):
+                    return replace(node, base=cast("Expression", changed(base)))
+                case n.Call():
+                    return node
+            return with_children(node, changed)
+
+        return lambda tree: cast("Expression", changed(tree))
 
     def _find_branches(self, look: Callable[[int], str]) -> None:
         marks = self.system.marks
@@ -589,6 +630,10 @@ def _without_lists(system: ProgramSystem, shared: Mapping[str, str]) -> dict[str
 
 def _nothing() -> float:
     return 0.0
+
+
+def _same(tree: Expression) -> Expression:
+    return tree
 
 
 def _accepted(signal: Signal, value: Any) -> Value | None:

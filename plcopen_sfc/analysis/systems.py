@@ -510,6 +510,7 @@ class ProgramSystem:
     def called_pous(self) -> dict[str, Pou]:
         """Return the POUs of the project whose texts it executes besides its own, by their names."""
         owners = {re.split(r"[. ]", branch.owner)[0] for branch in self.marks.branches}
+        owners |= {unit.pou.name for unit in self.instance.controller.library.units.values() if unit.charts}
         return {p.name: p for p in self.subject.project.pous if p.name in owners and p.name != self.subject.pou.name}
 
     def pass_time(self, scans: int) -> None:

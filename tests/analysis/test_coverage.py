@@ -573,3 +573,37 @@ def test_variables_that_keep_their_value_in_a_chart_keep_it_in_its_code() -> Non
     verdict = equivalent(chart, code, "iec", cap=20, runs=4, scans=50)
     (missed,) = [each for each in verdict.coverage[1].unreached if each.name.endswith(":= 3;")]
     assert (missed.why, missed.impossible) == ("needs `late.Q`, never TRUE (proven)", True)
+
+
+CALLED = """FUNCTION_BLOCK Sub
+VAR_INPUT go, x : BOOL; k : INT; END_VAR VAR_OUTPUT done, odd : BOOL; END_VAR VAR n : DINT; END_VAR
+INITIAL_STEP Idle: END_STEP
+TRANSITION FROM Idle TO Work := go; END_TRANSITION
+STEP Work: Cnt(N); END_STEP
+TRANSITION FROM Work TO Fin := n > 90000 AND k = 4711; END_TRANSITION
+STEP Fin: done(N); END_STEP
+TRANSITION FROM Fin TO Last := x AND k = 77; END_TRANSITION
+TRANSITION FROM Fin TO Idle := NOT go; END_TRANSITION
+STEP Last: {last} END_STEP
+TRANSITION FROM Last TO Idle := NOT go; END_TRANSITION
+ACTION Cnt: n := n + k; END_ACTION
+END_FUNCTION_BLOCK
+PROGRAM PLC_PRG
+VAR_INPUT start, y : BOOL; level : INT; END_VAR VAR_OUTPUT q : BOOL; END_VAR VAR s : Sub; END_VAR
+s(go := start AND level > 70, x := y AND start, k := level);
+q := s.odd;
+END_PROGRAM
+"""
+
+
+def test_steps_of_a_called_chart_count_where_it_is_another_one() -> None:
+    sides = [
+        sfc.loads(CALLED.format(last=last).encode(), format="iec-text") for last in ("odd(N);", "odd(N); done(N);")
+    ]
+    verdict = equivalent(*(side.pou("PLC_PRG") for side in sides), "iec", cap=10, runs=1, scans=20)
+    assert verdict.kind is VerdictKind.UNTESTED, str(verdict)
+    assert {"Sub: Fin", "Sub: Last"} <= {each.name for each in verdict.coverage[0].untested if each.kind == "step"}
+    longer = equivalent(*(side.pou("PLC_PRG") for side in sides), "iec", cap=10, runs=10, scans=100)
+    assert longer.different, str(longer)  # transitions of the called chart are solved for inputs of the caller
+    same = equivalent(sides[0].pou("PLC_PRG"), sides[0].pou("PLC_PRG"), "iec", cap=10, runs=1, scans=20)
+    assert "step" not in same.coverage[0].counts
