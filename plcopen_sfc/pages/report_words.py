@@ -1009,6 +1009,9 @@ _TRANSLATED = {
     "what holds transitions during {} may be computed before actions that the conditions read": (
         "was Transitionen während {} hält, wird vielleicht vor Aktionen berechnet, die die Bedingungen lesen"
     ),
+    "what is kept of SFC flags may be computed before actions that the conditions read": (
+        "was von SFC-Flags aufbewahrt wird, wird vielleicht vor Aktionen berechnet, die die Bedingungen lesen"
+    ),
     "an action in place that is stored has no name by which it could be reset": (
         "eine gespeicherte Aktion ohne Namen lässt sich nicht zurücksetzen"
     ),

@@ -10,6 +10,8 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.pages.page_words import Words
 from plcopen_sfc.report import ConversionReport, Outcome
+from tests.conversion.features import feature_project
+from tests.conversion.pairs import named
 from tests.conversion.test_flags_in_tia import BRANCHES, FLAGS, chart_with, losses
 
 COUNT = "ACTION Count: n := 1 - n; END_ACTION"
@@ -162,3 +164,10 @@ def test_what_goes_on_during_a_pause_is_one_item_of_the_chart() -> None:
     assert (item.outcome, item.path) == (Outcome.APPROXIMATED, "POU Main")
     assert item.why.startswith("the times of r, q go on during SFCPause; ")
     assert Words("de").message(item.why).startswith("die Zeiten von r, q laufen während SFCPause weiter; ")
+
+
+def test_a_memory_that_holds_nothing_during_a_pause_is_told_as_such() -> None:
+    report = sfc.convert(feature_project(named("action in LD + SFCTip"), "codesys"), "plcopen-2.01")[1]
+    (item,) = [each for each in report.losses if each.what == "operating inputs"]
+    assert item.why == "what is kept of SFC flags may be computed before actions that the conditions read"
+    assert Words("de").message(item.why).startswith("was von SFC-Flags aufbewahrt wird, ")

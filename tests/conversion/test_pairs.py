@@ -77,7 +77,7 @@ def test_a_variable_that_an_action_is_and_another_one_writes_is_told() -> None:
         "r: other code writes it, too; the chart does so in every scan in the source, only while its action is "
         "executed in CODESYS"
     )
-    assert german(item.why).startswith("r: auch anderer Code schreibt das; der Plan tut es in der Quelle in jedem")
+    assert german(item.why).startswith("r: auch anderer Code schreibt das; die Kette tut es in der Quelle in jedem")
     assert boolean_actions("codesys", "twincat") == []
 
 

@@ -98,7 +98,7 @@ class _Tc6Flags(FlagRewriter):
         if self.lines:
             body = StBody(text="\n".join(self.lines))
             if surroundings.is_overtaken(body):
-                holds = f"what holds transitions during {self._pause}"
+                holds = f"what holds transitions during {self._pause}" if self._pause else "what is kept of SFC flags"
                 why = f"{holds} may be computed before actions that the conditions read"
                 self._note(Outcome.APPROXIMATED, "operating inputs", "", why)
             self._steps.store(self._initial, "sfc_flags", body, first=False, instead_of=None, uses=self._names)
