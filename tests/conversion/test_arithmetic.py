@@ -17,6 +17,7 @@ from plcopen_sfc.languages.networks import DrawingRules, draw_fbd, draw_ld
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.refactor.dialect_translation import translate_project
 from plcopen_sfc.report import Outcome
 from plcopen_sfc.semantics.programs import Controller
 
@@ -275,3 +276,23 @@ def test_a_proof_takes_back_that_calculations_differ() -> None:
     for limit, outcomes in ((0, [Outcome.APPROXIMATED]), (20, [Outcome.TRANSLATED])):
         report = sfc.save(project, io.BytesIO(), format="codesys", limit=limit)
         assert [item.outcome for item in report.items if item.what == "arithmetic"] == outcomes
+
+
+@pytest.mark.parametrize(("type_", "result"), [("INT", "#x + #c"), ("SINT", "#x + #c"), ("DINT", "INT_TO_DINT")])
+def test_results_of_methods_are_calculated_in_their_type(type_: str, result: str) -> None:
+    argument = "INT" if type_ == "DINT" else type_
+    text = f"""FUNCTION_BLOCK FB
+VAR c : {argument}; END_VAR
+METHOD M : {type_}
+VAR_INPUT x : {argument}; END_VAR
+M := x + c;
+END_METHOD
+END_FUNCTION_BLOCK
+"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    project.dialect = Dialect.CODESYS
+    translate_project(project, Dialect.SCL)
+    body = project.pous[0].methods[0].body
+    assert isinstance(body, StBody)
+    assert result in body.text
+    assert ("_TO_" in body.text) is (type_ == "DINT")

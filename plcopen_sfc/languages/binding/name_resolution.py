@@ -282,6 +282,9 @@ class Resolver:
             return Untyped.FOREIGN
         if meaning.declaration is None:
             return Untyped.UNKNOWN
+        if site.method is not None and meaning.declaration.holder is site.method:
+            result = site.method.interface.return_type if site.method.interface is not None else None
+            return self.settled(result, site.place) if result is not None else Untyped.FOREIGN
         return self.type_of_declaration(meaning.declaration)
 
     def _own(self, word: str, site: Site) -> Type | None:
