@@ -54,19 +54,20 @@ class InstanceStarts:
 
     def __init__(self, project: Project) -> None:
         self._project = project
-        self._found: dict[int, dict[str, PassedValues]] = {}
+        self._found: dict[tuple[str, str], dict[str, PassedValues]] = {}
 
     def of(self, pou: Pou) -> dict[str, PassedValues]:
         """Return the arguments of the calls in a block, by the names of the instances in lower case.
 
         Instances whose start values cannot be passed are left out.
         """
-        if id(pou) not in self._found:
+        key = _place(pou)
+        if key not in self._found:
             wanted = {
                 variable.name.casefold(): PassedValues(variable.name, values) for variable, values in _started(pou)
             }
-            self._found[id(pou)] = self._passed(pou, wanted) if wanted else {}
-        return self._found[id(pou)]
+            self._found[key] = self._passed(pou, wanted) if wanted else {}
+        return self._found[key]
 
     def completed(self, text: str, pou: Pou) -> tuple[str, list[str]]:
         """Return statements of a block whose calls pass the start values, and the instances that they call."""
@@ -77,7 +78,12 @@ class InstanceStarts:
             name = _instance(call.callee) if isinstance(call, n.Call) else ""
             if not isinstance(call, n.Call) or call.span is None or name not in found or not found[name].values:
                 continue
-            added = ", ".join(f"{pin} := {value}" for pin, value in found[name].values.items())
+            passed = {each.name.identifier.upper() for each in call.arguments if each.name is not None}
+            # a text that was completed before passes them already
+            given = {pin: value for pin, value in found[name].values.items() if pin.upper() not in passed}
+            if not given:
+                continue
+            added = ", ".join(f"{pin} := {value}" for pin, value in given.items())
             end = call.span[0] + text[slice(*call.span)].rindex(")")
             edits.append(Edit(end, end, f"{', ' if call.arguments else ''}{added}"))
             called.append(found[name].instance)
@@ -86,7 +92,7 @@ class InstanceStarts:
     def _passed(self, pou: Pou, wanted: dict[str, PassedValues]) -> dict[str, PassedValues]:
         uses = {name: _Uses() for name in wanted}
         for text_site in text_sites(self._project):
-            if text_site.site.pou is pou:
+            if text_site.site.pou is not None and _place(text_site.site.pou) == _place(pou):
                 _note_uses(text_site, uses)
             else:
                 _note_uses_elsewhere(text_site, uses)
@@ -102,6 +108,11 @@ class InstanceStarts:
             elif not use.drawn and all(pins.isdisjoint(passed) for passed in calls):
                 found[name] = given
         return found
+
+
+def _place(pou: Pou) -> tuple[str, str]:
+    """Return what tells a block from others, whose documents in a folder hold copies of the blocks of the project."""
+    return pou.place, pou.name.casefold()
 
 
 def _started(pou: Pou) -> Iterator[tuple[Variable, dict[str, str]]]:

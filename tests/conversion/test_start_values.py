@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 import plcopen_sfc as sfc
@@ -221,6 +223,17 @@ def test_calls_pass_start_values_of_timers_to_tia_portal(body: str, becomes: str
     assert not any(verdict.startswith("different") for verdict in report.compared.values())
     back = sfc.loads(convert(sfc.loads(data), "codesys")[0])
     assert not list(compare(executed(project), executed(back)))
+
+
+def test_functions_of_actions_pass_start_values_in_folders(tmp_path: Path) -> None:
+    body = CHART.format(condition="t.Q", passed="")
+    project = sfc.loads(INSTANCE.format(body=body).encode(), format="iec-text")
+    report = sfc.save(project, f"{tmp_path / 'out'}/", format="simaticml")
+    assert not report.losses, report.losses
+    texts = {path.stem: path.read_text("utf-8") for path in (tmp_path / "out").rglob("*.xml")}
+    assert "Main_Act" in texts
+    assert "Main_Act_2" not in "".join(texts.values())
+    assert texts["Main_Act"].count('Parameter Name="PT"') == 1
 
 
 CALCULATED = """
