@@ -239,7 +239,8 @@ class ProgramSystem:
         self.marks.reached[: len(texts)] = texts
 
     def _chart_marks(self) -> list[Reached]:
-        charts = [chart for _, chart, _ in self.instance.charts()]
+        units = self._controller.library.units.values()  # charts of called programs are none of an instance in it
+        charts = [chart for unit in units for _, chart in unit.charts]
         return list({id(c): c.reached for c in charts if isinstance(c, ChartProgram | GraphProgram)}.values())
 
     def frozen(self) -> list[str]:

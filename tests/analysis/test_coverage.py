@@ -607,3 +607,12 @@ def test_steps_of_a_called_chart_count_where_it_is_another_one() -> None:
     assert longer.different, str(longer)  # transitions of the called chart are solved for inputs of the caller
     same = equivalent(sides[0].pou("PLC_PRG"), sides[0].pou("PLC_PRG"), "iec", cap=10, runs=1, scans=20)
     assert "step" not in same.coverage[0].counts
+
+
+def test_what_only_a_search_with_terms_enters_of_a_called_program_does_not_count() -> None:
+    body = CALLED[: CALLED.index("s(go")].replace("VAR s : Sub; END_VAR", "")
+    body = body.replace("FUNCTION_BLOCK Sub", "PROGRAM Sub").replace("END_FUNCTION_BLOCK", "END_PROGRAM")
+    body += "Sub(go := start, x := y, k := level); q := Sub.odd;\nEND_PROGRAM\n"
+    sides = [sfc.loads(body.format(last=last).encode(), format="iec-text") for last in ("odd(N);", "odd(N); done(N);")]
+    verdict = equivalent(*(side.pou("PLC_PRG") for side in sides), "codesys", cap=2000, runs=1, scans=20)
+    assert verdict.different or verdict.coverage[0].counts["step"] < (4, 4), str(verdict)
