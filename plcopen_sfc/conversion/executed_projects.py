@@ -6,6 +6,7 @@ where two machines may.
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
 from functools import cached_property
@@ -63,6 +64,7 @@ from plcopen_sfc.model.types import (
     ArrayType,
     DataType,
     DerivedType,
+    Dimension,
     Elementary,
     ElementaryType,
     EnumType,
@@ -269,7 +271,13 @@ class _Reader:
 
     def _number(self, text: str) -> str | None:
         """The number of the value of an enumeration, or of the constant, that `text` names."""
-        return self.values.get(text.replace('"', "").replace("#", ".").casefold())
+        return self.values.get(text.replace('"', "").replace("#", ".").casefold()) or self._without_lists(text)
+
+    def _without_lists(self, text: str) -> str:
+        """A constant expression that names global constants alone: some tools have no lists for them."""
+        if "." not in text or _LITERAL.match(text):
+            return text
+        return _MEMBER.sub(lambda found: found[2] if found[1].casefold() in self.lists else found[0], text)
 
     def _plain_type(self, kind: DataType, depth: int = 0) -> DataType:
         """A type without other names for types and without initial values."""
@@ -280,10 +288,16 @@ class _Reader:
         if isinstance(kind, StringType) and kind.length is None:
             known = STRING_LENGTHS.get(self.source.dialect) or STRING_LENGTHS.get(self.dialect)
             return StringType(wide=kind.wide, length=known or STRING_LENGTHS[Dialect.CODESYS])
+        if isinstance(kind, StringType) and kind.length is not None:
+            return StringType(wide=kind.wide, length=self._without_lists(kind.length))
         if isinstance(kind, EnumType):
             return kind.base or ElementaryType(name=Elementary.INT)
         if isinstance(kind, ArrayType):
-            return ArrayType(dimensions=kind.dimensions, base=self._plain_type(kind.base, depth + 1))
+            bounds = [
+                Dimension(lower=self._without_lists(each.lower), upper=self._without_lists(each.upper))
+                for each in kind.dimensions
+            ]
+            return ArrayType(dimensions=bounds, base=self._plain_type(kind.base, depth + 1))
         if isinstance(kind, StructType):
             members = [
                 Variable(name=shown_name(member.name), type=self._plain_type(member.type, depth + 1))
@@ -654,6 +668,11 @@ _OF_OBJECTS = frozenset({"THIS", "SUPER"})
 """Names that no tool declares: languages have them, or translations report them."""
 _RESULTS = frozenset({"trcoil", "ilcoil", "svcoil"})
 """Names of the results of the networks of S7-GRAPH."""
+
+
+_MEMBER = re.compile(r"\b([^\W\d]\w*)\.([^\W\d]\w*)")
+_LITERAL = re.compile(r"""\s*(?:\w+#)?['"]""")
+"""A literal of characters, in which nothing is a name."""
 
 
 def _values(project: Project, sections: Iterable[VariableSection]) -> dict[str, str]:

@@ -56,7 +56,7 @@ def report_execution(
         if item.outcome in LOSSES or item.outcome is Outcome.TRANSLATED
     )
     lost = {(in_the_source(item.path, called), item.what) for item in report.items if item.outcome in LOSSES}
-    found = list(_without_repetition(differences, {_last(path) for path, what in lost if what == "global variable"}))
+    found = list(_without_repetition(differences, {_last(path) for path, what in settled if what == "global variable"}))
     rewritten = _rewritten_steps(found, settled)
     changed = {(difference.path, difference.aspect) for difference in found}
     said = {name for item in report.items if item.outcome in LOSSES for name in _IN_PLACE.findall(item.why)}
@@ -260,7 +260,7 @@ _ALSO_CALLED = {
 def _without_repetition(differences: Iterable[ExecutionDifference], said: set[str]) -> Iterator[ExecutionDifference]:
     """The differences, but of the interlock of a step only the actions that run without it, and lists as a whole.
 
-    `said`: the global variables that a writer has listed as lost already.
+    `said`: the global variables that a writer has listed already, as lost or with their values in texts.
     """
     found = list(differences)
     without = {ObjectPath.of(d.path).around for d in found if d.kind == "action" and d.aspect == "interlock"}

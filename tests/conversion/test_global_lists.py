@@ -9,6 +9,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.documents.lowered import lower_to_file
 from plcopen_sfc.report import Outcome
 
 PROGRAM = """FUNCTION_BLOCK Main
@@ -146,3 +147,44 @@ def test_a_run_gives_variables_of_lists_the_same_values(other: str, target: str,
     (verdict,) = report.compared.values()
     assert verdict.startswith("equal"), verdict
     assert "proof" in verdict
+
+
+CONSTANTS = """
+{plcopen_sfc format := 1}
+{plcopen_sfc project.dialect := 'codesys'}
+{plcopen_sfc name := 'GVL1'}
+VAR_GLOBAL CONSTANT
+  K1 : INT := 3;
+  K2 : INT := K1 * 2 + 1;
+END_VAR
+FUNCTION_BLOCK Main
+VAR_INPUT s : INT; END_VAR
+VAR_OUTPUT q : BOOL; END_VAR
+VAR v : INT := GVL1.K2 + 1; row : ARRAY[0..GVL1.K1] OF INT; END_VAR
+VAR name : STRING(GVL1.K1 + 4); text : STRING := 'GVL1.K1'; END_VAR
+INITIAL_STEP S0: END_STEP
+TRANSITION FROM S0 TO S1 := s > GVL1.K2; END_TRANSITION
+STEP S1: q(N); END_STEP
+TRANSITION FROM S1 TO S0 := s < v; END_TRANSITION
+END_FUNCTION_BLOCK
+"""
+
+
+def test_declarations_in_tc6_name_constants_without_their_list() -> None:
+    data, report = sfc.convert(sfc.loads(CONSTANTS.encode(), format="iec-text"), "plcopen-2.01", limit=20)
+    assert report.with_outcome(Outcome.NOT_EXECUTED) == []
+    assert not any(verdict.startswith("different") for verdict in report.compared.values())
+    variables = {each.name: each for each in sfc.loads(data, as_tool=True).pou("Main").variables()}
+    assert variables["v"].initial == m.SimpleValue(text="K2 + 1")
+    assert isinstance(variables["row"].type, m.ArrayType)
+    assert variables["row"].type.dimensions[0].upper == "K1"
+    assert variables["name"].type == m.StringType(length="K1 + 4")
+    assert variables["text"].initial == m.SimpleValue(text="'GVL1.K1'")
+
+
+def test_code_in_scl_has_the_values_of_constants(tmp_path: Path) -> None:
+    text = CONSTANTS.replace("[0..GVL1.K1]", "[0..3]")
+    target = tmp_path / "main.scl"
+    lowered = lower_to_file(sfc.loads(text.encode(), format="iec-text"), str(target))
+    assert lowered.report.with_outcome(Outcome.NOT_EXECUTED) == []
+    assert "#s > 7" in target.read_text("utf-8-sig")

@@ -375,7 +375,7 @@ class _Unqualifier:
         self.hidden: list[tuple[str, str]] = []
 
     def run(self) -> None:
-        """Change the texts of all bodies."""
+        """Change the texts of all bodies and declarations."""
         bodies = [body for _, _, body in self._project.bodies()]
         drawn = [body for body in bodies if isinstance(body, FbdBody | LdBody)]
         before = {id(body): body.model_dump(mode="json", exclude_none=True)["networks"] for body in drawn}
@@ -384,7 +384,7 @@ class _Unqualifier:
             is_text = text_site.is_program_text or text_site.reading is SiteKind.INSTRUCTIONS
             if not is_text or not self._mentions(text_site.text):
                 continue
-            if text_site.language == "declaration" or text_site.reading is SiteKind.INSTRUCTIONS:
+            if text_site.reading is SiteKind.INSTRUCTIONS:
                 self.left.append(text_site.report_path)
             elif (new := self._unqualified(text_site)) != text_site.text:
                 text_site.put(new)
