@@ -827,6 +827,8 @@ _TRANSLATED = {
         "AND und OR, die {} zuweisen: Flipflops anderer Werkzeuge halten ihren Zustand nicht in einer Variablen"
     ),
     "from {} into {}": "von {} nach {}",
+    "bit {}: the constant {} names it in CODESYS alone": "Bit {}: die Konstante {} benennt es nur in CODESYS",
+    "the number of the bit {} is not known": "die Nummer des Bits {} ist nicht bekannt",
     "the value of `{}`: TIA Portal takes no calculation here": (
         "der Wert von `{}`: TIA Portal nimmt hier keine Rechnung an"
     ),

@@ -19,7 +19,7 @@ from plcopen_sfc.languages.s7_globals import local_tags, names_from_s7, names_in
 from plcopen_sfc.languages.s7_programs import names_of_programs
 from plcopen_sfc.languages.s7_types import S7Types, s7_types
 from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements, render, transform, walk
-from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value, string_literal
+from plcopen_sfc.languages.st.literals import INTEGER_RANGES, LiteralError, LiteralKind, literal_value, string_literal
 from plcopen_sfc.languages.st.nodes import Assignment, Call, Expression, Member, Name, Node, Operation, Statements
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, S7_COUNTERS_OF_CODESYS, S7_INSTANCES, S7_VERSION
@@ -106,7 +106,7 @@ def translate_project(
     """
     source, target = project.dialect, Dialect(target)
     counting = (project.address_dialect, addresses or target)
-    computed = _compute_constants(project, target)
+    computed = [*_compute_constants(project, target), *_number_bits(project, target)]
     functions = {
         pou.name.casefold(): [v.name for kind in _ARGUMENTS for v in pou.variables(kind)]
         for pou in project.pous
@@ -169,6 +169,44 @@ def _compute_constants(project: Project, target: Dialect) -> list[TranslatedText
         note = Note(severity, why, (0, 0), 1, 1)
         found.append(TranslatedText(text_site.report_path, literal is not None, (note,), "constant expression"))
     return found
+
+
+def _number_bits(project: Project, target: Dialect) -> list[TranslatedText]:
+    """Write the numbers of bits that CODESYS names by constants, ``w.BB``: others have no such access."""
+    if family(project.dialect) is not Dialect.CODESYS or family(target) is Dialect.CODESYS:
+        return []
+    resolver = Resolver(project, project.dialect)
+    values = ConstantValues(resolver)
+    may_have = re.compile(rf"\.\s*(?:{'|'.join(map(re.escape, values.names))})\b", re.IGNORECASE)
+    found: list[TranslatedText] = []
+    for text_site in list(text_sites(project)) if values.names else ():
+        if not text_site.is_program_text or not may_have.search(text_site.text):
+            continue
+        parse = parse_statements if text_site.reading is SiteKind.STATEMENTS else parse_condition
+        parsed = parse(text_site.text, project.dialect)
+        if parsed.problems:
+            continue
+        notes = Notes(text_site.text)
+        text_site.put(render(parsed, transform(parsed.tree, _bit_numbering(values, resolver, text_site.site, notes))))
+        if notes.in_order():
+            found.append(TranslatedText(text_site.report_path, changed=True, notes=notes.in_order()))
+    return found
+
+
+def _bit_numbering(values: ConstantValues, resolver: Resolver, site: Site, notes: Notes) -> Callable[[Node], Node]:
+    def numbered(node: Node) -> Node:
+        if not isinstance(node, Member) or node.name.identifier.isdecimal():
+            return node
+        if _elementary(resolver.type_of(node.base, site)) not in INTEGER_RANGES:
+            return node
+        number = values.number(node.name, site)
+        if number is None or number < 0:
+            notes.add(Severity.ERROR, f"the number of the bit {node.name.identifier} is not known", node)
+            return node
+        notes.add(Severity.INFO, f"bit {number}: the constant {node.name.identifier} names it in CODESYS alone", node)
+        return replace(node, name=replace(node.name, identifier=str(number)))
+
+    return numbered
 
 
 def _say_lengths(project: Project, source: Dialect, target: Dialect) -> None:
@@ -266,7 +304,7 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
     """
     known = _Globals(s7_types(project), frozenset(_global_names(project)), {}, {}, None)
     resolver = Resolver(project, project.dialect)
-    found: list[TranslatedText] = []
+    found = _number_bits(project, target)
     enumerations = {each.name.casefold() for each in project.data_types if isinstance(each.type, EnumType)}
     # by its header a file that a tool of CODESYS made, and that was converted for others
     of_codesys = project.header.product.casefold().startswith(("codesys", "twincat"))

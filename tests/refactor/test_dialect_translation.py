@@ -28,6 +28,7 @@ from plcopen_sfc.model import (
 )
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.refactor.dialect_translation import translate_project
+from plcopen_sfc.report import Outcome
 from tests.corpus import corpus_files, require_corpus
 from tests.sweeps import some_files
 
@@ -184,3 +185,29 @@ def test_steps_get_names_that_other_tools_know_and_texts_follow() -> None:
     texts = ["evacuation_2.T > T#2s", "evacuation_2.X"]
     assert [t.condition for t in chart.transitions] == [Expression(text=text) for text in texts]
     assert [text.path for text in found if text.notes] == ["POU Chain / step evacuation 2"]
+
+
+BITS = """{plcopen_sfc format := 1}
+{plcopen_sfc project.dialect := 'codesys'}
+PROGRAM Main
+VAR CONSTANT B1 : INT := 2; BB : INT := B1 + 1; C : INT := ABS(1); END_VAR
+VAR a, Q : BOOL; w : WORD; END_VAR
+w.BB := a; w.0 := a; Q := w.%s;
+END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize(("target", "bit"), [("simaticml", "%X3"), ("plcopen-2.01", "w.3")])
+def test_bits_that_a_constant_names_get_their_numbers(target: str, bit: str) -> None:
+    data, report = sfc.convert(sfc.loads((BITS % "bb").encode(), format="iec-text"), target, partial=True)
+    assert {item.what for item in report.with_outcome(Outcome.NOT_EXECUTED)} <= {"constant expression"}
+    assert any(item.why.endswith("bit 3: the constant BB names it in CODESYS alone") for item in report.items)
+    back = sfc.loads(data, format=target, as_tool=True).pou("Main").body
+    assert isinstance(back, StBody)
+    assert back.text.count(bit) == 2
+    assert "bb" not in back.text.casefold()
+
+
+def test_bits_of_unknown_number_are_not_executed() -> None:
+    _, report = sfc.convert(sfc.loads((BITS % "C").encode(), format="iec-text"), "simaticml", partial=True)
+    assert any("the bit C is not known" in item.why for item in report.with_outcome(Outcome.NOT_EXECUTED))

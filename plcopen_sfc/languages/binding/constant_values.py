@@ -58,9 +58,10 @@ class ConstantValues:
         sections = [section for each in interfaces if each is not None for section in each.sections]
         globals_ = [section for section in project.global_sections() if section.constant]
         held = [s for s in sections if s.constant or s.kind is SectionKind.CONSTANT]
-        self._constants = {id(variable) for section in (*globals_, *held) for variable in section.variables}
         tables = [constant for table in project.tag_tables for constant in table.constants]
-        self._constants |= {id(constant) for constant in tables}
+        constants = [variable for section in (*globals_, *held) for variable in section.variables] + tables
+        self._constants = {id(variable) for variable in constants}
+        self.names = frozenset(variable.name for variable in constants)
         users = [variable for section in globals_ for variable in section.variables] + tables
         self._user_values = {id(variable.initial) for variable in users}
 
@@ -95,6 +96,11 @@ class ConstantValues:
                 return None
         value = _of_type(value, wanted) if wanted else value
         return None if value is None else _literal(value, self._resolver.dialect)
+
+    def number(self, name: n.Name, site: Site) -> int | None:
+        """Return the whole number that a constant has; None where it has none, or nothing known."""
+        value = self._named(name, site, 0)
+        return value.value if value is not None and isinstance(value.value, int) else None
 
     def _value(self, tree: n.Expression, site: Site, depth: int) -> LiteralValue | None:
         match n.bare(tree):

@@ -156,6 +156,9 @@ class PathTranslator(ABC):
         if isinstance(type_, t.ReferenceType):
             raise SimulationError(f"{base.path} is a reference: {base.path}^.{name.identifier} is its member")
         part = _PART.fullmatch(name.identifier)
+        if part is None and self.library.is_codesys and isinstance(self.meaning(name), Place | Code):
+            bit = self.value(name, t.DINT)  # CODESYS help, "Bit access in variables": a constant may name the bit
+            part = _PART.fullmatch(str(bit.value)) if bit.constant else None
         if isinstance(type_, t.ScalarType) and type_.is_ranged and part is not None and base.bits is None:
             return self._part(base, type_, part)
         raise SimulationError(f"{print_node(node.base)} is a {type_.name}: it has no {name.identifier}")

@@ -210,6 +210,16 @@ def test_bits_of_words() -> None:
     assert (instance["w"], instance["w.1"], instance["w.%X2"]) == (11, True, False)
 
 
+def test_constants_name_bits_in_codesys() -> None:
+    declared = "w : WORD; b : BOOL; END_VAR VAR CONSTANT B1 : INT := 2; BB : INT := B1 + 1;"
+    instance = main(declared, "w.BB := TRUE; b := w.bb AND NOT w.B1;", Dialect.CODESYS)
+    assert (instance["w"], instance["b"]) == (8, True)
+    project = project_of(f"PROGRAM Main\nVAR {declared} END_VAR\nw.BB := TRUE;\nEND_PROGRAM")
+    controller = Controller(project)
+    controller.instance("Main")
+    assert [problem.message for problem in controller.problems] == ["w is a WORD: it has no BB"]
+
+
 def test_names_that_nobody_declares_are_external_variables() -> None:
     project = project_of(
         "PROGRAM Main\nVAR x : INT; t : TIME; END_VAR\nStart := Motor.Ready AND (Level > 3.5);\nEND_PROGRAM"
