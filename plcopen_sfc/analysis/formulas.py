@@ -35,6 +35,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.literals import LiteralKind, LiteralValue, write_literal
 from plcopen_sfc.languages.st.nodes import Expression, Operator
+from plcopen_sfc.languages.words import folded
 from plcopen_sfc.model.dialect import Dialect
 
 _MOST_FACTORS = 4
@@ -423,6 +424,12 @@ class Formula:
         by_size = operator not in (Operator.EQUAL, Operator.UNEQUAL)
         if by_size and (kind is ValueKind.SYMBOL or (kind is ValueKind.TEXT and not self.guessing)):
             return self._unknown(tree, "compares texts or names by size")
+        is_number = ValueKind.REAL in kinds or kinds == [None, None]
+        if is_number and not self.guessing and self._key(left) == self._key(right):
+            # how programs ask for NaN, which no number of z3 is
+            z3, _ = z3_context()
+            differs = self._atom(n.Operation(Operator.UNEQUAL, (left, right)), ValueKind.BOOL).term
+            return differs if operator is Operator.UNEQUAL else z3.Not(differs)
         return COMPARING[operator](self._value(left, kind), self._value(right, kind))
 
     # -- values
@@ -580,7 +587,7 @@ class Formula:
 
     def _key(self, tree: Expression) -> str:
         """Equal keys, equal values. Calls may answer differently each time, but for standard functions."""
-        text = print_node(tree).casefold()
+        text = folded(print_node(tree))
         calls = [node for node in walk(tree) if isinstance(node, n.Call)]
         if any(not is_standard_call(call) for call in calls):
             return f"{text} at {id(tree)}"

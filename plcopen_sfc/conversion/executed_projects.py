@@ -31,7 +31,6 @@ from plcopen_sfc.conversion.meaning import (
     Meaning,
     address_meaning,
     code_meaning,
-    folded,
     plain,
     type_meaning,
 )
@@ -49,6 +48,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.languages.standard_blocks import BOUND_FUNCTIONS, standard_block
 from plcopen_sfc.languages.task_schedules import schedule_of
+from plcopen_sfc.languages.words import folded
 from plcopen_sfc.model.base import Element, ForeignData
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.chart_settings import SfcFlag

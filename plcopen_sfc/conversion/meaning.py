@@ -7,10 +7,8 @@ forms are made only where the texts differ: most texts of a conversion do not.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
-from itertools import zip_longest
 from typing import Any, TypeVar
 
 from plcopen_sfc.languages.declarations.declaration_writing import write_type
@@ -18,6 +16,7 @@ from plcopen_sfc.languages.networks import NetworkExpression, NetworkText, body_
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform, walk
 from plcopen_sfc.languages.st.literals import LiteralError, literal_value
+from plcopen_sfc.languages.words import folded
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.dialect import COUNTING_BYTES, Dialect
@@ -297,15 +296,3 @@ def plain(thing: Any) -> Hashable:
     if isinstance(thing, dict):
         return tuple(sorted((str(key), plain(value)) for key, value in thing.items()))
     return folded(thing) if isinstance(thing, str) else thing
-
-
-_STRINGS = re.compile(r"""'(?:\$.|[^'$\r\n])*'|"(?:\$.|[^"$\r\n])*\"""")
-
-
-def folded(text: str) -> str:
-    """Return a text in lower case but for the strings in it: ``Mode = 'AUTO'`` is not ``mode = 'auto'``."""
-    if "'" not in text and '"' not in text:
-        return text.casefold()
-    strings = _STRINGS.findall(text)
-    between = [part.casefold() for part in _STRINGS.split(text)]
-    return "".join(part for pair in zip_longest(between, strings, fillvalue="") for part in pair)

@@ -61,7 +61,9 @@ def report_execution(
     changed = {(difference.path, difference.aspect) for difference in found}
     said = {name for item in report.items if item.outcome in LOSSES for name in _IN_PLACE.findall(item.why)}
     replaced = {_bare(item.path) for item in report.items if item.outcome in LOSSES and _IN_PLACE.search(item.why)}
-    noticed = {item.path for item in report.items if item.outcome is not Outcome.KEPT}
+    spelt = {around.casefold(): around for each in found for around in ObjectPath.of(each.path).outwards()}
+    paths = (item.path for item in report.items if item.outcome is not Outcome.KEPT)
+    noticed = {spelt.get(path.casefold(), path) for path in paths}  # a writer may spell a name as a use of it does
     around_noticed = {around for path in noticed for around in ObjectPath.of(path).outwards()}
     words = {
         word.casefold()

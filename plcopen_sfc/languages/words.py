@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import zip_longest
 
 from plcopen_sfc.languages.st.lexer import STATEMENT_KEYWORDS
 from plcopen_sfc.model.dialect import Dialect
@@ -84,3 +85,15 @@ def objection(name: str, dialect: Dialect) -> str:
         # tools take them, the standard does not: those that exist already stay as they are
         return "" if dialect is not Dialect.IEC else "underscores stand alone and not at the end of a name"
     return ""
+
+
+_STRINGS = re.compile(r"""'(?:\$.|[^'$\r\n])*'|"(?:\$.|[^"$\r\n])*\"""")
+
+
+def folded(text: str) -> str:
+    """Return a text in lower case but for the strings in it: ``Mode = 'AUTO'`` is not ``mode = 'auto'``."""
+    if "'" not in text and '"' not in text:
+        return text.casefold()
+    strings = _STRINGS.findall(text)
+    between = [part.casefold() for part in _STRINGS.split(text)]
+    return "".join(part for pair in zip_longest(between, strings, fillvalue="") for part in pair)

@@ -548,18 +548,22 @@ END_PROGRAM
             ("v <> 'Auto'", "v <> 'AUTO'", 1),
             ('w = "Auto"', 'w = "AUTO"', 1),
             (":= 'x'", ":= 'X'", 1),
+            ("FIND(v, 'a') > 0", "FIND(v, 'A') > 0", 1),
+            ("r <> r", "FALSE", 1),  # r may be no number
+            ("r <> r", "R <> R", 0),
         ],
     )
     def test_the_case_of_strings_counts_and_that_of_names_does_not(self, old, new, changes):
         text = """PROGRAM Main
-VAR_INPUT s : STRING; w : WSTRING; END_VAR
+VAR_INPUT s : STRING; w : WSTRING; r : REAL; END_VAR
 VAR v : STRING := 'x'; END_VAR
-VAR_OUTPUT q, r : BOOL; END_VAR
+VAR_OUTPUT q, o : BOOL; END_VAR
 INITIAL_STEP Init: q(N); END_STEP
 TRANSITION FROM Init TO Fill := s = 'Auto'; END_TRANSITION
 STEP Fill: Act(N); END_STEP
 TRANSITION FROM Fill TO Init := w = "Auto"; END_TRANSITION
-ACTION Act: r := v <> 'Auto'; END_ACTION
+TRANSITION FROM Fill TO Fill := FIND(v, 'a') > 0 OR r <> r; END_TRANSITION
+ACTION Act: o := v <> 'Auto'; END_ACTION
 END_PROGRAM
 """
         before, after = (sfc.loads(each.encode(), format="iec-text") for each in (text, text.replace(old, new)))

@@ -342,6 +342,15 @@ def test_a_step_with_the_name_of_a_variable_gets_another_and_its_own_again(targe
     assert condition.text == "S2.X AND NOT s2"
 
 
+def test_names_in_another_case_are_no_mistake_of_the_writer() -> None:
+    text = CHART.format(
+        first="aa(P1);", second="AA(N);", initial="", edge="", actions="ACTION Aa: m := m + 1; END_ACTION"
+    )
+    report = saved(sfc.loads(text.encode(), format="iec-text"), "codesys", partial=True)
+    assert {item.path for item in report.losses} == {"POU Main / step S1 / action Aa"}
+    assert not any("please report" in item.why for item in report.items)
+
+
 def test_global_variables_of_no_list_are_run_where_they_are_in_one(tmp_path: Path) -> None:
     text = CHART.format(first="q(N);", second="", initial="", edge="", actions="")
     variables = "level AT %IW2 : INT; other AT %IW4 : INT; limit : REAL := 0.5;"
