@@ -212,6 +212,13 @@ def check_import(project: Project, tool: str) -> list[Diagnostic]:
         limits = ConversionReport()
         note_limits(project, own, limits)
         losses += limits.with_outcome(Outcome.NOT_EXECUTED)
+    if kind == format == "simaticml":
+        from plcopen_sfc.refactor.dialect_translation import compute_constants  # noqa: PLC0415  # here alone
+
+        calculated = ConversionReport()
+        for place in compute_constants(project.model_copy(deep=True)):
+            calculated.add(Outcome.NOT_EXECUTED, place.what, place.path, place.notes[0].reason)
+        losses += calculated.items
     found = [
         Diagnostic(
             "IMP001" if item.outcome is Outcome.NOT_EXECUTED else "IMP002",

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from plcopen_sfc.conversion import Part, executed
 from plcopen_sfc.conversion.adaptation import rewrite_project
@@ -43,6 +43,9 @@ from plcopen_sfc.semantics.profile import (
     profile_as,
     profile_of_format,
 )
+
+if TYPE_CHECKING:
+    from plcopen_sfc.refactor.dialect_translation import TranslatedText
 
 
 class Prepared(NamedTuple):
@@ -106,6 +109,10 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         calls_actions = kind.name == TIA_FORMAT  # its writer puts statements in the place of the calls
         wholly = bool(options.flavour)
         _put_into_dialect(copy, dialect, addresses, report, wholly=wholly, calls_actions=calls_actions)
+    if kind.name == TIA_FORMAT and project.dialect is Dialect.SCL and not options.same:
+        from plcopen_sfc.refactor.dialect_translation import compute_constants  # noqa: PLC0415  # rarely needed
+
+        _note_texts(compute_constants(copy), report)
     if kind.tool and not options.same:
         give_legal_names(copy, kind.dialect, kind.tool, report)
         give_step_names(copy, kind.dialect, kind.tool, report)
@@ -371,13 +378,19 @@ def _put_into_dialect(
         project.dialect = dialect
     else:
         texts = translate_project(project, dialect, calls_actions=calls_actions, addresses=addresses)
+    _note_texts(texts, report)
+    for text in texts:
+        if text.changed and not text.notes:
+            report.add(Outcome.TRANSLATED, "text", text.path, f"from {own} into {dialect}")
+
+
+def _note_texts(texts: Iterable[TranslatedText], report: ConversionReport) -> None:
+    """Report what the translation of texts noted."""
     for text in texts:
         for note in text.notes:
             outcome = _OUTCOMES[note.severity]
             line = f"line {note.line}: " if text.what == "text" else ""
             report.add(outcome, text.what, text.path, f"{line}{note.reason}")
-        if text.changed and not text.notes:
-            report.add(Outcome.TRANSLATED, "text", text.path, f"from {own} into {dialect}")
 
 
 _OUTCOMES = {

@@ -106,7 +106,8 @@ def translate_project(
     """
     source, target = project.dialect, Dialect(target)
     counting = (project.address_dialect, addresses or target)
-    computed = [*_compute_constants(project, target), *_number_bits(project, target)]
+    computed = compute_constants(project) if target is Dialect.SCL and source is not target else []
+    computed += _number_bits(project, target)
     functions = {
         pou.name.casefold(): [v.name for kind in _ARGUMENTS for v in pou.variables(kind)]
         for pou in project.pous
@@ -151,10 +152,8 @@ def translate_project(
     return found
 
 
-def _compute_constants(project: Project, target: Dialect) -> list[TranslatedText]:
+def compute_constants(project: Project) -> list[TranslatedText]:
     """Write the values of calculated start values, bounds and lengths, where S7 takes one literal or constant."""
-    if target is not Dialect.SCL or project.dialect is Dialect.SCL:
-        return []
     values = ConstantValues(Resolver(project, project.dialect))
     calculated = [text_site for text_site in text_sites(project) if values.is_calculated(text_site)]
     literals = [values.literal(text_site) for text_site in calculated]

@@ -10,6 +10,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.api import convert
 from plcopen_sfc.conversion import compare, executed
+from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.report import Outcome
 
 TARGETS = ("codesys", "plcopen-2.01", "plcopen-1.01", "scl", "simaticml")
@@ -289,3 +290,21 @@ def test_calculated_constants_are_values_in_tia_portal(declared: str, written: s
         assert (written in text) if written else "constant expression" in lost, (dialect, lost)
         assert not written or not lost, report.losses
         assert not any(verdict.startswith("different") for verdict in report.compared.values())
+
+
+def test_calculations_in_files_of_tia_portal_are_errors_before_an_import() -> None:
+    project = sfc.loads((CALCULATED % ("codesys", "GVL.", "INT := L2")).encode(), format="iec-text")
+    good = convert(project, "simaticml", limit=3)[0].replace(b' encoding="utf-8"', b"")
+    assert not [each for each in sfc.check_import(sfc.loads(good), "tia") if each.message.startswith("constant expr")]
+    bad = good.replace(b"<StartValue>11</StartValue>", b'<StartValue>#L1 + "K2"</StartValue>')
+    bad = bad.replace(b"<StartValue>#L2</StartValue>", b"<StartValue>#L2 * 2</StartValue>")
+    found = [each for each in sfc.check_import(sfc.loads(bad), "tia") if each.message.startswith("constant expr")]
+    assert [(each.code, each.severity) for each in found] == [("IMP001", Severity.ERROR)] * 2
+
+
+def test_calculations_in_scl_are_values_in_simaticml() -> None:
+    text = BLOCK.replace("n : Int := 5;", "n : Int := 2 * 3 + 1;").replace("1..3", "1..2 + 1")
+    data, report = convert(load(text), "simaticml")
+    assert not report.losses
+    assert b"<StartValue>7</StartValue>" in data
+    assert b"Array[1..3] of Int" in data
