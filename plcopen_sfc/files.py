@@ -22,6 +22,7 @@ _READ_REASONS = {
     errno.EISDIR: ("this is a folder, not a file", "Name a file inside it."),
     errno.EACCES: ("no right to read the file", "Check the file's permissions and whether another program locks it."),
     errno.EPERM: ("no right to read the file", "Check the file's permissions and whether another program locks it."),
+    errno.ENXIO: ("this is a device, not a file", "Name a file; - is the standard input."),
     errno.ENAMETOOLONG: ("the path is too long for this system", "Use a shorter path."),
     errno.ELOOP: ("the path is a symbolic link that leads back to itself", "Repair the link."),
 }
@@ -68,6 +69,8 @@ def read_bytes(path: str | os.PathLike[str]) -> bytes:
     try:
         if Path(path).is_dir():  # Windows reports "no rights" for a folder
             raise IsADirectoryError(errno.EISDIR, "is a directory")
+        if Path(path).is_char_device() or Path(path).is_block_device():  # /dev/zero has no end
+            raise OSError(errno.ENXIO, "is a device")
         return Path(path).read_bytes()
     except (OSError, ValueError) as error:  # ValueError: a path with a NUL character
         raise _failure(path, error, _READ_REASONS, "cannot be read") from error

@@ -35,6 +35,12 @@ def test_reads_what_was_written(tmp_path: Path) -> None:
     assert _names(tmp_path) == ["Förderer.xml"]
 
 
+@posix_only
+def test_a_device_is_no_file() -> None:
+    with pytest.raises(FileAccessError, match="is a device"):
+        read_bytes("/dev/zero")
+
+
 @pytest.mark.parametrize(
     ("name", "message"),
     [

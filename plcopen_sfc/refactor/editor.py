@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache, wraps
@@ -396,6 +397,8 @@ class Editor:
 
 def _name(form: str, number: int, name: str) -> str:
     try:
+        if any(len(digits) > _DIGITS for digits in re.findall(r"\d+", form)):
+            raise ValueError(form)  # a width that fills the memory
         return form.format(number=number, name=name)
     except (KeyError, IndexError, ValueError, AttributeError):
         raise ModelError(
@@ -403,6 +406,8 @@ def _name(form: str, number: int, name: str) -> str:
         ) from None
 
 
+_DIGITS = 3
+"""Digits of a width in a form of names: a name has fewer than 1,000 characters."""
 _STRUCTURE = {
     "name": "rename",
     "id": "no other: ids are the affair of the chart",

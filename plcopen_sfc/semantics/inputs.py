@@ -208,16 +208,18 @@ class CsvInputs:
         else:
             return list(range(len(self.rows)))
         starts: list[int] = []
+        last = 0
         for row in self.rows:
             cell = row.cells[place].strip()
             location = Location(self.file, row.line)
             try:
-                start = -(-_nanoseconds(cell) // unit) if unit else int(cell)
+                at = _nanoseconds(cell) if unit else int(cell)
             except ValueError:
                 raise InputError(f"{self.headers[place]}: {cell!r} is no number", location=location) from None
-            if start < (starts[-1] if starts else 0):
+            if at < last:
                 raise InputError(f"{self.headers[place]}: {cell} is behind a later row", location=location)
-            starts.append(start)
+            last = at
+            starts.append(-(-at // unit) if unit else at)
         return starts
 
     def _check_shape(self, header_line: int) -> None:

@@ -197,6 +197,7 @@ REFUSED: list[tuple[Callable[[Editor, sfc.Project], Any], str]] = [
     (lambda e, p: e.renumber(charts=[p.pou("Main").chart]), "have no numbers"),  # type: ignore[list-item]
     (lambda e, p: e.renumber(names="S"), "gets this name too"),
     (lambda e, p: e.renumber(names="S{no}"), "is no form of names"),
+    (lambda e, p: e.renumber(names="S{number:0999999999}"), "is no form of names"),
     (lambda e, p: e.add_branch(find(p, "Fill"), "x", step("New"), "y"), "ends with a step or a jump"),
     (lambda e, p: e.copy_pou(plant(), "Main"), "has a POU 'Main' already"),
     (lambda e, p: e.set(sfc.Step(id=1, name="A"), targets=[1]), "Use retarget"),

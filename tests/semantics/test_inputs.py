@@ -82,6 +82,7 @@ def test_excel_says_its_separator_and_booleans_in_german() -> None:
         ("time ms;Start\nx;1", 2, "time ms: 'x' is no number"),
         ("scan no;Start\n1.5;1", 2, "scan no: '1.5' is no number"),
         ("scan no;Start\n3;1\n2;0", 3, "is behind a later row"),
+        ("time ms;Start\n10;1\n5;0", 3, "is behind a later row"),
         ("Level\n1e99", 2, "does not fit the type REAL"),
     ],
 )
