@@ -19,6 +19,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, Token, tokenize
 from plcopen_sfc.languages.st.nodes import Node, Span
 from plcopen_sfc.languages.st.parsing import Parsed, parse_declarations
+from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.variables import (
@@ -513,7 +514,7 @@ class _Reader:
 
     # -- values
 
-    def _value(self, node: d.InitialValue) -> t.Value:
+    def _value(self, node: d.InitialValue | d.Repetition) -> t.Value:
         match node:
             case d.ArrayValueNode(items):
                 return t.ArrayValue(items=list(map(self._repeated, items)))
@@ -526,10 +527,19 @@ class _Reader:
                 return t.SimpleValue(text=self._slice(node))
 
     def _repeated(self, node: d.InitialValue | d.Repetition) -> t.RepeatedValue:
-        if isinstance(node, d.Repetition):
+        if isinstance(node, d.Repetition) and not _is_function(node.count):
             value = self._value(node.value) if node.value is not None else t.SimpleValue()
             return t.RepeatedValue(value=value, repetitions=self._slice(node.count))
         return t.RepeatedValue(value=self._value(node))
+
+
+def _is_function(count: n.Expression) -> bool:
+    """True for a name before parentheses that calls something: ``ADR(a)`` is no repetition."""
+    name = count.identifier.upper() if isinstance(count, n.Name) else ""
+    return name in _ADDRESSES or standard_block(name) is not None
+
+
+_ADDRESSES = frozenset({"ADR", "BITADR", "SIZEOF", "XSIZEOF"})
 
 
 _FLAGS = {"CONSTANT": "constant", "RETAIN": "retain", "NON_RETAIN": "nonretain", "PERSISTENT": "persistent"}

@@ -111,10 +111,11 @@ def test_references() -> None:
     body = "p := ADR(a); p^ := 5; r REF= b; r := a + 1; ok := __ISVALIDREF(r); same := p = ADR(a);"
     instance = main("a, b : INT; p : POINTER TO INT; r : REFERENCE TO INT; ok, same : BOOL;", body, Dialect.CODESYS)
     assert [instance[n] for n in ("a", "b", "ok", "same")] == [5, 6, True, True]
-    declared = "a : INT := 3; b : INT := 4; p : POINTER TO INT := ADR(b); s : Pair := (p := ADR(a)); c, d : INT;"
+    declared = "a : INT := 3; b : INT := 4; p : POINTER TO INT := ADR(b); s : Pair := (p := ADR(a)); c, d, e : INT; "
+    declared += "l : ARRAY[0..1] OF POINTER TO INT := [ADR(a), ADR(b)];"
     more = "TYPE Pair : STRUCT p : POINTER TO INT; END_STRUCT; END_TYPE"
-    instance = main(declared, "p^ := p^ + 1; c := s.p^; d := p^;", Dialect.CODESYS, more)
-    assert [instance[n] for n in ("b", "c", "d")] == [5, 3, 5]
+    instance = main(declared, "p^ := p^ + 1; c := s.p^; d := p^; e := l[1]^;", Dialect.CODESYS, more)
+    assert [instance[n] for n in ("b", "c", "d", "e")] == [5, 3, 5, 5]
     with pytest.raises(SimulationError, match="leads to nothing"):
         main("p : POINTER TO INT;", "p^ := 5;", Dialect.CODESYS)
 
