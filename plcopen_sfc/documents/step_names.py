@@ -131,8 +131,10 @@ def _clashing_steps(project: Project) -> Iterator[tuple[str, str, str]]:
         taken |= {(transition.name or "").casefold() for transition in chart.chart.transitions}
         for step in chart.chart.steps:
             if step.name.casefold() in variables:
-                new = f"{step.name}_step"
+                new = stem = f"{step.name}_step"
+                number = 1
                 while new.casefold() in taken:
-                    new += "_"
+                    number += 1
+                    new = f"{stem}_{number}"
                 taken.add(new.casefold())
                 yield chart.report_path, step.name, new

@@ -326,15 +326,17 @@ def test_names_of_steps_and_variables_are_told_apart_in_s7_graph() -> None:
 
 
 @pytest.mark.parametrize("target", ["simaticml", "codesys", "codesys23"])
-def test_a_step_with_the_name_of_a_variable_gets_another_and_its_own_again(target: str) -> None:
+@pytest.mark.parametrize("is_taken", [False, True])
+def test_a_step_with_the_name_of_a_variable_gets_another_and_its_own_again(target: str, is_taken: bool) -> None:
     text = CHART.format(first="q(N);", second="", initial="", edge="", actions="").replace(
-        "m : INT", "m : INT; s2 : BOOL"
+        "m : INT", f"m : INT; s2{', S2_step' * is_taken} : BOOL"
     )
     text = text.replace("FROM S2 TO S0 := a;", "FROM S2 TO S0 := S2.X AND NOT s2;")
     data, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), target)
-    assert [item.path for item in report.items if "S2_step in" in item.why] == ["POU Main / step S2"]
+    new = "S2_step_2" if is_taken else "S2_step"
+    assert [item.path for item in report.items if f"{new} in" in item.why] == ["POU Main / step S2"]
     written = sfc.loads(data)
-    assert [step.name for step in written.pou("Main").sfc.steps] == ["S0", "S1", "S2_step"]
+    assert [step.name for step in written.pou("Main").sfc.steps] == ["S0", "S1", new]
     again = sfc.loads(sfc.dumps(written, format="plcopen", partial=True)).pou("Main").sfc
     assert [step.name for step in again.steps] == ["S0", "S1", "S2"]
     condition = again.transitions[2].condition
