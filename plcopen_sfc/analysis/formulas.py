@@ -425,7 +425,8 @@ class Formula:
         if by_size and (kind is ValueKind.SYMBOL or (kind is ValueKind.TEXT and not self.guessing)):
             return self._unknown(tree, "compares texts or names by size")
         is_number = ValueKind.REAL in kinds or kinds == [None, None]
-        if is_number and not self.guessing and self._key(left) == self._key(right):
+        is_name = isinstance(n.bare(left), n.Name | n.Member | n.Index)
+        if is_number and is_name and not self.guessing and self._key(left) == self._key(right):
             # how programs ask for NaN, which no number of z3 is
             z3, _ = z3_context()
             differs = self._atom(n.Operation(Operator.UNEQUAL, (left, right)), ValueKind.BOOL).term

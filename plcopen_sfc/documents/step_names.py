@@ -52,14 +52,14 @@ def give_step_names(copy: Project, dialect: Dialect | None, tool: str, report: C
 def give_legal_names(copy: Project, dialect: Dialect | None, tool: str, report: ConversionReport) -> None:
     """Rename what a copy declares under names that are no identifiers in CODESYS, CoDeSys 2.3 and TwinCAT.
 
-    These take letters without accents, digits and single underscores (CODESYS V3 online help, "Identifiers"). The
-    project keeps the names of the source, and what it declares gets them in tools of other dialects again.
+    These take letters without accents, digits and underscores (CODESYS V3 online help, "Identifiers"; doubled
+    underscores, which it excludes, are in real exports). The project keeps the names of the source, and what it
+    declares gets them in tools of other dialects again.
     """
     from plcopen_sfc.languages.binding import Names  # noqa: PLC0415  # brings the parser
     from plcopen_sfc.languages.translation.renames import (  # noqa: PLC0415
         DECLARED_DATA,
         identifier,
-        is_identifier,
         keep_table,
         kept_table,
     )
@@ -73,7 +73,7 @@ def give_legal_names(copy: Project, dialect: Dialect | None, tool: str, report: 
     if there:
         taken = {each.name.casefold() for each in declared}
         for each in declared:
-            if is_identifier(each.name) or each.kind in (Kind.INSTANCE, Kind.NAMESPACE):
+            if each.name.isascii() or each.kind in (Kind.INSTANCE, Kind.NAMESPACE):
                 continue
             stem = new = identifier(each.name)
             number = 1
@@ -90,7 +90,7 @@ def give_legal_names(copy: Project, dialect: Dialect | None, tool: str, report: 
             if (each.path.casefold(), each.name.casefold()) in old_names
         }
     outcome = Outcome.NOT_EXECUTED if there else Outcome.TRANSLATED
-    why = f"{tool} takes letters without accents, digits and single underscores"
+    why = f"{tool} takes letters without accents, digits and underscores"
     why = why if there else "as in the file that it was converted from"
     done: list[tuple[Declaration, str]] = []
     for part in ([table] if table else []) + [{each: new} for each, new in table.items()]:

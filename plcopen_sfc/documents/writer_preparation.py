@@ -324,8 +324,9 @@ def _put_into_notation(project: Project, kind: Format, report: ConversionReport)
 
 
 def _writes_statements(kind: Format) -> bool:
-    """True if a tool executes statements in the place of networks that it cannot draw."""
-    return bool(kind.tool) and kind.networks is not NetworkForm.DRAWN
+    """True if statements stand for networks that the format cannot draw; text keeps the drawing of these beside it."""
+    is_text = kind.networks is NetworkForm.STATEMENTS and kind.charts is None
+    return bool(kind.tool) and kind.networks is not NetworkForm.DRAWN and not is_text
 
 
 def _has_drawn_bodies(project: Project) -> bool:
@@ -349,8 +350,7 @@ def _in_structured_text(project: Project, kind: Format, report: ConversionReport
     for source, tool in SOURCES.items():
         for path in write_exported_networks_as_statements(project, source) if kind.name != source else ():
             report.add(Outcome.TRANSLATED, "body", path, f"from networks of {tool} into structured text")
-    is_kept = kind.networks is NetworkForm.STATEMENTS and kind.charts is None
-    for path in write_drawn_bodies_as_statements(project, keeps=is_kept) if _writes_statements(kind) else ():
+    for path in write_drawn_bodies_as_statements(project) if _writes_statements(kind) else ():
         report.add(Outcome.TRANSLATED, "body", path, "from a drawing into structured text")
 
 

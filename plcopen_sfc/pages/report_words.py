@@ -615,8 +615,8 @@ _NOT_EXECUTED = {
     "a {+} is called {} too: TIA Portal does not compile it": (
         "{} mit demselben Namen {}: TIA Portal übersetzt das nicht"
     ),
-    "{} in {+}: {+} takes letters without accents, digits and single underscores": (
-        "{} in {}: {} nimmt Buchstaben ohne Akzente, Ziffern und einzelne Unterstriche"
+    "{} in {+}: {+} takes letters without accents, digits and underscores": (
+        "{} in {}: {} nimmt Buchstaben ohne Akzente, Ziffern und Unterstriche"
     ),
     "{} in {}: a variable of the POU has its name": "{} in {}: eine Variable des Bausteins heißt so",
     "{} in {}: as in the file that it was converted from": "{} in {}: wie in der Datei, aus der er umgewandelt wurde",

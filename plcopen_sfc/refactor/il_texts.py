@@ -79,11 +79,10 @@ def _written(project: Project, as_statements: Callable[[Body | str | None, Diale
                     yield f"{chart.report_path} / step {step.name}"
 
 
-def write_drawn_bodies_as_statements(project: Project, *, keeps: bool) -> Iterator[str]:
+def write_drawn_bodies_as_statements(project: Project) -> Iterator[str]:
     """Write drawn bodies of POUs, actions and methods as structured text, and yield the paths of their owners.
 
-    Variables that they need are declared. `keeps`: the writer keeps the drawing of those that need none beside
-    statements, so these stay. A function keeps no variables: a body of one that needs such stays drawn.
+    Variables that they need are declared. A function keeps no variables: a body of one that needs such stays drawn.
     """
     dialect = dialect_of(project)
     resolver = Resolver(project, dialect)
@@ -95,7 +94,7 @@ def write_drawn_bodies_as_statements(project: Project, *, keeps: bool) -> Iterat
                 text = None
                 if isinstance(body, FbdBody | LdBody):
                     text = _with_variables(pou, owner, body, resolver)
-                    if text is None and not keeps:
+                    if text is None:
                         text = shown_body(body, dialect)
                 if text is None or body is None:
                     continue

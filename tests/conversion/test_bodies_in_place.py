@@ -116,12 +116,12 @@ def test_a_block_called_before_a_condition_is_refused_once_in_text(tmp_path: Pat
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("target", [*CODESYS_FAMILY[1:], "iec-text"])
+@pytest.mark.parametrize("target", CODESYS_FAMILY[1:])
 @pytest.mark.parametrize("where", ["action", "pou"])
 def test_drawn_bodies_that_keep_something_get_variables_in_text(target: str, where: str, tmp_path: Path) -> None:
     """Their text was left out with `cannot be written`, as the variable of a wire or an edge is not declared."""
     project = program(BODIES["ST"], "c")
-    project.dialect = Dialect.CODESYS if target in CODESYS_FAMILY else Dialect.IEC  # the same final scans
+    project.dialect = Dialect.CODESYS  # the same final scans
     (pou,) = project.pous
     assert pou.interface is not None
     outputs = [Variable(name="m", type="INT"), Variable(name="r", type="BOOL")]
