@@ -18,12 +18,13 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.report import Use
 
-_SHOWING = (SfcFlag.CURRENT_STEP, SfcFlag.ERROR_STEP)
+SHOWING_FLAGS = (SfcFlag.CURRENT_STEP.variable, SfcFlag.ERROR_STEP.variable)
+"""The SFC flags that hold the name of a step."""
 
 
 def shows_names_of_steps(names: Names) -> bool:
     """True if a text of the project reads the name of a step in an SFC flag."""
-    found = names.occurrences(*(flag.variable for flag in _SHOWING))
+    found = names.occurrences(*SHOWING_FLAGS)
     return any(not each.reference.declares for each in found)
 
 

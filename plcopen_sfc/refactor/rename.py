@@ -18,10 +18,11 @@ from plcopen_sfc.errors import Location, ModelError, check_argument
 from plcopen_sfc.languages.binding.name_sites import Reference
 from plcopen_sfc.languages.binding.name_uses import Names, Occurrence, unique_declaration
 from plcopen_sfc.languages.binding.text_sites import Role, SiteKind, TextSite
-from plcopen_sfc.languages.executed_names import reordered, shows_names_of_steps, texts_with_name
+from plcopen_sfc.languages.executed_names import SHOWING_FLAGS, reordered, texts_with_name
 from plcopen_sfc.languages.grafcet_conditions import OVERLINE
 from plcopen_sfc.languages.st.nodes import Quoting
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
+from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.languages.words import needs_quotes, objection
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.chart_settings import SfcFlag
@@ -95,10 +96,13 @@ def _beside(names: Names, declaration: Declaration, wanted: Wanted) -> Iterator[
                     yield f"the {other} gets this name too"
 
 
-def _executed_names(names: Names, declaration: Declaration, new: str) -> Iterator[Undecided]:
-    """Yield what a tool does otherwise because of the new name of a step or an action."""
-    if declaration.kind is Kind.STEP and shows_names_of_steps(names):
-        for use in texts_with_name(names, declaration.name):
+def _executed_names(names: Names, declaration: Declaration, new: str, *, is_shown: bool) -> Iterator[Undecided]:
+    """Yield what a tool does otherwise because of the new name of a step or an action.
+
+    `is_shown`: something reads the name of a step in an SFC flag.
+    """
+    if declaration.kind is Kind.STEP:
+        for use in texts_with_name(names, declaration.name) if is_shown else ():
             yield Undecided(use, "a text, which an SFC flag may be compared with: it keeps the old name of the step")
     elif declaration.kind is Kind.ACTION and declaration.pou is not None:
         passed = reordered(declaration.pou, declaration.name, new, names.project.dialect)
@@ -224,7 +228,12 @@ def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: 
     wanted = {declaration: new for declaration, new in table.items() if new != declaration.name}
     for declaration, new in wanted.items():
         _check_name(names, declaration, new)
-    found = list(names.occurrences(*(d.name for d in wanted), *wanted.values(), of=wanted))
+    is_shown = family(names.dialect) is Dialect.CODESYS and any(each.kind is Kind.STEP for each in wanted)
+    flags = {name.casefold() for name in SHOWING_FLAGS} if is_shown else set()
+    flags -= {name.casefold() for each, new in wanted.items() for name in (each.name, new)}
+    found = list(names.occurrences(*(d.name for d in wanted), *wanted.values(), *flags, of=wanted))  # in one pass
+    is_shown = any(each.reference.name.casefold() in flags and not each.reference.declares for each in found)
+    found = [each for each in found if each.reference.name.casefold() not in flags]
     by_name: dict[str, list[Occurrence]] = {}
     for occurrence in found:
         by_name.setdefault(occurrence.reference.name.casefold(), []).append(occurrence)
@@ -237,7 +246,8 @@ def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: 
             _refuse(declaration, new, visible_clashes(names, declaration, uses, wanted))
         # the places are described as they are before the rename
         undecided = tuple(Undecided(o.use, o.meaning.doubt) for o in own if o.may_refer_to(declaration))
-        undecided += tuple(_executed_names(names, declaration, new)) if declaration in wanted else ()
+        if declaration in wanted:
+            undecided += tuple(_executed_names(names, declaration, new, is_shown=is_shown))
         changed = tuple(occurrence.use for occurrence in uses)
         results.append(RenameResult(declaration.path, declaration.name, new, changed, undecided))
         if declaration in wanted:
