@@ -10,8 +10,12 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import Outcome
 from plcopen_sfc import model as m
+from plcopen_sfc.analysis.equivalence import equivalent
 from plcopen_sfc.model.compare import differences
+from plcopen_sfc.semantics.profile import default_profile
 from plcopen_sfc.semantics.programs import Controller
+from plcopen_sfc.semantics.subjects import resolve
+from tests.samples import FIXTURES
 
 TARGETS = ["simaticml", "scl"]
 STATION = """
@@ -89,6 +93,33 @@ def test_an_organization_block_runs_what_the_task_ran() -> None:
         caller.scan()
         outputs.append(caller["Valve"])
     assert outputs == [False, True, True, False, False]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("target", "caller"), [("codesys", "MainTask"), ("plcopen", "Programs")])
+def test_the_machine_of_a_plc_runs_as_a_whole_there_and_back(target: str, caller: str) -> None:
+    """OB1 calls the blocks, with inputs and outputs at addresses: no scan of the whole differs in either direction.
+
+    OB1 gives the sequencer no inputs, so that most of its steps are not reached: these runs are no proof of it.
+    """
+    source = sfc.load(FIXTURES / "simaticml-plc")
+    there = sfc.loads(sfc.convert(source, target, partial=True)[0], as_tool=True)
+    back = sfc.loads(sfc.convert(there, "simaticml", partial=True)[0], as_tool=True)
+    renamed = {"Production_data.Production": "Production", "GlobalVariables.Production": "Production_data.Production"}
+    for one, other, program in ((source, there, "Main"), (there, back, caller)):
+        verdict = equivalent(
+            resolve(one, "Main"),
+            resolve(other, program),
+            profile=(default_profile(one), default_profile(other)),
+            inputs=renamed,
+            free_inputs="all",
+            delay="auto",
+            cap=200,
+            runs=5,
+            scans=60,
+        )
+        assert not verdict.different, verdict
+        assert {name.rpartition(".")[2] for name in verdict.inputs} == {"Start", "Stop", "GuardClosed", "done"}
 
 
 def test_the_cycle_time_of_an_interrupt_is_left_to_the_user() -> None:
