@@ -48,6 +48,8 @@ def report_execution(
     mistake of this package, and the item names it so. `called` gives the paths in the source of what has another
     name in the target.
     """
+    report.items = [replace(item, path=in_the_source(item.path, called)) for item in report.items]
+    differences = [_of_the_source(difference, called) for difference in differences]
     refused = {item.path for item in report.losses if item.what == "hierarchy"}
     report.items = [item for item in report.items if not _is_of_refused(item, refused)]
     settled = Counter(
@@ -114,6 +116,12 @@ def report_execution(
             why += UNSAID
         report.items.append(Item(_outcome(difference), what, place, why))
     report.items = [item for item in report.items if not _is_superseded(item, told)]
+
+
+def _of_the_source(difference: ExecutionDifference, called: Mapping[str, str]) -> ExecutionDifference:
+    """Return a difference with the paths that its parts have in the source."""
+    steps = tuple(in_the_source(step, called) for step in difference.steps)
+    return replace(difference, path=in_the_source(difference.path, called), steps=steps)
 
 
 def _unnumbered(path: str) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from plcopen_sfc.conversion import Part, executed
 from plcopen_sfc.conversion.adaptation import rewrite_project
+from plcopen_sfc.conversion.adaptation.called_programs import adapt_programs
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.documents.step_names import give_legal_names, give_step_names
 from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, NetworkForm, WriteOptions
@@ -91,6 +92,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         give_step_names(copy, kind.dialect, kind.tool, report)
         if not of_grafcet:  # its names follow rules of their own
             give_legal_names(copy, kind.dialect, kind.tool, report)
+        adapt_programs(copy, dialect, kind.tool, report)
     if kind.xml and kind.name != TIA_FORMAT and project.dialect is Dialect.SCL and dialect not in (None, Dialect.SCL):
         translate_boxes(copy, dialect, kind.tool, report)
     if of_grafcet:

@@ -587,6 +587,14 @@ _NOT_EXECUTED = {
     "{} is ruled, and a step of it can be activated twice": (
         "{} wird gesteuert, und ein Schritt davon kann zweimal aktiviert werden"
     ),
+    "the function block {} with the global instance {}: others name it or its variables": (
+        "der Funktionsbaustein {} mit der globalen Instanz {}: andere nennen das Programm oder seine Variablen"
+    ),
+    "an instance": "eine Instanz",
+    "it calls the instance {}, for tasks of {+}": "es ruft die Instanz {} auf, für Tasks von {}",
+    "the program {}, which calls the instance": "das Programm {}, das die Instanz aufruft",
+    "the program {}": "das Programm {}",
+    "the flags of the chart wait for {}, too": "auch die Merker der Kette warten auf {}",
     "`{}` is a program: in {+} others can neither call it nor read its variables": (
         "`{}` ist ein Programm: in {} können andere es weder aufrufen noch seine Variablen lesen"
     ),

@@ -165,7 +165,11 @@ CASES = {
         IN_CODESYS
         + b"PROGRAM Main VAR n : INT; END_VAR Pump(x := 3); n := Pump.y; END_PROGRAM\n"
         + b"PROGRAM Pump VAR_INPUT x : INT; END_VAR VAR y : INT; END_VAR y := y + x; END_PROGRAM\n",
-        lambda p: p.dialect is m.Dialect.CODESYS or "Pump_DB" in {block.name for block in p.data_blocks},
+        lambda p: (
+            p.dialect is m.Dialect.CODESYS
+            or "Pump_DB" in {block.name for block in p.data_blocks}
+            or "Pump_block" in {pou.name for pou in p.pous}
+        ),
         ("`Pump` is a program",),
     ),
     "cycles in settings": ConfigurationCase(

@@ -239,7 +239,10 @@ def _configure(project: Project, report: ConversionReport, lists: frozenset[str]
     `lists` are the names of the lists of global variables, which matiec does not know.
     """
     for application in project.applications:
-        project.configurations.append(Configuration(name=application.name, resources=[application]))
+        around = Configuration(name=application.name, resources=[application])
+        # matiec takes an instance of a block that a resource declares for another variable than the external one
+        around.global_variables, application.global_variables = application.global_variables, []
+        project.configurations.append(around)
     project.applications = []
     _leave_out_config_variables(project, report)
     programs = [pou.name for pou in project.pous if pou.kind is PouKind.PROGRAM]
