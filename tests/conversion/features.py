@@ -219,6 +219,27 @@ def _priority(rig: FeatureChart) -> None:
     rig.act("Other", "r")
 
 
+def _without_priority(rig: FeatureChart) -> None:
+    _priority(rig)
+    for transition in rig.chart.transitions:
+        transition.priority = None
+
+
+def _step_like_variable(rig: FeatureChart) -> None:
+    rig.chart.step("Work").name = "g"
+    rig.act("g", "q")
+    rig.go("g", "Idle", "c AND NOT b")
+
+
+def _several_initial_steps(rig: FeatureChart) -> None:
+    rig.chart.add_step("Rest", initial=True)
+    rig.chart.add_step("Turn")
+    rig.go("Rest", "Turn", "g")
+    rig.go("Turn", "Rest", "c")
+    rig.act("Work", "q")
+    rig.act("Turn", "r")
+
+
 def _parallel(rig: FeatureChart) -> None:
     chart = rig.chart
     left, right = chart.add_step("Left"), chart.add_step("Right")
@@ -572,6 +593,9 @@ def _features() -> Iterator[Feature]:
     for kind in ("entry", "main", "exit"):
         yield Feature(f"{kind} action", ("codesys",), _step_action(kind))
     yield Feature("priority", _ALL, _priority)
+    yield Feature("selection without priorities", _ALL, _without_priority)
+    yield Feature("several initial steps", ("plcopen", "iec-text", "simaticml"), _several_initial_steps)
+    yield Feature("step named like a variable", ("plcopen", "iec-text"), _step_like_variable)
     yield Feature("simultaneous sequences", _ALL, _parallel)
     yield Feature("priority of a convergence", ("iec-text",), _priority_of_convergence)
     yield Feature("condition: expression", _ALL, _condition("b AND NOT g OR c"))

@@ -19,6 +19,7 @@ from plcopen_sfc.semantics.profile import default_profile
 from tests.conversion.features import FEATURES, Feature, feature_project
 
 _IMPORT = "no export of CODESYS has it, so its importer may not read it"
+_START = "the first scan passes with the step `Start`, which a constant delay makes up for here"
 _FINAL = "the final scan of the source makes no difference in this chart"
 
 
@@ -36,6 +37,7 @@ CAUTIOUS = {
     ("action that is a chart", "simaticml"): "the chart in the action does not go on as the action ends",
     ("address", "simaticml"): "the simulation has no inputs and outputs at addresses",
     ("enumeration", "simaticml"): _FINAL,
+    **{("several initial steps", target): _START for target in ("codesys", "twincat", "codesys-export", "codesys23")},
     ("counter", "codesys-export"): "nothing in the chart reads the counter",
     ("counter", "twincat"): "nothing in the chart reads the counter",
     ("counter", "codesys"): "nothing in the chart reads the counter",
