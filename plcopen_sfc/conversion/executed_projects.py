@@ -521,7 +521,20 @@ class _Reader:
     def _program(self, instance: PouInstance) -> str:
         """Program that an instance executes. A task of CODESYS calls a program by its name, and has no instances."""
         is_called = self._is_codesys_file and instance.name.casefold() in self.whole.programs
-        return plain_name(instance.name if is_called or not instance.type_name else instance.type_name)
+        name = instance.name if is_called or not instance.type_name else instance.type_name
+        return plain_name(self._other_names.get(name.casefold(), name))
+
+    @cached_property
+    def _other_names(self) -> dict[str, str]:
+        """The names of POUs that have others in the source, whose tasks name them so, by these in lower case."""
+        own = {pou.name.casefold() for pou in self.project.pous}
+        both = zip(self.source.pous, self.project.pous, strict=False)
+        named = {pou.name.casefold() for pou in self.source.pous}
+        return {
+            old.name.casefold(): new.name
+            for old, new in both
+            if old.name.casefold() not in own and new.name.casefold() not in named
+        }
 
     def _task(self, task: Task, shared: set[str]) -> None:
         part = self.whole.add("task", task.name, f"task {task.name}")

@@ -77,7 +77,7 @@ def give_legal_names(copy: Project, dialect: Dialect | None, tool: str, report: 
                 continue
             stem = new = identifier(each.name)
             number = 1
-            while new.casefold() in taken:
+            while new.casefold() in taken - {each.name.casefold()}:  # "ß" is "ss" there
                 number += 1
                 new = f"{stem}_{number}"
             taken.add(new.casefold())

@@ -368,6 +368,17 @@ def test_global_variables_of_no_list_are_run_where_they_are_in_one(tmp_path: Pat
         assert report.compared["POU Main"].startswith("equal")
 
 
+def test_programs_with_other_names_are_those_of_their_tasks() -> None:
+    project = sfc.load(FIXTURES / "broken" / "umlauts_utf8.xml")
+    data, report = sfc.convert(project, "codesys")
+    assert report.losses == []
+    names = {item.why.split(" in ")[0] for item in report.items if item.what == "name"}
+    assert {"Ruehrkessel", "Y2_Ablassventil"} <= names
+    assert [task.instances[0].type_name or task.instances[0].name for task in sfc.loads(data).tasks()] == [
+        "Ruehrkessel"
+    ]
+
+
 @pytest.mark.parametrize("target", ["codesys", "twincat", "codesys23"])
 def test_names_that_are_none_in_codesys_are_others_there_and_come_back(target: str, tmp_path: Path) -> None:
     text = CHART.format(first="Ventil_Öl(N);", second="zähle(P1);", initial="", edge="", actions="").replace(
