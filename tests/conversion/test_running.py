@@ -374,9 +374,7 @@ def test_programs_with_other_names_are_those_of_their_tasks() -> None:
     assert report.losses == []
     names = {item.why.split(" in ")[0] for item in report.items if item.what == "name"}
     assert {"Ruehrkessel", "Y2_Ablassventil"} <= names
-    assert [task.instances[0].type_name or task.instances[0].name for task in sfc.loads(data).tasks()] == [
-        "Ruehrkessel"
-    ]
+    assert [pou.name for pou in sfc.loads(data).pous] == ["Ruehrkessel"]
 
 
 @pytest.mark.parametrize("target", ["codesys", "twincat", "codesys23"])
