@@ -178,7 +178,8 @@ def test_transitions_give_the_same_in_boxes(type_: str, condition: str) -> None:
     project = sfc.loads(CHART.format(type_=type_, condition=condition).encode(), format="iec-text")
     project.dialect = Dialect.CODESYS
     report = sfc.save(project, io.BytesIO(), format="simaticml", strict=True, limit=20)
-    assert report.compared["POU Main"].startswith("equal")
+    divided = "not all was compared, " * ("/ y" in condition)  # both end with an error where 0 divides
+    assert report.compared["POU Main"].startswith(f"{divided}equal")
 
 
 def test_running_sees_that_a_product_is_cut_off() -> None:
