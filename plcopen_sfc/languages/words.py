@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Container
 from itertools import zip_longest
 
 from plcopen_sfc.languages.st.lexer import STATEMENT_KEYWORDS
@@ -97,3 +98,11 @@ def folded(text: str) -> str:
     strings = _STRINGS.findall(text)
     between = [part.casefold() for part in _STRINGS.split(text)]
     return "".join(part for pair in zip_longest(between, strings, fillvalue="") for part in pair)
+
+
+def free_name(wanted: str, taken: Container[str]) -> str:
+    """Return `wanted`, with a number behind it if it is one of the names in lower case that are `taken`."""
+    name, number = wanted, 2
+    while name.casefold() in taken:
+        name, number = f"{wanted}_{number}", number + 1
+    return name

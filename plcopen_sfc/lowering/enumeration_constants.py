@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from plcopen_sfc.languages.binding import Kind, Names
 from plcopen_sfc.languages.s7_types import Constant, S7Types, s7_types
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
-from plcopen_sfc.lowering.code.lowered_code import free_name
+from plcopen_sfc.languages.words import free_name
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou

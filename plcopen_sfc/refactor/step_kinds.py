@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
-from itertools import chain, count
 from textwrap import dedent, indent
 
 from plcopen_sfc.errors import ModelError
@@ -20,6 +19,7 @@ from plcopen_sfc.languages.il import statements
 from plcopen_sfc.languages.networks import shown_body
 from plcopen_sfc.languages.st import parse_statements, print_node
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
+from plcopen_sfc.languages.words import free_name
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.declaration import Kind
@@ -178,8 +178,7 @@ def _executing(project: Project, chart: SfcNetwork) -> set[int]:
 def _free_name(pou: Pou, wish: str) -> str:
     taken = {each.name.casefold() for part in (pou.actions, pou.transitions, pou.methods) for each in part}
     taken |= {variable.name.casefold() for variable in pou.variables()}
-    numbers = (f"{wish}_{number}" for number in count(2))
-    return next(name for name in chain([wish], numbers) if name.casefold() not in taken)
+    return free_name(wish, taken)
 
 
 def _owners(chart: SfcNetwork) -> tuple[Project, Pou]:

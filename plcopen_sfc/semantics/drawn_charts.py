@@ -12,6 +12,7 @@ from typing import Any
 from plcopen_sfc.languages.networks import NetworkStatements, kept_conditions
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.words import free_name
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
@@ -128,9 +129,4 @@ def in_order_of_flow(steps: list[Step], transitions: list[Transition]) -> tuple[
 
 
 def _free(name: str, taken: list[str]) -> str:
-    used = {each.casefold() for each in taken}
-    found, number = name, 1
-    while found.casefold() in used:
-        number += 1
-        found = f"{name}_{number}"
-    return found
+    return free_name(name, {each.casefold() for each in taken})

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping
 from plcopen_sfc.languages.binding import Names, bind
 from plcopen_sfc.languages.translation.renames import PROGRAMS_DATA, keep_table, kept_table
 from plcopen_sfc.languages.translation.translation_context import family
+from plcopen_sfc.languages.words import free_name
 from plcopen_sfc.model.base import ForeignData
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect
@@ -38,10 +39,9 @@ def _make_blocks(project: Project, tool: str, report: ConversionReport) -> None:
     taken = {thing.name.casefold() for thing in project.objects()}
 
     def free(wish: str) -> str:
-        while wish.casefold() in taken:
-            wish += "_"
-        taken.add(wish.casefold())
-        return wish
+        name = free_name(wish, taken)
+        taken.add(name.casefold())
+        return name
 
     made: list[tuple[str, str, str]] = []
     for key in [key for key in programs if key in users and not _is_its_own_user(key, users)]:

@@ -9,6 +9,7 @@ from plcopen_sfc.formats.plcopen.source_marks import SourceMarks, added_section
 from plcopen_sfc.languages.networks import condition_reader, is_empty_network
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.translation.renames import identifier
+from plcopen_sfc.languages.words import free_name
 from plcopen_sfc.lowering.code.lowered_code import names_of
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.chart_settings import SfcFlag
@@ -92,10 +93,7 @@ class ChartRewriting:
 
     def new_name(self, wish: str) -> str:
         """Return a name that nothing in the POU or around it has."""
-        name, number = identifier(wish), 1
-        while name.casefold() in self.taken:
-            number += 1
-            name = f"{identifier(wish)}_{number}"
+        name = free_name(identifier(wish), self.taken)
         self.taken.add(name.casefold())
         return name
 

@@ -38,6 +38,7 @@ from plcopen_sfc.languages.task_schedules import FREEWHEELING
 from plcopen_sfc.languages.translation import NameScope, Renames
 from plcopen_sfc.languages.translation.literal_translation import translated_address
 from plcopen_sfc.languages.translation.renames import identifier, kept_names
+from plcopen_sfc.languages.words import free_name
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
@@ -165,7 +166,8 @@ class _Globals:
                 found[-1].retain = variables is retained
         taken: set[str] = set()
         for section in found:
-            section.name = _new_name(section.name or "", taken)
+            section.name = free_name(section.name or "", taken)
+            taken.add(section.name.casefold())
         return found
 
     def _note(self, outcome: Outcome, what: str, path: str, why: str) -> None:
@@ -297,15 +299,6 @@ def _retained(block: DataBlock) -> list[bool]:
 def _is_all_retained(block: DataBlock) -> bool:
     retained = _retained(block)
     return bool(retained) and all(retained)
-
-
-def _new_name(wish: str, taken: set[str]) -> str:
-    name, number = wish, 1
-    while name.casefold() in taken:
-        number += 1
-        name = f"{wish}_{number}"
-    taken.add(name.casefold())
-    return name
 
 
 def has_lists(project: Project) -> bool:

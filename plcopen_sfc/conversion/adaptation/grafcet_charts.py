@@ -30,6 +30,7 @@ from plcopen_sfc.languages.networks import declared_rules, draw_ld
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform
 from plcopen_sfc.languages.translation.renames import identifier
+from plcopen_sfc.languages.words import free_name
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, disjunction
 from plcopen_sfc.model.actions import ActionEvent, ActionKind, ForcedSituation, Qualifier
 from plcopen_sfc.model.body import StBody
@@ -385,10 +386,7 @@ class _Chart:
 
     def _new_name(self, wish: str) -> str:
         """Return a name that nothing in the POU or around it has."""
-        number, name = 1, identifier(wish)
-        while name.casefold() in self._taken:
-            number += 1
-            name = f"{identifier(wish)}_{number}"
+        name = free_name(identifier(wish), self._taken)
         self._taken.add(name.casefold())
         return name
 

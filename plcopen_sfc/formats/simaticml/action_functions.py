@@ -33,6 +33,7 @@ from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, S7_VERSION, StandardBlock, standard_block
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.renames import identifier
+from plcopen_sfc.languages.words import free_name
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import NamedCondition
 from plcopen_sfc.model.dialect import Dialect
@@ -472,10 +473,7 @@ class ActionFunctions:
         )
 
     def _free(self, wish: str) -> str:
-        name, number = wish, 1
-        while name.casefold() in self._taken:
-            number += 1
-            name = f"{wish}_{number}"
+        name = free_name(wish, self._taken)
         self._taken.add(name.casefold())
         return name
 

@@ -12,12 +12,13 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, standard_block
+from plcopen_sfc.languages.words import free_name
 from plcopen_sfc.lowering.actions.variable_access import OwnVariables
 from plcopen_sfc.lowering.code.boolean_logic import negation
 from plcopen_sfc.lowering.code.code_bodies import body_of
 from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.flat_statements import flatten
-from plcopen_sfc.lowering.code.lowered_code import BOOL, LoweredCode, free_name
+from plcopen_sfc.lowering.code.lowered_code import BOOL, LoweredCode
 from plcopen_sfc.lowering.lowering_options import Language
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.model.dialect import Dialect

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Callable, Collection, Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from operator import is_
@@ -16,6 +16,7 @@ from plcopen_sfc.languages.networks import Helper
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, Tool
+from plcopen_sfc.languages.words import free_name
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, assignment
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.lowering_options import LoweringRules
@@ -70,14 +71,6 @@ class Naming:
     def local(self, name: str) -> n.Name:
         """Return a name of the POU's interface as the dialect writes it."""
         return n.Name(name, self._local)
-
-
-def free_name(wanted: str, taken: Container[str]) -> str:
-    """Return `wanted`, with a number behind it if it is one of the names in lower case that are `taken`."""
-    name, number = wanted, 2
-    while name.casefold() in taken:
-        name, number = f"{wanted}_{number}", number + 1
-    return name
 
 
 def _identifier(wanted: str) -> str:

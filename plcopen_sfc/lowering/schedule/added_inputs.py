@@ -10,9 +10,10 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
+from plcopen_sfc.languages.words import free_name
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, assignment, conjunction, disjunction, equal, negation
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import BOOL, LoweredCode, free_name, integer
+from plcopen_sfc.lowering.code.lowered_code import BOOL, LoweredCode, integer
 from plcopen_sfc.lowering.lowering_options import LoweringRules, OperatingMode, Style
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, step_numbers
 from plcopen_sfc.model.dialect import Dialect
