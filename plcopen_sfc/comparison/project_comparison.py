@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from plcopen_sfc.analysis.equivalence import equivalent
@@ -211,7 +211,7 @@ def proofs(projects: tuple[Project, Project], changes: Iterable[Change], limit: 
     that is in none: they may use it. Where no run can show it, the proof has no verdict.
     """
     changes = list(changes)
-    renamed = [change for change in changes if _renames_executed(projects, change)]
+    renamed = _executed_renames(projects, changes)
     if renamed:
         projects = _with_old_names(projects[0], renamed), projects[1]
     executed = [change for change in changes if change in renamed or _is_executed(change)]
@@ -235,26 +235,35 @@ def _is_executed(change: Change) -> bool:
     return is_behaviour and change.aspect not in _NEVER_EXECUTED
 
 
-def _renames_executed(projects: tuple[Project, Project], change: Change) -> bool:
-    """True if another name of a step or an action is executed by a tool."""
-    if change.kind is not ChangeKind.RENAMED or change.before is None or change.after is None:
-        return False
-    if change.what == "step":
-        return any(shows_names_of_steps(Names(project)) for project in projects)
-    owner = ObjectPath.of(change.path).owner.casefold()
-    found = [pou for project in projects for pou in project.pous if pou.report_path.casefold() == owner]
-    named = change.before, change.after
-    return change.what == "action" and any(reordered(pou, *named, projects[0].dialect) for pou in found)
+def _executed_renames(projects: tuple[Project, Project], changes: Sequence[Change]) -> list[Change]:
+    """Return the other names of steps and actions that a tool executes. `projects` have the new ones both."""
+    renamed = [change for change in changes if change.kind is ChangeKind.RENAMED and change.before and change.after]
+    found = [change for change in renamed if change.what == "step"]
+    if found and not any(shows_names_of_steps(Names(project)) for project in projects):
+        found = []
+    for pou in projects[0].pous:
+        own = [change for change in renamed if change.what == "action" and _is_in(change, pou)]
+        passing = reordered(pou, {c.after or "": c.before or "" for c in own}, projects[0].dialect) if own else {}
+        found += [change for change in own if change.after in passing]
+    return found
+
+
+def _is_in(change: Change, pou: Pou) -> bool:
+    return ObjectPath.of(change.path).owner.casefold() == pou.report_path.casefold()
 
 
 def _with_old_names(project: Project, renamed: Iterable[Change]) -> Project:
     """Return a project with the names that it had before it was compared, where a tool executes them."""
     found = project.model_copy(deep=True)
+    steps = {f"{chart.report_path} / step {s.name}": s for chart in found.charts() for s in chart.chart.steps}
+    names = Names(found)
     table: dict[Declaration | str, str] = {}
     for change in renamed:
-        owner = ObjectPath.of(change.path).owner.casefold()
-        pou = next(each for each in found.pous if each.report_path.casefold() == owner)
-        table[f"{pou.name}.{change.after}"] = change.before or ""
+        thing = steps.get(change.path)
+        pous = (pou for pou in found.pous if _is_in(change, pou))
+        held = thing if thing is not None else next(pou.find_action(change.after or "") for pou in pous)
+        if held is not None:
+            table[names.declaration_of(held)] = change.before or ""
     rename_many(found, table)
     return found
 

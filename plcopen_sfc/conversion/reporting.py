@@ -53,11 +53,11 @@ def report_execution(
     refused = {item.path for item in report.losses if item.what == "hierarchy"}
     report.items = [item for item in report.items if not _is_of_refused(item, refused)]
     settled = Counter(
-        (_unnumbered(in_the_source(item.path, called)), item.what)
+        (_unnumbered(item.path), item.what)
         for item in report.items
         if item.outcome in LOSSES or item.outcome is Outcome.TRANSLATED
     )
-    lost = {(in_the_source(item.path, called), item.what) for item in report.items if item.outcome in LOSSES}
+    lost = {(item.path, item.what) for item in report.items if item.outcome in LOSSES}
     found = list(_without_repetition(differences, {_last(path) for path, what in settled if what == "global variable"}))
     rewritten = _rewritten_steps(found, settled)
     changed = {(difference.path, difference.aspect) for difference in found}
@@ -75,11 +75,11 @@ def report_execution(
         for word in found
     }
     not_executed = report.with_outcome(Outcome.NOT_EXECUTED)
-    losing = {ObjectPath.of(in_the_source(item.path, called)).owner for item in not_executed}
+    losing = {ObjectPath.of(item.path).owner for item in not_executed}
     told = set()
     for difference in found:
         what = difference.aspect or difference.kind
-        place = in_the_source(difference.path, called)
+        place = difference.path
         names = {(_unnumbered(place), each) for each in (what, *_ALSO_CALLED.get(what, ()))}
         names |= {(_unnumbered(place), each) for each in OPERATING_KINDS if what in OPERATING_KINDS}
         if difference.kind == "chart" and place in refused:

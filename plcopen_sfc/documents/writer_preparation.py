@@ -11,7 +11,7 @@ from plcopen_sfc.conversion import Part, executed
 from plcopen_sfc.conversion.adaptation import rewrite_project
 from plcopen_sfc.conversion.adaptation.called_programs import adapt_programs
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.documents.step_names import give_legal_names, give_step_names
+from plcopen_sfc.documents.legal_names import give_legal_names
 from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, NetworkForm, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_statements import note_loops
 from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
@@ -89,9 +89,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     if results:
         name_results(copy, report)
     if kind.tool and not options.same:
-        give_step_names(copy, kind.dialect, kind.tool, report)
-        if not of_grafcet:  # its names follow rules of their own
-            give_legal_names(copy, kind.dialect, kind.tool, report)
+        # letters of a GRAFCET follow rules of their own
+        give_legal_names(copy, kind.dialect, kind.tool, report, with_letters=not of_grafcet)
         adapt_programs(copy, dialect, kind.tool, report)
     if kind.xml and kind.name != TIA_FORMAT and project.dialect is Dialect.SCL and dialect not in (None, Dialect.SCL):
         translate_boxes(copy, dialect, kind.tool, report)
@@ -116,8 +115,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
 
         _note_texts(compute_constants(copy), report)
     if kind.tool and not options.same:
-        give_legal_names(copy, kind.dialect, kind.tool, report)
-        give_step_names(copy, kind.dialect, kind.tool, report)
+        give_legal_names(copy, kind.dialect, kind.tool, report, with_letters=False)
     _renumber_addresses(copy, project.address_dialect, addresses, report)
     if options.flavour and options.of_graph:
         # matiec has less than TC6: what S7-GRAPH has more than that becomes statements first

@@ -6,7 +6,7 @@ step 5; "SFC flags": SFCCurrentStep, SFCErrorStep).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.effects import Effects, effects, may_change
@@ -40,18 +40,21 @@ def texts_with_name(names: Names, name: str) -> Iterator[Use]:
             yield Use(text_site.path, text_site.language, span, line, column, text.splitlines()[line - 1].strip())
 
 
-def reordered(pou: Pou, old: str, new: str, dialect: Dialect) -> list[str]:
-    """Return the actions before or behind which an action is executed under another name, if it shares variables.
+def reordered(pou: Pou, new: Mapping[str, str], dialect: Dialect) -> dict[str, list[str]]:
+    """Return the actions that share variables and change places as they get `new` names, each with those it passes.
 
-    `old` and `new` are its names; `pou` has it under one of them.
+    `new` has the other names of some actions of `pou`, by those that it has, as do the keys of the result.
     """
     if family(dialect) is not Dialect.CODESYS:
-        return []
-    keys = old.casefold(), new.casefold()
-    own = next((each for each in pou.actions if each.name.casefold() in keys), None)
-    others = [each for each in pou.actions if each is not own]
-    passed = [each for each in others if len({each.name.casefold() < key for key in keys}) > 1]
-    return [each.name for each in passed if own is not None and _share(own, each, dialect)]
+        return {}
+    found: dict[str, list[str]] = {}
+    for own in (each for each in pou.actions if each.name in new):
+        for other in (each for each in pou.actions if each is not own):
+            before = own.name.casefold() < other.name.casefold()
+            after = new[own.name].casefold() < new.get(other.name, other.name).casefold()
+            if before is not after and _share(own, other, dialect):
+                found.setdefault(own.name, []).append(other.name)
+    return found
 
 
 def _share(one: Action, other: Action, dialect: Dialect) -> bool:

@@ -627,14 +627,10 @@ _NOT_EXECUTED = {
         "{} in {}: {} nimmt Buchstaben ohne Akzente, Ziffern und Unterstriche"
     ),
     "{} in {}: a variable of the POU has its name": "{} in {}: eine Variable des Bausteins heißt so",
-    "{} in {}: as in the file that it was converted from": "{} in {}: wie in der Datei, aus der er umgewandelt wurde",
-    "it keeps its name: {}": "er behält seinen Namen: {}",
-    "it is unknown whether `{}` means the step {}, which is called {} in {}": (
-        "unbekannt ist, ob `{0}` den Schritt {1} meint, der in {3} {2} heißt"
-    ),
-    "a variable of the POU is called {} too: {} does not compile it": (
-        "eine Variable des Bausteins heißt auch {}: {} übersetzt das nicht"
-    ),
+    "{} in {}: as in the file that it was converted from": "{} in {}: wie in der Datei, aus der umgewandelt wurde",
+    "it keeps its name: {}": "der Name bleibt: {}",
+    "{+} does not compile {}; it keeps its name: {}": "{} übersetzt {} nicht; der Name bleibt: {}",
+    "it is unknown whether `{}` means what is called {} in {}": "unbekannt ist, ob `{0}` meint, was in {2} {1} heißt",
     "variable of the block": "eine Variable des Bausteins",
     "a body in {} cannot be written, and is not executed: the undeclared name {} is in its place": (
         "ein Rumpf in {} kann nicht geschrieben werden und wird nicht ausgeführt: an seiner Stelle steht der nicht "

@@ -30,7 +30,7 @@ from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcBody, SfcNetwork, Step
+from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
 from plcopen_sfc.refactor.journal import Journal
 from plcopen_sfc.report import RenameResult, Undecided, Use
 
@@ -96,7 +96,7 @@ def _beside(names: Names, declaration: Declaration, wanted: Wanted) -> Iterator[
                     yield f"the {other} gets this name too"
 
 
-def _executed_names(names: Names, declaration: Declaration, new: str, *, is_shown: bool) -> Iterator[Undecided]:
+def _executed_names(names: Names, declaration: Declaration, wanted: Wanted, *, is_shown: bool) -> Iterator[Undecided]:
     """Yield what a tool does otherwise because of the new name of a step or an action.
 
     `is_shown`: something reads the name of a step in an SFC flag.
@@ -105,10 +105,11 @@ def _executed_names(names: Names, declaration: Declaration, new: str, *, is_show
         for use in texts_with_name(names, declaration.name) if is_shown else ():
             yield Undecided(use, "a text, which an SFC flag may be compared with: it keeps the old name of the step")
     elif declaration.kind is Kind.ACTION and declaration.pou is not None:
-        passed = reordered(declaration.pou, declaration.name, new, names.project.dialect)
+        actions = {each.name: new for each, new in wanted.items() if each.pou is declaration.pou}
+        passed = reordered(declaration.pou, actions, names.project.dialect).get(declaration.name)
         if passed:
             place = Use(declaration.path, "SFC", (0, 0), 1, 1, declaration.name)
-            order = f"actions are executed in the order of their names: as {new} it changes places with"
+            order = f"actions are executed in the order of their names: as {wanted[declaration]} it changes places with"
             yield Undecided(place, f"{order} {', '.join(passed)}")
 
 
@@ -211,13 +212,12 @@ def rename_step(chart: SfcNetwork, old: str, new: str) -> RenameResult:
     return rename(project, step, new)
 
 
-def restore_step_name(project: Project, step: Step, name: str) -> RenameResult:
-    """Give a step a name of its source that a variable of the POU has, too: IEC 61131-3 tells both apart.
+def restore_names(project: Project, table: Wanted) -> list[RenameResult]:
+    """Give declarations the names of their source; variables may be called as steps: IEC 61131-3 tells both apart.
 
     Raises `ModelError` where a text would mean something else then.
     """
-    names = Names(project)
-    return _rename(names, {names.declaration_of(step): name}, None, is_shared=True)[0]
+    return _rename(Names(project), table, None, is_shared=True)
 
 
 def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: bool = False) -> list[RenameResult]:
@@ -247,7 +247,7 @@ def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: 
         # the places are described as they are before the rename
         undecided = tuple(Undecided(o.use, o.meaning.doubt) for o in own if o.may_refer_to(declaration))
         if declaration in wanted:
-            undecided += tuple(_executed_names(names, declaration, new, is_shown=is_shown))
+            undecided += tuple(_executed_names(names, declaration, wanted, is_shown=is_shown))
         changed = tuple(occurrence.use for occurrence in uses)
         results.append(RenameResult(declaration.path, declaration.name, new, changed, undecided))
         if declaration in wanted:

@@ -516,6 +516,45 @@ END_PROGRAM
         else:
             edit.rename(path, new)
 
+    def test_names_that_keep_the_order_of_actions_are_not_run(self):
+        text = """{plcopen_sfc project.dialect := 'codesys'}
+PROGRAM Main
+VAR_INPUT a : BOOL; END_VAR
+VAR_OUTPUT n : INT; t : BOOL; END_VAR
+VAR SFCCurrentStep : STRING; END_VAR
+INITIAL_STEP Init: Bbb(N); Ccc(N); END_STEP
+TRANSITION FROM Init TO Init := SFCCurrentStep = 'Init'; END_TRANSITION
+ACTION Bbb: n := n * 2 + 1; END_ACTION
+ACTION Ccc: n := n + 3; END_ACTION
+ACTION Other: t := a; END_ACTION
+END_PROGRAM
+"""
+        before, after = (sfc.loads(text.encode(), format="iec-text") for _ in range(2))
+        results = after.rename_many({"Main.Bbb": "Z_Bbb", "Main.Ccc": "Z_Ccc"})  # behind Other, which shares nothing
+        assert [each.undecided for each in results] == [(), ()]
+        assert sfc.diff(before, after, prove=True).proofs == ()
+
+    def test_a_renamed_step_of_a_chart_in_an_action_is_run_where_its_name_is_shown(self):
+        text = """{plcopen_sfc project.dialect := 'codesys'}
+PROGRAM Main
+VAR_INPUT a : BOOL; END_VAR
+VAR_OUTPUT t : BOOL; END_VAR
+VAR SFCCurrentStep : STRING; END_VAR
+INITIAL_STEP Init: Sub(N); END_STEP
+TRANSITION FROM Init TO Init := a; END_TRANSITION
+ACTION Sub:
+INITIAL_STEP One: END_STEP
+TRANSITION FROM One TO Two := a; END_TRANSITION
+STEP Two: t(N); END_STEP
+TRANSITION FROM Two TO One := SFCCurrentStep = 'One'; END_TRANSITION
+END_ACTION
+END_PROGRAM
+"""
+        before, after = (sfc.loads(text.encode(), format="iec-text") for _ in range(2))
+        (result,) = after.rename_many({"Main.Sub.One": "First"})
+        assert len(result.undecided) == 1
+        assert {each.path for each in sfc.diff(before, after, prove=True, limit=5).proofs} >= {"POU Main"}
+
     def test_another_order_of_simultaneous_steps_is_a_change_and_is_run(self):
         text = """PROGRAM Main
 VAR_INPUT a : BOOL; END_VAR

@@ -8,6 +8,9 @@ from __future__ import annotations
 
 import math
 import struct
+from collections.abc import Callable
+from operator import add, mul, sub
+from typing import Any
 
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.name_sites import named
@@ -193,6 +196,13 @@ def _calculated(
     return _duration(operator, int(right), int(left), one.kind, other.type) if is_product else None
 
 
+_PLAIN: dict[n.Operator, Callable[[Any, Any], Any]] = {
+    n.Operator.ADD: add,
+    n.Operator.SUBTRACT: sub,
+    n.Operator.MULTIPLY: mul,
+}
+
+
 def _integer(
     operator: n.Operator, left: int, right: int, operands: set[str], *, wide_only: bool
 ) -> LiteralValue | None:
@@ -201,12 +211,8 @@ def _integer(
             return None
         quotient = abs(left) // abs(right) * (1 if (left < 0) is (right < 0) else -1)
         result = quotient if operator is n.Operator.DIVIDE else left - quotient * right
-    elif operator in (n.Operator.ADD, n.Operator.SUBTRACT, n.Operator.MULTIPLY):
-        result = {
-            n.Operator.ADD: left + right,
-            n.Operator.SUBTRACT: left - right,
-            n.Operator.MULTIPLY: left * right,
-        }[operator]
+    elif operator in _PLAIN:
+        result = _PLAIN[operator](left, right)
     else:
         return None
     types = sorted(operands - {""}, key=lambda name: INTEGER_RANGES.get(name, (0, 0))[1])
@@ -224,12 +230,8 @@ def _real(operator: n.Operator, left: float, right: float, types: set[str]) -> L
         return None
     if operator is n.Operator.DIVIDE:
         result = left / right
-    elif operator in (n.Operator.ADD, n.Operator.SUBTRACT, n.Operator.MULTIPLY):
-        result = {
-            n.Operator.ADD: left + right,
-            n.Operator.SUBTRACT: left - right,
-            n.Operator.MULTIPLY: left * right,
-        }[operator]
+    elif operator in _PLAIN:
+        result = _PLAIN[operator](left, right)
     else:
         return None
     narrow = "REAL" in types and not types & {"", "LREAL"}

@@ -145,9 +145,7 @@ _CODESYS_WORDS = CODESYS_KEYWORDS | frozenset(
 NAMES_DATA = "urn:plcopen-sfc:names"
 """The data of a project that keeps them."""
 DECLARED_DATA = "urn:plcopen-sfc:declared"
-"""The data of a project that keeps the names of what it declares that no identifiers of CODESYS are."""
-STEPS_DATA = "urn:plcopen-sfc:steps"
-"""The data of a project that keeps the names of steps in its source; files of all tools have it."""
+"""The data of a project that keeps the names in its source of what it declares; files of all tools have it."""
 PROGRAMS_DATA = "urn:plcopen-sfc:programs"
 """The data of a project that keeps the names of programs of CODESYS, of blocks in their place, and of their callers."""
 

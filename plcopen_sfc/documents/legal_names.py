@@ -1,0 +1,108 @@
+"""Names that the tool of a target cannot have: steps called as variables, letters that are none of its identifiers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from plcopen_sfc.errors import ModelError
+from plcopen_sfc.languages.s7_types import is_system_data
+from plcopen_sfc.languages.translation.translation_context import family
+from plcopen_sfc.languages.words import free_name
+from plcopen_sfc.model.declaration import Declaration, Kind
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.report import ConversionReport, Outcome
+
+
+def give_legal_names(
+    copy: Project, dialect: Dialect | None, tool: str, report: ConversionReport, *, with_letters: bool
+) -> None:
+    """Rename what a copy declares under names that the tool of a target cannot have, or give it its own names back.
+
+    CODESYS and S7 have a variable for each step: none may be called as another variable. CODESYS, CoDeSys 2.3 and
+    TwinCAT take letters without accents (CODESYS V3 online help, "Identifiers"), which `with_letters` asks for. The
+    project keeps the names of the source, and what it declares gets them in other tools again. Called before texts are
+    translated, which a new name needs, and behind that, which the old one does.
+    """
+    from plcopen_sfc.languages.binding import Names  # noqa: PLC0415  # brings the parser
+    from plcopen_sfc.languages.translation.renames import DECLARED_DATA, keep_table, kept_table  # noqa: PLC0415
+    from plcopen_sfc.refactor.rename import rename_many, restore_names  # noqa: PLC0415
+
+    if family(copy.dialect) is not Dialect.IEC:
+        return
+    leaves = dialect is not None and family(dialect) is not Dialect.IEC
+    kept = [] if leaves else kept_table(copy, DECLARED_DATA)
+    if not leaves and not kept:
+        return
+    names = Names(copy)
+    declared = list(dict.fromkeys(map(names.resolver.original, names.declarations())))
+    if leaves:
+        with_letters = with_letters and dialect is not None and family(dialect) is Dialect.CODESYS
+        wanted = _legal(copy, declared, tool, with_letters=with_letters)
+    else:
+        own = {(path.casefold(), new): old for path, old, new in kept}
+        found = {each: own.get((each.path.casefold(), each.name)) for each in declared}
+        wanted = {each: (old, "as in the file that it was converted from") for each, old in found.items() if old}
+    rename, refused = (rename_many, Outcome.NOT_EXECUTED) if leaves else (restore_names, Outcome.TRANSLATED)
+    places = _places(copy)
+    done: list[tuple[Declaration, str]] = []
+    for part in ([*wanted], *([each] for each in wanted)):
+        old = [(each.name, places.get(id(each.holder), each.path)) for each in part]
+        try:
+            results = rename(copy, {each: wanted[each][0] for each in part})
+        except ModelError as error:  # one that cannot be renamed keeps no other from it
+            if len(part) == 1:
+                [(name, place)] = old
+                why = f"it keeps its name: {error.message}"
+                report.add(refused, "name", place, f"{tool} does not compile {name}; {why}" if leaves else why)
+            continue
+        for each, result, (name, place) in zip(part, results, old, strict=True):
+            done.append((each, name))
+            report.add(Outcome.TRANSLATED, "name", place, f"{each.name} in {tool}: {wanted[each][1]}")
+            for undecided in result.undecided:
+                why = f"it is unknown whether `{name}` means what is called {each.name} in {tool}"
+                report.add(Outcome.NOT_EXECUTED, "code", undecided.use.path, why)
+        if len(part) == len(wanted):
+            break
+    paths = {id(each.holder): each.path for each in Names(copy).declarations()}
+    keep_table(copy, DECLARED_DATA, [(paths[id(each.holder)], name, each.name) for each, name in done if leaves])
+
+
+def _legal(
+    project: Project, declared: list[Declaration], tool: str, *, with_letters: bool
+) -> dict[Declaration, tuple[str, str]]:
+    """Return the names that things get, and why."""
+    from plcopen_sfc.languages.translation.renames import identifier  # noqa: PLC0415  # brings the parser
+
+    clashing: set[int] = set()
+    for chart in project.charts():
+        variables = {each.name.casefold() for each in chart.pou.variables() if not is_system_data(each)}
+        clashing |= {id(step) for step in chart.chart.steps if step.name.casefold() in variables}
+    taken: dict[int, set[str]] = {}
+    for each in declared:
+        taken.setdefault(id(each.pou), set()).add(each.name.casefold())
+    shared = taken.setdefault(id(None), set())
+    found: dict[Declaration, tuple[str, str]] = {}
+    for each in declared:
+        wish, why = each.name, "a variable of the POU has its name"
+        if each.kind is Kind.STEP and id(each.holder) in clashing:
+            wish = f"{wish}_step"
+        if with_letters and not wish.isascii() and each.kind not in (Kind.INSTANCE, Kind.NAMESPACE):
+            wish, why = identifier(wish), f"{tool} takes letters without accents, digits and underscores"
+        if wish != each.name:
+            others = set().union(*taken.values()) if each.pou is None else taken[id(each.pou)] | shared
+            new = free_name(wish, others - {each.name.casefold()})
+            taken[id(each.pou)].add(new.casefold())
+            found[each] = new, why
+    return found
+
+
+def _places(project: Project) -> Mapping[int, str]:
+    """Return the paths in reports of POUs, of steps and of what POUs declare beside these, by the `id()` of each."""
+    found = {id(pou): pou.report_path for pou in project.pous}
+    for pou in project.pous:
+        found |= {id(variable): f"{pou.report_path} / {variable.name}" for variable in pou.variables()}
+        found |= {id(action): f"{pou.report_path} / action {action.name}" for action in pou.actions}
+    for chart in project.charts():
+        found |= {id(step): f"{chart.report_path} / step {step.name}" for step in chart.chart.steps}
+    return found
