@@ -315,4 +315,4 @@ def test_flags_of_charts_in_actions_have_their_memories_in_the_blocks_for_these(
     assert converted.report.compared["POU Main / action Inner"] == told
     blocks = {pou.name: [v.name for v in pou.variables()] for pou in sfc.loads(converted.data, as_tool=True).pous}
     assert "SFCReset_before" in blocks["Main_Inner"]
-    assert "SFCReset_before_" in blocks["Main_Other"]
+    assert "SFCReset_before_2" in blocks["Main_Other"]
