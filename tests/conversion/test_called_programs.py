@@ -49,6 +49,10 @@ def plant(declared: str = "", counted: str = "") -> m.Project:
     return sfc.loads(sfc.dumps(project, format="codesys", partial=True), format="codesys")
 
 
+def sections(pou: m.Pou) -> list[m.VariableSection]:
+    return pou.interface.sections if pou.interface is not None else []
+
+
 def kinds(project: m.Project) -> list[tuple[str, str]]:
     return [(pou.name, pou.kind.value) for pou in project.pous]
 
@@ -87,6 +91,10 @@ def test_a_called_program_comes_back_as_one(target: str) -> None:
     back = sfc.loads(data, format="codesys")
     assert report.with_outcome(Outcome.NOT_EXECUTED) == []
     assert kinds(back) == kinds(source)
+    for mine, found in zip(source.pous, back.pous, strict=True):  # others name `n` and `most`, and see them in TC6
+        assert [(v.name, s.kind) for s in sections(mine) for v in s.variables] == [
+            (v.name, s.kind) for s in sections(found) for v in s.variables
+        ]
     assert [[each.name for each in task.instances] for place in back.resources() for task in place.tasks] == [
         ["Main", "Watch"]
     ]

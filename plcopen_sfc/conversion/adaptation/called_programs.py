@@ -7,6 +7,7 @@ called is a program that calls the instance. The project keeps the names, and be
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 
 from plcopen_sfc.languages.binding import Names, bind
@@ -49,7 +50,7 @@ def _make_blocks(project: Project, tool: str, report: ConversionReport) -> None:
         reads, writes = _named_outside(project, program, key)
         if any(each.address is not None or _is_constant(program, each.name, reads) for each in program.variables()):
             continue  # blocks have no variables at addresses, and others do not see their constants
-        _show(program, reads, writes)
+        shown = _show(program, reads, writes)
         program.name, program.kind = free(f"{name}_block"), PouKind.FUNCTION_BLOCK
         instance = Variable(name=name, type=DerivedType(name=program.name))
         section = VariableSection(kind=SectionKind.GLOBAL, name=free("Programs"), variables=[instance])
@@ -71,6 +72,7 @@ def _make_blocks(project: Project, tool: str, report: ConversionReport) -> None:
                 )
             _execute(called, caller, place, f"the program {caller}, which calls the instance", report)
         made.append((name, program.name, caller))
+        made += [(program.name, "", f"{number} {place} {count} {variable}") for variable, number, place, count in shown]
     if made:
         keep_table(project, PROGRAMS_DATA, made)
 
@@ -78,10 +80,13 @@ def _make_blocks(project: Project, tool: str, report: ConversionReport) -> None:
 def _make_programs(project: Project, report: ConversionReport) -> None:
     """Let function blocks be programs again that were made of such, where nothing else is called as they were."""
     pous = {pou.name: pou for pou in project.pous}
-    for name, block, caller in kept_table(project, PROGRAMS_DATA):
+    rows = kept_table(project, PROGRAMS_DATA)
+    shown = {(block, text.split()[-1]): text for block, kind, text in rows if not kind}
+    for name, block, caller in (row for row in rows if row[1]):
         sections = [each for each in project.global_sections() if any(v.name == name for v in each.variables)]
         if block not in pous or name in pous or len(sections) != 1:
             continue
+        _hide(pous[block], {variable: text for (owner, variable), text in shown.items() if owner == block})
         pous[block].name, pous[block].kind = name, PouKind.PROGRAM
         sections[0].variables = [each for each in sections[0].variables if each.name != name]
         owners: list[Project | Configuration | Resource] = [project, *project.configurations, *project.resources()]
@@ -132,21 +137,48 @@ def _is_constant(program: Pou, name: str, reads: set[str]) -> bool:
     return name.casefold() in reads and any(v.name == name for each in constant for v in each.variables)
 
 
-def _show(program: Pou, reads: set[str], writes: set[str]) -> None:
-    """Let others see local variables that they name: as inputs where they write them, else as outputs."""
-    if program.interface is None:
-        return
-    program.interface.declaration = None
+def _show(program: Pou, reads: set[str], writes: set[str]) -> list[tuple[str, int, int, int]]:
+    """Let others see local variables that they name: as inputs where they write them, else as outputs.
+
+    Returns them, each with the number of its section, its place there, and how many variables that had.
+    """
+    shown: list[tuple[str, int, int, int]] = []
     sections: list[VariableSection] = []
-    for section in program.interface.sections:
+    for number, section in enumerate(program.interface.sections if program.interface is not None else ()):
         parts: dict[SectionKind, list[Variable]] = {section.kind: []}
-        for variable in section.variables:
+        for place, variable in enumerate(section.variables):
             key, kind = variable.name.casefold(), section.kind
             if kind is SectionKind.LOCAL and key in writes | reads:
                 kind = SectionKind.INPUT if key in writes else SectionKind.OUTPUT
+                shown.append((variable.name, number, place, len(section.variables)))
             parts.setdefault(kind, []).append(variable)
         kept = [(kind, variables) for kind, variables in parts.items() if variables or len(parts) == 1]
         sections += [section.model_copy(update={"kind": kind, "variables": variables}) for kind, variables in kept]
+    if program.interface is not None:
+        program.interface.sections = sections
+    return shown
+
+
+def _hide(program: Pou, shown: Mapping[str, str]) -> None:
+    """Put the variables that `_show` has shown into their sections again; `shown` has their places by their names."""
+    if program.interface is None or not shown:
+        return
+    places = {name: tuple(map(int, text.split()[:3])) for name, text in shown.items()}
+    whole = Counter(number for number, _, _ in places.values())
+    sections: list[VariableSection] = []
+    parts: dict[int, tuple[VariableSection, list[Variable]]] = {}
+    for section in program.interface.sections:
+        if not section.variables or any(variable.name not in places for variable in section.variables):
+            sections.append(section)
+            continue
+        number, _, count = places[section.variables[0].name]
+        if number not in parts and (whole[number] == count or not sections):  # nothing of the section was left
+            sections.append(section.model_copy(update={"kind": SectionKind.LOCAL, "variables": []}))
+        parts.setdefault(number, (sections[-1], []))[1].extend(section.variables)
+    for section, variables in parts.values():
+        for variable in sorted(variables, key=lambda each: places[each.name][1]):
+            section.variables = [*section.variables]
+            section.variables.insert(places[variable.name][1], variable)
     program.interface.sections = sections
 
 
