@@ -81,7 +81,6 @@ def report_running(
     where they are not those of its files. `limit` is the processor time that all of this may take, in seconds.
     """
     from plcopen_sfc.analysis.equivalence import equivalent  # noqa: PLC0415  # most conversions run nothing
-    from plcopen_sfc.analysis.pairing import Delay  # noqa: PLC0415
     from plcopen_sfc.analysis.verdict import VerdictKind  # noqa: PLC0415
 
     profiles = default_profile(source), target or default_profile(result)
@@ -98,21 +97,12 @@ def report_running(
         named = {item.outcome for item in losses if concerns(item, there.report_path)}
         types = [name for variable in there.pou.variables() for name in used_types(variable.type)]
         untyped = next((name for name in types if name.casefold() in undeclared), None)
-        if here is not None and untyped is not None:  # no run knows what its members are, or that blocks share them
-            report.compared[there.report_path] = f"not compared: nothing declares the type `{untyped}` of its variables"
-            continue
-        if here is None or Outcome.NOT_EXECUTED in named:
-            what = "what is not executed" if named else f"nothing in {tool} that has its name"
-            why = f"the report names {what}"
-            if not named and there.chart is not there.pou.chart:
-                why = f"in {tool} it is no chart of an action, and its POU runs what is in its place"
+        if here is None or untyped is not None or Outcome.NOT_EXECUTED in named:
+            why = _why_not_compared(there, here, named, untyped, tool)
             report.compared[there.report_path] = f"not compared: {why}"
             continue
         left = (end_of_all - time.thread_time()) / (len(pairs) - number)  # a large chart leaves time for the others
         end = time.thread_time() + left
-        if left <= 0:
-            _note_untested(report, there.report_path, "not run: the time limit was reached")
-            continue
         compared = partial(
             equivalent,
             resolve(running[0], there.name),
@@ -125,32 +115,63 @@ def report_running(
             runs=_RUNS,
             scans=_SCANS,
         )
-        try:
-            verdict = compared(delay="auto", limit=left)
-            is_cut = verdict.delay.retimed and verdict.equal
-            other = profiles[0].order is not profiles[1].order
-            is_cut = is_cut and _lasts(there, source, verdict.inputs, has_other_inputs=other)
-            as_run = compared(delay=Delay(verdict.delay.scans), limit=left) if is_cut else verdict
-        except SfcError as error:
-            _note_untested(report, there.report_path, f"not run: {error.message}")
+        run = _run(report, there, compared, source=source, profiles=profiles, tool=tool, limit=left)
+        if run is None:
             continue
-        run = _Run(there, verdict, as_run, profiles, tool)
-        held = "" if verdict.equal else _told_while_held(compared, run, losses if named else report.losses, end)
+        held = "" if run.verdict.equal else _told_while_held(compared, run, losses if named else report.losses, end)
         if named:
             report.compared[there.report_path] = run.told_with(losses, held)
-        elif verdict.kind is VerdictKind.UNTESTED:
-            _note_untested(report, there.report_path, *str(verdict).splitlines())
+        elif run.verdict.kind is VerdictKind.UNTESTED:
+            _note_untested(report, there.report_path, *str(run.verdict).splitlines())
         else:
             _report_run(report, run, held)
-        if as_run.counterexample is not None:
-            report.compared[there.report_path] += _told_alike(
-                compared, profiles, tool, verdict, end - time.thread_time()
-            )
-        if as_run.unknown and there.report_path not in report.untested:  # whose lines tell it already
-            unknown = ", ".join(as_run.unknown)
+        if run.as_run.counterexample is not None:
+            alike = _told_alike(compared, profiles, tool, run.verdict, end - time.thread_time())
+            report.compared[there.report_path] += alike
+        if run.as_run.unknown and there.report_path not in report.untested:  # whose lines tell it already
+            unknown = ", ".join(run.as_run.unknown)
             report.compared[there.report_path] += f"; unknown, taken as functions of what they are given: {unknown}"
         if any(name.casefold() == declaration.name.casefold() for name in types for declaration in assumed):
             report.compared[there.report_path] += "; types that nothing declares have the members that are used of them"
+
+
+def _why_not_compared(
+    there: Chart, here: Chart | None, named: Collection[Outcome], untyped: str | None, tool: str
+) -> str:
+    """Return why a chart is not run; `untyped` is a type of its variables that nothing declares."""
+    if here is not None and untyped is not None:  # no run knows what its members are, or that blocks share them
+        return f"nothing declares the type `{untyped}` of its variables"
+    if not named and there.chart is not there.pou.chart:
+        return f"in {tool} it is no chart of an action, and its POU runs what is in its place"
+    return f"the report names {'what is not executed' if named else f'nothing in {tool} that has its name'}"
+
+
+def _run(
+    report: ConversionReport,
+    place: Chart,
+    compared: Callable[..., Verdict],
+    *,
+    source: Project,
+    profiles: tuple[Profile, Profile],
+    tool: str,
+    limit: float,
+) -> _Run | None:
+    """Run a chart for at most `limit` seconds; None, and in `report` why, where it cannot be run."""
+    from plcopen_sfc.analysis.pairing import Delay  # noqa: PLC0415  # most conversions run nothing
+
+    if limit <= 0:
+        _note_untested(report, place.report_path, "not run: the time limit was reached")
+        return None
+    try:
+        verdict = compared(delay="auto", limit=limit)
+        is_cut = verdict.delay.retimed and verdict.equal
+        other = profiles[0].order is not profiles[1].order
+        is_cut = is_cut and _lasts(place, source, verdict.inputs, has_other_inputs=other)
+        as_run = compared(delay=Delay(verdict.delay.scans), limit=limit) if is_cut else verdict
+    except SfcError as error:
+        _note_untested(report, place.report_path, f"not run: {error.message}")
+        return None
+    return _Run(place, verdict, as_run, profiles, tool)
 
 
 def _told_while_held(compared: Callable[..., Verdict], run: _Run, losses: Sequence[Item], end: float) -> str:

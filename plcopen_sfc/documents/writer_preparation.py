@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -12,30 +11,21 @@ from plcopen_sfc.conversion.adaptation import rewrite_project
 from plcopen_sfc.conversion.adaptation.called_programs import adapt_programs
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.documents.legal_names import give_legal_names
+from plcopen_sfc.documents.target_differences import note_differences
 from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, NetworkForm, WriteOptions
-from plcopen_sfc.formats.matiec.matiec_statements import note_loops
 from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
-from plcopen_sfc.languages.binding import told_step_actions
-from plcopen_sfc.languages.binding.name_resolution import Resolver
-from plcopen_sfc.languages.binding.text_sites import Site
-from plcopen_sfc.languages.declarations.kept_texts import kept
-from plcopen_sfc.languages.networks.exported_networks import EXPORTS, KNOWN_SECTIONS
 from plcopen_sfc.languages.s7_boxes import translate_boxes
 from plcopen_sfc.languages.s7_programs import has_results, name_results
-from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.languages.translation.translation_context import family
-from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import COUNTING_BYTES, Dialect, address_dialect
-from plcopen_sfc.model.project import Chart, Project
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.text import is_direct
-from plcopen_sfc.model.types import Elementary, ElementaryType, used_types
-from plcopen_sfc.report import ARITHMETIC, FALLING_EDGE, ORDER_OF_ACTIONS, ConversionReport, Outcome
+from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import (
     PROFILES,
-    ActionOrder,
     Profile,
     StepVariables,
     default_profile,
@@ -67,26 +57,18 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     """Return a copy of `project` for the writer of the format `kind`."""
     dialect = _dialect(project, kind, options)
     addresses = _address_dialect(project, kind, dialect)
-    same_dialect = dialect in (None, project.dialect) and addresses is project.address_dialect
-    profile = default_profile(project)
-    if profile.for_asks_ahead and kind.tool and not options.flavour and not kind.name.startswith("plcopen"):
-        note_loops(project, report, kind.tool)  # a TC6 file is one of Beremiz by its header still
     if kind.tool and not options.same:
-        _note_differences(project, kind, options, dialect, report)
-    results = bool(kind.tool) and kind.name != TIA_FORMAT and has_results(project)
-    lacks_nothing = options.same or type(kind.codec()).replace_missing is Codec.replace_missing
-    lacks_nothing = lacks_nothing and (not kind.tool or _has_flags(kind) is _has_flags(project))
+        note_differences(project, kind, options, dialect, report)
     of_grafcet = not options.same and is_put_into_sfc(project, kind)
     origin = _origin(project, kind, options, of_grafcet=of_grafcet)
-    as_it_is = same_dialect and lacks_nothing and not options.flavour and not results and not of_grafcet
-    as_it_is = as_it_is and (options.same or not _writes_statements(kind) or not _has_drawn_bodies(project))
-    if kind.drawing is DrawingNeed.NONE and kind.charts is None and as_it_is:
+    same_words = dialect in (None, project.dialect) and addresses is project.address_dialect
+    if same_words and not of_grafcet and _stays(project, kind, options):
         behaviour = executed(project, at_rest=options.at_rest) if kind.tool else None
         same = project if origin == project.origin else project.model_copy(update={"origin": origin})
         return Prepared(same, same, options, behaviour)
     copy = project.model_copy(deep=True)
     copy.origin = origin
-    if results:
+    if _names_results(project, kind):
         name_results(copy, report)
     if kind.tool and not options.same:
         # letters of a GRAFCET follow rules of their own
@@ -96,46 +78,18 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         translate_boxes(copy, dialect, kind.tool, report)
     if of_grafcet:
         _put_into_sfc(copy, kind, report)
-        profile = PROFILES["iec"]  # the words of the copy
+    profile = PROFILES["iec"] if of_grafcet else default_profile(project)  # the words of the copy
     options = replace(for_source(options, profile), of_grafcet=of_grafcet)
     if profile.graph_parameters and kind.name != TIA_FORMAT:
         _mark_first_steps(copy, kind, report)
-    if kind.xml and not options.same:
-        _forget_direct_text(copy)
     if _has_flags(kind) is not _has_flags(project):
         _put_into_notation(copy, kind, report)
-    if not options.same:
-        _in_structured_text(copy, kind, report)
-    if dialect is not None:
-        calls_actions = kind.name == TIA_FORMAT  # its writer puts statements in the place of the calls
-        wholly = bool(options.flavour)
-        _put_into_dialect(copy, dialect, addresses, report, wholly=wholly, calls_actions=calls_actions)
-    if kind.name == TIA_FORMAT and project.dialect is Dialect.SCL and not options.same:
-        from plcopen_sfc.refactor.dialect_translation import compute_constants  # noqa: PLC0415  # rarely needed
-
-        _note_texts(compute_constants(copy), report)
+    _put_texts_into_words(copy, kind, options, report, dialect=dialect, addresses=addresses)
     if kind.tool and not options.same:
         give_legal_names(copy, kind.dialect, kind.tool, report, with_letters=False)
     _renumber_addresses(copy, project.address_dialect, addresses, report)
-    if options.flavour and options.of_graph:
-        # matiec has less than TC6: what S7-GRAPH has more than that becomes statements first
-        copy, _ = rewrite_project(copy, format_named("plcopen")[0], options, report)
-        _forget_replaced(copy)
-        profile = PROFILES["iec"]
     if options.flavour:
-        if options.of_codesys:
-            from plcopen_sfc.conversion.adaptation.chart_rules import obey_flags  # noqa: PLC0415
-
-            obey_flags(copy, project, "matiec", options, report)
-        kind.codec().fit(copy, options, report)
-        # what its rules would do otherwise is written out, or reported
-        rules = PROFILES[options.flavour]
-        profile = replace(
-            profile,
-            final_scan=rules.final_scan,
-            action_control=rules.action_control,
-            boolean_targets=rules.boolean_targets,
-        )
+        copy, profile = _fitted(project, copy, kind, profile=profile, options=options, report=report)
         options = for_source(options, profile)
     if not options.same:
         kind.codec().replace_missing(copy, report)
@@ -144,48 +98,83 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     behaviour = None
     if kind.tool:
         behaviour = executed(unchanged, profile, source=project, at_rest=options.at_rest, addresses=addresses)
-    if kind.drawing is DrawingNeed.NONE:
-        written, marks = rewrite_project(copy, kind, options, report)
-        if kind.charts is not None and kind.charts.is_codesys and not options.same:
-            note_limits(written, kind, report)
-        if written is not copy and _has_flags(kind):
-            _put_into_notation(written, kind, report)
-        return Prepared(written, copy, replace(options, marks=marks, rewritten=copy), behaviour)
-    written, options = _drawn(project, copy, kind, options, report)
-    return Prepared(written, copy, options, behaviour)
+    if kind.drawing is not DrawingNeed.NONE:
+        written, options = _drawn(project, copy, kind, options, report)
+        return Prepared(written, copy, options, behaviour)
+    written, marks = rewrite_project(copy, kind, options, report)
+    if kind.charts is not None and kind.charts.is_codesys and not options.same:
+        note_limits(written, kind, report)
+    if written is not copy and _has_flags(kind):
+        _put_into_notation(written, kind, report)
+    return Prepared(written, copy, replace(options, marks=marks, rewritten=copy), behaviour)
 
 
-def _note_differences(
-    project: Project, kind: Format, options: WriteOptions, dialect: Dialect | None, report: ConversionReport
+def _stays(project: Project, kind: Format, options: WriteOptions) -> bool:
+    """True if a format has a place for all of a project as it is, dialect and names aside."""
+    if kind.drawing is not DrawingNeed.NONE or kind.charts is not None or options.flavour:
+        return False
+    if _names_results(project, kind):
+        return False
+    if options.same:
+        return True
+    if kind.tool and _has_flags(kind) is not _has_flags(project):
+        return False
+    draws = not _writes_statements(kind) or not _has_drawn_bodies(project)
+    return draws and type(kind.codec()).replace_missing is Codec.replace_missing
+
+
+def _names_results(project: Project, kind: Format) -> bool:
+    """True if results of functions, which S7 declares as variables, get the names of their functions."""
+    return bool(kind.tool) and kind.name != TIA_FORMAT and has_results(project)
+
+
+def _put_texts_into_words(
+    copy: Project,
+    kind: Format,
+    options: WriteOptions,
+    report: ConversionReport,
+    *,
+    dialect: Dialect | None,
+    addresses: Dialect,
 ) -> None:
-    """Report the differences of the same texts in another tool."""
-    _note_wider_arithmetic(project, kind, dialect, report)
-    _note_operands(project, kind, options, report)
-    _note_sections(project, kind, report)
-    _note_falling_edges(project, kind, dialect, report)
-    if default_profile(project).flags and (kind.charts is None or not kind.charts.is_codesys):
-        is_text = dialect is None and not options.flavour
-        target = PROFILES[options.flavour] if options.flavour else profile_of_format(kind.name)
-        _note_step_actions(project, profile_as(project, kind.name) if is_text else target, report)
+    """Put all program text of a copy into the languages and the dialect of the target."""
+    is_scl = copy.dialect is Dialect.SCL
+    if kind.xml and not options.same:
+        _forget_direct_text(copy)
+    if not options.same:
+        _in_structured_text(copy, kind, report)
+    if dialect is not None:
+        calls_actions = kind.name == TIA_FORMAT  # its writer puts statements in the place of the calls
+        wholly = bool(options.flavour)
+        _put_into_dialect(copy, dialect, addresses, report, wholly=wholly, calls_actions=calls_actions)
+    if kind.name == TIA_FORMAT and is_scl and not options.same:
+        from plcopen_sfc.refactor.dialect_translation import compute_constants  # noqa: PLC0415  # rarely needed
+
+        _note_texts(compute_constants(copy), report)
 
 
-def _note_step_actions(project: Project, target: Profile, report: ConversionReport) -> None:
-    """Report associations that CODESYS executes after the entry, main and exit actions of steps, and others before."""
-    for place in project.charts():
-        by_name = _order_of_names(target.action_order, place)
-        exits_first = target.graph_parameters
-        if told := told_step_actions(place.chart, place.pou, project.dialect, by_name, exits_first=exits_first):
-            report.add(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, place.report_path, told)
+def _fitted(
+    project: Project, copy: Project, kind: Format, *, profile: Profile, options: WriteOptions, report: ConversionReport
+) -> tuple[Project, Profile]:
+    """Return a copy in what a flavour of TC6 has, and the rules that its texts are for then."""
+    if options.of_graph:
+        # matiec has less than TC6: what S7-GRAPH has more than that becomes statements first
+        copy, _ = rewrite_project(copy, format_named("plcopen")[0], options, report)
+        _forget_replaced(copy)
+        profile = PROFILES["iec"]
+    if options.of_codesys:
+        from plcopen_sfc.conversion.adaptation.chart_rules import obey_flags  # noqa: PLC0415  # of CODESYS alone
 
-
-def _order_of_names(order: ActionOrder, place: Chart) -> Callable[[str], tuple[int, str]] | None:
-    """Return the place of an action by its name, in a tool in which names tell it."""
-    if order is ActionOrder.ALPHABETIC:
-        return lambda name: (0, name.casefold())
-    if order is ActionOrder.DECLARED:
-        declared = {action.name.casefold(): number for number, action in enumerate(place.pou.actions)}
-        return lambda name: (declared.get(name.casefold(), -1), "")
-    return None
+        obey_flags(copy, project, "matiec", options, report)
+    kind.codec().fit(copy, options, report)
+    # what its rules would do otherwise is written out, or reported
+    rules = PROFILES[options.flavour]
+    return copy, replace(
+        profile,
+        final_scan=rules.final_scan,
+        action_control=rules.action_control,
+        boolean_targets=rules.boolean_targets,
+    )
 
 
 def _forget_replaced(project: Project) -> None:
@@ -399,106 +388,6 @@ _OUTCOMES = {
     Severity.ERROR: Outcome.NOT_EXECUTED,
 }
 """Outcome of a text by the severity of the notes of its translation: without a counterpart it is left as it is."""
-
-
-def _note_operands(project: Project, kind: Format, options: WriteOptions, report: ConversionReport) -> None:
-    """Report actions on variables that are not Boolean: no tool compiles them, and some write another type."""
-    if options.flavour:  # what fits a project to that tells so
-        return
-    resolver = Resolver(project, project.dialect)
-    for chart in project.charts():
-        names = {association.target for _, association in chart.chart.associations()} - {None}
-        types = {name: _elementary_type(resolver, chart, name) for name in names if name is not None}
-        for step, row in chart.chart.associations():
-            type_ = types.get(row.target or "")
-            switches = row.value is None and row.body is None and row.kind is None and row.qualifier in _SWITCHING
-            if switches and type_ is not None and type_ is not Elementary.BOOL:
-                why = f"`{row.target}` is of the type {type_.value}, and an action is a Boolean variable in {kind.tool}"
-                path = f"{chart.report_path} / step {step.name} / action {row.target}"
-                report.add(Outcome.NOT_EXECUTED, "action", path, why)
-
-
-def _note_sections(project: Project, kind: Format, report: ConversionReport) -> None:
-    """Report sections of an export of CoDeSys 2.3 that are kept as text, but for libraries, whose blocks have names."""
-    for name, text in kept(project.extension_data).items():
-        found = _SECTION.match(text)
-        word = found["word"].upper() if found is not None else ""
-        if kind.name == EXPORTS or not name.startswith("section") or word == "LIBRARY":
-            continue
-        has_tasks = "TASK" in word or (word == "RESOURCE" and "TASK" in text.upper())
-        if word == "VAR_CONFIG" or has_tasks:
-            outcome, why = Outcome.NOT_EXECUTED, f"it is kept as text: what it says has to be made in {kind.tool}"
-        elif word in KNOWN_SECTIONS or word.startswith("_"):
-            outcome = Outcome.EXTENSION_DATA if kind.extension_data else Outcome.DROPPED
-            why = "it is of CoDeSys 2.3 alone, and no program"
-        else:
-            outcome, why = Outcome.APPROXIMATED, "a section that is not known: the controller may execute what it says"
-        report.add(outcome, "section", f"section {word}", why)
-
-
-_SECTION = re.compile(r"(?:\s|\(\*.*?\*\))*(?P<word>\w+)", re.DOTALL)
-
-
-def _note_falling_edges(project: Project, kind: Format, dialect: Dialect | None, report: ConversionReport) -> None:
-    """Report blocks and lists with F_TRIG where only one of two tools sees an edge in its first call with FALSE.
-
-    IEC 61131-3 ed. 3, table 44: it is one. TIA Portal help: F_TRIG compares with the last call, at first FALSE.
-    """
-    if dialect is None or (dialect is Dialect.SCL) is (project.dialect is Dialect.SCL):
-        return
-    own = {pou.name.casefold() for pou in project.pous}
-    if _FALLING in own:
-        return
-    sides = ("in the source", f"in {kind.tool}")
-    here, there = sides if dialect is Dialect.SCL else sides[::-1]
-    declared = [(pou.report_path, pou.variables()) for pou in project.pous]
-    # CODESYS needs no VAR_EXTERNAL: a block that calls a global instance may not declare it
-    for section in project.global_sections():
-        declared.append((f"list of global variables {section.name or ''}".strip(), section.variables))
-    for path, variables in declared:
-        found = [v.name for v in variables if _FALLING in map(str.casefold, used_types(v.type))]
-        if found:
-            why = f"the first call of {found[0]} with FALSE is a falling edge {here} and none {there}"
-            report.add(Outcome.APPROXIMATED, FALLING_EDGE, path, why)
-
-
-_FALLING = "f_trig"
-
-
-_SWITCHING = frozenset(Qualifier) - {Qualifier(name) for name in "CALL ON OFF CS CU CD CR TL TD TR TF".split()}
-
-
-def _elementary_type(resolver: Resolver, chart: Chart, name: str) -> Elementary | None:
-    """Return the type of the variable that an action writes; None for all else."""
-    if chart.pou.find_action(name) is not None:
-        return None
-    found = resolver.type_of(parse_expression(name, resolver.dialect).tree, Site(pou=chart.pou, charts=(chart.chart,)))
-    return found.name if isinstance(found, ElementaryType) else None
-
-
-def _note_wider_arithmetic(project: Project, kind: Format, dialect: Dialect | None, report: ConversionReport) -> None:
-    """Report the operations that stay as they are where CODESYS calculates in 32 bits, and other tools in the types.
-
-    `dialect`: that of the file; None where it has the texts as they are.
-    """
-    sides = family(project.dialect), family(dialect or Dialect.IEC)
-    why = {
-        (Dialect.CODESYS, Dialect.IEC): "CODESYS calculates with 32 bits where {tool} may do it in the types of the"
-        " operands",
-        (Dialect.IEC, Dialect.CODESYS): "{tool} calculates with 32 bits where the source does it in the types of the"
-        " operands: a result that does not fit is not cut off",
-    }.get(sides)
-    if why is None:
-        return
-    from plcopen_sfc.refactor.dialect_translation import (  # noqa: PLC0415  # rarely needed
-        boxes_that_calculate_otherwise,
-        texts_that_calculate_otherwise,
-    )
-
-    is_translated = dialect is not None and sides[0] is Dialect.CODESYS
-    texts = () if is_translated else texts_that_calculate_otherwise(project, sides[1])
-    for path in (*texts, *boxes_that_calculate_otherwise(project, sides[1])):
-        report.add(Outcome.APPROXIMATED, ARITHMETIC, path, why.format(tool=kind.tool))
 
 
 def _renumber_addresses(project: Project, source: Dialect, target: Dialect, report: ConversionReport) -> None:

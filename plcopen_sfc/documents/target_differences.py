@@ -1,0 +1,162 @@
+"""What a tool executes otherwise of texts and declarations that are written for it as they are."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+from plcopen_sfc.formats.format_interface import Format, WriteOptions
+from plcopen_sfc.formats.matiec.matiec_statements import note_loops
+from plcopen_sfc.languages.binding import told_step_actions
+from plcopen_sfc.languages.binding.name_resolution import Resolver
+from plcopen_sfc.languages.binding.text_sites import Site
+from plcopen_sfc.languages.declarations.kept_texts import kept
+from plcopen_sfc.languages.networks.exported_networks import EXPORTS, KNOWN_SECTIONS
+from plcopen_sfc.languages.st import parse_expression
+from plcopen_sfc.languages.translation.translation_context import family
+from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.project import Chart, Project
+from plcopen_sfc.model.types import Elementary, ElementaryType, used_types
+from plcopen_sfc.report import ARITHMETIC, FALLING_EDGE, ORDER_OF_ACTIONS, ConversionReport, Outcome
+from plcopen_sfc.semantics.profile import (
+    PROFILES,
+    ActionOrder,
+    Profile,
+    default_profile,
+    profile_as,
+    profile_of_format,
+)
+
+_SECTION = re.compile(r"(?:\s|\(\*.*?\*\))*(?P<word>\w+)", re.DOTALL)
+
+_FALLING = "f_trig"
+
+_SWITCHING = frozenset(Qualifier) - {Qualifier(name) for name in "CALL ON OFF CS CU CD CR TL TD TR TF".split()}
+"""Qualifiers of actions that are Boolean variables."""
+
+
+def note_differences(
+    project: Project, kind: Format, options: WriteOptions, dialect: Dialect | None, report: ConversionReport
+) -> None:
+    """Report what the target executes otherwise, or not at all, in texts and declarations that it gets as they are."""
+    if default_profile(project).for_asks_ahead and not options.flavour and not kind.name.startswith("plcopen"):
+        note_loops(project, report, kind.tool)  # a TC6 file is one of Beremiz by its header still
+    _note_wider_arithmetic(project, kind, dialect, report)
+    _note_operands(project, kind, options, report)
+    _note_sections(project, kind, report)
+    _note_falling_edges(project, kind, dialect, report)
+    if default_profile(project).flags and (kind.charts is None or not kind.charts.is_codesys):
+        is_text = dialect is None and not options.flavour
+        target = PROFILES[options.flavour] if options.flavour else profile_of_format(kind.name)
+        _note_step_actions(project, profile_as(project, kind.name) if is_text else target, report)
+
+
+def _note_step_actions(project: Project, target: Profile, report: ConversionReport) -> None:
+    """Report associations that CODESYS executes after the entry, main and exit actions of steps, and others before."""
+    for place in project.charts():
+        by_name = _order_of_names(target.action_order, place)
+        exits_first = target.graph_parameters
+        if told := told_step_actions(place.chart, place.pou, project.dialect, by_name, exits_first=exits_first):
+            report.add(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, place.report_path, told)
+
+
+def _order_of_names(order: ActionOrder, place: Chart) -> Callable[[str], tuple[int, str]] | None:
+    """Return the place of an action by its name, in a tool in which names tell it."""
+    if order is ActionOrder.ALPHABETIC:
+        return lambda name: (0, name.casefold())
+    if order is ActionOrder.DECLARED:
+        declared = {action.name.casefold(): number for number, action in enumerate(place.pou.actions)}
+        return lambda name: (declared.get(name.casefold(), -1), "")
+    return None
+
+
+def _note_operands(project: Project, kind: Format, options: WriteOptions, report: ConversionReport) -> None:
+    """Report actions on variables that are not Boolean: no tool compiles them, and some write another type."""
+    if options.flavour:  # what fits a project to that tells so
+        return
+    resolver = Resolver(project, project.dialect)
+    for chart in project.charts():
+        names = {association.target for _, association in chart.chart.associations()} - {None}
+        types = {name: _elementary_type(resolver, chart, name) for name in names if name is not None}
+        for step, row in chart.chart.associations():
+            type_ = types.get(row.target or "")
+            switches = row.value is None and row.body is None and row.kind is None and row.qualifier in _SWITCHING
+            if switches and type_ is not None and type_ is not Elementary.BOOL:
+                why = f"`{row.target}` is of the type {type_.value}, and an action is a Boolean variable in {kind.tool}"
+                path = f"{chart.report_path} / step {step.name} / action {row.target}"
+                report.add(Outcome.NOT_EXECUTED, "action", path, why)
+
+
+def _note_sections(project: Project, kind: Format, report: ConversionReport) -> None:
+    """Report sections of an export of CoDeSys 2.3 that are kept as text, but for libraries, whose blocks have names."""
+    for name, text in kept(project.extension_data).items():
+        found = _SECTION.match(text)
+        word = found["word"].upper() if found is not None else ""
+        if kind.name == EXPORTS or not name.startswith("section") or word == "LIBRARY":
+            continue
+        has_tasks = "TASK" in word or (word == "RESOURCE" and "TASK" in text.upper())
+        if word == "VAR_CONFIG" or has_tasks:
+            outcome, why = Outcome.NOT_EXECUTED, f"it is kept as text: what it says has to be made in {kind.tool}"
+        elif word in KNOWN_SECTIONS or word.startswith("_"):
+            outcome = Outcome.EXTENSION_DATA if kind.extension_data else Outcome.DROPPED
+            why = "it is of CoDeSys 2.3 alone, and no program"
+        else:
+            outcome, why = Outcome.APPROXIMATED, "a section that is not known: the controller may execute what it says"
+        report.add(outcome, "section", f"section {word}", why)
+
+
+def _note_falling_edges(project: Project, kind: Format, dialect: Dialect | None, report: ConversionReport) -> None:
+    """Report blocks and lists with F_TRIG where only one of two tools sees an edge in its first call with FALSE.
+
+    IEC 61131-3 ed. 3, table 44: it is one. TIA Portal help: F_TRIG compares with the last call, at first FALSE.
+    """
+    if dialect is None or (dialect is Dialect.SCL) is (project.dialect is Dialect.SCL):
+        return
+    own = {pou.name.casefold() for pou in project.pous}
+    if _FALLING in own:
+        return
+    sides = ("in the source", f"in {kind.tool}")
+    here, there = sides if dialect is Dialect.SCL else sides[::-1]
+    declared = [(pou.report_path, pou.variables()) for pou in project.pous]
+    # CODESYS needs no VAR_EXTERNAL: a block that calls a global instance may not declare it
+    for section in project.global_sections():
+        declared.append((f"list of global variables {section.name or ''}".strip(), section.variables))
+    for path, variables in declared:
+        found = [v.name for v in variables if _FALLING in map(str.casefold, used_types(v.type))]
+        if found:
+            why = f"the first call of {found[0]} with FALSE is a falling edge {here} and none {there}"
+            report.add(Outcome.APPROXIMATED, FALLING_EDGE, path, why)
+
+
+def _elementary_type(resolver: Resolver, chart: Chart, name: str) -> Elementary | None:
+    """Return the type of the variable that an action writes; None for all else."""
+    if chart.pou.find_action(name) is not None:
+        return None
+    found = resolver.type_of(parse_expression(name, resolver.dialect).tree, Site(pou=chart.pou, charts=(chart.chart,)))
+    return found.name if isinstance(found, ElementaryType) else None
+
+
+def _note_wider_arithmetic(project: Project, kind: Format, dialect: Dialect | None, report: ConversionReport) -> None:
+    """Report the operations that stay as they are where CODESYS calculates in 32 bits, and other tools in the types.
+
+    `dialect`: that of the file; None where it has the texts as they are.
+    """
+    sides = family(project.dialect), family(dialect or Dialect.IEC)
+    why = {
+        (Dialect.CODESYS, Dialect.IEC): "CODESYS calculates with 32 bits where {tool} may do it in the types of the"
+        " operands",
+        (Dialect.IEC, Dialect.CODESYS): "{tool} calculates with 32 bits where the source does it in the types of the"
+        " operands: a result that does not fit is not cut off",
+    }.get(sides)
+    if why is None:
+        return
+    from plcopen_sfc.refactor.dialect_translation import (  # noqa: PLC0415  # rarely needed
+        boxes_that_calculate_otherwise,
+        texts_that_calculate_otherwise,
+    )
+
+    is_translated = dialect is not None and sides[0] is Dialect.CODESYS
+    texts = () if is_translated else texts_that_calculate_otherwise(project, sides[1])
+    for path in (*texts, *boxes_that_calculate_otherwise(project, sides[1])):
+        report.add(Outcome.APPROXIMATED, ARITHMETIC, path, why.format(tool=kind.tool))
