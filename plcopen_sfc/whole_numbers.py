@@ -1,4 +1,4 @@
-"""Whole numbers in texts that come from files."""
+"""Whole numbers in texts: those that come from files, and counts that people read."""
 
 from __future__ import annotations
 
@@ -24,3 +24,8 @@ def xml_number(text: str | None) -> int | None:
 def canonical_number(text: str | None) -> int | None:
     """Return a number as `whole_number` does; None for leading zeros, which the number would not bring back."""
     return int(text) if text is not None and _CANONICAL.fullmatch(text) else None
+
+
+def counted(count: int, noun: str) -> str:
+    """Return how many there are of something, such as ``1 scan`` or ``2 scans``."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"

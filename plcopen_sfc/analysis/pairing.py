@@ -27,6 +27,7 @@ from plcopen_sfc.semantics.charts.sfc_flags import COMMANDS, flags_in_use
 from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.subjects import Subject, Watched, signal_of
+from plcopen_sfc.whole_numbers import counted
 
 _AUTOMATIC = (0, 1, -1, 2, -2)
 
@@ -62,7 +63,7 @@ class Delay:
         if not self.scans:
             return ""
         count = abs(self.scans)
-        return f"{'second' if self.scans > 0 else 'first'} {count} scan{'' if count == 1 else 's'} later"
+        return f"{'second' if self.scans > 0 else 'first'} {counted(count, 'scan')} later"
 
     def notes(self, orders: Sequence[ScanOrder], operated: Sequence[str] = ()) -> tuple[str, ...]:
         """Return the notes on start, inputs and times; `orders`: the scan orders of the first and the second.
@@ -83,7 +84,7 @@ class Delay:
             return ()
         scans = "scan" if count == 1 else f"{count} scans"
         if self.late_start:
-            start = f"the {later} starts {count} scan{'' if count == 1 else 's'} later"
+            start = f"the {later} starts {counted(count, 'scan')} later"
             return (f"{start}, and until then {', '.join(operated)} at rest",) if operated else (start,)
         return (f"the first {scans} of the {later} {'has' if count == 1 else 'have'} no counterpart",)
 

@@ -14,6 +14,7 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st.literals import time_literal
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.trace import Trace
+from plcopen_sfc.whole_numbers import counted
 
 _MOST_ROWS = 1_000
 """Scans of a counterexample that are all shown."""
@@ -45,7 +46,7 @@ class Difference:
     def __str__(self) -> str:
         if self.error:
             return self.error
-        before = f" {abs(self.delay)} scan{'' if abs(self.delay) == 1 else 's'} before"
+        before = f" {counted(abs(self.delay), 'scan')} before"
         sides = before if self.delay > 0 else "", before if self.delay < 0 else ""
         left, right = shown_value(self.left, self.signal), shown_value(self.right, self.signal)
         return f"{self.name} is {left} in the first{sides[0]} and {right} in the second{sides[1]}"
@@ -185,19 +186,20 @@ class Verdict:
         times = f", scan time {time_literal(self.scan_time)}" if self.timed else ""
         later = f", {self.delay}" if self.delay.scans else ""
         if self.counterexample is not None:
-            count = len(self.counterexample.inputs)
             how = "shortest input trace" if self.counterexample.shortest else "an input trace"
             how += f", compared with the {self.delay}" if self.delay.scans else ""
-            head = f"different after {count} scan{'' if count == 1 else 's'} ({how}{times})"
+            head = f"different after {counted(len(self.counterexample.inputs), 'scan')} ({how}{times})"
             return "\n".join([head, str(self.counterexample), *self._unknown()])
         if self.proven:
             left_out = "".join(f"; {note}" for note in (*self.notes, *self.delay_notes))
             parts = f" in {self.parts} parts" if self.parts > 1 else ""
-            head = f"equal{later} (proof: {self.states} states{parts}, all inputs{times}{left_out})"
+            head = f"equal{later} (proof: {counted(self.states, 'state')}{parts}, all inputs{times}{left_out})"
         else:
-            tried = f", all inputs tried for {self.depth} scans" if self.depth and self.runs else ""
+            tried = f", all inputs tried for {counted(self.depth, 'scan')}" if self.depth and self.runs else ""
             tried += "".join(f"; {note}" for note in self.delay_notes)
-            run = f"{self.runs} directed runs, {self.scans} scans" if self.runs else f"{self.states} states"
+            run = counted(self.states, "state")
+            if self.runs:
+                run = f"{counted(self.runs, 'directed run')}, {counted(self.scans, 'scan')}"
             missed = ""
             if self.kind is VerdictKind.UNTESTED:
                 missed = f"not all was {'compared' if self.gap else 'reached'}{self._missing()}, "

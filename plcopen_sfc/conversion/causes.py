@@ -16,6 +16,7 @@ from plcopen_sfc.model.types import SimpleValue
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import Item
 from plcopen_sfc.semantics.profile import Profile, ScanOrder
+from plcopen_sfc.whole_numbers import counted
 
 if TYPE_CHECKING:
     from plcopen_sfc.analysis.verdict import Counterexample, Verdict
@@ -37,8 +38,7 @@ def told_difference(
     `losses` on that; one of the other `losses`; when variables are written; the parts of the chart that determine what
     differs.
     """
-    count = len(example.inputs)
-    scans = f"{count} scan{'' if count == 1 else 's'}"
+    scans = counted(len(example.inputs), "scan")
     shown = str(example.differences[0]).replace("in the first", "in the source").replace("in the second", f"in {tool}")
     more = [each.name.removesuffix(".X") for each in example.differences[1:] if not each.error]
     others = f"; {_listed(more)} {'differs' if len(more) == 1 else 'differ'}, too" if more else ""

@@ -627,3 +627,9 @@ def ring_of_three(last: str) -> sfc.SfcNetwork:
         chart.add_transition(steps[place], steps[(place + 1) % 3], condition)
     steps[2].actions = [ActionAssociation(id=12, kind="continuous", target="W")]
     return chart
+
+
+def test_verdicts_count_in_the_singular() -> None:
+    alone = program("q := TRUE;", variables=["q : BOOL"])
+    text = str(equivalent(alone, alone))
+    assert "(proof: 1 state, all inputs" in text

@@ -27,6 +27,7 @@ from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.languages.binding import Use
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import LOSSES, Item, Outcome
+from plcopen_sfc.whole_numbers import counted
 
 _FINDINGS = 1
 _SHOWN = 20
@@ -68,7 +69,7 @@ class _Rename(_Edit):
         _tell_unread(screen, project)
         result = project.rename(self.old, self.new)
         count = len(result.changed)
-        places = f"{count} place{'' if count == 1 else 's'} that name{'s' if count == 1 else ''} it changed too"
+        places = f"{counted(count, 'place')} that name{'s' if count == 1 else ''} it changed too"
         screen.line((result.path, "bold"), " is called ", (result.new, "bold"), f" now, {places}")
         for use in result.changed:
             screen.line(f"  {use}")
@@ -319,7 +320,7 @@ def _tell_one_of_many(screen: Screen, done: AppliedFile, told: RecordedScreen | 
     is_shown = not screen.as_json and not screen.quiet
     if is_shown and done.changes:
         new = sum(line.startswith("+") and not line.startswith("+++") for line in diff)
-        screen.line("changed: ", (done.path, "bold"), f", {new} line{'' if new == 1 else 's'}")
+        screen.line("changed: ", (done.path, "bold"), f", {counted(new, 'line')}")
     if told is not None:
         replay(screen, told.printed, results=is_shown and screen.verbose > 0)
     for proof in done.proofs if is_shown else ():
