@@ -95,6 +95,17 @@ def test_interlocks_supervisions_and_events(event: str, acknowledge: bool) -> No
     proven(chart, "ok fault ACK_EF", "Q P ERR_FLT")
 
 
+def test_a_supervision_has_three_variables_and_is_short_when_its_step_begins() -> None:
+    """An event has a variable where something asks for it only."""
+    chart = guarded(act("N"), acknowledge=True)
+    made = code(chart, "fault ACK_EF ok")
+    begins = made.partition("IF #step_number = #STEP_2 AND #step_number_old <> #STEP_2 THEN\n")[2]
+    assert begins.startswith("    #X2_VS := #fault;\n    #X2_VA := #X2_VS;\nEND_IF;")
+    assert "#X2_fault" not in made
+    assert "#X2_V1" not in made
+    proven(chart, "ok fault ACK_EF")
+
+
 def test_a_coil_that_something_else_writes_is_left_alone() -> None:
     chart = ring(act("N"), act("N", event="S0"))
     chart.permanent_post = [m.PermanentOperation(body=m.StBody(text="IF #c1 AND #c3 THEN #Q := TRUE; END_IF;"))]

@@ -79,8 +79,8 @@ class SupervisionChecks:
         if self._supervision is not None:
             wanted |= needed & {*SUPERVISION}
             if remembers:
-                wanted |= {"VS", "V1", "V0", "VA", "fault", "acknowledged"}
-            elif wanted & {"V1", "V0"}:
+                wanted |= {"VS", "VA", "acknowledged"}
+            if wanted & {"V1", "V0"}:
                 wanted |= {"VS", "fault"}
             # without acknowledgement the error is there as long as its condition: one variable for both
             if "VA" in wanted and not remembers:
@@ -144,9 +144,10 @@ class SupervisionChecks:
             return []
         if not self.early:
             return self._late(resolve)
-        return [when(entered(), *self._evaluated(resolve, CyclePhase.ENTERED, FALSE))]
+        return [when(entered(), *self._evaluated(resolve, CyclePhase.ENTERED))]
 
-    def _evaluated(self, resolve: Resolve, phase: CyclePhase, acknowledge: Expression) -> list[Statement]:
+    def _evaluated(self, resolve: Resolve, phase: CyclePhase, acknowledge: Expression | None = None) -> list[Statement]:
+        """Return the checks of an active step. `acknowledge`: None for a step just entered, which has no error yet."""
         v = self._variables
         into: list[Statement] = []
         if self._interlock is not None and "LS" in v:
@@ -156,8 +157,10 @@ class SupervisionChecks:
         if self._supervision is not None:
             into += [resolve(each, phase) for each in self._supervision.preparation]
             self._supervision_events(resolve(self._supervision.value, phase), into)
-            if self._remembers:
-                self._remembered(acknowledge, into)
+            if self._remembers and acknowledge is None:
+                into.append(assignment(self._variables["VA"], self._variables["VS"]))
+            elif self._remembers:
+                self._remembered(acknowledge or FALSE, into)
         return into
 
     def _late(self, resolve: Resolve) -> list[Statement]:
@@ -197,17 +200,18 @@ class SupervisionChecks:
         into.append(assignment(v["VS"], v["fault"]))
 
     def _remembered(self, acknowledge: Expression, into: list[Statement]) -> None:
-        """Append the memory of an error, which stays until it is gone and acknowledged."""
+        """Append the memory of an error, which stays until it is gone and acknowledged: then both are forgotten."""
         v = self._variables
-        into.append(when(v["V1"], assignment(v["VA"], TRUE), assignment(v["acknowledged"], FALSE)))
-        event = conjunction([acknowledge, v["VA"], negation(v["acknowledged"])])
+        into.append(assignment(v["VA"], disjunction([v["VS"], v["VA"]])))
+        event = conjunction([acknowledge, v["VA"]])
         if "A1" in v:
-            into.append(assignment(v["A1"], event))
+            into.append(assignment(v["A1"], conjunction([event, negation(v["acknowledged"])])))
             event = v["A1"]
         if not is_constant(acknowledge, FALSE):
             into.append(when(event, assignment(v["acknowledged"], TRUE)))
         known = [v["acknowledged"]] if self._must_acknowledge else []
-        into.append(when(conjunction([negation(v["VS"]), *known]), assignment(v["VA"], FALSE)))
+        ended = [assignment(v[name], FALSE) for name in ("VA", "acknowledged")]
+        into.append(when(conjunction([negation(v["VS"]), *known]), *ended))
 
 
 _EVENTS = ("L1", "L0", "V1", "V0", "A1")
