@@ -48,6 +48,7 @@ from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.drawn_charts import as_executed
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, default_profile, have_equal_rules
 from plcopen_sfc.semantics.profile import profile as profile_named
+from plcopen_sfc.semantics.programs.runtime_types import Type
 from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.simulation import nanoseconds
@@ -369,16 +370,23 @@ class _Compared:
         profiles = [retimed(each) if retiming else each for each in self.profiles]
         if self.passes_start and profiles[1].order is ScanOrder.TRANSITIONS_FIRST:
             profiles[0] = replace(profiles[0], initial_situation_held=True)
-        left, right = (
-            ProgramSystem(
-                *(subject, profile, self.clock),
+
+        def system(side: int, told: Mapping[str, Type]) -> ProgramSystem:
+            return ProgramSystem(
+                *(self.subjects[side], profiles[side], self.clock),
                 functions=self.functions,
                 free_inputs=self.free_inputs,
-                not_free=flags,
-                times=times,
+                not_free=self._flags[side],
+                times=self._times[side],
+                known_types=told,
             )
-            for subject, profile, flags, times in zip(self.subjects, profiles, self._flags, self._times, strict=True)
-        )
+
+        left = system(0, {})
+        right = system(1, left.told_types)
+        # the first use of an undeclared name gives it its type, and another order of the texts may have it another one
+        if left.needs_types(right.told_types):
+            left = system(0, right.told_types)
+            right = system(1, left.told_types)
         self.spans.append(spent() - start)
         if self.left_out is not None:
             right.leave_out(self.left_out)

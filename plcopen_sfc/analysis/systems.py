@@ -34,7 +34,16 @@ from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.controller import Controller, Instance
 from plcopen_sfc.semantics.programs.marks import Marks
 from plcopen_sfc.semantics.programs.runtime import UNREAD
-from plcopen_sfc.semantics.programs.runtime_types import ELAPSED, INSTANT, Family, Frame, OpaqueType, ScalarType
+from plcopen_sfc.semantics.programs.runtime_types import (
+    BOOL,
+    ELAPSED,
+    INSTANT,
+    Family,
+    Frame,
+    OpaqueType,
+    ScalarType,
+    Type,
+)
 from plcopen_sfc.semantics.programs.unknown_calls import UnknownCalls
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.subjects import (
@@ -130,7 +139,7 @@ class ProgramSystem:
 
     `names` translates its inputs to the names that both systems share, `fixed` are inputs that keep a value,
     `free_inputs` variables that count as inputs, `not_free` those that never do (see `Controller`). `times`: what is
-    known of the times of steps, looked up where it is None.
+    known of the times of steps, looked up where it is None. `known_types`: see `Controller`.
     """
 
     def __init__(
@@ -143,6 +152,7 @@ class ProgramSystem:
         free_inputs: Iterable[str] = (),
         not_free: Iterable[str] = (),
         times: StepTimes | None = None,
+        known_types: Mapping[str, Type] | None = None,
     ) -> None:
         self.subject = subject
         self.clock = clock
@@ -150,6 +160,7 @@ class ProgramSystem:
         self._free_inputs = tuple(free_inputs)
         self._not_free = tuple(not_free)
         self._functions = functions or {}
+        self._known_types = known_types or {}
         self._names: dict[str, str] = {}
         self._fixed: dict[str, Value] = {}
         self._source: InputReader = _no_input
@@ -165,6 +176,7 @@ class ProgramSystem:
             free_inputs=self._free_inputs,
             not_free=self._not_free,
             marking=True,
+            known_types=self._known_types,
         )
         self.instance: Instance = self._controller.instance(subject.pou)
         self.variables: dict[str, Watched] = watched(self.instance)
@@ -198,6 +210,17 @@ class ProgramSystem:
         self.not_followed: dict[str, type[SfcError]] = {}
         """By the names of variables, how a scan ends that leaves them TRUE."""
         self._not_followed: Callable[[], tuple[Any, ...]] = tuple
+
+    @property
+    def told_types(self) -> Mapping[str, Type]:
+        """Types of undeclared names, in lower case, that their uses tell."""
+        library = self._controller.library
+        own = ((path.casefold(), type_) for path, type_ in library.undeclared.items())
+        return {path: type_ for path, type_ in own if path not in library.assumed and isinstance(type_, ScalarType)}
+
+    def needs_types(self, told: Mapping[str, Type]) -> bool:
+        """Return True if types that are `told` are not those of undeclared names that are assumed to be BOOL here."""
+        return any(told.get(path, BOOL) is not BOOL for path in self._controller.library.assumed)
 
     @property
     def inputs(self) -> dict[str, Signal]:
@@ -375,6 +398,7 @@ class ProgramSystem:
             functions=self._functions,
             free_inputs=self._free_inputs,
             not_free=self._not_free,
+            known_types=self._known_types,
         )
         made.delay(begins=self._begins, kept=self._kept, alone=self._alone, at_rest=self._at_rest)
         made.also_counted = self.also_counted

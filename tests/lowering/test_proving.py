@@ -66,3 +66,22 @@ def test_what_nobody_declares_may_have_another_name_in_the_dialect_of_the_code(
     )
     assert found.proven == equal
     assert found.equal == equal
+
+
+def test_types_of_undeclared_names_do_not_depend_on_the_order_of_the_texts() -> None:
+    """The chart compares the name first, its code assigns it first, which tells no type."""
+    text = """FUNCTION_BLOCK Main
+INITIAL_STEP Wait: END_STEP
+STEP Run: Act(N); END_STEP
+TRANSITION FROM Wait TO Run := Mode = Modes.Idle; END_TRANSITION
+TRANSITION FROM Run TO Wait := Start; END_TRANSITION
+ACTION Act:
+  Mode := Modes.Idle;
+END_ACTION
+END_FUNCTION_BLOCK
+"""
+    chart = sfc.loads(text.encode(), format="iec-text")
+    lowered = lower(chart, "case", profile="codesys")
+    assert lowered.proof is not None
+    assert lowered.proof.proven
+    assert sfc.equivalent(lowered.project, chart, profile="codesys").proven

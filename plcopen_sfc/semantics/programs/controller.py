@@ -207,7 +207,7 @@ class Controller:
     functions in a scan before it counts as endless. `free_inputs`: variables that nothing writes
     and that count as inputs though no declaration makes them one, or ``all`` of them, but never
     `not_free`. `marking`: note which assignments are
-    reached (`library.marks`).
+    reached (`library.marks`). `known_types`: types of undeclared names, in lower case, whose first use tells none.
     """
 
     def __init__(
@@ -223,6 +223,7 @@ class Controller:
         not_free: Iterable[str] = (),
         marking: bool = False,
         unknown_calls: UnknownCalls | None = None,
+        known_types: Mapping[str, t.Type] | None = None,
     ) -> None:
         self.project = project
         self.profile = default_profile(project) if profile is None else profile_of(profile)
@@ -238,6 +239,7 @@ class Controller:
             marking=marking,
             unknown_calls=unknown_calls,
         )
+        self.library.known_types = known_types or {}
         self.snapshots = Snapshots()
         self._initialised: dict[int, Frame] = {}
 

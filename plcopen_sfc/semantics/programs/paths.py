@@ -298,8 +298,11 @@ class PathTranslator(ABC):
 
     def implicit(self, unknown: Unknown, expected: t.Type | None) -> Place:
         """Return the external variable of an undeclared name."""
-        type_ = expected if isinstance(expected, t.ScalarType) and expected is not t.ANY else t.BOOL
-        return self.library.implicit(unknown.path, type_)
+        told = isinstance(expected, t.ScalarType) and expected is not t.ANY
+        type_ = expected if told else self.library.implicit_type(unknown.path)
+        if type_ is None:
+            self.library.assumed.add(unknown.path.casefold())
+        return self.library.implicit(unknown.path, type_ or t.BOOL)
 
     def hold(self, code: Code) -> n.Name:
         """Return a name that means a value in this translation."""

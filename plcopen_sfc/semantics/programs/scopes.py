@@ -78,6 +78,10 @@ class TranslatedProject(ABC):
         self.globals = Layout("global variables")
         self.frame = Frame(self.globals, [])
         self.undeclared: dict[str, t.Type] = {}
+        self.assumed: set[str] = set()
+        """Undeclared paths, in lower case, that are BOOL because their first use tells no type."""
+        self.known_types: Mapping[str, t.Type] = {}
+        """Types of undeclared paths, in lower case, that are known from elsewhere."""
         self.missing: dict[str, str] = {}
         self.problems: list[SimulationError] = []
         self.marks = Marks() if marking else None
@@ -144,7 +148,7 @@ class TranslatedProject(ABC):
     def implicit_type(self, path: str) -> t.Type | None:
         """Return the type of an implicit external variable, if it is known already."""
         found = self.implicits.get(path.casefold())
-        return found.type if found is not None else None
+        return found.type if found is not None else self.known_types.get(path.casefold())
 
     def _members_of(self, path: str) -> Iterator[tuple[str, int, t.ScalarType, bool]]:
         """Members that programs use of an instance of an unknown type: name, slot, type, and True if they write it."""

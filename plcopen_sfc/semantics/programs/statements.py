@@ -18,7 +18,7 @@ from plcopen_sfc.semantics.programs import runtime_types as t
 from plcopen_sfc.semantics.programs.calls import Calls
 from plcopen_sfc.semantics.programs.expressions import Translator
 from plcopen_sfc.semantics.programs.marks import Decision, decided_arguments, decisions, may_act, parts_that_decide
-from plcopen_sfc.semantics.programs.places import Place
+from plcopen_sfc.semantics.programs.places import Place, Unknown
 from plcopen_sfc.semantics.programs.runtime_types import MOST_ELEMENTS, Direction, StructureType
 from plcopen_sfc.semantics.programs.value_code import Code, constant, settled, truth
 
@@ -323,9 +323,12 @@ class StatementTranslator:
         if node.kind in _CALCULATING:
             assigned = n.Operation(_CALCULATING[node.kind], (node.target, n.Parenthesized(assigned)))
         known = translator.meaning(node.target)
+        wanted: t.Type | None = None
         if isinstance(known, Place):
-            wanted: t.Type | None = known.type
-        else:
+            wanted = known.type
+        elif isinstance(known, Unknown):
+            wanted = self._library.implicit_type(known.path)
+        if wanted is None:
             wanted = translator.guessed(assigned)
         place = translator.place(node.target, wanted)
         if isinstance(known, Place) and isinstance(known.type, t.ReferenceType) and known.type.automatic:
