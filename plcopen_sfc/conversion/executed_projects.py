@@ -269,9 +269,11 @@ class _Reader:
             return n.Name("Ret_Val")
         return n.Name(node.identifier) if isinstance(node, n.Name) and node.quoting is not n.Quoting.NONE else node
 
-    def _number(self, text: str) -> str | None:
+    def _number(self, text: str) -> str:
         """The number of the value of an enumeration, or of the constant, that `text` names."""
-        return self.values.get(text.replace('"', "").replace("#", ".").casefold()) or self._without_lists(text)
+        alone = self._without_lists(text)
+        keys = (each.replace('"', "").replace("#", ".").casefold() for each in (text, alone))
+        return next((self.values[key] for key in keys if key in self.values), alone)
 
     def _without_lists(self, text: str) -> str:
         """A constant expression that names global constants alone: some tools have no lists for them."""
@@ -289,13 +291,12 @@ class _Reader:
             known = STRING_LENGTHS.get(self.source.dialect) or STRING_LENGTHS.get(self.dialect)
             return StringType(wide=kind.wide, length=known or STRING_LENGTHS[Dialect.CODESYS])
         if isinstance(kind, StringType) and kind.length is not None:
-            return StringType(wide=kind.wide, length=self._without_lists(kind.length))
+            return StringType(wide=kind.wide, length=self._number(kind.length))
         if isinstance(kind, EnumType):
             return kind.base or ElementaryType(name=Elementary.INT)
         if isinstance(kind, ArrayType):
             bounds = [
-                Dimension(lower=self._without_lists(each.lower), upper=self._without_lists(each.upper))
-                for each in kind.dimensions
+                Dimension(lower=self._number(each.lower), upper=self._number(each.upper)) for each in kind.dimensions
             ]
             return ArrayType(dimensions=bounds, base=self._plain_type(kind.base, depth + 1))
         if isinstance(kind, StructType):

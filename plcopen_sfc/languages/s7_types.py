@@ -24,6 +24,7 @@ from plcopen_sfc.model.types import (
     EnumType,
     RepeatedValue,
     SimpleValue,
+    StringType,
     StructType,
     StructValue,
     SubrangeType,
@@ -49,9 +50,13 @@ class Constant:
 
 
 class S7Types:
-    """The types of a project as S7 has them."""
+    """The types of a project as S7 has them.
 
-    def __init__(self, declarations: Iterable[DataTypeDeclaration]) -> None:
+    `values`: texts in the place of constants that declarations name, by their names in lower case.
+    """
+
+    def __init__(self, declarations: Iterable[DataTypeDeclaration], values: Mapping[str, str] | None = None) -> None:
+        self._values = values or {}
         self._declared = {each.name.casefold(): each for each in declarations}
         self.declared = {name: self._with_members(each.type) for name, each in self._declared.items()}
         self.constants = [each for declaration in self._declared.values() for each in constants_of(declaration)]
@@ -83,13 +88,29 @@ class S7Types:
         if isinstance(type_, SubrangeType):
             return self._type(type_.base, depth + 1)
         if isinstance(type_, ArrayType):
-            base = self._type(type_.base, depth + 1)
-            return type_ if base is type_.base else type_.model_copy(update={"base": base})
+            base, bounds = self._type(type_.base, depth + 1), [self._bound(each) for each in type_.dimensions]
+            if base is type_.base and bounds == type_.dimensions:
+                return type_
+            return type_.model_copy(update={"base": base, "dimensions": bounds})
+        if isinstance(type_, StringType) and type_.length is not None:
+            length = self._value(type_.length)
+            return type_ if length == type_.length else type_.model_copy(update={"length": length})
         if isinstance(type_, DerivedType) and depth < _DEEPEST:
             declared = self._declared.get(type_.name.casefold())
             if declared is not None and not isinstance(declared.type, StructType):
                 return self._type(declared.type, depth + 1)
         return type_
+
+    def _bound(self, bound: Dimension) -> Dimension:
+        """Return the bounds of an array with the values of constants."""
+        lower, upper = self._value(bound.lower), self._value(bound.upper)
+        if (lower, upper) == (bound.lower, bound.upper):
+            return bound
+        return bound.model_copy(update={"lower": lower, "upper": upper})
+
+    def _value(self, text: str) -> str:
+        """Return the value of the constant that a text names; any other text as it is."""
+        return self._values.get(text.strip().strip('"').casefold(), text) if self._values else text
 
     def bounds(self, type_: DataType) -> Dimension | None:
         """The bounds of a subrange or of elements in one, which S7 does not have; None for other types."""
@@ -127,7 +148,7 @@ class S7Types:
         return None
 
     def _number(self, value: Value, type_: str = "") -> Value:
-        """Return a value with numbers for the values of enumerations."""
+        """Return a value with numbers for the values of enumerations and constants."""
         if isinstance(value, ArrayValue):
             items = [item.model_copy(update={"value": self._number(item.value, type_)}) for item in value.items]
             return value if items == value.items else value.model_copy(update={"items": items})
@@ -137,7 +158,8 @@ class S7Types:
         if not isinstance(value, SimpleValue) or value.text is None:
             return value
         found = self.constant(value.text, type_)
-        return value if found is None else SimpleValue(text=str(found.number))
+        text = self._value(value.text) if found is None else str(found.number)
+        return value if text == value.text else SimpleValue(text=text)
 
     def constant(self, text: str, type_: str = "") -> Constant | None:
         """The value of an enumeration that a text names: ``"Type_value"``, ``Type.value``, ``Type#value`` or ``value``.
@@ -215,6 +237,6 @@ def number_of(text: str) -> int | None:
     return int(found[1].replace("_", "")) if found[1] else int(found[3].replace("_", ""), int(found[2]))
 
 
-def s7_types(project: Project) -> S7Types:
-    """Return the types of `project` as S7 has them."""
-    return S7Types(project.data_types)
+def s7_types(project: Project, values: Mapping[str, str] | None = None) -> S7Types:
+    """Return the types of `project` as S7 has them. `values`: those of constants that nothing declares for the tool."""
+    return S7Types(project.data_types, values)

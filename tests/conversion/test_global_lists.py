@@ -96,6 +96,25 @@ def test_variables_beside_an_application_are_read(target: str) -> None:
     assert sfc.dumps(project) == data.encode()
 
 
+def test_declarations_in_scl_have_the_values_of_constants() -> None:
+    text = """VAR_GLOBAL CONSTANT
+    K1 : INT := 5;
+END_VAR
+FUNCTION_BLOCK Main
+VAR n : INT := K1; a : ARRAY[0..K1] OF INT; s : STRING[K1]; c : ARRAY[1..2] OF INT := [K1, 3]; END_VAR
+n := a[K1] + c[2];
+END_FUNCTION_BLOCK
+"""
+    data, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "scl")
+    assert [item.outcome for item in report.items if item.path.endswith("K1")] == [Outcome.TRANSLATED]
+    written = data.decode("utf-8-sig").partition("// {")[0]
+    assert "K1" not in written
+    assert "n : Int := 5;" in written
+    assert "a : Array[0..5] of Int;" in written
+    assert "s : String[5];" in written
+    assert "c : Array[1..2] of Int := [5, 3];" in written
+
+
 @pytest.mark.parametrize("target", ["simaticml", "scl"])
 def test_s7_names_the_data_block_of_a_variable_that_codesys_names_alone(target: str) -> None:
     project = sfc.loads(b"PROGRAM Main\nVAR k : INT; END_VAR\nk := y + z;\nEND_PROGRAM\n", format="iec-text")

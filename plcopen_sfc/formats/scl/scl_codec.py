@@ -97,8 +97,7 @@ def write_pieces(project: Project, report: ConversionReport) -> WrittenBlock:
     back = read_source(SourceText(written.whole() + "\n", "utf-8")).project
     meant = in_order_of(project, back)
     left = [] if back == meant else list(changes(plain_fields(back), plain_fields(meant), guarded=True))
-    types = s7_types(project)
-    other = {change.path for change in changes(plain_fields(back), plain_fields(_as_written(meant, types)))}
+    other = {change.path for change in changes(plain_fields(back), plain_fields(_as_written(meant, _types(project))))}
     told: set[str] = set()
     for change in left:
         _report(meant, change, report, says_the_same=change.path not in other, told=told)
@@ -165,7 +164,7 @@ _IN_A_BLOCK = 2
 
 def _as_written(project: Project, types: S7Types) -> Project:
     """Return a copy of `project` with the types, values and numbers that its text has for those of the project."""
-    copy, literals, tags = project.model_copy(deep=True), _literals(project, types), local_tags(project)
+    copy, literals, tags = project.model_copy(deep=True), _literals(project), local_tags(project)
     for pou in copy.pous:
         if pou.interface is not None:
             pou.interface.sections = list(_sections(pou, types, tags.get(pou.name.casefold(), ())))
@@ -192,8 +191,8 @@ def _as_written(project: Project, types: S7Types) -> Project:
 
 
 def _units(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]:
-    types, called, tags = s7_types(project), called_actions(project), local_tags(project)
-    literals = _literals(project, types)
+    types, called, tags = _types(project), called_actions(project), local_tags(project)
+    literals = _literals(project)
     for declaration in project.data_types:
         report.add(Outcome.KEPT, "data type", f"type {declaration.name}")
         yield WrittenBlock(("type", declaration.name), _data_type(declaration, types), apart=True)
@@ -213,7 +212,7 @@ def _units(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]
         yield WrittenBlock(("data block", block.name), blocks=numbered_blocks(_data_block(block, types)), apart=True)
     for what, name, why in left_out(project):
         report.add(Outcome.NOT_EXECUTED, what, name, why)
-    declared = _named_in_declarations(project)
+    declared = _named_in_declarations(project, types)
     for table in tag_tables_of(project):
         for name in [*(tag.name for tag in table.tags), *(constant.name for constant in table.constants)]:
             if name.casefold() in literals and name.casefold() not in declared:
@@ -260,12 +259,13 @@ def _in_order_of_use(units: Sequence[WrittenBlock]) -> list[WrittenBlock]:
     return list(found.values())
 
 
-def _named_in_declarations(project: Project) -> set[str]:
-    """The names, in lower case, that bounds and start values have in quotation marks."""
+def _named_in_declarations(project: Project, types: S7Types) -> set[str]:
+    """The names, in lower case, that bounds and start values have in quotation marks when they are written."""
     interfaces = [*(pou.interface for pou in project.pous), *(block.interface for block in project.data_blocks)]
     variables = [variable for interface in interfaces if interface is not None for variable in interface.variables()]
-    types = [each.type for each in project.data_types]
-    texts = [*(write_variable(each, _SCL, "") for each in variables), *(write_type(each, _SCL) for each in types)]
+    declared = [_struct(each, types) for each in project.data_types]
+    texts = [write_variable(_in_s7(each, types), _SCL, "") for each in variables]
+    texts += [write_type(each, _SCL) for each in declared]
     return {
         token.value.strip('"').casefold()
         for text in texts
@@ -395,9 +395,14 @@ def _in_scl(section: VariableSection, pou: Pou, types: S7Types) -> VariableSecti
     return section.model_copy(update={"kind": SectionKind.TEMP, "retain": False}) if temporary else section
 
 
-def _literals(project: Project, types: S7Types) -> dict[str, str]:
+def _types(project: Project) -> S7Types:
+    """Return the types of S7, with the values of constants in declarations."""
+    return s7_types(project, _literals(project))
+
+
+def _literals(project: Project) -> dict[str, str]:
     """Values of enumerations and of constants of lists, by their names in lower case: a source declares neither."""
-    found = {each.name.casefold(): str(each.number) for each in types.constants}
+    found = {each.name.casefold(): str(each.number) for each in s7_types(project).constants}
     for constant in (each for table in tag_tables_of(project) for each in table.constants):
         if isinstance(constant.initial, SimpleValue) and constant.initial.text:
             found[constant.name.casefold()] = constant.initial.text
