@@ -225,7 +225,13 @@ def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: 
 
     `is_shared`: something beside them may have the new name.
     """
-    wanted = {declaration: new for declaration, new in table.items() if new != declaration.name}
+    overrides = {each: names.resolver.scopes.overrides(each) for each in table}
+    whole = dict(table)
+    for declaration, others in overrides.items():
+        for other in others:
+            if whole.setdefault(other, table[declaration]) != table[declaration]:
+                _refuse(declaration, table[declaration], [f"the {other} overrides it, and gets another name"])
+    wanted = {declaration: new for declaration, new in whole.items() if new != declaration.name}
     for declaration, new in wanted.items():
         _check_name(names, declaration, new)
     is_shown = family(names.dialect) is Dialect.CODESYS and any(each.kind is Kind.STEP for each in wanted)
@@ -237,9 +243,9 @@ def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: 
     by_name: dict[str, list[Occurrence]] = {}
     for occurrence in found:
         by_name.setdefault(occurrence.reference.name.casefold(), []).append(occurrence)
-    results: list[RenameResult] = []
+    results: dict[Declaration, RenameResult] = {}
     changes: list[Change] = []
-    for declaration, new in table.items():
+    for declaration, new in whole.items():
         own = by_name.get(declaration.name.casefold(), []) if declaration in wanted else []
         uses = [occurrence for occurrence in own if occurrence.refers_to(declaration)]
         if _gives_up_name(declaration, wanted) and not is_shared:
@@ -249,7 +255,7 @@ def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: 
         if declaration in wanted:
             undecided += tuple(_executed_names(names, declaration, wanted, is_shown=is_shown))
         changed = tuple(occurrence.use for occurrence in uses)
-        results.append(RenameResult(declaration.path, declaration.name, new, changed, undecided))
+        results[declaration] = RenameResult(declaration.path, declaration.name, new, changed, undecided)
         if declaration in wanted:
             holders = (*declaration.holders, *names.resolver.repeated(declaration))
             changes += [(holder, "name", new) for holder in holders]
@@ -267,7 +273,15 @@ def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: 
         reasons = list(changed_meanings(wanted, found, after))  # after undo: messages show the old names
         culprit = reasons[0][0]
         _refuse(culprit, wanted[culprit], (reason for _, reason in reasons))
-    return results
+    return [_with_overrides(results[each], [results[other] for other in overrides[each]]) for each in table]
+
+
+def _with_overrides(own: RenameResult, others: Iterable[RenameResult]) -> RenameResult:
+    """Return the result for a declaration and those that override it, which have its name."""
+    for other in others:
+        place = Use(other.path.rpartition(".")[0], "declaration", (0, 0), 1, 1, other.old)
+        own = replace(own, changed=(*own.changed, place, *other.changed), undecided=own.undecided + other.undecided)
+    return own
 
 
 def _check_name(names: Names, declaration: Declaration, new: str) -> None:

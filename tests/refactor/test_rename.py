@@ -466,3 +466,103 @@ def test_flags_of_charts_keep_their_names_in_codesys() -> None:
         made.rename("PLC_PRG.SFCInit", "Start")
     with pytest.raises(ModelError, match="charts know SFCPause as their flag"):
         made.rename(f"PLC_PRG.{variables[1].name}", "SFCPause")
+
+
+# -- what extends something -------------------------------------------------------------------------------------------
+
+EXTENDING = b"""{plcopen_sfc format := 1}
+{plcopen_sfc project.dialect := 'codesys'}
+
+TYPE Part : STRUCT
+  nr : INT;
+END_STRUCT END_TYPE
+TYPE Big EXTENDS Part : STRUCT
+  weight : REAL;
+END_STRUCT END_TYPE
+
+FUNCTION_BLOCK Base
+VAR cnt : INT; END_VAR
+METHOD Inc : INT
+VAR_INPUT n : INT; END_VAR
+cnt := cnt + n;
+Inc := cnt;
+END_METHOD
+ACTION Clear:
+cnt := 0;
+END_ACTION
+END_FUNCTION_BLOCK
+
+FUNCTION_BLOCK Middle EXTENDS Base
+END_FUNCTION_BLOCK
+
+FUNCTION_BLOCK Derived EXTENDS Middle
+METHOD Inc : INT
+VAR_INPUT n : INT; END_VAR
+Inc := SUPER^.Inc(n := n) + 1;
+END_METHOD
+ACTION Clear:
+cnt := 1;
+END_ACTION
+END_FUNCTION_BLOCK
+
+FUNCTION_BLOCK Other
+METHOD Inc : INT
+VAR_INPUT n : INT; END_VAR
+Inc := n;
+END_METHOD
+END_FUNCTION_BLOCK
+
+PROGRAM Main
+VAR
+  big : Big := (nr := 8, weight := 1.0);
+  d : Derived;
+  o : Other;
+  p : POINTER TO Base;
+  k : INT;
+END_VAR
+big.nr := big.nr + 1;
+k := p^.Inc(n := 2) + d.Inc(n := 1) + o.Inc(n := 3);
+d.Clear();
+END_PROGRAM
+"""
+
+
+def test_members_of_a_structure_are_found_in_those_that_extend_it() -> None:
+    made = plcopen_sfc.loads(EXTENDING, format="iec-text")
+    assert not rename(made, "Part.nr", "number").undecided
+    text = plcopen_sfc.dumps(made).decode()
+    assert "big : Big := (number := 8, weight := 1.0);" in text
+    assert "big.number := big.number + 1;" in text
+
+
+def test_what_extends_a_type_names_it() -> None:
+    made = plcopen_sfc.loads(EXTENDING, format="iec-text")
+    result = rename(made, "Part", "Item")
+    assert ([use.text for use in result.changed], result.undecided) == (["Part"], ())
+    assert "TYPE Big EXTENDS Item :" in plcopen_sfc.dumps(made).decode()
+    assert not rename(made, "Base", "Root").undecided
+    assert "FUNCTION_BLOCK Middle EXTENDS Root" in plcopen_sfc.dumps(made).decode()
+
+
+@pytest.mark.parametrize("of", ["Base", "Derived"])
+def test_what_overrides_a_method_gets_its_name(of: str) -> None:
+    made = plcopen_sfc.loads(EXTENDING, format="iec-text")
+    result = rename(made, f"{of}.Inc", "Plus")
+    text = plcopen_sfc.dumps(made).decode()
+    assert (text.count("METHOD Plus"), text.count("METHOD Inc")) == (2, 1)
+    assert "Plus := SUPER^.Plus(n := n) + 1;" in text
+    assert "k := p^.Plus(n := 2) + d.Plus(n := 1) + o.Inc(n := 3);" in text
+    assert {"Base": "Derived", "Derived": "Base"}[of] in {use.path for use in result.changed}
+    rename(made, f"{of}.Plus.n", "steps")
+    text = plcopen_sfc.dumps(made).decode()
+    assert "k := p^.Plus(steps := 2) + d.Plus(steps := 1) + o.Inc(n := 3);" in text
+    assert text.count("steps : INT;") == 2
+    rename(made, f"{of}.Clear", "Reset")
+    assert plcopen_sfc.dumps(made).decode().count("ACTION Reset:") == 2
+
+
+def test_what_overrides_a_method_gets_no_other_name_in_one_pass() -> None:
+    made = plcopen_sfc.loads(EXTENDING, format="iec-text")
+    with pytest.raises(ModelError, match="overrides it"):
+        made.rename_many({"Base.Inc": "Plus", "Derived.Inc": "More"})
+    assert plcopen_sfc.dumps(made) == EXTENDING

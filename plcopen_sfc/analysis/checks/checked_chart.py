@@ -23,6 +23,7 @@ from plcopen_sfc.languages.networks import NetworkExpression, condition_expressi
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_statements, transform, walk
 from plcopen_sfc.languages.standard_blocks import standard_block
+from plcopen_sfc.languages.translation.call_translation import ONLY_CODESYS
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
@@ -178,9 +179,11 @@ def family(profile: Profile) -> str:
     return max(PROFILES, key=alike)
 
 
-def is_of_the_tool(occurrence: Occurrence) -> bool:
-    """True for names that no project declares: standard blocks, and coils that TIA Portal names itself."""
+def is_of_the_tool(occurrence: Occurrence, dialect: Dialect) -> bool:
+    """True for names that no project declares: standard blocks, operators of CODESYS, coils that TIA Portal names."""
     name = occurrence.reference.name
+    if dialect in (Dialect.CODESYS, Dialect.TWINCAT) and (name.upper() in ONLY_CODESYS or name.startswith("__")):
+        return True
     return standard_block(name) is not None or name in _COILS
 
 
@@ -229,7 +232,7 @@ class CheckedProject:
         return tuple(
             each
             for each in found
-            if not is_of_the_tool(each)
+            if not is_of_the_tool(each, self.dialect)
             and not any(fnmatchcase(each.reference.name.casefold(), pattern) for pattern in self.externals)
         )
 

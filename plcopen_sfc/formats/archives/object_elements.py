@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Iterable, Iterator
+from itertools import chain
 from typing import TypeAlias
 from uuid import NAMESPACE_URL, uuid5
 
@@ -38,6 +39,10 @@ KINDS = ("POU", "GVL", "DUT", "Itf")
 _Part: TypeAlias = Action | Method | NamedTransition
 _PART_NAMES = {Action: "action", Method: "method", NamedTransition: "transition"}
 _NOT_SPECIAL = ("SpecialFunc", "None")
+
+
+def _tag_of(part: _Part) -> str:
+    return type(part).__name__.removeprefix("Named")
 
 
 # -- reading ----------------------------------------------------------------------------------------------------------
@@ -298,8 +303,7 @@ class _PouWriter:
         self._source = source
         self._format = format
         children = list(source) if source is not None else []
-        # a declaration may write the name of a method in another case than its object
-        self._parts = {(str(each.tag), each.get("Name", "").casefold()): each for each in children if each.get("Name")}
+        self._children = [each for each in children if each.get("Name")]
 
     def write(self) -> etree._Element:
         pou = self._pou
@@ -312,11 +316,12 @@ class _PouWriter:
         self._body(written, pou.body, pou.name, self._source)
         written.extend(known.elements)
         found: list[_Part] = [*pou.actions, *pou.methods, *pou.transitions]
-        parts = [self._part(part) for part in found]
-        place = {key: number for number, key in enumerate(self._parts)}
-        written.extend(
-            sorted(parts, key=lambda part: place.get((str(part.tag), part.get("Name", "").casefold()), len(place)))
-        )
+        placed: list[tuple[int, etree._Element]] = []
+        for part in found:
+            source = self._source_of(part)
+            place = self._children.index(source) if source is not None else len(self._children)
+            placed.append((place, self._part(part, source)))
+        written.extend(element for _, element in sorted(placed, key=lambda each: each[0]))
         self._settings(written, pou.body)
         if len(pou.bodies) > 1:
             self._report.add(Outcome.NOT_EXECUTED, "body", pou.report_path, "a POU of CODESYS and TwinCAT has one body")
@@ -327,11 +332,19 @@ class _PouWriter:
         text = _declaration(source) if source is not None else None
         _add_code(written, "Declaration", declaration_of(bare(thing), text))
 
-    def _part(self, part: _Part) -> etree._Element:
-        tag = type(part).__name__.removeprefix("Named")
-        what = _PART_NAMES[type(part)]
-        source = self._parts.get((tag, part.name.casefold()))
-        name = source.get("Name", "") if source is not None else part.name
+    def _source_of(self, part: _Part) -> etree._Element | None:
+        """Return the element of a part in the file: by its id, which a rename leaves, or by its name."""
+        alike = [each for each in self._children if each.tag == _tag_of(part)]
+        named = (each for each in alike if each.get("Name", "").casefold() == part.name.casefold())
+        own = (each for each in alike if part.object_id is not None and identity_of(each) == part.object_id)
+        return next(chain(own, named), None)
+
+    def _part(self, part: _Part, source: etree._Element | None) -> etree._Element:
+        tag, what = _tag_of(part), _PART_NAMES[type(part)]
+        name = part.name
+        # a declaration may write the name of a method in another case than its object
+        if source is not None and source.get("Name", "").casefold() == name.casefold():
+            name = source.get("Name", "")
         written = etree.Element(tag, Name=name, Id=identity(part.object_id, self._pou.name, part.name))
         for name, value in kept_in(part.extension_data).attributes.items():
             written.set(name, value)

@@ -252,7 +252,7 @@ class Resolver:
         if isinstance(type_, Pou):
             return self.scopes.pou_levels(type_)
         if isinstance(type_, t.StructType):
-            return (self.scopes.structure(type_),)
+            return self.scopes.structure_levels(type_)
         return ()
 
     def type_of(self, expression: n.Expression | n.Node, site: Site, access: str = "") -> Type:

@@ -17,7 +17,7 @@ from plcopen_sfc.languages.binding.symbols import (
     variables_of,
 )
 from plcopen_sfc.languages.binding.text_sites import Site, TextSite
-from plcopen_sfc.languages.declarations.kept_texts import inheritance
+from plcopen_sfc.languages.declarations.kept_texts import inheritance, kept_inheritance
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.declaration import Declaration, Kind
@@ -41,6 +41,8 @@ class Scopes:
         self._values = Level()
         self._externals: set[int] = set()
         self._steps: dict[int, Declaration] = {}
+        self._chains: list[list[Pou]] | None = None
+        self._declared: dict[int, t.DataTypeDeclaration] | None = None
         self._owners: dict[int, tuple[str, Pou | None]] | None = None
 
     def levels(self, site: Site) -> tuple[Level, ...]:
@@ -94,18 +96,53 @@ class Scopes:
 
     def pou_levels(self, pou: Pou) -> tuple[Level, ...]:
         """Return the scope of a POU and those of what it extends."""
-        levels: list[Level] = []
-        derived: Pou | None = pou
-        while derived is not None and self.pou(derived) not in levels:
-            levels.append(self.pou(derived))
-            derived = self.base(derived)
-        return tuple(levels)
+        return tuple(map(self.pou, self._chain(pou)))
 
     def base(self, pou: Pou) -> Pou | None:
         """Return the POU that this one extends, as the text of its declaration names it."""
         names = [name.rpartition(".")[2] for name in inheritance(pou.interface).extends]
         found = [d.holder for level in self.outer(pou.place) for name in names for d in level.named(name)]
         return next((holder for holder in found if isinstance(holder, Pou)), None)
+
+    def overrides(self, declaration: Declaration) -> list[Declaration]:
+        """Return the declarations that have their name together with this one, because blocks extend each other.
+
+        For a method or an action those that override it or that it overrides; for a parameter of a method theirs.
+        """
+        pou, holder = declaration.pou, declaration.holder
+        if pou is None or declaration.kind not in (Kind.METHOD, Kind.ACTION, Kind.VARIABLE):
+            return []
+        if declaration.kind is not Kind.VARIABLE:
+            return [each for each in self._overriding(pou, declaration.kind, declaration.name) if each != declaration]
+        method = next((each for each in pou.methods if any(holder is v for v in _parameters(each))), None)
+        others = self._overriding(pou, Kind.METHOD, method.name) if method is not None else []
+        return [
+            Declaration(Kind.VARIABLE, f"{other.path}.{parameter.name}", (parameter,), other.pou)
+            for other in others
+            for parameter in (_parameters(other.holder) if isinstance(other.holder, Method) else ())
+            if parameter.name.casefold() == declaration.name.casefold() and parameter is not holder
+        ]
+
+    def _overriding(self, pou: Pou, kind: Kind, name: str) -> list[Declaration]:
+        """Return the methods or actions of a name in a POU, in what it extends, and in what extends that."""
+        if self._chains is None:
+            self._chains = [self._chain(each) for each in self._project.pous]
+        own = next(chain for chain in self._chains if chain[0] is pou)
+        root = next((each for each in reversed(own) if self._declares(each, kind, name)), pou)
+        family = (chain[0] for chain in self._chains if any(each is root for each in chain))
+        return [found for each in family for found in self._declares(each, kind, name)]
+
+    def _declares(self, pou: Pou, kind: Kind, name: str) -> list[Declaration]:
+        return [each for each in self.pou(pou).named(name) if each.kind is kind]
+
+    def _chain(self, pou: Pou) -> list[Pou]:
+        """Return a POU and what it extends, the nearest first."""
+        chain: list[Pou] = []
+        derived: Pou | None = pou
+        while derived is not None and all(derived is not each for each in chain):
+            chain.append(derived)
+            derived = self.base(derived)
+        return chain
 
     def method(self, pou: Pou, method: Method) -> Level:
         """Return the declarations of a method."""
@@ -141,6 +178,28 @@ class Scopes:
         if level is None:
             level = self._levels[id(type_),] = members_of(type_, *self._owner_of(type_))
         return level
+
+    def structure_levels(self, type_: StructType) -> tuple[Level, ...]:
+        """Return the members of a structure, and those of what it extends."""
+        if self._declared is None:
+            self._declared = {id(each.type): each for each in self._project.data_types}
+        levels: list[Level] = []
+        derived: DataType | None = type_
+        while isinstance(derived, StructType) and self.structure(derived) not in levels:
+            levels.append(self.structure(derived))
+            derived = self._extended(self._declared.get(id(derived)))
+        return tuple(levels)
+
+    def _extended(self, declaration: t.DataTypeDeclaration | None) -> DataType | None:
+        """Return the type that the one of this declaration extends."""
+        if declaration is None:
+            return None
+        for name in kept_inheritance(declaration.extension_data).extends:
+            for level in self.outer(declaration.place):
+                for found in level.named(name.rpartition(".")[2]):
+                    if isinstance(found.holder, t.DataTypeDeclaration):
+                        return found.holder.type
+        return None
 
     def enumeration(self, type_: EnumType) -> Level:
         """Return the values of an enumeration."""
@@ -251,6 +310,12 @@ class Scopes:
 
 _OF_STEPS = re.compile(r"G7_(?:Step|Transition)\w*|SFCStepType", re.IGNORECASE)
 """The types of variables that S7-GRAPH declares for each step and transition, and CODESYS on demand, by its name."""
+
+
+def _parameters(method: Method) -> list[t.Variable]:
+    kinds = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT)
+    sections = method.interface.sections if method.interface is not None else []
+    return [variable for section in sections if section.kind in kinds for variable in section.variables]
 
 
 def namespace_place(project: Project, namespace: Resource | Configuration) -> str:

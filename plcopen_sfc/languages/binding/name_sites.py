@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from plcopen_sfc.languages.binding.text_sites import Role
+from plcopen_sfc.languages.declarations.kept_texts import kept_entries
 from plcopen_sfc.languages.grafcet_conditions import OVERLINE, program_parts
 from plcopen_sfc.languages.il import CALLS, JUMPS, instructions
 from plcopen_sfc.languages.networks.exported_networks import network_operands
@@ -302,6 +303,17 @@ _SAID = re.compile(
     r"|<(?P<comment>documentation)\b.*?</documentation>",
     re.DOTALL,
 )
+
+
+def in_kept_texts(markup: str, dialect: Dialect) -> Iterator[Reference]:
+    """The names in parts of declarations that another dialect has: what something extends and implements is read."""
+    for name, text, start in kept_entries(markup):
+        if name in ("extends", "implements"):
+            for part in re.finditer(r"[^,\s][^,]*", text):
+                named_type = parse_expression(part[0].rstrip(), dialect).tree
+                yield from moved(_types(named_type, dialect), start + part.start())
+        else:
+            yield from unread(text, start, "it is in a part of a declaration that is kept as text")
 
 
 def in_repeated_list(markup: str, dialect: Dialect) -> Iterator[Reference]:

@@ -16,6 +16,7 @@ from plcopen_sfc.languages.binding.name_sites import (
     in_declarations,
     in_expression,
     in_instructions,
+    in_kept_texts,
     in_networks,
     in_repeated_list,
     in_statements,
@@ -50,6 +51,8 @@ def references(text_site: TextSite, dialect: Dialect) -> Iterator[Reference]:
         yield from in_declarations(text, dialect)
     elif text_site.reading is SiteKind.REPEATED:
         yield from in_repeated_list(text, dialect)
+    elif text_site.reading is SiteKind.KEPT:
+        yield from in_kept_texts(text, dialect)
     elif text_site.reading is SiteKind.NETWORKS:
         yield from in_networks(text, dialect)
     elif text_site.reading is SiteKind.NAME:
@@ -70,6 +73,8 @@ class Occurrence:
     def use(self) -> Use:
         """The place, for people."""
         text, start = self.text_site.text, self.reference.span[0]
+        if self.text_site.reading is SiteKind.KEPT:  # which no person has written
+            return Use(self.text_site.path, "declaration", self.reference.span, 1, 1, self.reference.name)
         line, column = Lines(text).place(start)
         return Use(
             self.text_site.path,

@@ -12,7 +12,7 @@ from enum import StrEnum
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from plcopen_sfc.languages.declarations.kept_texts import inheritance
+from plcopen_sfc.languages.declarations.kept_texts import KEPT_DATA, inheritance
 from plcopen_sfc.languages.networks.box_trees import is_box_tree
 from plcopen_sfc.languages.networks.exported_networks import EXPORTS
 from plcopen_sfc.model import body as b
@@ -40,7 +40,11 @@ from plcopen_sfc.model.variables import AccessVariable, ConfigVariable, Interfac
 
 
 class SiteKind(StrEnum):
-    """Kind of a text: how it is read. NETWORKS: drawn ones as exports of CoDeSys 2.3 have them."""
+    """Kind of a text: how it is read.
+
+    NETWORKS: drawn ones as exports of CoDeSys 2.3 have them. REPEATED: a list of global variables that CODESYS has a
+    second time. KEPT: parts of declarations that the model has no field for.
+    """
 
     STATEMENTS = "statements"
     EXPRESSION = "expression"
@@ -49,6 +53,7 @@ class SiteKind(StrEnum):
     NAME = "name"
     FOREIGN = "foreign"
     REPEATED = "repeated"
+    KEPT = "kept"
     NETWORKS = "networks"
 
 
@@ -336,6 +341,8 @@ def _named(holder: Any, key: str | int, how: tuple[SiteKind, Role], where: _Wher
             return
     elif isinstance(holder, ForeignData) and isinstance(owner, VariableSection) and holder.name.endswith(_PARTS):
         reading = SiteKind.REPEATED
+    elif isinstance(holder, ForeignData) and holder.name == KEPT_DATA:
+        reading = SiteKind.KEPT
     elif isinstance(holder, b.OpaqueBody) and (holder.source == EXPORTS or is_box_tree(holder.content)):
         reading = SiteKind.NETWORKS
     elif isinstance(holder, PouInstance) and key == "name" and holder.type_name:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from typing import NamedTuple
 from xml.sax.saxutils import escape, unescape
 
@@ -27,14 +28,18 @@ def keep(texts: dict[str, str]) -> ExtensionData | None:
     return ExtensionData(data=[ForeignData(name=KEPT_DATA, content=content)])
 
 
+def kept_entries(markup: str) -> Iterator[tuple[str, str, int]]:
+    """Yield the name, the text as it is written, and its place, of each text in what `keep` made."""
+    for entry in _ENTRY.finditer(markup):
+        yield entry["name"], entry["text"], entry.start("text")
+
+
 def kept(extension_data: ExtensionData | None) -> dict[str, str]:
     """Return the texts that `keep` put there."""
     if extension_data is None:
         return {}
-    entries = (
-        entry for data in extension_data.data if data.name == KEPT_DATA for entry in _ENTRY.finditer(data.content)
-    )
-    return {entry["name"]: unescape(entry["text"]) for entry in entries}
+    entries = (entry for data in extension_data.data if data.name == KEPT_DATA for entry in kept_entries(data.content))
+    return {name: unescape(text) for name, text, _ in entries}
 
 
 class Inheritance(NamedTuple):

@@ -781,6 +781,26 @@ case(
     steps("Start(N);", condition="b", declared=BOOLS),
     "'Strt' names nothing",
 )
+
+
+def whole(file: str) -> Callable[[], Subject]:
+    """A project that is a whole file of textual IEC 61131-3."""
+    return lambda: sfc.loads(file.encode(), format="iec-text")
+
+
+OF_CODESYS = """{plcopen_sfc format := 1}
+{plcopen_sfc project.dialect := 'codesys'}
+VAR_GLOBAL g : INT; END_VAR
+PROGRAM Main
+VAR_INPUT Start : BOOL; END_VAR
+VAR p : POINTER TO BOOL; n : UDINT; END_VAR
+INITIAL_STEP S1: Take(P); END_STEP
+TRANSITION FROM S1 TO S1 := Start; END_TRANSITION
+ACTION Take: p := %s(Start); n := SIZEOF(Start); __DELETE(p);
+END_ACTION
+END_PROGRAM
+"""
+case("VAR01", whole(OF_CODESYS % "Addr"), whole(OF_CODESYS % "ADR"), "'Addr' names nothing", "codesys")
 case("VAR02", steps(condition="Go"), steps(condition="Go", declared="VAR Go, b : BOOL; END_VAR"), "elsewhere: b, Go")
 
 

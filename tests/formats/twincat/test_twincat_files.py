@@ -515,3 +515,47 @@ def test_two_files_with_one_identity_are_told(tmp_path: Path) -> None:
     (found,) = sfc.load(tmp_path / "belt").diagnostics
     assert (found.code, found.severity.value) == ("DIR106", "warning")
     assert known in found.message
+
+
+WITH_PARTS = b"""<?xml version="1.0" encoding="utf-8"?>
+<TcPlcObject Version="1.1.0.1" ProductVersion="3.1.4024.0">
+  <POU Name="Pump" Id="{11111111-1111-1111-1111-111111111111}" SpecialFunc="None">
+    <Declaration><![CDATA[FUNCTION_BLOCK Pump
+VAR
+\tcnt : INT;
+END_VAR
+]]></Declaration>
+    <Implementation>
+      <ST><![CDATA[Inc(n := 1);
+Clr();]]></ST>
+    </Implementation>
+    <Action Name="Clr" Id="{22222222-2222-2222-2222-222222222222}">
+      <Implementation>
+        <ST><![CDATA[cnt := 0;]]></ST>
+      </Implementation>
+    </Action>
+    <Method Name="Inc" Id="{33333333-3333-3333-3333-333333333333}">
+      <Declaration><![CDATA[METHOD Inc : INT
+VAR_INPUT
+\tn : INT;
+END_VAR
+]]></Declaration>
+      <Implementation>
+        <ST><![CDATA[cnt := cnt + n;]]></ST>
+      </Implementation>
+    </Method>
+    <Action Name="Stop" Id="{44444444-4444-4444-4444-444444444444}">
+      <Implementation>
+        <ST><![CDATA[cnt := -1;]]></ST>
+      </Implementation>
+    </Action>
+  </POU>
+</TcPlcObject>
+"""
+
+
+def test_renamed_actions_and_methods_stay_where_they_are() -> None:
+    project = sfc.loads(WITH_PARTS)
+    project.rename("Pump.Inc", "Plus")
+    project.rename("Pump.Clr", "Clear")
+    assert sfc.dumps(project) == WITH_PARTS.replace(b"Inc", b"Plus").replace(b"Clr", b"Clear")
