@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from html import escape
-from typing import Any
+from typing import Any, NamedTuple
 
 from plcopen_sfc.analysis.coverage import Coverage, any_untested, listed
 from plcopen_sfc.analysis.pairing import NO_DELAY, Delay
@@ -16,8 +16,14 @@ from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.trace import Trace
 from plcopen_sfc.whole_numbers import counted
 
-_MOST_ROWS = 1_000
-"""Scans of a counterexample that are all shown."""
+_MOST_ROWS = 20
+"""Scans of a counterexample that are all shown; of more only those in which something that is shown changes."""
+
+_LONGEST_PATTERN = 8
+"""Rows of a pattern that is shown once, however often it repeats."""
+
+_FIRST_ROWS, _LAST_ROWS = 20, 20
+"""Lines of a table that are shown where even its patterns are more."""
 
 
 class VerdictKind(StrEnum):
@@ -52,6 +58,53 @@ class Difference:
         return f"{self.name} is {left} in the first{sides[0]} and {right} in the second{sides[1]}"
 
 
+class _Row(NamedTuple):
+    """A scan of a table, and its cells; the first two are its number and its time."""
+
+    scan: int
+    cells: tuple[str, ...]
+
+
+def _folded(rows: Sequence[_Row], lines: Sequence[str]) -> list[str]:
+    """Return the lines of a table in which rows that follow each other in a pattern are shown once.
+
+    Rows are the same with equal values and as many scans since the row before: nothing is hidden but the numbers of
+    scans. What is then still long loses its middle, and a line tells so.
+    """
+    if len(lines) <= _MOST_ROWS:
+        return list(lines)
+    before = [0, *(row.scan for row in rows)]
+    keys = [(row.scan - earlier, row.cells[2:]) for row, earlier in zip(rows, before, strict=False)]
+    found: list[str] = []
+    at = 0
+    while at < len(keys):
+        length, more = max(((n, _repetitions(keys, at, n)) for n in range(1, _LONGEST_PATTERN + 1)), key=_saved)
+        found += lines[at : at + length]
+        at += length * (more + 1)
+        if more:
+            what = "the row above" if length == 1 else f"the {length} rows above"
+            found.append(f".. {what} {counted(more, 'more time')}, up to scan {rows[at - 1].scan}")
+    left_out = len(found) - _FIRST_ROWS - _LAST_ROWS
+    if left_out <= 1:
+        return found
+    return [*found[:_FIRST_ROWS], f".. {left_out} rows are not shown here", *found[-_LAST_ROWS:]]
+
+
+def _repetitions(keys: Sequence[object], at: int, length: int) -> int:
+    """Return how often the `length` rows at a place are repeated right behind themselves; once is no pattern."""
+    end = at + length
+    while end < len(keys) and keys[end] == keys[end - length]:
+        end += 1
+    more = (end - at) // length - 1
+    return more if more * length > 1 else 0
+
+
+def _saved(pattern: tuple[int, int]) -> tuple[int, int]:
+    """Return how many rows a pattern saves, the shorter one first."""
+    length, more = pattern
+    return length * more, -length
+
+
 @dataclass(frozen=True)
 class Counterexample:
     """Inputs that show a difference, scan by scan, and what both sides do with them.
@@ -69,30 +122,34 @@ class Counterexample:
         return f"Counterexample({len(self.inputs)} scans, {len(self.differences)} differences)"
 
     def __str__(self) -> str:
-        """The differences, and a table of the inputs and of what differs in the end; a long one of changes only."""
+        """The differences, and a table of the inputs and of what differs in the end.
+
+        Of a long one only the scans with changes; what repeats is shown once. `inputs` and `as_dict` have all scans.
+        """
         names = [name for name in dict.fromkeys(n for row in self.inputs for n in row) if name in self.left]
         differing = [d.name for d in self.differences if d.name in self.left]
         sides = (("first", self.left), ("second", self.right))
         headers = ["scan", "time", *names]
         for side, trace in sides:
             headers += [f"{side}: active"] * bool(trace.steps) + [f"{side}: {name}" for name in differing]
-        rows = [headers]
-        for scan in self._scans_shown():
-            row = [str(scan), time_literal(self.left.time(scan)).removeprefix("T#")]
-            row += [self.left[name].signal.text(self.left[name][scan]) for name in names]
+        rows: list[_Row] = []
+        for scan in self._scans_shown([*names, *differing]):
+            row = [self.left[name].signal.text(self.left[name][scan]) for name in names]
             for _, trace in sides:
                 row += [" ".join(trace.active(scan)) or "-"] * bool(trace.steps)
                 row += [trace[name].signal.text(trace[name][scan]) for name in differing]
-            rows.append(row)
-        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-        lines = ["  ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)).rstrip() for row in rows]
-        return "\n".join([*(str(each) for each in self.differences), *lines])
+            rows.append(_Row(scan, (str(scan), time_literal(self.left.time(scan)).removeprefix("T#"), *row)))
+        cells = [headers, *(row.cells for row in rows)]
+        widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+        head, *lines = ("  ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)).rstrip() for row in cells)
+        return "\n".join([*(str(each) for each in self.differences), head, *_folded(rows, lines)])
 
-    def _scans_shown(self) -> Sequence[int]:
+    def _scans_shown(self, names: Sequence[str]) -> Sequence[int]:
         count = len(self.left)
         if count <= _MOST_ROWS:
             return range(count)
-        changes = {change.scan for trace in (self.left, self.right) for change in trace.changes()}
+        shown = [(trace, name) for trace in (self.left, self.right) for name in names if name in trace]
+        changes = {scan for trace, name in shown for scan, _ in trace[name].runs()}
         changes |= {scan for trace in (self.left, self.right) for scan, _ in trace.situations()}
         return sorted(changes | {count - 1})
 

@@ -12,6 +12,11 @@ from collections.abc import Callable
 from plcopen_sfc.pages.phrases import Phrases
 
 _HEADS = {
+    ".. the row above {#} more time, up to scan {#}": ".. die Zeile darüber noch {} Mal, bis Zyklus {}",
+    ".. the row above {#} more times, up to scan {#}": ".. die Zeile darüber noch {} Mal, bis Zyklus {}",
+    ".. the {#} rows above {#} more time, up to scan {#}": ".. die {} Zeilen darüber noch {} Mal, bis Zyklus {}",
+    ".. the {#} rows above {#} more times, up to scan {#}": ".. die {} Zeilen darüber noch {} Mal, bis Zyklus {}",
+    ".. {#} rows are not shown here": ".. {} Zeilen sind hier nicht gezeigt",
     "equal": "gleich",
     "equal in {#} states": "gleich in {} Zuständen",
     "equal in {#} directed runs": "gleich in {} gerichteten Läufen",

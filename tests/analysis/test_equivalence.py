@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 
 import pytest
@@ -12,6 +13,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model import ActionAssociation, Pou, Qualifier, SfcNetwork
+from plcopen_sfc.pages.verdict_words import Verdicts
 from plcopen_sfc.semantics.net import Competing
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.analysis.schemes import (
@@ -457,6 +459,53 @@ def test_a_counterexample_is_a_table_and_json() -> None:
     data = json.loads(json.dumps(verdict.as_dict()))
     assert data["counterexample"]["inputs"] == [{"c0": True, "c1": True}]
     assert data["counterexample"]["shortest"] is True
+
+
+COUNTER = """
+PROGRAM Main
+VAR_INPUT part : BOOL; END_VAR
+VAR_OUTPUT full : BOOL; {out} END_VAR
+VAR old : BOOL; {own} END_VAR
+IF part AND NOT old THEN n := n + {step}; END_IF;
+old := part;
+full := n >= {limit};
+END_PROGRAM
+"""
+
+
+def counter(limit: int, **where: str) -> sfc.Project:
+    return sfc.loads(
+        COUNTER.format(limit=limit, **{"out": "", "own": "", "step": "1", **where}).encode(), format="iec-text"
+    )
+
+
+def test_what_repeats_in_a_long_counterexample_is_shown_once() -> None:
+    verdict = equivalent(counter(30, own="n : INT;"), counter(31, own="n : INT;"), "iec", cap=10)
+    assert verdict.counterexample is not None
+    scans = len(verdict.counterexample.inputs)
+    lines = str(verdict).splitlines()
+    assert len(lines) < 12
+    (folded,) = (line for line in lines if line.startswith(".. "))
+    found = re.fullmatch(r"\.\. the 2 rows above (\d+) more times, up to scan (\d+)", folded)
+    assert found is not None
+    rows = [line for line in lines if line[0].isdigit()]
+    assert len(rows) + 2 * int(found[1]) == scans > 50
+    assert rows[3].startswith(f"{int(found[2]) + 1} ")
+    assert len(verdict.as_dict()["counterexample"]["inputs"]) == scans
+    assert Verdicts(str)(folded) == f".. die 2 Zeilen darüber noch {found[1]} Mal, bis Zyklus {found[2]}"
+
+
+def test_a_long_counterexample_without_a_pattern_loses_its_middle() -> None:
+    faster = counter(9, out="n : INT;", step="SEL(n > 60, 1, 2)")
+    verdict = equivalent(counter(9, out="n : INT;"), faster, "iec", cap=10)
+    assert verdict.counterexample is not None
+    lines = str(verdict).splitlines()
+    assert len(lines) < 50
+    (left_out,) = (line for line in lines if line.startswith(".. "))
+    told = int(left_out.split()[1])
+    rows = [line for line in lines if line[:1].isdigit()]
+    assert told + len(rows) == len(verdict.counterexample.inputs)
+    assert (rows[0].split()[0], rows[-1].split()[0]) == ("0", str(len(verdict.counterexample.inputs) - 1))
 
 
 def test_beyond_the_cap_it_is_tried() -> None:
