@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.diagnostics import DamagedSourceError, Severity
 from plcopen_sfc.documents.edited_files import patched, patched_text
-from plcopen_sfc.documents.reading_back import read_back, report_diagnostics, report_reading_errors, verify, writing
+from plcopen_sfc.documents.reading_back import (
+    keep_step_names,
+    read_back,
+    report_diagnostics,
+    report_reading_errors,
+    verify,
+    writing,
+)
 from plcopen_sfc.documents.source_names import names_in_the_source
 from plcopen_sfc.documents.sources import FileSource, FolderSource
 from plcopen_sfc.errors import FormatError, LossError, UnknownFormatError, nearest
@@ -121,17 +128,20 @@ def encode(
         copy, meant, options, behaviour = prepared(project, kind, options, report)
         with writing(kind):
             data = kind.codec(version).write(copy, options, report)
-        seen, shown = None, as_tool_sees(data, kind) if behaviour is not None else data
+        seen, back, shown = None, None, as_tool_sees(data, kind) if behaviour is not None else data
         if behaviour is not None and kind.ids and not same and shown is data:
             with writing(kind):  # the tool sees what is read back, and comparing that leaves it as it is
                 seen = read_document(data, format=name, path=None)
                 seen.read_all()
         if not (options.flavour and kind.text):  # what a flavour leaves out is for people, and not read back
-            verify(meant, kind, seen if seen is not None else read_back(data, kind, version), report)
+            back = seen if seen is not None else read_back(data, kind, version)
+            verify(meant, kind, back, report)
         called = names_in_the_source(project, copy)
     if behaviour is not None:
         if seen is None:
             seen = read_document(shown, format=name, path=None)
+            if kind.text and back is not None:
+                keep_step_names(seen, back, report)
         report_behaviour(report, project, behaviour, seen, called, tool=kind.tool, flavour=flavour, limit=limit)
     elif limit:
         _report_without_tool(report, project, data, kind, called, limit=limit)

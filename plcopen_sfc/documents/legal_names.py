@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 from plcopen_sfc.errors import ModelError
@@ -12,6 +13,9 @@ from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport, Outcome
+
+_WORD = re.compile(r"[^\W\d]\w*")
+_UNSPELLED = (Kind.INSTANCE, Kind.NAMESPACE)
 
 
 def give_legal_names(
@@ -37,8 +41,8 @@ def give_legal_names(
     names = Names(copy)
     declared = list(dict.fromkeys(map(names.resolver.original, names.declarations())))
     if leaves:
-        with_letters = with_letters and dialect is not None and family(dialect) is Dialect.CODESYS
-        wanted = _legal(copy, declared, tool, with_letters=with_letters)
+        is_codesys = dialect is not None and family(dialect) is Dialect.CODESYS
+        wanted = _legal(copy, declared, tool, is_codesys=is_codesys, with_letters=with_letters)
     else:
         own = {(path.casefold(), new): old for path, old, new in kept}
         found = {each: own.get((each.path.casefold(), each.name)) for each in declared}
@@ -69,9 +73,9 @@ def give_legal_names(
 
 
 def _legal(
-    project: Project, declared: list[Declaration], tool: str, *, with_letters: bool
+    project: Project, declared: list[Declaration], tool: str, *, is_codesys: bool, with_letters: bool
 ) -> dict[Declaration, tuple[str, str]]:
-    """Return the names that things get, and why."""
+    """Return the names that things get, and why. `with_letters`: CODESYS gets other letters for those with accents."""
     from plcopen_sfc.languages.translation.renames import identifier  # noqa: PLC0415  # brings the parser
 
     clashing: set[int] = set()
@@ -87,7 +91,8 @@ def _legal(
         wish, why = each.name, "a variable of the POU has its name"
         if each.kind is Kind.STEP and id(each.holder) in clashing:
             wish = f"{wish}_step"
-        if with_letters and not wish.isascii() and each.kind not in (Kind.INSTANCE, Kind.NAMESPACE):
+        is_spelled = wish.isascii() or not with_letters
+        if is_codesys and not (is_spelled and _WORD.fullmatch(wish)) and each.kind not in _UNSPELLED:
             wish, why = identifier(wish), f"{tool} takes letters without accents, digits and underscores"
         if wish != each.name:
             others = set().union(*taken.values()) if each.pou is None else taken[id(each.pou)] | shared

@@ -70,6 +70,27 @@ def verify(project: Project, kind: Format, back: Project, report: ConversionRepo
         _report_differences(project, kind, back, report)
 
 
+def keep_step_names(seen: Project, back: Project, report: ConversionReport) -> None:
+    """Give steps in what a tool sees of a text the names of the source, which the text has in pragmas (`back`).
+
+    Texts spell ``1 Fill`` as ``_1_Fill``. A step that other texts name keeps the name that the tool sees: these texts
+    mean no step there, unless they quote names, as those of S7 do.
+    """
+    from plcopen_sfc.languages.binding import names_in  # noqa: PLC0415  # brings the parser
+
+    for chart, named in zip(seen.charts(), back.charts(), strict=False):
+        steps = list(zip(chart.chart.steps, named.chart.steps, strict=False))
+        other = [(step, own) for step, own in steps if step.name.casefold() != own.name.casefold()]
+        if not other or len(chart.chart.steps) != len(named.chart.steps):
+            continue
+        used = set() if seen.dialect is Dialect.SCL else names_in(chart.pou, seen.dialect)
+        for step, own in other:
+            if own.name.casefold() not in used:
+                place = f"{named.report_path} / step {own.name}"
+                report.add(Outcome.TRANSLATED, "name", place, f"the text spells it {step.name}")
+                step.name = own.name
+
+
 def _report_differences(project: Project, kind: Format, back: Project, report: ConversionReport) -> None:
     if not kind.ids:
         project = numbered_in_order(project)

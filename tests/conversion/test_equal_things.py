@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 import plcopen_sfc as sfc
@@ -132,3 +134,32 @@ def test_a_main_action_that_nothing_declares_is_its_call(target: str) -> None:
     chart.chart.step("S0").main_action = "S0_active"
     _, report = sfc.convert(project, target, partial=True)
     assert [item.why for item in report.losses if "report this as a mistake" in item.why] == []
+
+
+@pytest.mark.parametrize("name", ["1 Fill", "Fill-Up", "compr. air", "Fill.", "IF", "a  b"])
+@pytest.mark.parametrize("target", ["iec-text", "codesys", "codesys23", "simaticml"])
+def test_steps_with_names_of_another_tool_do_the_same_elsewhere(name: str, target: str) -> None:
+    """Texts spelled such a step in their own way, and it was called not executed; CODESYS does not compile it."""
+    source = sfc.convert(sfc.loads(RING.encode(), format="iec-text"), "plcopen")[0]
+    project = sfc.loads(source.replace(b'"S1"', f'"{name}"'.encode()), format="plcopen")
+    data, report = sfc.convert(project, target, partial=True)
+    if name == "IF" and target.startswith("codesys"):
+        assert ["keyword" in item.why for item in report.losses if item.what == "step"] == [True]
+        return
+    assert [item for item in report.losses if "step" in item.what or "transition" in item.what] == []
+    there = sfc.loads(data, format=target, as_tool=True)
+    steps = [step.name for step in there.pous[0].chart.steps]
+    assert len(steps) == 2
+    if target != "simaticml":  # which puts names in quotes
+        assert all(re.fullmatch(r"[^\W\d]\w*", each) for each in steps)
+    named = name if target == "iec-text" else next(each for each in steps if each != "S0")
+    assert [step.name for step in sfc.loads(data, format=target).pous[0].chart.steps if step.name != "S0"] == [named]
+
+
+def test_a_step_of_a_text_that_other_texts_name_keeps_what_the_tool_sees() -> None:
+    """`FROM` is a name in CODESYS and none in textual SFC: texts that name the step mean none there."""
+    text = RING.replace("S1", "Busy").replace(":= b;", ":= Busy.x AND b;")
+    source = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "codesys")[0]
+    project = sfc.loads(source.replace(b"Busy", b"FROM"), format="codesys")
+    _, report = sfc.convert(project, "iec-text", partial=True)
+    assert any("FROM" in item.path for item in report.losses)
