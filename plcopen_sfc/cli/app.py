@@ -374,6 +374,7 @@ def _lower(
     screen: Screen,
     file: o.File,
     to: o.To = "",
+    flavour: o.For = "",
     target: o.Target = None,
     pou: o.PouName = None,
     construction: o.Construction = "auto",
@@ -426,6 +427,7 @@ def _lower(
     wanted = tuple(free or ())
     how = lower.LowerOptions(
         to,
+        flavour,
         tia,
         pou,
         construction,

@@ -100,6 +100,7 @@ def lower_to_file(
     construction: str = "auto",
     *,
     format: str | None = None,
+    flavour: str = "",
     tia: str = "",
     pou: str | None = None,
     skip_refused: bool = False,
@@ -115,10 +116,11 @@ def lower_to_file(
 ) -> LoweredFile:
     """Lower all charts of a project, or the one called `pou`, save the project, and prove the file.
 
-    `construction`, `verify` to `progress` and `options` as in `lower`, `format` and `tia` as in `save`. What the format
-    does not hold is reported. Nothing is written where a chart is refused, in lowering or because its code in the file
-    is not proven; with `skip_refused` such charts stay charts and the others are written. `jobs` charts are compared at
-    a time, each in a process of its own; then there is no `progress`. Verdicts and their order do not depend on it.
+    `construction`, `verify` to `progress` and `options` as in `lower`, `format`, `flavour` and `tia` as in `save`. With
+    a `flavour`, as in SCL, a file of one `pou` has that and what it needs. What the format does not hold is reported.
+    Nothing is written where a chart is refused, in lowering or because its code in the file is not proven; with
+    `skip_refused` such charts stay charts and the others are written. `jobs` charts are compared at a time, each in a
+    process of its own; then there is no `progress`. Verdicts and their order do not depend on it.
 
     Raises `LossError` where the target does not execute something else of the project, unless `partial`.
     """
@@ -142,8 +144,9 @@ def lower_to_file(
                 return LoweredFile(None, (), refused, ConversionReport())
             place = Path(folder) / str(len(refused))
             place.mkdir()
-            asked_for, left_out = _asked_for(lowered.project, name, pou)
-            draft = _Draft(asked_for, target, place, {"format": name, "partial": True})
+            alone = pou if name == "scl" or flavour else None
+            asked_for, left_out = _asked_for(lowered.project, alone)
+            draft = _Draft(asked_for, target, place, {"format": name, "flavour": flavour, "partial": True})
             draft.report.items += declared.items
             if not refused or skip_refused:
                 draft.refuse_losses(lowered.pous, refused, partial=partial)
@@ -271,13 +274,13 @@ class _Draft:
 _DECLARED_ELSEWHERE = frozenset({UNDECLARED, UNDECLARED_TYPE, "global variable", "tag_tables", "tags"})
 
 
-def _asked_for(project: Project, name: str, pou: str | None) -> tuple[Project, list[Pou]]:
-    """Return the project without the POUs that were not asked for, and these, where they would be no charts any more.
+def _asked_for(project: Project, pou: str | None) -> tuple[Project, list[Pou]]:
+    """Return the project without the POUs that were not asked for, and these; None: all are.
 
     Only what the POU called `pou` names stays, and what that names in turn: POUs, types and global variables. Facts
     about the project it came from are none of the code.
     """
-    if pou is None or name != "scl":
+    if pou is None:
         return project, []
     copy = project.model_copy(deep=True)
     needed = _needed(copy, pou.partition(".")[0])

@@ -238,6 +238,48 @@ def test_a_source_of_scl_has_nothing_of_the_rest_of_the_project(tmp_path: Path) 
     assert not [item for item in made.report.items if item.what == "global variable"]
 
 
+def test_a_text_for_matiec_has_the_pou_that_was_asked_for_and_what_it_needs(tmp_path: Path) -> None:
+    """The program beside it does not compile, and a resource that runs nothing does not either."""
+    text = """CONFIGURATION Config
+VAR_GLOBAL
+    Lamp : BOOL;
+END_VAR
+RESOURCE Res ON PLC
+    PROGRAM Inst : Other;
+END_RESOURCE
+END_CONFIGURATION
+PROGRAM Other
+VAR x : Unknown; END_VAR
+x := 'text';
+END_PROGRAM
+FUNCTION_BLOCK Main
+VAR_EXTERNAL Lamp : BOOL; END_VAR
+VAR_INPUT Start : BOOL; END_VAR
+INITIAL_STEP Wait: END_STEP
+STEP Run: Lamp(N); END_STEP
+TRANSITION FROM Wait TO Run := Start; END_TRANSITION
+TRANSITION FROM Run TO Wait := NOT Start; END_TRANSITION
+END_FUNCTION_BLOCK
+"""
+    project, path = sfc.loads(text.encode(), format="iec-text"), tmp_path / "main.st"
+    made = sfc.lower_to_file(project, str(path), pou="Main", flavour="matiec")
+    assert made.pous[0].proof is not None
+    assert made.pous[0].proof.proven
+    written = path.read_text()
+    assert "Other" not in written
+    assert "RESOURCE" not in written
+    assert "//" not in written
+    assert [item.path for item in made.report.with_outcome(Outcome.NOT_EXECUTED)] == ["POU Other"]
+
+
+def test_a_case_without_branches_is_not_compiled() -> None:
+    lowered = sfc.lower(plant("Ablauf"), "case")
+    assert isinstance(lowered.pou.body, m.StBody)
+    lowered.pou.body.text += "CASE step_number OF\nEND_CASE;\n"
+    with pytest.raises(LoweringError, match="a CASE has no branches: step_number"):
+        refuse_uncompiled(ConversionReport(), lowered.project, lowered)
+
+
 def test_global_variables_that_the_code_names_must_be_in_the_project(tmp_path: Path) -> None:
     project, path = sfc.load("fixtures/steplist/mixer.csv"), tmp_path / "mixer.scl"
     project.global_variables[0].variables.append(boolean("Spare"))

@@ -68,3 +68,21 @@ def test_charts_of_real_files_do_the_same(path: Path, tmp_path: Path) -> None:
     require_matiec()
     found = compare_file(path, tmp_path)
     assert not [line for line in found if line.startswith(("does not compile", "differs:"))]
+
+
+@pytest.mark.corpus
+@pytest.mark.slow
+@pytest.mark.parametrize("path", _files(), ids=label)
+def test_code_of_real_charts_compiles(path: Path, tmp_path: Path) -> None:
+    """Each chart alone, with what it needs: the rest of its file may be what matiec does not take."""
+    require_corpus()
+    matiec = require_matiec()
+    project = sfc.load(path)
+    for number, pou in enumerate(pou for pou in project.pous if pou.sfc is not None and pou.sfc.steps):
+        target = tmp_path / f"{number}.st"
+        try:
+            made = sfc.lower_to_file(project, str(target), pou=pou.name, flavour="matiec", verify=False)
+        except sfc.SfcError:
+            continue
+        if made.path is not None:
+            matiec.translate(target.read_text(encoding="utf-8"), tmp_path / str(number))

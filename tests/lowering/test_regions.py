@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from plcopen_sfc import loads
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
@@ -390,3 +391,51 @@ def test_competing_conditions_that_exclude_each_other_keep_the_case(second: str,
     assert made.construction == construction
     assert made.proof is not None
     assert made.proof.kind is VerdictKind.PROVEN, str(made.proof)
+
+
+def test_what_steps_do_is_in_a_case_also_where_a_condition_asks_for_it() -> None:
+    """The CASE comes right behind what it takes: conditions that ask for it are executed before or behind both."""
+    text = """PROGRAM Main
+VAR_INPUT c : BOOL; END_VAR
+VAR a, b : BOOL; END_VAR
+INITIAL_STEP Wait: END_STEP
+STEP Up: RaiseA(N); END_STEP
+STEP Down: LowerA(N); END_STEP
+STEP Go: RaiseB(N); END_STEP
+STEP Stop: LowerB(N); END_STEP
+TRANSITION FROM Wait TO (Up, Go) := c; END_TRANSITION
+TRANSITION FROM Up TO Down := b; END_TRANSITION
+TRANSITION FROM Go TO Stop := b; END_TRANSITION
+TRANSITION FROM (Down, Stop) TO Wait := a AND NOT c; END_TRANSITION
+ACTION RaiseA: a := TRUE; END_ACTION
+ACTION LowerA: a := b; END_ACTION
+ACTION RaiseB: b := TRUE; END_ACTION
+ACTION LowerB: b := c; END_ACTION
+END_PROGRAM
+"""
+    lowered = lower(loads(text.encode(), format="iec-text"), Construction.REGIONS, profile="matiec")
+    assert isinstance(lowered.pou.body, m.StBody)
+    begin = lowered.pou.body.text.index("// Actions of the active steps from Up")
+    assert lowered.pou.body.text[begin:].rstrip() == (
+        """// Actions of the active steps from Up
+CASE step_number_Up OF
+    2: // Step Up
+        // Action RaiseA
+        a := TRUE;
+    3: // Step Down
+        // Action LowerA
+        a := b;
+END_CASE;
+
+// Actions of the active steps from Go
+CASE step_number_Go OF
+    4: // Step Go
+        // Action RaiseB
+        b := TRUE;
+    5: // Step Stop
+        // Action LowerB
+        b := c;
+END_CASE;"""
+    )
+    assert lowered.proof is not None
+    assert lowered.proof.proven

@@ -35,6 +35,7 @@ class LowerOptions:
     """Options of the command: those of `lower_to_file`, and if the readable part of a wrong file is written."""
 
     to: str
+    flavour: str = ""
     tia: str = ""
     pou: str | None = None
     construction: str = "auto"
@@ -72,6 +73,7 @@ def run(screen: Screen, source: str, target: str | None, how: LowerOptions) -> i
                 place,
                 how.construction,
                 format=how.to,
+                flavour=how.flavour,
                 tia=how.tia,
                 pou=how.pou,
                 skip_refused=how.skip_refused,

@@ -245,19 +245,22 @@ def _configure(project: Project, report: ConversionReport, lists: frozenset[str]
         project.configurations.append(around)
     project.applications = []
     _leave_out_config_variables(project, report)
+    _leave_out_idle_resources(project)
     programs = [pou.name for pou in project.pous if pou.kind is PouKind.PROGRAM]
     if programs and not any(_instances(one) for one in project.configurations):
-        tasks = [Task(name="Task0", interval="T#20ms", instances=[])]
-        tasks[0].instances = [PouInstance(name=f"Inst{i}", type_name=name) for i, name in enumerate(programs)]
+        instances = [PouInstance(name=f"Inst{i}", type_name=name) for i, name in enumerate(programs)]
         found = next((r for c in project.configurations for r in c.resources), None)
         if found is None:
             found = Resource(name="Res0")
             if not project.configurations:
                 project.configurations.append(Configuration(name="Config0"))
             project.configurations[0].resources.append(found)
-        found.tasks += tasks
-        why = "no task ran the programs; they get one of 20 ms"
-        report.add(Outcome.TRANSLATED, "task", f"task {tasks[0].name}", why)
+        _add_task(found, Task(name="Task0", interval="T#20ms", instances=instances), report)
+    elif programs and not any(resource.tasks for one in project.configurations for resource in one.resources):
+        # instances without a task run as often as they can, and matiec wants to know how often that is
+        resource = next(each for one in project.configurations for each in one.resources if each.instances)
+        _add_task(resource, Task(name="Task0", interval="T#20ms", instances=resource.instances), report)
+        resource.instances = []
     used = {pou.name.casefold() for pou in project.pous} | {one.name.casefold() for one in project.data_types}
     for configuration in project.configurations:
         configuration.name = _free(configuration.name, used, f"configuration {configuration.name}", report)
@@ -270,6 +273,25 @@ def _configure(project: Project, report: ConversionReport, lists: frozenset[str]
                 if not instance.type_name:
                     instance.type_name = instance.name
                 instance.name = _free(instance.name, used, f"instance {instance.name}", report)
+
+
+def _add_task(resource: Resource, task: Task, report: ConversionReport) -> None:
+    resource.tasks.append(task)
+    why = "no task ran the programs; they get one of 20 ms"
+    report.add(Outcome.TRANSLATED, "task", f"task {task.name}", why)
+
+
+def _leave_out_idle_resources(project: Project) -> None:
+    """Leave out resources that run nothing, where another one does or no program is there: matiec reads none."""
+    runs = any(map(_instances, project.configurations))
+    if not runs and any(pou.kind is PouKind.PROGRAM for pou in project.pous):
+        return  # the programs get a task in one of them
+    for configuration in project.configurations:
+        for resource in configuration.resources:
+            if not _instances_in(resource):
+                configuration.global_variables += resource.global_variables
+        configuration.resources = [each for each in configuration.resources if _instances_in(each)]
+    project.configurations = [each for each in project.configurations if each.resources]
 
 
 def _leave_out_config_variables(project: Project, report: ConversionReport) -> None:
@@ -298,8 +320,11 @@ def _fit_task(task: Task, report: ConversionReport, lists: frozenset[str]) -> No
 
 
 def _instances(configuration: Configuration) -> list[PouInstance]:
-    resources = configuration.resources
-    return [i for r in resources for i in (*r.instances, *(j for task in r.tasks for j in task.instances))]
+    return [instance for resource in configuration.resources for instance in _instances_in(resource)]
+
+
+def _instances_in(resource: Resource) -> list[PouInstance]:
+    return [*resource.instances, *(instance for task in resource.tasks for instance in task.instances)]
 
 
 def _free(name: str, used: set[str], path: str, report: ConversionReport) -> str:

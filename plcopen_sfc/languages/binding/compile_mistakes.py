@@ -110,6 +110,8 @@ class _Check:
                     yield f"{block.name} has no {name.identifier}", node
             case n.CallStatement(n.Call(n.Name() as callee, arguments)):
                 yield from self._parameters(callee, arguments)
+            case n.Case(selector, ()):
+                yield "a CASE has no branches", selector
 
     def _parameters(self, callee: n.Name, arguments: tuple[n.Argument, ...]) -> Iterator[tuple[str, n.Node]]:
         block = self._block(callee)

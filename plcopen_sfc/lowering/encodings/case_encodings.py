@@ -201,7 +201,8 @@ class RegionEncoding(ScanSchedule):
         for taking, networks in groups:
             run = list(networks)
             if taking is not None and len(run) > 1:
-                run = [*taking.take(run), CodeNetwork(titles[taking], (taking.case(),))]
+                taking.take(run)  # nothing of it stays
+                run = [CodeNetwork(titles[taking], (taking.case(),))]
             found += run
         self.code.networks[begin:] = found
 
@@ -232,10 +233,11 @@ class RegionEncoding(ScanSchedule):
         return None
 
     def _branches(self, machine: RegionState, *, whole: bool) -> StepBranches:
-        """Return empty branches of a CASE for the code of its steps."""
+        """Return empty branches of a CASE for the code of its steps; `whole`: the CASE comes right behind that code."""
         scope = UntouchedVariables(self.source, self.code.own_names, timers_of(self.code))
         last = self._last.get(machine.region.index)
-        return StepBranches(self.states, machine, last, scope, whole=whole, between=self._between(machine, scope))
+        between = None if whole else self._between(machine, scope)
+        return StepBranches(self.states, machine, last, scope, whole=whole, between=between)
 
     def choose_transitions(self, shared: Sequence[Statement] = ()) -> None:
         """Append the CASE of each region with the transitions of each step."""
