@@ -63,7 +63,12 @@ def orders(project: sfc.Project) -> tuple[int, str]:
     return asked, told
 
 
-@pytest.mark.parametrize("operation", [sfc.check, orders], ids=["check", "orders of actions"])
+def converted(project: sfc.Project) -> bytes:
+    """Convert a project to CODESYS, with the comparison of both tools."""
+    return sfc.dumps(project, format="codesys", partial=True)
+
+
+@pytest.mark.parametrize("operation", [sfc.check, orders, converted], ids=["check", "orders of actions", "conversion"])
 def test_a_chart_of_twice_the_length_takes_twice_the_work(operation: Callable[[sfc.Project], object]) -> None:
     operation(ring(3))  # what is imported and prepared once
     projects = [ring(steps) for steps in (12, 24, 48)]

@@ -405,6 +405,8 @@ class ExecutedChartReader:
         """True for a transition that never fires: it is excluded, or its condition is FALSE, and no SFCTip fires it."""
         if transition.exclude or transition.condition is None:
             return transition.exclude
+        if isinstance(transition.condition, Expression) and "FALSE" not in transition.condition.text.upper():
+            return False
         if self.owner.flags_at_rest(self.pou, self.flags & {SfcFlag.TIP}) != self.flags & {SfcFlag.TIP}:
             return False
         found = self.condition_of(transition.condition)

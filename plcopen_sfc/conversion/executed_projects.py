@@ -160,6 +160,12 @@ class _Reader:
         self.global_names = {v.name.casefold() for section in self.project.global_sections() for v in section.variables}
 
     def read(self) -> Part:
+        self._read()
+        # meanings ask this reader later: parts that it kept would be garbage that only the collector can free
+        whole, self.whole, self.compared_with = self.whole, Part(""), Part("")
+        return whole
+
+    def _read(self) -> None:
         self.names.text_sites()  # what looks for some words only has them then
         for declaration in self.project.data_types:
             if not isinstance(declaration.type, StructType) and not self.detail:
@@ -187,7 +193,7 @@ class _Reader:
         if self.detail is Detail.WRITTEN:
             self._lists()
         if self.detail:
-            return self.whole
+            return
         self._calls_of_programs(names)
         for occurrence in names.undeclared():
             name = occurrence.reference.name
@@ -207,7 +213,6 @@ class _Reader:
             part = self.whole.add(UNDECLARED, name, occurrence.text_site.report_path)
             part.tell("name", Meaning.of(name.casefold(), name))
             part.is_called = _is_call(occurrence)
-        return self.whole
 
     def _inherited(self, own: Pou) -> set[str]:
         """Names that a POU of the source has from those that it extends: translated declarations do not tell that."""

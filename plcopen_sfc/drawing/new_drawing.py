@@ -21,6 +21,7 @@ from plcopen_sfc.drawing.chart_nesting import (
 )
 from plcopen_sfc.drawing.document_order import logic_order
 from plcopen_sfc.drawing.drawing_style import DrawingStyle
+from plcopen_sfc.model.checked import unchecked
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.drawing import DIVERGENCES, ActionEntry, Drawing, Symbol, SymbolKind
 from plcopen_sfc.model.network import Connection, InputPin, OutputPin
@@ -53,72 +54,75 @@ class Pen:
 
     def input(self, consumer: SymbolKind, source: int) -> InputPin:
         """Return an input of a symbol of kind `consumer`, wired to `source`."""
-        return InputPin(connections=[Connection(source=source, pin=self.style.wire_name(consumer))])
+        return _input_pin(source, self.style.wire_name(consumer))
 
     def inputs(self, consumer: SymbolKind, sources: Iterable[int]) -> list[InputPin]:
         """Input for each of `sources`; a step or bar that nothing leads to shows an empty one in STRUCTURED."""
         pins = [self.input(consumer, source) for source in sources]
-        return pins or ([InputPin()] if self.style.structured else [])
+        return pins or ([unchecked(InputPin, connections=[])] if self.style.structured else [])
 
     def step(self, step: Step, sources: Iterable[int]) -> list[Symbol]:
         """Return a step with its action block."""
         kind = SymbolKind.MACRO_STEP if step.macro is not None else SymbolKind.STEP
-        symbol = Symbol(
+        symbol = unchecked(
+            Symbol,
             id=step.id,
             kind=kind,
             inputs=self.inputs(kind, sources),
-            outputs=[OutputPin(name=None if step.macro is not None else self.style.output_name)],
+            outputs=[unchecked(OutputPin, name=None if step.macro is not None else self.style.output_name)],
         )
         if not step.actions:
             return [symbol]
         if kind is SymbolKind.STEP:
-            symbol.action_output = OutputPin(name=self.style.action_output_name)
+            symbol.action_output = unchecked(OutputPin, name=self.style.action_output_name)
         return [symbol, self.action_block(step)]
 
     def action_block(self, step: Step) -> Symbol:
         """Return the action block of a step."""
         entries = [
-            ActionEntry(association=a.id, output=OutputPin() if self.style.structured else None) for a in step.actions
+            unchecked(ActionEntry, association=a.id, output=unchecked(OutputPin) if self.style.structured else None)
+            for a in step.actions
         ]
-        return Symbol(
+        return unchecked(
+            Symbol,
             id=self.new_id(),
             kind=SymbolKind.ACTION_BLOCK,
             inputs=[self.input(SymbolKind.ACTION_BLOCK, step.id)],
+            outputs=[],
             entries=entries,
         )
 
     def transition(self, number: int, members: list[Transition], sources: Iterable[int]) -> list[Symbol]:
         """Return a transition, below the symbol of its expression where that is drawn."""
         first = members[0]
-        symbol = Symbol(
+        symbol = unchecked(
+            Symbol,
             id=number,
             kind=SymbolKind.TRANSITION,
             inputs=self.inputs(SymbolKind.TRANSITION, sources),
-            outputs=[] if self.style.structured else [OutputPin()],
+            outputs=[] if self.style.structured else [unchecked(OutputPin)],
             transitions=[t.id for t in members] if len(members) > 1 else None,
         )
         if self.wired and isinstance(first.condition, Expression):
             expression = self.expression()
-            symbol.condition = InputPin(connections=[Connection(source=expression.id)])
+            symbol.condition = _input_pin(expression.id)
             return [expression, symbol]
         return [symbol]
 
     def expression(self) -> Symbol:
         """Return a drawn expression."""
-        return Symbol(id=self.new_id(), kind=SymbolKind.EXPRESSION, outputs=[OutputPin()])
+        outputs = [unchecked(OutputPin)]
+        return unchecked(Symbol, id=self.new_id(), kind=SymbolKind.EXPRESSION, inputs=[], outputs=outputs)
 
     def bar(self, kind: SymbolKind, sources: Iterable[int]) -> Symbol:
         """Return a divergence or convergence. `dress_divergences` gives a divergence its outputs."""
-        symbol = Symbol(id=self.new_id(), kind=kind, inputs=self.inputs(kind, sources))
-        if kind not in DIVERGENCES:
-            symbol.outputs = [OutputPin()]
-        return symbol
+        outputs = [unchecked(OutputPin)] if kind not in DIVERGENCES else []
+        return unchecked(Symbol, id=self.new_id(), kind=kind, inputs=self.inputs(kind, sources), outputs=outputs)
 
     def jump(self, target: int, sources: Iterable[int]) -> Symbol:
         """Return a jump to a step."""
-        return Symbol(
-            id=self.new_id(), kind=SymbolKind.JUMP, inputs=self.inputs(SymbolKind.JUMP, sources), target=target
-        )
+        inputs = self.inputs(SymbolKind.JUMP, sources)
+        return unchecked(Symbol, id=self.new_id(), kind=SymbolKind.JUMP, inputs=inputs, outputs=[], target=target)
 
     def dress_divergences(self, symbols: list[Symbol], fresh: set[int], consumers: dict[int, int]) -> None:
         """Give each divergence in `fresh` an output for each consumer, and a name where the style has names."""
@@ -128,12 +132,16 @@ class Pen:
         for symbol in symbols:
             if symbol.id in fresh and symbol.kind in DIVERGENCES:
                 count = max(consumers.get(symbol.id, 0), 1)
-                symbol.outputs = [OutputPin(name=self.style.output_name) for _ in range(count)]
+                symbol.outputs = [unchecked(OutputPin, name=self.style.output_name) for _ in range(count)]
                 if self.style.structured:
                     while f"Branch{number}" in taken:
                         number += 1
                     symbol.name = f"Branch{number}"
                     taken.add(symbol.name)
+
+
+def _input_pin(source: int, pin: str | None = None) -> InputPin:
+    return unchecked(InputPin, connections=[unchecked(Connection, source=source, pin=pin, points=[])])
 
 
 def consumers_of(symbols: Iterable[Symbol]) -> dict[int, int]:

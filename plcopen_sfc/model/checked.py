@@ -36,7 +36,7 @@ def deep_copy(thing: M, memo: dict[int, Any]) -> M:
     return made
 
 
-def unchecked(kind: type[M], **fields: Any) -> M:
+def unchecked(kind: type[M], /, **fields: Any) -> M:
     """Return an object of values that are known to be right. Checks would take five times as long.
 
     Fields that hold lists must be given: those of one object are not those of another.

@@ -258,7 +258,9 @@ class Project(Owned, Element):
     @property
     def source(self) -> Source | None:
         """The file or folder that the project was read from; None for one that was built by a script."""
-        return self._source
+        # as the attribute it would take ten times as long
+        source: Source | None = (self.__pydantic_private__ or {}).get("_source")
+        return source
 
     @source.setter
     def source(self, source: Source | None) -> None:

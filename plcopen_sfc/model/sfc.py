@@ -453,8 +453,12 @@ class SfcNetwork(LateElement):
         numbers = Counter[_Ends]()
         found = {}
         for transition in self.transitions:
-            numbers[_ends(transition)] += not transition.name
-            found[transition.id] = _label(transition, names, numbers[_ends(transition)])
+            if transition.name:
+                found[transition.id] = transition.name
+            else:
+                ends = _ends(transition)
+                numbers[ends] += 1
+                found[transition.id] = _label(transition, names, numbers[ends])
         return found
 
     def new_id(self) -> int:
@@ -605,8 +609,15 @@ def _label(transition: Transition, names: Mapping[int, str], number: int) -> str
     """Return the label of a transition, of those without a name between the same steps the one with this number."""
     if transition.name:
         return transition.name
-    text = " -> ".join("+".join(names.get(i, "?") for i in side) or "nowhere" for side in _ends(transition))
+    text = f"{_together(transition.sources, names)} -> {_together(transition.targets, names)}"
     return text if number == 1 else f"{text} ({number})"
+
+
+def _together(steps: list[ElementId], names: Mapping[int, str]) -> str:
+    """Return the names of the steps on one side of a transition."""
+    if len(steps) == 1:
+        return names.get(steps[0], "?") or "nowhere"
+    return "+".join([names.get(i, "?") for i in steps]) or "nowhere"
 
 
 def _not_found(kind: str, key: str | int, names: list[str]) -> ModelError:

@@ -124,7 +124,13 @@ def _content(value: Any) -> Any:
     if isinstance(value, LateElement):
         value.read()
     if isinstance(value, Model):
-        return tuple([_content(each) for name, each in value.__dict__.items() if name not in _DRAWN and each])
+        return tuple(
+            [
+                each if type(each) is str else _content(each)
+                for name, each in value.__dict__.items()
+                if each and name not in _DRAWN
+            ]
+        )
     return tuple(map(_content, value)) if isinstance(value, list) else value
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 from plcopen_sfc.languages.binding.text_sites import Role
@@ -154,8 +155,21 @@ def _in_literal(literal: n.Literal) -> Iterator[Reference]:
     yield named(n.Name(found[2], span=(start + found.start(2), start + found.end(2))), base=type_)
 
 
-def in_expression(text: str, role: Role, dialect: Dialect) -> Iterator[Reference]:
-    """Yield every name in an expression; `role` is that of the last name of a path."""
+def in_expression(text: str, role: Role, dialect: Dialect) -> Iterable[Reference]:
+    """Return every name in an expression; `role` is that of the last name of a path."""
+    # a conversion asks for those of each condition several times, and equal ones repeat, as for the parser
+    return _cached_in_expression(text, role, dialect) if len(text) <= _CACHED else _in_expression(text, role, dialect)
+
+
+_CACHED = 1000
+
+
+@lru_cache(maxsize=16384)
+def _cached_in_expression(text: str, role: Role, dialect: Dialect) -> tuple[Reference, ...]:
+    return tuple(_in_expression(text, role, dialect))
+
+
+def _in_expression(text: str, role: Role, dialect: Dialect) -> Iterator[Reference]:
     if _DURATION.fullmatch(text):
         return
     if role is Role.TYPE and dialect is Dialect.SCL:  # a name with any characters in it

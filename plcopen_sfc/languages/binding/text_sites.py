@@ -6,11 +6,12 @@ it hold no names; a test holds that every text of the model is in one of the two
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import cache
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin
 
 from plcopen_sfc.languages.declarations.kept_texts import KEPT_DATA, inheritance
 from plcopen_sfc.languages.networks.box_trees import is_box_tree
@@ -95,7 +96,7 @@ class ValueOf:
     members: tuple[t.MemberValue, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(slots=True, eq=False)  # frozen ones take three times as long to make, and there is one for every text
 class TextSite:
     """A text of the model: field or item `key` of `holder`.
 
@@ -263,10 +264,8 @@ def _below_path(path: str, label: str) -> str:
     return f"{path} / {label}" if path else label
 
 
-def text_sites(
-    project: Project, words: Collection[str] = (), homes: Collection[Pou] | None = None
-) -> Iterator[TextSite]:
-    """Every text of `project` that may name something.
+def text_sites(project: Project, words: Collection[str] = (), homes: Collection[Pou] | None = None) -> list[TextSite]:
+    """Return every text of `project` that may name something.
 
     With `words` (in small letters), charts that mention none of them are left out, and stay unread. With `homes`, the
     words are names of steps and transitions of these POUs, which other charts can only mention behind a dot.
@@ -274,21 +273,29 @@ def text_sites(
     if not words:
         project.read_all()
     at_home = frozenset(map(id, homes)) if homes is not None else None
-    yield from _fields(project, _Where(Site(), "", "project", words=words, homes=at_home))
+    found: list[TextSite] = []
+    _collect_fields(project, _Where(Site(), "", "project", words=words, homes=at_home), found)
+    return found
 
 
-def text_sites_in(thing: Model) -> Iterator[TextSite]:
-    """Every text in an object of the model that may name something, as if nothing were around it."""
-    yield from _walk(thing, _Where(Site(), "", ""))
+def text_sites_in(thing: Model) -> list[TextSite]:
+    """Return every text in an object of the model that may name something, as if nothing were around it."""
+    found: list[TextSite] = []
+    _collect(thing, _Where(Site(), "", ""), found)
+    return found
 
 
-def _walk(thing: Any, where: _Where) -> Iterator[TextSite]:
+def _collect(thing: Any, where: _Where, found: list[TextSite]) -> None:
+    """Add the texts in an object to `found`: generators inside each other would take twice the time."""
+    kind: type[Model] = type(thing)
+    if not _telling_fields(kind):
+        return
     if where.words and _is_without(thing, where):
         return
-    entering = _ENTERING.get(type(thing))
+    entering = _ENTERING.get(kind)
     if entering is not None:
         where = entering(thing, where)
-    yield from _fields(thing, where)
+    _collect_fields(thing, where, found)
 
 
 def _is_without(thing: Any, where: _Where) -> bool:
@@ -310,29 +317,56 @@ _PLAIN_FIELDS = frozenset({"name", "type", "address", "attributes"})
 """The fields of a variable of an elementary type that name nothing."""
 
 
-def _fields(thing: Model, where: _Where) -> Iterator[TextSite]:
-    naming = NAMING.get(type(thing), {})
+@cache
+def _telling_fields(kind: type[Model]) -> tuple[tuple[str, tuple[SiteKind, Role] | None], ...]:
+    """Return the fields of a class that name something, with their reading, and those that may hold objects.
+
+    Nine of ten fields are neither, and most objects of a drawing have no other ones.
+    """
+    naming = NAMING.get(kind, {})
+    return tuple(
+        (name, naming.get(name))
+        for name, field in kind.model_fields.items()
+        if name in naming or not _is_plain(field.annotation)
+    )
+
+
+def _is_plain(annotation: Any) -> bool:
+    """True if no value of this type is an object of the model. What is not resolved yet may be one."""
+    if isinstance(annotation, type) and not get_args(annotation):
+        return not issubclass(annotation, Model) and annotation.__module__ != "typing"
+    parts = get_args(annotation)
+    if get_origin(annotation) is Annotated:
+        parts = parts[:1]
+    return get_origin(annotation) is Literal or (
+        parts != () and all(_is_plain(part) for part in parts if part is not Ellipsis)
+    )
+
+
+def _collect_fields(thing: Model, where: _Where, found: list[TextSite]) -> None:
     if isinstance(thing, LateElement):
         thing.read()
-    for key, value in thing.__dict__.items():
-        if value is None or value is False:
-            continue  # half of all fields
+    content = thing.__dict__
+    for key, how in _telling_fields(type(thing)):
+        value = content.get(key)
+        if not value:
+            continue  # half of all fields; an object of the model is never false
         if isinstance(value, str):
-            if key in naming and value and not (value == "*" and isinstance(thing, t.Dimension)):
-                yield from _named(thing, key, naming[key], where)
+            if how is not None and not (value == "*" and isinstance(thing, t.Dimension)):
+                _add_named(thing, key, how, where, found)
         elif isinstance(value, Model):
-            yield from _walk(value, _below(thing, key, where))
-        elif isinstance(value, list) and value:
+            _collect(value, _below(thing, key, where), found)
+        elif isinstance(value, list):
             if isinstance(value[0], Model):
                 below = _below(thing, key, where)
                 for item in value:
-                    yield from _walk(item, below)
-            elif key in naming:
+                    _collect(item, below, found)
+            elif how is not None:
                 for index in range(len(value)):
-                    yield from _named(value, index, naming[key], where)
+                    _add_named(value, index, how, where, found)
 
 
-def _named(holder: Any, key: str | int, how: tuple[SiteKind, Role], where: _Where) -> Iterator[TextSite]:
+def _add_named(holder: Any, key: str | int, how: tuple[SiteKind, Role], where: _Where, found: list[TextSite]) -> None:
     reading, role = how
     owner = where.owner
     if isinstance(holder, n.Connection):
@@ -354,7 +388,8 @@ def _named(holder: Any, key: str | int, how: tuple[SiteKind, Role], where: _Wher
         role = Role.TYPE
     if not isinstance(key, int) and key not in _UNSAID:
         where = where.at(key.replace("_", " "))
-    yield TextSite(holder, key, reading, role, where.site, where.path, where.language, owner, where.report_path)
+    site = TextSite(holder, key, reading, role, where.site, where.path, where.language, owner, where.report_path)
+    found.append(site)
 
 
 _PARTS = "/mixedattrsvarlist"
