@@ -257,6 +257,10 @@ _WANTED = {
     "bool_parsing": "True or False",
     "list_type": "a list",
     "dict_type": "a mapping",
+    "tuple_type": "a list of values",
+    "string_unicode": "a text without half characters",
+    "finite_number": "a finite number",
+    "int_parsing_size": "a whole number of at most 4,300 digits",
 }
 """Needs of a field in words, by the type of pydantic's error."""
 
@@ -292,4 +296,27 @@ def _field_problem(error: Mapping[str, Any]) -> str:
     if kind in ("model_type", "model_attributes_type", "dataclass_type"):
         wanted = error.get("ctx", {}).get("class_name", "object of the model")
         return f"is no {wanted}: {given} ({type(error['input']).__name__})"
-    return f"cannot be {given} ({type(error['input']).__name__}): {error['msg']}"
+    told = f"{given} ({type(error['input']).__name__})"
+    context = error.get("ctx", {})
+    if kind in _BOUNDS:
+        word, bound = _BOUNDS[kind]
+        return f"is {word} {context[bound]}: {told}"
+    if kind in ("too_short", "too_long"):
+        wanted = context["min_length" if kind == "too_short" else "max_length"]
+        return f"has {context['actual_length']} items, not {wanted}: {told}"
+    if kind == "union_tag_not_found":
+        field = context["discriminator"].strip("'")
+        return f"does not tell its {field}: {told}"
+    if kind == "union_tag_invalid":
+        known = context["expected_tags"].replace("'", "")
+        return f"has none of the kinds {known}: {told}"
+    return f"cannot be {told}"
+
+
+_BOUNDS = {
+    "greater_than_equal": ("less than", "ge"),
+    "less_than_equal": ("more than", "le"),
+    "greater_than": ("not more than", "gt"),
+    "less_than": ("not less than", "lt"),
+}
+"""Bounds of a field in words, and the name of the bound, by the type of pydantic's error."""

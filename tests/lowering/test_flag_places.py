@@ -131,6 +131,8 @@ def test_the_chart_beside_an_emergency_stop_has_its_range(flags: str) -> None:
         ("G1=M20.0,G3=M24.0", "no chart 'g3' for flags"),
         ("G1=M20.0,G2=M20.1", "the address of the flag X10 belongs to X2 already"),
         ("G1=M20.0,M24.0", "is no place for flags"),
+        ("M16383.7", "bit memory ends with M16383.7"),
+        ("M99999999.0", "bit memory ends with M16383.7"),
     ],
 )
 def test_a_range_that_does_not_fit_is_refused(flags: str, message: str) -> None:

@@ -87,6 +87,41 @@ def test_an_object_of_a_wrong_type_is_an_error_of_ours(call):
         call(small())
 
 
+def test_what_is_wrong_with_a_value_is_told_in_words_of_ours():
+    wrong = [
+        object(),
+        -1,
+        1.5,
+        float("nan"),
+        [1],
+        (1, 2, 3),
+        {},
+        {"kind": "q"},
+        {"language": "q"},
+        "\ud800",
+        "1" * 5000,
+    ]
+    told = []
+    step, symbol, action = {"id": 0, "name": "S"}, {"id": 0, "kind": "step"}, {"name": "A"}
+    for kind, needed in ((m.Step, step), (m.Symbol, symbol), (m.Action, action)):
+        for field in kind.model_fields:
+            for value in wrong:
+                try:
+                    kind(**needed | {field: value})
+                except sfc.ModelError as error:
+                    told.append(str(error))
+    theirs = ("Input ", "nable to", "permitted", "required", "valid", "discriminator", "exceeded")
+    assert [text for text in told if any(word in text for word in theirs)] == []
+    for part in (
+        "id of Step is less than 0: -1 (int)",
+        "id of Step is not a finite number: nan (float)",
+        "has 3 items, not 2: (1, 2, 3) (tuple)",
+        "does not tell its language: {} (dict)",
+        "has none of the kinds ST, IL, FBD, LD, SFC, opaque: {'language': 'q'} (dict)",
+    ):
+        assert any(part in text for text in told), part
+
+
 def test_a_refused_value_changes_nothing():
     step = small().step("Fill")
     with pytest.raises(sfc.ModelError):

@@ -100,6 +100,8 @@ _FIRST = re.compile(r"%?MX?(\d{1,9})\.([0-7])", re.IGNORECASE)
 _ADDRESS = re.compile(r"%?M([XBWDL]?)(\d{1,9})(?:\.(\d{1,9}))?", re.IGNORECASE)
 _WIDTHS = {"": 1, "X": 1, "B": 8, "W": 16, "D": 32, "L": 64}
 _BYTE = 8
+_LAST_OF_S7 = 16_384 * _BYTE - 1
+"""The last bit of the largest bit memory that a CPU of S7 has (S7-1500; that of S7-1200 has 4,096 or 8,192 bytes)."""
 
 
 class FlagPlaces:
@@ -204,6 +206,9 @@ class FlagPlaces:
         bit = self._bits[part]
         if bit in self.taken:
             self._refuse(f"the address of the flag {name} belongs to {self.taken[bit]} already")
+        if self.tool is Tool.S7 and bit > _LAST_OF_S7:
+            hint = "S7-1500 has the largest bit memory, 16,384 bytes; smaller CPUs have less."
+            self._refuse(f"no CPU of S7 has the address of the flag {name}: bit memory ends with M16383.7", hint)
         self._bits[part] = bit + 1
         self.taken[bit] = name
         place = f"{bit // _BYTE}.{bit % _BYTE}"
