@@ -48,6 +48,8 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.languages.standard_blocks import BOUND_FUNCTIONS, standard_block
 from plcopen_sfc.languages.task_schedules import schedule_of
+from plcopen_sfc.languages.translation.call_translation import ONLY_CODESYS
+from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.languages.words import folded
 from plcopen_sfc.model.base import Element, ForeignData
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
@@ -195,6 +197,8 @@ class _Reader:
         if self.detail:
             return
         self._calls_of_programs(names)
+        # a source in another dialect may have operators of CODESYS: its tool does not have them, this one does
+        is_target_of_codesys = bool(self.compared_with.parts) and family(self.dialect) is Dialect.CODESYS
         for occurrence in names.undeclared():
             name = occurrence.reference.name
             own = occurrence.text_site.site.pou
@@ -206,6 +210,7 @@ class _Reader:
                 name.casefold() in _RESULTS | self.global_names | self.programs.keys()
                 or standard_block(name) is not None
                 or name.upper() in BOUND_FUNCTIONS
+                or (is_target_of_codesys and name.upper() in ONLY_CODESYS)
             ):
                 continue
             if own is not None and own.kind is PouKind.FUNCTION and name.casefold() == own.name.casefold():

@@ -15,6 +15,10 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _WORD = re.compile(r"[^\W\d]\w*")
+_LONGEST = 125
+"""The longest name of a block in TIA Portal; tags and parameters can have 128 characters (TIA Portal help)."""
+_CUT = 120
+"""The length of a name that replaces a longer one: a number may follow."""
 _UNSPELLED = (Kind.INSTANCE, Kind.NAMESPACE)
 
 
@@ -23,7 +27,8 @@ def give_legal_names(
 ) -> None:
     """Rename what a copy declares under names that the tool of a target cannot have, or give it its own names back.
 
-    CODESYS and S7 have a variable for each step: none may be called as another variable. CODESYS, CoDeSys 2.3 and
+    CODESYS and S7 have a variable for each step: none may be called as another variable. Names in TIA Portal have a
+    longest length. CODESYS, CoDeSys 2.3 and
     TwinCAT take letters without accents (CODESYS V3 online help, "Identifiers"), which `with_letters` asks for. The
     project keeps the names of the source, and what it declares gets them in other tools again. Called before texts are
     translated, which a new name needs, and behind that, which the old one does.
@@ -94,6 +99,8 @@ def _legal(
         is_spelled = wish.isascii() or not with_letters
         if is_codesys and not (is_spelled and _WORD.fullmatch(wish)) and each.kind not in _UNSPELLED:
             wish, why = identifier(wish), f"{tool} takes letters without accents, digits and underscores"
+        if not is_codesys and len(wish) > _LONGEST:
+            wish, why = wish[:_CUT], f"{tool} takes names of {_LONGEST} characters"
         if wish != each.name:
             others = set().union(*taken.values()) if each.pou is None else taken[id(each.pou)] | shared
             new = free_name(wish, others - {each.name.casefold()})

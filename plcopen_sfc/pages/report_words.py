@@ -626,6 +626,7 @@ _NOT_EXECUTED = {
     "{} in {+}: {+} takes letters without accents, digits and underscores": (
         "{} in {}: {} nimmt Buchstaben ohne Akzente, Ziffern und Unterstriche"
     ),
+    "{} in {+}: {+} takes names of {} characters": "{} in {}: {} nimmt Namen von {} Zeichen",
     "{} in {}: a variable of the POU has its name": "{} in {}: eine Variable des Bausteins heißt so",
     "{} in {}: as in the file that it was converted from": "{} in {}: wie in der Datei, aus der umgewandelt wurde",
     "it keeps its name: {}": "der Name bleibt: {}",

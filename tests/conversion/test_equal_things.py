@@ -163,3 +163,23 @@ def test_a_step_of_a_text_that_other_texts_name_keeps_what_the_tool_sees() -> No
     project = sfc.loads(source.replace(b"Busy", b"FROM"), format="codesys")
     _, report = sfc.convert(project, "iec-text", partial=True)
     assert any("FROM" in item.path for item in report.losses)
+
+
+def test_long_names_get_shorter_ones_in_tia_and_their_own_again_elsewhere() -> None:
+    """TIA Portal takes names of 128 characters, those of blocks of 125: longer ones were written without a word."""
+    long = "Fill_the_tank_" * 10
+    project = sfc.loads(re.sub(r"\b[bn]\b", lambda found: long + found[0], RING).encode(), format="iec-text")
+    data, report = sfc.convert(project, "simaticml", partial=True)
+    told = " in TIA Portal: TIA Portal takes names of 125 characters"
+    assert len([item for item in report.items if item.what == "name" and item.why.endswith(told)]) == 2
+    there = sfc.loads(data, format="simaticml")
+    assert max(len(variable.name) for variable in there.pous[0].variables()) < 125
+    back = sfc.loads(sfc.convert(there, "iec-text", partial=True)[0], format="iec-text")
+    assert {long + "b", long + "n"} <= {variable.name for variable in back.pous[0].variables()}
+
+
+@pytest.mark.parametrize("target", ["codesys", "twincat"])
+def test_operators_of_codesys_in_a_text_are_no_unknown_names_there(target: str) -> None:
+    """`ADR` was called declared nowhere, and CODESYS said not to compile it."""
+    text = RING.replace("r : BOOL;", "r : BOOL; p : POINTER TO INT;").replace("n := n + 1;", "p := ADR(n);")
+    assert [item for item in losses(sfc.loads(text.encode(), format="iec-text"), target) if "ADR" in item.why] == []
