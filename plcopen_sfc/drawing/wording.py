@@ -123,16 +123,21 @@ class Wording:
 
     def actions(self, step: Step) -> Iterator[ActionLine]:
         """Return the actions of a step: step actions and associations, each as ``N Motor`` or ``D T#2s Lamp``."""
-        named = (("entry", step.entry_action), ("main", step.main_action), ("exit", step.exit_action))
-        for label, action in named:
-            if action:
-                yield ActionLine(action if isinstance(action, str) else body_words(action), self.told(label))
+        yield from (line for line, _ in self.step_actions(step))
         for association in step.actions:
             yield self.association(association)
         if step.macro is not None:
             yield ActionLine(step.macro.expansion or "", self.told("macro"))
         for enclosure in step.encloses or ():
             yield ActionLine(enclosure_words(enclosure), self.told("encloses"))
+
+    def step_actions(self, step: Step) -> Iterator[tuple[ActionLine, str | Body]]:
+        """Yield the entry, main and exit action of a step, each in words and as it is in the model."""
+        named = (("entry", step.entry_action), ("main", step.main_action), ("exit", step.exit_action))
+        for label, action in named:
+            if action:
+                words = action if isinstance(action, str) else body_words(action)
+                yield ActionLine(words, self.told(label)), action
 
     def association(self, association: ActionAssociation) -> ActionLine:
         """Return a line of an action block in words."""

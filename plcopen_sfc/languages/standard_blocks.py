@@ -50,7 +50,7 @@ class ToolNames:
     pins: dict[str, str]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class StandardBlock:
     """A standard function or function block.
 
@@ -95,7 +95,7 @@ class StandardBlock:
 
     def input_name(self, pin: str) -> str | None:
         """Return the IEC name of an input as any tool may call it; case does not matter. None: it is no input."""
-        found = self._known(pin, self.inputs)
+        found = _names(self, inputs=True).get(pin.casefold())
         if found is None and self.extensible:
             stem, first = _numbered(self.inputs[-1].name)
             matched = re.fullmatch(rf"{stem}(\d{{1,9}})", pin, re.IGNORECASE)
@@ -105,16 +105,17 @@ class StandardBlock:
 
     def output_name(self, pin: str) -> str | None:
         """Return the IEC name of an output as any tool may call it; case does not matter. None: it is no output."""
-        return self._known(pin, self.outputs)
+        return _names(self, inputs=False).get(pin.casefold())
 
-    def _known(self, pin: str, pins: tuple[Pin, ...]) -> str | None:
-        key = pin.casefold()
-        for known in pins:
-            if key == known.name.casefold():
-                return known.name
-            if any(key == names.pins.get(known.name, "").casefold() for names in self.tools.values()):
-                return known.name
-        return None
+
+@lru_cache(maxsize=1024)
+def _names(block: StandardBlock, *, inputs: bool) -> dict[str, str]:
+    """Return the IEC names of the inputs or outputs of a block by all that tools call them, in lower case."""
+    found: dict[str, str] = {}
+    for pin in block.inputs if inputs else block.outputs:
+        for name in (pin.name, *(names.pins.get(pin.name, "") for names in block.tools.values())):
+            found.setdefault(name.casefold(), pin.name)
+    return found
 
 
 def standard_block(name: str, tool: Tool | None = None) -> StandardBlock | None:

@@ -71,11 +71,11 @@ def _letter(letter: str) -> int:
 @lru_cache(maxsize=8192)
 def text_width(text: str, size: int, *, bold: bool = False) -> int:
     """Return the width of one line of text, in the unit of its font `size`."""
-    return _points(sum(map(_letter, text)), size, bold=bold)
+    return ceil(sum(map(_letter, text)) * _scale(size, bold=bold))
 
 
-def _points(letters: int, size: int, *, bold: bool) -> int:
-    return ceil(letters * size * (_BOLD if bold else 1) * _ROOM / 1000)
+def _scale(size: int, *, bold: bool) -> float:
+    return size * (_BOLD if bold else 1) * _ROOM / 1000
 
 
 def widest(lines: list[str], size: int, *, bold: bool = False) -> int:
@@ -147,9 +147,10 @@ def _head(word: str, size: int, width: int, bold: bool) -> str:
     """Return as much of a word as fits, up to a point, an underscore or the like if one is in its second half."""
     fitting = 1  # letters are counted on from word to word: a line of a thousand would be measured a thousand times
     wide = _letter(word[0])
+    most = width / _scale(size, bold=bold)
     while fitting < len(word):
         wide += _letter(word[fitting])
-        if _points(wide, size, bold=bold) > width:
+        if wide > most:
             break
         fitting += 1
     end = 0
@@ -164,9 +165,7 @@ def _head(word: str, size: int, width: int, bold: bool) -> str:
 _FONTS = "Arial, Helvetica, 'Liberation Sans', sans-serif"
 _FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _HARMLESS = re.compile(r"[\w .,:;()\[\]{}/*+=-]*", re.ASCII)
-_ESCAPES = str.maketrans(
-    {"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "'": "&#39;", "\n": "&#10;", "\r": "&#13;"}
-)
+_ESCAPES = {"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "'": "&#39;", "\n": "&#10;", "\r": "&#13;"}
 """No text has brackets or line ends of its own: each line of a picture begins with markup, see `picture_sheets`."""
 
 
@@ -260,8 +259,10 @@ def escape(text: str) -> str:
     """Return `text` as characters that mean themselves in XML, in content and in attributes."""
     if _HARMLESS.fullmatch(text):  # most texts, and pictures have many
         return text
-    clean = _FORBIDDEN.sub("\ufffd", text).translate(_ESCAPES)
-    return clean.encode("ascii", "xmlcharrefreplace").decode("ascii")
+    clean = _FORBIDDEN.sub("\ufffd", text)
+    for letter, written in _ESCAPES.items():
+        clean = clean.replace(letter, written)
+    return clean if clean.isascii() else clean.encode("ascii", "xmlcharrefreplace").decode("ascii")
 
 
 @lru_cache

@@ -128,11 +128,8 @@ _ACTION, _INDICATOR = 2, 3
 
 def _rows(step: Step, sheet: PictureSheet) -> Iterator[_Row]:
     words, width = sheet.words, sheet.text_width
-    actions = {"entry": step.entry_action, "main": step.main_action, "exit": step.exit_action}
-    bodies = {words.told(label): action for label, action in actions.items()}
-    for line in words.actions(step):
-        if line.qualifier in bodies:
-            yield _row(line, bodies[line.qualifier], width)
+    for line, action in words.step_actions(step):
+        yield _row(line, action, width)
     for association in step.actions:
         line = words.association(association)
         row = _row(line, None if association.target else association.body, width)

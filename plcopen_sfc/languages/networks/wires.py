@@ -429,7 +429,14 @@ def _changes(factor: Factor, written: frozenset[Path], private: Set[str]) -> boo
 
 def _is_deep(product: Product) -> bool:
     # of a long rung all factors but the last have been looked at before
-    return any(_depth(factor.expression) > MAX_DEPTH for factor in product[-20:])
+    return any(_exceeds(factor.expression) for factor in product[-20:])
+
+
+def _exceeds(expression: Expression) -> bool:
+    level = 0
+    while isinstance(expression, n.Member):  # most are paths, and to look them up would take longer than to count
+        expression, level = expression.base, level + 1
+    return level + (1 if isinstance(expression, n.Name) else _depth(expression)) > MAX_DEPTH
 
 
 def _is_costly(product: Product) -> bool:

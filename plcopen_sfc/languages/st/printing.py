@@ -67,6 +67,9 @@ class Printer:
         known = self._known(node)
         if known is not None:
             return known
+        expression = self._expression(node)
+        if expression:  # most nodes are
+            return expression
         match node:
             case n.Statements(statements):
                 return self.lines(statements, indent).removeprefix(self._newline)
@@ -79,7 +82,7 @@ class Printer:
             case n.Branch():
                 return self._branch("ELSIF", node, indent).removesuffix(self._newline)
             case _:
-                return self._expression(node) or self._statement(node, indent)
+                return self._statement(node, indent)
 
     # -- expressions
 
