@@ -91,11 +91,11 @@ class BlockReader:
             arguments.append(self._argument(block, variable, value_of(block, index)))
             if variable.negated:
                 self._check_negation(block, variable, self._graph.sources(block)[index])
-        enable = next((a for a in arguments if _is(a.variable, "EN")), None)
+        enable = next((a for a in arguments if _is(a.variable, "en")), None)
         guard = enable.value if enable is not None and enable.value != TRUE else None
         arguments = [a for a in arguments if a is not enable]
         for variable in block.parameters.outputs:
-            if _is(variable, "ENO"):
+            if _is(variable, "eno"):
                 if guard is not None and self._is_used(block, variable) and not is_variable(guard):
                     guard = self._kept(block, guard, "BOOL")
                 self._give(block, variable, guard or TRUE)
@@ -106,7 +106,7 @@ class BlockReader:
             self._wires.store(source, product, lazy=True)
 
     def _call(self, block: Block, arguments: list[_Argument], guard: Expression | None) -> None:
-        outputs = [variable for variable in block.parameters.outputs if not _is(variable, "ENO")]
+        outputs = [variable for variable in block.parameters.outputs if not _is(variable, "eno")]
         if block.code is not None or block.call is BlockCall.EXECUTE:
             self._wires.execute_all(self._guarded(guard, self._wires.code(block.code or "", block.id)))
             return
@@ -166,7 +166,7 @@ class BlockReader:
             self._wires.problem(text, block.id, Severity.WARNING)
 
     def _missing(self, block: Block, variable: BlockVariable) -> None:
-        if _is(variable, "EN") or variable.hidden:
+        if _is(variable, "en") or variable.hidden:
             return
         if variable.input is not None and variable.input.connections:
             self._wires.problem(f"its input {variable.name!r} gets no value", block.id)
@@ -433,7 +433,8 @@ _COMPARISONS = n.COMPARISONS - {Operator.UNEQUAL}
 
 
 def _is(variable: BlockVariable, name: str) -> bool:
-    return variable.name.casefold() == name.casefold()
+    """True if a pin has this name, which is given in lower case."""
+    return variable.name.casefold() == name
 
 
 def _target(variable: BlockVariable) -> str:

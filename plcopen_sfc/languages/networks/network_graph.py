@@ -71,10 +71,12 @@ class Graph:
                 self.problems.append(NetworkProblem("another element has this id too", node.id))
             self.nodes.setdefault(node.id, node)
         self._connectors = self._by_name()
+        self._pins: dict[int, list[InputPin]] = {}
         self._sources: dict[int, list[list[Source]]] = {}
         self.uses: Counter[Source] = Counter()
         for node in self.nodes.values():
-            resolved = [self._resolve(node, pin) for pin in self.pins(node)]
+            self._pins[node.id] = self._inputs(node)
+            resolved = [self._resolve(node, pin) for pin in self._pins[node.id]]
             self._sources[node.id] = resolved
             # a wire to the right power rail does nothing, and that of a connector goes on at its continuation
             if not isinstance(node, Connector | RightPowerRail):
@@ -82,6 +84,9 @@ class Graph:
 
     def pins(self, node: Node) -> list[InputPin]:
         """Return the inputs of an element; of a continuation, that of its connector."""
+        return self._pins[node.id]
+
+    def _inputs(self, node: Node) -> list[InputPin]:
         if isinstance(node, Block):
             return [variable.input or InputPin() for variable in block_inputs(node)]
         if isinstance(node, RightPowerRail):

@@ -147,8 +147,7 @@ class NetworkReader:
         self.graph = Graph(networks, steps)
         self._outer = [self.graph.resolve(None, pin) for pin in also_used]
         self.graph.uses.update(source for sources in self._outer for source in sources)
-        names = {*taken, *_names(self.graph), *self.graph.steps.values()}
-        self.wires = Wires(self.graph, dialect, names)
+        self.wires = Wires(self.graph, dialect, lambda: [*taken, *_names(self.graph), *self.graph.steps.values()])
         self.comments: list[tuple[int | None, str]] = []
         self.open_ends: list[tuple[int, Expression]] = []
         self._blocks = BlockReader(self.graph, self.wires, known)

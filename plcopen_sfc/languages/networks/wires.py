@@ -10,8 +10,8 @@ each factor with an identity, and where wires meet, what their products begin wi
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Iterable, Iterator, Sequence, Set
-from functools import lru_cache
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Sequence, Set
+from functools import cached_property, lru_cache
 from itertools import groupby, pairwise
 from typing import NamedTuple, TypeVar
 
@@ -245,7 +245,7 @@ MAX_FACTORS = 200
 class Wires:
     """Values by the output they come from, and the statements executed so far."""
 
-    def __init__(self, graph: Graph, dialect: Dialect, taken: Iterable[str]) -> None:
+    def __init__(self, graph: Graph, dialect: Dialect, taken: Callable[[], Iterable[str]]) -> None:
         self.dialect = dialect
         self.statements: list[Statement] = []
         self.helpers: list[Helper] = []
@@ -254,7 +254,7 @@ class Wires:
         self.meetings: dict[object, int] = {}
         self._graph = graph
         self._types = ExpressionTypes(dialect)
-        self._taken = {name.casefold() for name in taken}
+        self._names = taken
         self._values: dict[Source, Product | None] = {}
         self._left: dict[Source, int] = {}
         self._standard: set[Path] = set()
@@ -313,6 +313,11 @@ class Wires:
         """Append statements."""
         for statement in statements:
             self.execute(statement)
+
+    @cached_property
+    def _taken(self) -> set[str]:
+        """Names that a helper must not have, in lower case; few networks need one."""
+        return {name.casefold() for name in self._names()}
 
     def helper(self, prefix: str, source: Source, type_name: str | None, *, retained: bool) -> n.Name:
         """Return a new variable."""
