@@ -5,9 +5,9 @@
 
 `overlaps` are pairs of elements that are on each other, `crossings` pairs of wires that cross, `area` the thousands of
 square pixels of a picture for each step or element; steps are those of all charts in a picture. Times are processor
-times without reading the file, of the best of two runs, after everything is imported; `worst` is that for 100 of pictures
-with at least 50 steps or elements, `longest` that of one picture, `slow` the number of pictures that take more than 50 ms
-for each 100 steps or elements that they begin. The exponent is that of the last three sizes.
+times without reading the file, of the best of two runs, after everything is imported; `worst` is that for 100 of
+pictures with at least 50 steps or elements, `longest` that of one picture, `slow` the number of pictures that take more
+than 50 ms for each 100 steps or elements that they begin. The exponent is that of the last three sizes.
 """
 
 from __future__ import annotations

@@ -370,7 +370,7 @@ def _put_into_dialect(
     _note_texts(texts, report)
     for text in texts:
         if text.changed and not text.notes:
-            report.add(Outcome.TRANSLATED, "text", text.path, f"from {own} into {dialect}")
+            report.add(Outcome.TRANSLATED, "text", text.path, f"from {own.label} into {dialect.label}")
 
 
 def _note_texts(texts: Iterable[TranslatedText], report: ConversionReport) -> None:

@@ -17,6 +17,11 @@ class Dialect(StrEnum):
     TWINCAT = "twincat"
     SCL = "scl"
 
+    @property
+    def label(self) -> str:
+        """The name for people, such as ``CODESYS ST``."""
+        return {"iec": "IEC 61131-3 ST", "codesys": "CODESYS ST", "twincat": "TwinCAT ST", "scl": "SCL"}[self]
+
 
 COUNTING_BYTES = frozenset({Dialect.SCL, Dialect.TWINCAT})
 """Dialects whose tools give words the number of their first byte: ``%MW2`` is bytes 2 and 3, in others 4 and 5."""

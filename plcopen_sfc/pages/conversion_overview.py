@@ -112,7 +112,7 @@ def tasks(report: ConversionReport, lists: ItemLists, words: Words, *, written: 
     unseen = [path for path in unseen if verdict_of(report, path) is not ChartVerdict.DELAYED]
     if unseen or not report.compared:
         lines.append(
-            _task(words("Test the charts that were not seen to be the same"), ", ".join(map(words.place, unseen)))
+            _task(words("Test the charts that were not shown to do the same"), ", ".join(map(words.place, unseen)))
         )
     lines.append(_task(words("Test the machine")))
     return joined(element("h2", words("To do")), element("ul", *lines, class_="tasks"))
@@ -172,7 +172,7 @@ def _file(
     version = source.version if source is not None else ""
     name = file_name_of(project) if is_named else ""
     name = f"{name}/" if isinstance(source, FolderSource) else name
-    form = f"{words('Format')} {format_name} {version}".rstrip()
+    form = f"{words('format')} {format_name} {version}".rstrip()
     yield words(side), ", ".join(filter(None, (name, tool, form)))
     if isinstance(source, FolderSource):
         files = {name: document.source.content for name, document in source.documents.items()}

@@ -62,7 +62,6 @@ const resize = (figure, scale) => {
   picture.setAttribute("height", box.height * scale);
 };
 for (const button of all("button.fit")) {
-  button.hidden = false;
   button.addEventListener("click", () => {
     const figure = button.closest("figure");
     if (figure.classList.toggle("fitted")) arrange();
@@ -81,9 +80,14 @@ function arrange() {
     const scales = widths.map((each) => (alone ? room / each : together));
     figures.forEach((each, index) => resize(each, Math.min(1, Math.max(0.6, scales[index]))));
   }
+  for (const button of all("button.fit")) { /* what fits in full size needs none */
+    const room = button.closest("figure").querySelector(".scroll");
+    button.hidden = room.querySelector("svg").viewBox.baseVal.width <= room.clientWidth;
+  }
 }
 arrange();
 addEventListener("resize", arrange);
+addEventListener("toggle", arrange, true); /* what was closed had no width */
 
 /* on paper all is open */
 let closed = [];

@@ -176,7 +176,7 @@ class _ProjectContent:
         words, project = self.words, self.project
         charts = [part.chart for parts in self.index.parts.values() for part in parts]
         facts = [
-            (words("Format"), f"{project.source.format} {project.source.version}" if project.source else ""),
+            (words.heading("format"), f"{project.source.format} {project.source.version}" if project.source else ""),
             (words("Tool"), project.header.tool),
             (words("Charts"), str(len(charts))),
             (words("Steps"), str(sum(len(chart.steps) for chart in charts))),

@@ -65,9 +65,13 @@ class Browser:
         assert "error" not in message, message["error"]
         return message["result"]
 
-    def open(self, path: Path, *, width: int = 1300, height: int = 900) -> None:
-        """Open a file in a window of this size, and wait until it is loaded."""
+    def open(
+        self, path: Path, *, width: int = 1300, height: int = 900, dark: bool = False, printed: bool = False
+    ) -> None:
+        """Open a file in a window of this size, `dark` or as it is `printed`, and wait until it is loaded."""
         self.messages.clear()
+        scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
+        self._call("Emulation.setEmulatedMedia", media="print" if printed else "screen", features=[scheme])
         size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600}
         self._call("Emulation.setDeviceMetricsOverride", **size)
         self._call("Page.navigate", url=path.as_uri())

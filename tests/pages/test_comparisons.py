@@ -152,7 +152,7 @@ def test_a_conversion_begins_with_verdicts_tasks_and_files() -> None:
     tasks = words_of(overview.xpath("ul[@class='tasks']")[0])
     assert "Decide who operates these inputs (--at-rest)POU Ablauf_Band / SFC" in tasks
     assert "Import into TIA Portal" in tasks
-    assert "Test the charts that were not seen to be the samePOU Other, POU Second, POU Third" in tasks
+    assert "Test the charts that were not shown to do the samePOU Other, POU Second, POU Third" in tasks
     lost = report.with_outcome(sfc.Outcome.NOT_EXECUTED)
     (listed,) = tree.xpath("//section[@id='not_executed']")
     assert len(listed.findall(".//li")) == len(lost) > 1
@@ -208,6 +208,9 @@ def test_a_report_fits_in_its_window(browser: Browser, station: Path, width: int
     cut = "all('td, th, h1, h2, li').filter((each) => each.scrollWidth > each.clientWidth + 1 && each.clientWidth)"
     assert browser.evaluate(f"{cut}.map((each) => each.textContent)") == []
     assert browser.messages == []
+    shown = "all('figure').filter((each) => each.offsetParent && !each.querySelector('.fit').hidden)"
+    whole = "each.querySelector('svg').viewBox.baseVal.width <= each.querySelector('.scroll').clientWidth"
+    assert browser.evaluate(f"{shown}.some((each) => {whole})") is False, "a button that changes nothing"
     if width < 1000:
         return  # pictures are scrolled there
     browser.evaluate("document.querySelector('.pair').scrollIntoView()")

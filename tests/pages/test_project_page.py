@@ -316,22 +316,56 @@ class TestInChromium:
         browser.evaluate(script)
         assert browser.evaluate("document.title") == NASTY
 
+    @pytest.mark.parametrize(
+        ("file", "name", "image"),
+        [
+            ("codesys/sorting_conveyor.xml", "FB_Pusher", "pusher"),
+            ("codesys/sorting_conveyor.xml", "FB_Pusher", "pusher-dark"),
+            ("simaticml/FB_Drill.xml", "FB_Drill", "drill"),
+            ("grafcet/two_cylinders.gct", "Zylinder", "cylinders"),
+            ("training-chain/classic_flip-flops.xml", "Ablauf", "flip-flops"),
+        ],
+    )
+    def test_pictures_look_in_pages_as_in_the_documentation(
+        self, browser: Browser, tmp_path: Path, file: str, name: str, image: str
+    ) -> None:
+        alone = (ROOT / "docs" / "images" / f"{image}.svg").read_text(encoding="ascii")
+        self.compare_screenshots(browser, tmp_path, sfc.load(FIXTURES / file), name, alone, dark="dark" in image)
+
+    @pytest.mark.parametrize("printed", [False, True])
     @pytest.mark.parametrize("name", ["FB_Pusher", "PLC_PRG.ACT_Belt"])
     def test_pictures_look_in_pages_as_they_do_alone(
-        self, browser: Browser, conveyor: str, tmp_path: Path, name: str
+        self, browser: Browser, tmp_path: Path, name: str, *, printed: bool
     ) -> None:
         project = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
         body = next(body for found, _, body in project.bodies() if found == name)
-        alone = body.chart.to_svg() if isinstance(body, sfc.SfcBody) else body.to_svg()
-        texts = {"page.html": conveyor, "alone.html": f"<!DOCTYPE html><body>{alone}"}
+        of = body.chart if isinstance(body, sfc.SfcBody) else body
+        alone = of.to_svg(theme="print" if printed else "light")
+        self.compare_screenshots(browser, tmp_path, project, name, alone, printed=printed)
+
+    @staticmethod
+    def compare_screenshots(
+        browser: Browser,
+        folder: Path,
+        project: sfc.Project,
+        name: str,
+        alone: str,
+        *,
+        dark: bool = False,
+        printed: bool = False,
+    ) -> None:
+        texts = {"page.html": sfc.page(project), "alone.html": f"<!DOCTYPE html><body>{alone}"}
         shots = []
         for file, text in texts.items():
-            (tmp_path / file).write_text(text, encoding="ascii")
-            browser.open(tmp_path / file)
+            (folder / file).write_text(text, encoding="ascii")
+            browser.open(folder / file, height=1600, dark=dark, printed=printed)
             picture = f"document.querySelector(`[data-name='{name}'] svg`) || document.querySelector('svg')"
-            browser.evaluate(
-                f"document.body.replaceChildren({picture}); document.body.style.cssText = 'margin:0;display:block'"
-            )
+            style = "'margin:0;display:block;background:white'"
+            browser.evaluate(f"document.body.replaceChildren({picture}); document.body.style.cssText = {style}")
+            browser.evaluate("document.documentElement.style.cssText = 'background:white;color-scheme:light'")
+            # findings have colours in pages alone
+            unmarked = "each.classList.remove(...[...each.classList].filter((kind) => kind.startsWith('found-')))"
+            browser.evaluate(f"for (const each of document.querySelectorAll('svg g')) {unmarked}")
             # a text that is divided by links is shaped in pieces, some pixels of which may differ
             whole = "for (const a of document.querySelectorAll('svg text a')) a.replaceWith(a.textContent);"
             browser.evaluate(f"{whole} document.querySelectorAll('svg text').forEach(text => text.normalize())")
