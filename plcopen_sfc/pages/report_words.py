@@ -831,6 +831,7 @@ _TRANSLATED = {
     "AND and OR that assign {}: flip-flops of other tools keep no state in a variable": (
         "AND und OR, die {} zuweisen: Flipflops anderer Werkzeuge halten ihren Zustand nicht in einer Variablen"
     ),
+    "the text spells it {}": "im Text heißt er {}",
     "from {} into {}": "von {} nach {}",
     "bit {}: the constant {} names it in CODESYS alone": "Bit {}: die Konstante {} benennt es nur in CODESYS",
     "the number of the bit {} is not known": "die Nummer des Bits {} ist nicht bekannt",

@@ -227,6 +227,14 @@ def test_a_report_fits_in_its_window(browser: Browser, station: Path, width: int
 
 
 @pytest.mark.slow
+def test_nothing_of_a_report_is_cut_off_on_paper(browser: Browser, station: Path) -> None:
+    browser.open(station, width=700, printed=True)  # the width of A4
+    browser.evaluate("for (const each of all('details')) each.open = true")
+    cut = "all('pre, .scroll, td, li').filter((each) => each.scrollWidth > each.clientWidth + 1 && each.clientWidth)"
+    assert browser.evaluate(f"{cut}.map((each) => each.textContent)") == []
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("file", "target"),
     [
