@@ -367,6 +367,8 @@ class ExecutedChartReader:
             return Meaning.of(("on deactivation", control), shown)
         if plain:
             return Meaning.of(("while active", control), shown)
+        if twice:
+            shown = f"{shown} with a final scan"
         return Meaning.of(("R" if qualifier is Qualifier.R0 else qualifier.value, control), shown)
 
     def _control(self, association: ActionAssociation, *, is_code: bool) -> str:

@@ -468,7 +468,7 @@ _NOT_EXECUTED = {
     "the {+} of the action in place is `{+}` in {+} instead of `{+}`": (
         "{0} der Aktion an Ort und Stelle ist in {2} `{1}` statt `{3}`"
     ),
-    "the action in place runs as {} in {+}, not as {+}": (
+    "the action in place runs as {+} in {+}, not as {+}": (
         "die Aktion an Ort und Stelle wird in {1} als {0} ausgeführt, nicht als {2}"
     ),
     "the action in place runs WITHOUT its {+} `{}` in {+}": (
@@ -565,8 +565,9 @@ _NOT_EXECUTED = {
     ),
     "IEC 61131-3 has no jumps": "IEC 61131-3 hat keine Sprünge",
     "IEC 61131-3 has no labels to jump to": "IEC 61131-3 hat keine Sprungmarken",
-    "{+} `{}` runs as {} in {+}, not as {+}": "{0} `{1}` wird in {3} als {2} ausgeführt, nicht als {4}",
+    "{+} `{}` runs as {+} in {+}, not as {+}": "{0} `{1}` wird in {3} als {2} ausgeführt, nicht als {4}",
     "{+} `{}` runs WITHOUT its {+} `{}` in {+}": "{0} `{1}` wird in {4} OHNE {2} `{3}` ausgeführt",
+    "{} with a final scan": "{} mit letztem Durchlauf",
     "{+} `{}` is controlled otherwise in {+}: it also belongs to other steps": (
         "{} `{}` wird in {} anders gesteuert: sie gehört auch zu anderen Schritten"
     ),

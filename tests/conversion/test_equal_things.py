@@ -11,6 +11,7 @@ from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import equivalent
 from plcopen_sfc.languages.networks import DrawingRules, draw_ld
 from plcopen_sfc.languages.st import parse_statements
+from plcopen_sfc.pages.report_words import german
 from plcopen_sfc.report import Item, Outcome
 
 RING = """FUNCTION_BLOCK Main
@@ -93,6 +94,28 @@ def test_programs_of_beremiz_have_no_final_scan_in_codesys_either() -> None:
     again = sfc.loads(data, as_tool=True)
     profiles = ("beremiz", "codesys")
     assert equivalent(project.pou("Main"), again.pou("Main"), profiles, delay="auto", outputs=["n", "r"], cap=500).equal
+
+
+@pytest.mark.parametrize("body", ["n := n + 1;", "IF NOT c THEN n := n + 1; END_IF;"])  # a row, a function
+def test_programs_of_beremiz_have_no_final_scan_in_tia_portal_either(body: str) -> None:
+    """Rows with the event S0 executed them once more, and TIA Portal was told to do so."""
+    project = ring(RING.replace("n := n + 1;", body), "plcopen")
+    project.header.product = "Beremiz"
+    data, report = sfc.convert(project, "simaticml")
+    assert report.losses == []
+    again = sfc.loads(data)
+    again.pou("Main").chart.add_step("S2")
+    again.pou("Main").chart.add_transition("S2", "S0", "c")
+    edited = sfc.loads(sfc.dumps(again), as_tool=True)  # an edit gives them none either
+    assert [row for _, row in edited.pou("Main").chart.associations() if row.event is m.ActionEvent.S0] == []
+
+
+def test_a_pulse_in_a_tool_with_final_scans_is_told_as_that() -> None:
+    project = ring(format="plcopen")
+    project.header.product = "Beremiz"
+    (told,) = [item.why for item in losses(project, "iec-text") if item.what == "trigger"]
+    assert told == "action `Pulse` runs as P with a final scan in tools that read the text, not as P"
+    assert "als P mit letztem Durchlauf ausgeführt, nicht als P" in german(told)
 
 
 def test_an_action_of_several_steps_keeps_its_qualifier_and_its_final_scan_is_named() -> None:

@@ -63,7 +63,8 @@ class RowPlanner:
     """Decides for each action of the chart of a block which rows express it.
 
     Statements that are no rows are in `functions`, associations that need no rows in `controls`. `of_tia`: the block
-    is one of TIA Portal; a row that no rule fits is written as it was read.
+    is one of TIA Portal; a row that no rule fits is written as it was read. `final_scan`: the tool of the source
+    executes actions once more when they have ended.
     """
 
     def __init__(
@@ -74,7 +75,9 @@ class RowPlanner:
         controls: ActionControls | None,
         *,
         of_tia: bool,
+        final_scan: bool = True,
     ) -> None:
+        self._final_scan = final_scan
         self._project = project
         self._pou = pou
         self._functions = functions
@@ -97,7 +100,8 @@ class RowPlanner:
             return code
         if code is None:
             return self._operand(action)
-        return _timed(self._rows(code, action.target or f"{step.name}_action"), action)
+        rows = self._rows(code, action.target or f"{step.name}_action")
+        return _timed(rows, action, final_scan=self._final_scan)
 
     def step_action(self, code: str | Body, step: Step, event: ActionEvent | None) -> PlannedRows:
         """Return the rows of an entry action (event S1), an exit action (S0) or a main action (none) of CODESYS."""
@@ -265,8 +269,11 @@ def _reason_against_rows(action: ActionAssociation, *, inverted: bool) -> str:
     return ""
 
 
-def _timed(found: PlannedRows, action: ActionAssociation) -> PlannedRows:
-    """Return the rows of the statements of an association, at the time that its qualifier means."""
+def _timed(found: PlannedRows, action: ActionAssociation, *, final_scan: bool) -> PlannedRows:
+    """Return the rows of the statements of an association, at the time that its qualifier means.
+
+    `final_scan`: the source executes them once more when the action has ended. matiec does not, nor S7-GRAPH.
+    """
     qualifier = action.qualifier
     if not found.rows:
         return found
@@ -276,7 +283,7 @@ def _timed(found: PlannedRows, action: ActionAssociation) -> PlannedRows:
     event = action.event or AS_EVENTS.get(qualifier)
     rows = tuple(row.model_copy(update={"event": event, "interlock": action.interlock}) for row in found.rows)
     # P1, P0 and events happen once in both; N and P are executed once more in the final scan of IEC 61131-3
-    if qualifier in (Qualifier.P1, Qualifier.P0) or action.event is not None:
+    if qualifier in (Qualifier.P1, Qualifier.P0) or action.event is not None or not final_scan:
         return PlannedRows(rows, found.outcome, found.why)
     # GRAPH executes rows with the event S0 in the cycle that leaves the step, as IEC 61131-3 does with the final scan
     if qualifier in _WHILE_ACTIVE:

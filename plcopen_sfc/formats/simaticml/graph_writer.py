@@ -104,7 +104,10 @@ class _ChartWriter:
         self.last_transition = max(self.transition_numbers.values(), default=0)
         self.of_tia = markup_of(ctx.project) is Markup.SIMATICML
         pou = ctx.pou
-        planner = RowPlanner(ctx.project, pou, functions_of(ctx), ctx.action_controls, of_tia=self.of_tia)
+        final = ctx.options.final_scan
+        planner = RowPlanner(
+            ctx.project, pou, functions_of(ctx), ctx.action_controls, of_tia=self.of_tia, final_scan=final
+        )
         self.rows = RowsWriter(ctx, planner)
         transitions = pou.transitions if pou is not None else []
         self.declared = {variable.name.casefold() for variable in pou.variables()} if pou is not None else set()
