@@ -166,7 +166,7 @@ def _same(left: Meaning | None, right: Meaning | None) -> bool:
 
 
 class _Walk:
-    """A walk through two charts at once, from the steps that both have and from the initial steps."""
+    """A walk through two charts at once, from the steps that both have and from those that begin them."""
 
     def __init__(self, left: Part, right: Part) -> None:
         self.sides = left, right
@@ -186,6 +186,8 @@ class _Walk:
             [name for name in names if steps[name].aspects["initial"].raw is True]
             for names, steps in zip((left, right), self.steps, strict=True)
         ]
+        for names, own, side in zip(starts, (left, right), self.sides, strict=True):
+            names += [name for name in own if _same(side.aspects.get("entry step"), Meaning.of(name))]
         near = [(one, other) for one in starts[0] for other in starts[1]]
         near += [pair for name in list(self.met) for pair in self._beside(name)]
         # The surest pairs first, and the pairs beside them next: a sequence of renamed steps is recognised from its

@@ -21,7 +21,16 @@ from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, NamedTransition, Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import ActionAssociation, Body, BodyCondition, Condition, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import (
+    ActionAssociation,
+    Body,
+    BodyCondition,
+    Condition,
+    SfcBody,
+    SfcNetwork,
+    Step,
+    Transition,
+)
 from plcopen_sfc.refactor.chart_edits import refused
 from plcopen_sfc.refactor.journal import Journal
 from plcopen_sfc.refactor.queries import dialect_in, pou_of
@@ -223,6 +232,8 @@ def inline_action(journal: Journal, project: Project, action: Action) -> None:
     pou = pou_of(action)
     if pou is None or action.body is None:
         raise refused(what, "it has no code, or is in no POU")
+    if isinstance(action.body, SfcBody):
+        raise refused(what, "it is a chart, which tools execute in actions of a POU alone")
     names = Names(project)
     uses = [use for use in names.uses(names.declaration_of(action)) if use.reference.role is not Role.OBJECT]
     holders = [use.text_site.holder for use in uses]

@@ -23,7 +23,7 @@ from plcopen_sfc.languages.grafcet_conditions import OVERLINE
 from plcopen_sfc.languages.st.nodes import Quoting
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.translation_context import family
-from plcopen_sfc.languages.words import needs_quotes, objection
+from plcopen_sfc.languages.words import needs_quotes
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.declaration import Declaration, Kind
@@ -290,7 +290,7 @@ def _check_name(names: Names, declaration: Declaration, new: str) -> None:
         raise ModelError(
             "applications, resources and configurations cannot be renamed", location=Location(path=declaration.path)
         )
-    problem = objection(new, names.project.dialect)
+    problem = names.objection_to(declaration, new)
     if problem:
         raise ModelError(f"{new!r} cannot be a name: {problem}", location=Location(path=str(declaration)))
     if declaration.kind is Kind.VARIABLE and names.project.dialect in (Dialect.CODESYS, Dialect.TWINCAT):

@@ -721,6 +721,30 @@ def test_case_of_names_and_names_of_instances_are_no_changes():
     assert changes == ["POU FillingStation / step Fault_step: renamed, was Fault"]  # a variable has its name, too
 
 
+def test_the_steps_in_which_an_expansion_begins_and_ends_are_executed() -> None:
+    text = """GRAFCET X
+CHART G1
+INITIAL STEP 1
+1 -> M1 : a
+MACRO M1
+M1 -> 1 : b
+EXPANSION M1 FROM E1 TO S1
+STEP E1
+    q1
+E1 -> S1 : c
+STEP S1
+    q2
+"""
+    before, after = (sfc.loads(each.encode()) for each in (text, text.replace("FROM E1 TO S1", "FROM S1 TO E1")))
+    assert str(sfc.diff(before, after, prove=True)).splitlines()[1:4] == [
+        "  partial chart M1: entry step E1 -> S1",
+        "  partial chart M1: exit step S1 -> E1",
+        "POU X: different after 1 scan (shortest input trace)",
+    ]
+    other = sfc.loads(text.replace("E1", "E2").encode())
+    assert str(sfc.diff(before, other)).splitlines()[1:] == ["  M1 / step E2: renamed, was E1"]
+
+
 def test_changes_in_partial_charts_of_a_grafcet_are_found() -> None:
     before = """GRAFCET X
 CHART G1

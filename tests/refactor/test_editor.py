@@ -386,6 +386,16 @@ def test_actions_are_inlined_and_extracted() -> None:
         edit.inline_action(pou.action("Dose"))
 
 
+def test_a_chart_is_not_inlined_into_a_step() -> None:
+    project = plant()
+    project.pou("Main").action("Pour").body = sfc.SfcBody(
+        chart=sfc.SfcNetwork(steps=[sfc.Step(id=1, name="In", initial=True)])
+    )
+    with pytest.raises(ModelError, match="it is a chart"):
+        project.edit().inline_action(project.pou("Main").action("Pour"))
+    assert find(project, "Fill").actions[1].target == "Pour"
+
+
 def test_branches_are_added() -> None:
     project = plant()
     edit = project.edit()

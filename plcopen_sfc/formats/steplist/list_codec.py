@@ -81,7 +81,8 @@ class CsvCodec(ListCodec):
         newline = old.newline if source else "\r\n"
         writer = csv.writer(text, delimiter=_delimiter(old.text), lineterminator=newline)
         writer.writerows([f"'{cell}" if _FORMULA.match(cell) else cell for cell in line] for line in lines)
-        return old.encode(text.getvalue())[0]
+        mark = "\ufeff" if old.text.startswith("\ufeff") else ""  # without it nobody reads UTF-16
+        return old.encode(mark + text.getvalue())[0]
 
 
 def _sheet(source: SourceText, file: str | None) -> Sheet:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import cached_property
 from itertools import chain
@@ -22,10 +22,11 @@ from plcopen_sfc.languages.binding.name_sites import (
     in_statements,
     unread,
 )
-from plcopen_sfc.languages.binding.symbols import Binding, Level
+from plcopen_sfc.languages.binding.symbols import NOTHING, Binding, Level
 from plcopen_sfc.languages.binding.text_sites import Role, Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.grafcet_conditions import OVERLINE
 from plcopen_sfc.languages.problems import Lines
+from plcopen_sfc.languages.words import objection
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.declaration import Declaration, Kind
@@ -129,9 +130,41 @@ class Names:
         for text_site in self.text_sites(keys, homes):
             text = text_site.text.casefold().replace(OVERLINE, "")
             if any(key in text for key in keys):
-                for reference in references(text_site, self.dialect):
+                for reference in self._references(text_site):
                     if reference.name.casefold() in keys:
                         yield Occurrence(text_site, reference, self.resolver.meaning(reference, text_site))
+
+    def _references(self, text_site: TextSite) -> Iterator[Reference]:
+        for reference in references(text_site, self.dialect):
+            yield self._step_of_flag(reference, text_site.site) or reference
+
+    def _step_of_flag(self, reference: Reference, site: Site) -> Reference | None:
+        """Return the step that a name in a GRAFCET is the flag of: ``X12`` (IEC 60848:2013, 4.3 and 7.4)."""
+        is_flag = reference.role is Role.VALUE and reference.base is None and reference.callee is None
+        if not is_flag or reference.name[:1] not in ("X", "x") or reference.unread or not self._has_flags(site):
+            return None
+        if self.resolver.lookup(reference, site) is not NOTHING:  # a variable
+            return None
+        start, end = reference.span
+        letter = 1 + reference.overlined
+        step = replace(reference, name=reference.name[1:], span=(start + letter, end), access="x")
+        meaning = self.resolver.lookup(step, site)
+        found = meaning.candidates or (meaning.declaration,)
+        return step if any(each is not None and each.kind is Kind.STEP for each in found) else None
+
+    def _has_flags(self, site: Site) -> bool:
+        """True in a GRAFCET: no other chart has such flags."""
+        of_grafcet = self.project.tool_format.startswith("grafcet")
+        return of_grafcet or any(chart.partial_charts for chart in site.charts)
+
+    def objection_to(self, declaration: Declaration, name: str) -> str:
+        """Return why a name cannot be that of a declaration; empty if it can. Steps of a GRAFCET may have numbers."""
+        pou = declaration.pou
+        if declaration.kind is Kind.STEP and pou is not None and name.isascii() and name.isdecimal():
+            chart = pou.chart
+            if self._has_flags(Site(pou, charts=(chart,) if chart is not None else ())):
+                return ""
+        return objection(name, self.project.dialect)
 
     @cached_property
     def everything(self) -> list[Occurrence]:
@@ -139,7 +172,7 @@ class Names:
         return [
             Occurrence(text_site, reference, self.resolver.meaning(reference, text_site))
             for text_site in self.text_sites()
-            for reference in references(text_site, self.dialect)
+            for reference in self._references(text_site)
         ]
 
     def undeclared(self, pou: Pou | None = None) -> Iterator[Occurrence]:
@@ -152,7 +185,7 @@ class Names:
         for text_site in self.text_sites():
             if not text_site.is_program_text or (pou is not None and text_site.site.pou is not pou):
                 continue
-            for reference in references(text_site, self.dialect):
+            for reference in self._references(text_site):
                 name = reference.name.casefold()
                 is_member = reference.base is not None or reference.callee is not None
                 if is_member or name in found or (text_site.site, reference.role, name) in declared:

@@ -7,6 +7,7 @@ from functools import cache
 import pytest
 
 import plcopen_sfc as sfc
+from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model import Expression, Project
 
 FORMS = [
@@ -154,3 +155,38 @@ STEP 2
     project.rename("G.a", "b")
     renamed = text.replace("    a\n", "    b\n").replace("X1.a", "X1.b")
     assert sfc.dumps(project).decode() == renamed.replace("a.1B1./X2 + a̅.1B1", "b.1B1./X2 + b̅.1B1")
+
+
+def test_flags_follow_the_numbers_of_their_steps() -> None:
+    text = """GRAFCET G
+INPUTS
+    a
+INTERNALS
+    X3
+CHART G1
+    INITIAL STEP 1
+        Q IF X̅2̅ . X3
+    1 -> 2 : a . /X2
+    STEP 2
+    2 -> 1 : 3s/X2 + X2/5s . X̅2̅
+CHART G2
+    INITIAL STEP 10
+        FORCE G1{2}
+    10 -> 10 : X2
+"""
+    project = sfc.loads(text.encode())
+    result = project.rename("G.2", "12")
+    assert result.undecided == ()
+    expected = text.replace("X2", "X12").replace("X̅2̅", "X̅1̅2̅").replace("1 -> 2 ", "1 -> 12 ")
+    expected = expected.replace("STEP 2", "STEP 12").replace("2 -> 1 :", "12 -> 1 :").replace("G1{2}", "G1{12}")
+    assert sfc.dumps(project).decode() == expected
+    with pytest.raises(ModelError, match="another way"):
+        project.rename("G.12", "3")
+
+
+def test_steps_get_numbers_as_names_in_a_grafcet_only() -> None:
+    project = sfc.loads(
+        b"PROGRAM P\nINITIAL_STEP S1: END_STEP\nTRANSITION FROM S1 TO S1 := TRUE; END_TRANSITION\nEND_PROGRAM\n"
+    )
+    with pytest.raises(ModelError, match="digit"):
+        project.rename("P.S1", "12")

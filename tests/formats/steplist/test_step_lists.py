@@ -87,6 +87,17 @@ def test_an_edit_changes_one_cell_of_a_text() -> None:
     assert changed == [b";Heat;20;;'=5 K;N;Heater;;Temp_OK;Drain;;ready"]
 
 
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
+def test_an_edited_text_keeps_its_encoding(encoding: str) -> None:
+    data = MIXER.read_bytes().decode("utf-8-sig").encode(encoding)
+    project = sfc.loads(data)
+    project.rename("Mixer.Fill", "Befüllen")
+    saved = sfc.dumps(project)
+    assert saved[:2] == data[:2]
+    assert "Befüllen" in saved.decode(encoding)
+    assert sfc.loads(saved).pous[0].chart.step("Befüllen")
+
+
 def test_an_edit_changes_one_cell_of_a_workbook_and_its_formats_stay() -> None:
     book = openpyxl.load_workbook(FOLDER / "mixer.xlsx")
     book["Steps"]["A2"].font = openpyxl.styles.Font(italic=True)
