@@ -101,15 +101,59 @@ def test_other_lines_stay_as_they_are(repository, cli):
     attributes.write_bytes(b"*.png binary\r\n*.exp -text")
     outcome = cli("git-setup", "--json")
     found = json.loads(outcome.out)
-    assert "*.xml diff=plcopen-sfc merge=plcopen-sfc" in found["lines"]
+    assert "*.[xX][mM][lL] diff=plcopen-sfc merge=plcopen-sfc" in found["lines"]
     assert attributes.read_bytes().startswith(
-        b"*.png binary\r\n*.exp -text\r\n*.xml diff=plcopen-sfc merge=plcopen-sfc\r\n"
+        b"*.png binary\r\n*.exp -text\r\n*.[xX][mM][lL] diff=plcopen-sfc merge=plcopen-sfc\r\n"
     )
     written = attributes.read_bytes()
     assert cli("git-setup").code == 0  # twice is once
     assert attributes.read_bytes() == written
     assert cli("git-setup", "--undo").code == 0
     assert attributes.read_bytes() == b"*.png binary\r\n*.exp -text\r\n"
+
+
+def test_files_of_all_tools_are_known_in_any_case(repository, cli):
+    assert cli("git-setup").code == 0
+    names = ["A.TcPOU", "a.tcpou", "belt.EXP", "P.XML", "p.xml", "plan.gct", "plan.grafcet", "Block.scl", "x.export"]
+    assert git("check-attr", "merge", "--", *names).splitlines() == [f"{name}: merge: plcopen-sfc" for name in names]
+
+
+@pytest.mark.slow
+def test_a_new_use_of_what_the_other_side_renamed_is_a_conflict(repository, cli):
+    text = """PROGRAM Main
+VAR a, q : BOOL; END_VAR
+
+INITIAL_STEP S1: END_STEP
+
+TRANSITION FROM S1 TO S2
+  := a;
+END_TRANSITION
+
+STEP S2: Act(N); END_STEP
+
+TRANSITION FROM S2 TO S1
+  := NOT a;
+END_TRANSITION
+
+ACTION Act:
+q := a;
+END_ACTION
+END_PROGRAM
+"""
+    Path("m.st").write_text(text, encoding="utf-8")
+    git("add", "m.st")
+    git("commit", "--quiet", "-m", "text")
+    assert cli("git-setup").code == 0
+    branch = git("branch", "--show-current").strip()
+    git("checkout", "--quiet", "-b", "other")
+    assert cli("rename", "m.st", "Main.S1", "Fill").code == 0
+    git("commit", "--quiet", "-am", "theirs")
+    git("checkout", "--quiet", branch)
+    Path("m.st").write_text(text.replace("q := a;", "q := a OR S1.X;"), encoding="utf-8")
+    git("commit", "--quiet", "-am", "ours")
+    with pytest.raises(subprocess.CalledProcessError) as conflict:
+        git("merge", "--quiet", "-m", "both", "other")
+    assert "'S1' is named, and nothing declares it" in conflict.value.stderr
 
 
 def test_outside_of_a_repository_it_is_an_error(tmp_path, monkeypatch, cli):

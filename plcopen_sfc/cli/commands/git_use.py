@@ -15,6 +15,7 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.errors import Location, SfcError
 from plcopen_sfc.files import path_exists, read_bytes, write_atomic
 from plcopen_sfc.formats.registry import all_formats
+from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.model.project import Project
 
 _NAME = "plcopen-sfc"
@@ -43,8 +44,11 @@ def setup(screen: Screen, patterns: Sequence[str], *, undo: bool) -> int:
 
 
 def _known_patterns() -> list[str]:
-    extensions = dict.fromkeys(extension for kind in all_formats() for extension in kind.extensions if kind.tool)
-    return [f"*{extension}" for extension in extensions]
+    """Return patterns for the files of tools, in any case: to git ``A.TcPOU`` is no ``*.tcpou``, but on Windows."""
+    kinds = (kind for kind in all_formats() if kind.tool or kind.name.startswith("grafcet"))
+    extensions = dict.fromkeys(extension for kind in kinds for extension in kind.extensions)
+    letters = ("".join(f"[{c}{c.upper()}]" if c.isalpha() else c for c in extension) for extension in extensions)
+    return [f"*{extension}" for extension in letters]
 
 
 def _settings() -> dict[str, str]:
@@ -114,6 +118,9 @@ def merge(screen: Screen, base: str, ours: str, theirs: str, name: str) -> int:
     except SfcError:  # no file of a PLC tool, or new on both sides: lines are all there is
         return min(done.returncode, _CONFLICT)
     told = set() if done.returncode else _unlike(done.stdout, before, set().union(*changes.values()), name)
+    if not done.returncode:
+        lost = _undeclared(done.stdout, name) - _undeclared(sides["ours"], name) - _undeclared(sides["theirs"], name)
+        told |= {f"{each!r} is named, and nothing declares it" for each in lost}  # one side renamed it
     if not done.returncode and not told:
         return 0
     screen.note(f"{name}: {'both sides change the same lines' if done.returncode else 'the merged file is not both'}")
@@ -134,6 +141,15 @@ def _unlike(merged: bytes, before: Project, wanted: Set[str], name: str) -> set[
         return {str(error)}
     missing = {f"lacks {each}" for each in wanted - found}
     return (errors - known) | missing | {f"of no side: {each}" for each in found - wanted}
+
+
+def _undeclared(data: bytes, name: str) -> set[str]:
+    """Return the names in program text of a file that it does not declare."""
+    try:
+        found = Names(loads(data, path=name))
+        return {each.reference.name for each in (*found.undeclared(), *found.undeclared_members())}
+    except SfcError:
+        return set()  # which is told already
 
 
 _MOST_CONFLICTS = 127
