@@ -96,6 +96,8 @@ def _legal(
         wish, why = each.name, "a variable of the POU has its name"
         if each.kind is Kind.STEP and id(each.holder) in clashing:
             wish = f"{wish}_step"
+        if each.kind is Kind.STEP and wish.isdecimal() and not with_letters:
+            continue  # of a GRAFCET, whose steps get other names when it is put into a chart of IEC 61131-3
         is_spelled = wish.isascii() or not with_letters
         if is_codesys and not (is_spelled and _WORD.fullmatch(wish)) and each.kind not in _UNSPELLED:
             wish, why = identifier(wish), f"{tool} takes letters without accents, digits and underscores"

@@ -108,6 +108,9 @@ _OF_DATES = re.compile(r"(?P<source>[A-Z]+)_TO_(?P<result>[A-Z]+)")
 _DATES = frozenset({"DATE", "LDATE", "DT", "LDT"})
 _FROM_DATES = frozenset({"DT_TO_DATE", "DT_TO_TOD", "LDT_TO_DATE", "LDT_TO_TOD", "LDT_TO_LTOD"})
 """Conversions of dates that S7 has, and that give the same there."""
+_TO_BOOL = re.compile(r"(?:[A-Z]+_)?TO_BOOL")
+_BIT_STRINGS = frozenset({"BYTE", "WORD", "DWORD", "LWORD"})
+_SHIFTS = frozenset({"SHL", "SHR", "ROL", "ROR"})
 _HALVES = "CODESYS rounds halves away from zero, {tool} to even numbers: 2.5 is 3 in CODESYS and 2 in {tool}"
 HALVES = _HALVES.format(tool="S7")
 """Difference where a number with decimals becomes one without."""
@@ -251,6 +254,8 @@ class CallTranslator:
         truncated = translated_truncation(name, self._target, self._type_of_first(node) or "REAL")
         if truncated is not None:
             return self._with(node, self._named(callee, truncated), arguments)
+        if _TO_BOOL.fullmatch(name) and (asked := self._as_bool(node, name)) is not None:
+            return asked
         if re.fullmatch(r"TO_\w+", name):
             if self._target is Dialect.SCL:
                 return self._converted(node, callee, name, arguments)
@@ -258,6 +263,9 @@ class CallTranslator:
         if block is None:
             return self._unknown(node, callee, name, arguments)
         self._note_conversion(node, name)
+        if name in _SHIFTS and self._target is Dialect.IEC is not self._source and "INT" in self._type_of_first(node):
+            reason = f"{TITLES[Dialect.IEC]} has {name} of bit strings only, not of {self._type_of_first(node)}"
+            self._notes.add(Severity.ERROR, f"{reason}; left unchanged", node)
         values = self._in_order(block, arguments)
         operator = operator_of(block, self._target)
         if values is not None and operator is not None and (len(values) == 2 or name not in _COMPARISONS):
@@ -270,6 +278,25 @@ class CallTranslator:
         if name == "CONCAT" and self._target is not Dialect.IEC and values is not None and len(values) > 2:
             return self._nested(node, callee, block, values)
         return self._with(node, callee, self._in_style(node, block, arguments, values))
+
+    def _as_bool(self, node: n.Call, name: str) -> Expression | None:
+        """Return a number or bit string as a Boolean, as the source takes it; None where the target takes it so too.
+
+        S7-SCL manual, conversions of class B: the least significant bit counts. CODESYS help, "BOOL Conversions", and
+        matiec: all that is not 0 is TRUE.
+        """
+        tools = {self._source, self._target}
+        if Dialect.SCL not in tools or len(tools) == 1 or len(node.arguments) != 1 or node.arguments[0].value is None:
+            return None
+        type_ = name.removesuffix("TO_BOOL").removesuffix("_") or self._type_of_first(node)
+        value = self._translated(node.arguments[0].value)
+        zero = "16#0" if type_ in _BIT_STRINGS else "0.0" if type_.endswith("REAL") else "0"
+        if type_ in _BIT_STRINGS and self._source is Dialect.SCL:
+            bit = _operation(Operator.AND, [value, n.Literal("16#1")], node)
+            return n.Call(n.Name(f"{type_}_TO_BOOL"), (Argument(bit),), span=node.span)
+        if (type_ in _BIT_STRINGS or type_.endswith(("INT", "REAL"))) and self._target is Dialect.SCL:
+            return n.Parenthesized(_operation(Operator.UNEQUAL, [value, n.Literal(zero)], node), span=node.span)
+        return None
 
     def _note_conversion(self, node: n.Call, name: str) -> None:
         """Say what a conversion gives otherwise in S7 and in other tools."""

@@ -153,10 +153,18 @@ def shl(value: int, count: int, least: int, greatest: int) -> int:
 
 
 def shr(value: int, count: int, least: int, greatest: int) -> int:
-    """SHR: zeros come from the left, for types with a sign too."""
+    """SHR of IEC 61131-3, which has it for bit strings: zeros come from the left, for types with a sign too."""
     bits = (greatest - least).bit_length()
     shifted = (value & greatest - least) >> min(_count(count), bits)
     return shifted - (1 << bits) if shifted > greatest else shifted
+
+
+def shr_signed(value: int, count: int, least: int, greatest: int) -> int:
+    """SHR of a number with a sign: its sign comes from the left.
+
+    CoDeSys 2.3 manual, "SHR", and the help of TIA Portal for S7-1200 and S7-1500; zeros come in S7-300 and S7-400.
+    """
+    return value >> min(_count(count), (greatest - least).bit_length())
 
 
 def rol(value: int, count: int, least: int, greatest: int) -> int:

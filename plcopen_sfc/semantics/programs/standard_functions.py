@@ -253,7 +253,9 @@ class StandardFunctions:
         shift = count.value if count.constant else 0
         turned = type_.bits - shift if name in ("ROL", "ROR") else shift
         self._translator.library.use.shifts.update(dict.fromkeys((shift, turned)))
-        return self._call(name.lower(), [code, count], type_, type_.least, type_.greatest)
+        keeps_sign = name == "SHR" and type_.least < 0 and self._library.dialect is not Dialect.IEC
+        helper = "shr_signed" if keeps_sign else name.lower()
+        return self._call(helper, [code, count], type_, type_.least, type_.greatest)
 
     def _text(self, name: str, nodes: list[n.Expression], _: t.Type | None) -> Code:
         """Functions of strings."""
@@ -384,6 +386,9 @@ class StandardFunctions:
             # the bits are taken as they are (ed. 3, table 22: DWORD_TO_REAL)
             helper = "bits_of_real" if source.family is t.Family.REAL else "real_of_bits"
             return self._call(helper, [code], target, source.bits)
+        if target.family is t.Family.BOOL and source.family is t.Family.BITS and self._library.dialect is Dialect.SCL:
+            # S7-SCL manual, conversions of class B; CODESYS and matiec ask for all bits
+            return Code(f"({code.text} & 1 == 1)", target, acts=code.acts)
         return settled(self._converter.converted(code, target))
 
     def _bcd(self, found: re.Match[str], node: n.Expression) -> Code | None:

@@ -48,12 +48,28 @@ INFO, WARNING, ERROR = Severity.INFO, Severity.WARNING, Severity.ERROR
         ("SUB_DATE_DATE(a, b)", IEC, CODESYS, "a - b"),
         ("UPPER_BOUND(a, 1)", IEC, SCL, "UPPER_BOUND(ARR := #a, DIM := 1)"),
         ("UPPER_BOUND(ARR := #a, DIM := 1)", SCL, CODESYS, "UPPER_BOUND(a, 1)"),
+        ("WORD_TO_BOOL(a)", CODESYS, SCL, "(#a <> 16#0)"),
+        ("DWORD_TO_BOOL(a + b)", IEC, SCL, "(#a + #b <> 16#0)"),
+        ("NOT INT_TO_BOOL(c)", CODESYS, SCL, "NOT (#c <> 0)"),
+        ("TO_BOOL(x)", CODESYS, SCL, "(#x <> 0.0)"),
+        ("WORD_TO_BOOL(#a OR #b)", SCL, CODESYS, "WORD_TO_BOOL((a OR b) AND 16#1)"),
+        ("BYTE_TO_BOOL(#a)", SCL, IEC, "BYTE_TO_BOOL(a AND 16#1)"),
+        ("WORD_TO_BOOL(a)", CODESYS, IEC, "WORD_TO_BOOL(a)"),
         ("AND(a, b, c)", IEC, SCL, "#a AND #b AND #c"),
     ],
 )
 def test_functions(text: str, source: Dialect, target: Dialect, expected: str) -> None:
     types = {"c": "Int", "x": "LREAL"}
     assert_says_the_same(text, source, target, expected, locals=["a", "b", "c", "x"], types=types)
+
+
+@pytest.mark.parametrize("text", ["SHR(c, 1)", "SHL(IN := c, N := 2)", "ROL(c, 1)"])
+def test_numbers_are_shifted_in_tools_only(text: str) -> None:
+    """IEC 61131-3 ed. 3, table 30: bit strings."""
+    result = translated(text, CODESYS, IEC, locals=["c"], types={"c": "INT"})
+    assert [(note.severity, note.reason) for note in result.notes] == [
+        (ERROR, f"IEC 61131-3 has {text[:3]} of bit strings only, not of INT; left unchanged")
+    ]
 
 
 @pytest.mark.parametrize(

@@ -244,6 +244,22 @@ def test_bit_strings_of_reals_in_iec_are_their_bits_and_numbers_in_codesys() -> 
     assert main(declared, "d := REAL_TO_DWORD(r);", Dialect.CODESYS)["d"] == 1
 
 
+def test_s7_takes_the_last_bit_for_a_bool_and_others_take_all() -> None:
+    declared = "w : WORD := 2; a, b : BOOL;"
+    for dialect, found in ((Dialect.IEC, True), (Dialect.CODESYS, True), (Dialect.SCL, False)):
+        assert main(declared, "a := WORD_TO_BOOL(w);", dialect)["a"] is found
+        assert main(declared, "a := WORD_TO_BOOL(w OR 16#1);", dialect)["a"] is True
+
+
+def test_shifts_of_numbers_keep_their_sign_in_tools() -> None:
+    declared = "n, m : INT := -8; w : WORD := 16#8000;"
+    text = "m := SHR(n, 1); w := SHR(w, 1);"
+    for dialect, found in ((Dialect.CODESYS, -4), (Dialect.SCL, -4), (Dialect.IEC, 0x7FFC)):
+        instance = main(declared, text, dialect)
+        assert (instance["m"], instance["w"]) == (found, 0x4000)
+    assert main("n, m : INT := -8;", "m := SHR(n, 70);", Dialect.CODESYS)["m"] == -1
+
+
 def test_subranges_are_checked() -> None:
     instance = main("a : INT (0..10) := 10; b : INT;", "b := a;")
     assert instance["b"] == 10
