@@ -163,7 +163,7 @@ class Calls:
         return UnknownFunctionError(
             name,
             f"{name} is not known to the simulator",
-            hint="supply it: a function as Controller(functions={name: ..}), a function block as a POU of the project",
+            hint="Supply it: a function by --functions FILE.py (functions={..}), a function block as a POU.",
         )
 
     def _supplied(self, function: Any, node: n.Call) -> Code:

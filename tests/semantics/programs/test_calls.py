@@ -188,7 +188,7 @@ def test_what_is_not_known_is_an_error_where_it_is_reached() -> None:
         "Main",
         2,
     )
-    assert "supply it" in str(caught.value)
+    assert "Supply it: a function by --functions FILE.py" in str(caught.value)
 
 
 def test_functions_can_be_supplied() -> None:
