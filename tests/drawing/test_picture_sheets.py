@@ -92,6 +92,24 @@ def test_elements_of_a_long_chart_are_on_one_sheet_each(tmp_path: Path) -> None:
     assert all(is_inside(area, window(root)) for root in roots for area in areas(root))
 
 
+def test_no_sheet_is_empty() -> None:
+    chart = sfc.SfcNetwork()
+    first = chart.add_step("S", initial=True)
+    for branch in range(8):  # all short but for one, which is alone on the sheets below
+        last = first
+        for number in range(30 if branch == 6 else 1):
+            last, before = chart.add_step(f"S{branch}_{number}"), last
+            chart.add_transition(before, last, f"condition_{branch} AND another_{number}")
+    drawn = [etree.fromstring(text.encode()) for text in sheets(chart.to_svg(), "A4")]
+    assert len(drawn) > 3
+    assert all(len(root[-1]) for root in drawn)
+    assert window(drawn[0])[0] < 30
+    assert all(window(root)[0] > 30 for root in drawn[-2:]), "sheets begin where something is drawn"
+    texts = [root.xpath("*[local-name()='text']/text()")[1:] for root in drawn]
+    beside = {(at, int(number)) for at, text in enumerate(texts, 1) for each in text for number in each[1:].split(",")}
+    assert beside == {(number, at) for at, number in beside}
+
+
 def test_a_small_chart_is_one_file_and_papers_have_names(tmp_path: Path) -> None:
     project = sfc.load(CONVEYOR)
     (drawn,) = sfc.draw(project, tmp_path / "pusher.svg", pou="FB_Pusher", paper="A4")

@@ -129,8 +129,9 @@ def _divided(parts: Sequence[_Part], size: tuple[int, int], room: tuple[int, int
     grid = []
     for row, found in zip(rows, inside, strict=True):
         width = min(size[0], max((part.across[1] for part in found), default=0) + 2)
+        begin = max(0, min((part.across[0] for part in found), default=0) - 2) if width > room[0] else 0
         spans = [part.across for part in found if not part.divisible]
-        grid.append([_Sheet(across, row, []) for across in _pieces(width, room[0], spans)])
+        grid.append([_Sheet(across, row, []) for across in _pieces(width, room[0], spans, begin)])
     for part in parts:
         met = [
             sheet
@@ -141,7 +142,8 @@ def _divided(parts: Sequence[_Part], size: tuple[int, int], room: tuple[int, int
         whole = [sheet for sheet in met if sheet.holds(part)]
         for sheet in met if part.divisible else whole or met:
             sheet.parts.append(part)
-    return grid
+    filled = [[sheet for sheet in row if sheet.parts] for row in grid]
+    return [row for row in filled if row] or grid[:1]
 
 
 def _meeting(pieces: Sequence[Span], span: Span) -> Iterator[int]:
@@ -152,10 +154,10 @@ def _meeting(pieces: Sequence[Span], span: Span) -> Iterator[int]:
         number += 1
 
 
-def _pieces(length: int, room: int, spans: Sequence[Span]) -> Iterator[Span]:
-    """Yield the parts of a length that fit into `room`. A span that a cut divides is whole in the next part."""
+def _pieces(length: int, room: int, spans: Sequence[Span], start: int = 0) -> Iterator[Span]:
+    """Yield the parts of a length from `start` that fit into `room`. A span that a cut divides is whole in the next."""
     ordered = sorted(spans)
-    start = first = 0
+    first = 0
     while length - start > room:
         end, least = start + room, start + int(room * _LEAST)
         while first < len(ordered) and ordered[first][1] <= start:  # one that is longer only keeps more in sight
@@ -216,15 +218,21 @@ def _marks(
 
     def numbers(beside: int) -> str:
         """The sheets of another row that show something above or below this one."""
-        meeting = _meeting([other.across for other in rows[beside]], sheet.across) if 0 <= beside < len(rows) else ()
-        return ", ".join(str(first[beside] + at) for at in meeting)
+        others = rows[beside] if 0 <= beside < len(rows) else ()
+        return ", ".join(str(first[beside] + at) for at, other in enumerate(others) if _overlap(other, sheet))
 
     yield at(width, height + _MARGIN * 2 // 3, title, "end")
-    if number > first[row]:
+    here = number - first[row]
+    if here and rows[row][here - 1].across[1] >= sheet.across[0]:
         yield at(-_MARGIN // 2, height // 2, f"&#8592; {number - 1}")
-    if number + 1 < first[row + 1]:
+    if here + 1 < len(rows[row]) and rows[row][here + 1].across[0] <= sheet.across[1]:
         yield at(width + _MARGIN // 2, height // 2, f"&#8594; {number + 1}")
     if above := numbers(row - 1):
         yield at(width // 2, -_MARGIN // 3, f"&#8593; {above}")
     if below := numbers(row + 1):
         yield at(width // 2, height + _MARGIN * 2 // 3, f"&#8595; {below}")
+
+
+def _overlap(one: _Sheet, other: _Sheet) -> bool:
+    """True if a sheet shows something above or below another one."""
+    return one.across[0] < other.across[1] and other.across[0] < one.across[1]
