@@ -13,6 +13,7 @@ from typing import Any, Self, TypeVar, Union, cast, get_args, get_origin, get_ty
 from plcopen_sfc.errors import ModelError, check_argument
 from plcopen_sfc.languages.binding import Declaration, Names
 from plcopen_sfc.languages.binding.name_uses import unique_declaration
+from plcopen_sfc.languages.binding.text_sites import text_sites_in
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.pou import Action, NamedTransition, Pou
 from plcopen_sfc.model.project import Project
@@ -21,7 +22,7 @@ from plcopen_sfc.operations import provided
 from plcopen_sfc.refactor import chart_edits, name_edits, step_kinds
 from plcopen_sfc.refactor.chart_edits import refused
 from plcopen_sfc.refactor.journal import Journal
-from plcopen_sfc.refactor.queries import charts_of
+from plcopen_sfc.refactor.queries import charts_of, pou_of
 from plcopen_sfc.refactor.rename import rename, rename_many
 from plcopen_sfc.report import RenameResult
 
@@ -200,7 +201,8 @@ class Editor:
         `fields` are arguments of `SfcNetwork.add_step`: ``actions=["N Valve"]``.
         """
         chart = self._chart_of(link)
-        return chart_edits.insert_step(self._journal, chart, name, link, condition, before=before, fields=fields)
+        with self._adding(chart):
+            return chart_edits.insert_step(self._journal, chart, name, link, condition, before=before, fields=fields)
 
     @_edit
     def delete_step(self, step: Step | str, keep: str | None = None) -> None:
@@ -270,7 +272,8 @@ class Editor:
         jump; a simultaneous one begins and ends with a step, for whose end the transition `end` waits.
         """
         found, chart = self._branching(start)
-        chart_edits.add_branch(self._journal, chart, found, parts, end)
+        with self._adding(chart):
+            chart_edits.add_branch(self._journal, chart, found, parts, end)
 
     @_edit
     def remove_branch(self, start: Transition | Step | str) -> list[str]:
@@ -330,7 +333,9 @@ class Editor:
         """Move a run of steps, entered at one step and left at one, into a new macro-step."""
         if not steps:
             raise ModelError("a macro-step needs steps")
-        return chart_edits.move_to_macro(self._journal, self._step(steps[0])[1], steps, name)
+        chart = self._step(steps[0])[1]
+        with self._adding(chart):
+            return chart_edits.move_to_macro(self._journal, chart, steps, name)
 
     @_edit
     def dissolve_macro(self, macro: Step | str) -> list[Step]:
@@ -378,6 +383,17 @@ class Editor:
             self._drawn.add(id(chart))
             self._journal.keep_drawing(chart)
         return chart
+
+    @contextmanager
+    def _adding(self, chart: SfcNetwork) -> Iterator[None]:
+        """Refuse new steps of a chart whose names are taken, or would mean something else in the texts of the POU."""
+        pou = pou_of(chart)
+        known = {step.id for step in chart.steps}
+        texts = {(id(each.holder), each.key): each.text for each in text_sites_in(pou)} if pou is not None else {}
+        yield
+        if pou is not None:
+            made = [step for step in chart.steps if step.id not in known]
+            name_edits.check_new_steps(Names(self.project), pou, made, texts)
 
     @contextmanager
     def _removing(self, steps: Sequence[Step]) -> Iterator[None]:

@@ -9,7 +9,7 @@ from typing import Any
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.binding import Declaration, Kind, Names
 from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of, unique_declaration
-from plcopen_sfc.languages.binding.text_sites import Role, TextSite
+from plcopen_sfc.languages.binding.text_sites import Role, TextSite, text_sites_in
 from plcopen_sfc.languages.networks import condition_reader
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_statements
@@ -112,6 +112,39 @@ def _named_there(names: Names, use: Occurrence, declaration: Declaration) -> Edi
                 return Edit(*reference.span, text)
             return Edit(start, reference.span[1], f'"{text}"' if quoted and needs_quotes(text) else text)
     return None
+
+
+# -- steps
+
+
+def check_new_steps(names: Names, pou: Pou, steps: Iterable[Step], texts: Mapping[tuple[int, str | int], str]) -> None:
+    """Raise `ModelError` where new steps of a POU have names that are taken, or that its `texts` name already.
+
+    `texts`, by their object and field, are those from before: what is new may name the steps.
+    """
+    added = {step.name.casefold(): names.declaration_of(step) for step in steps}
+    for step in added.values():
+        problem = names.objection_to(step, step.name)
+        if problem:
+            raise ModelError(f"{step.name!r} cannot be a name: {problem}")
+        beside = [each for each in names.resolver.scopes.pou(pou).named(step.name) if each != step]
+        if beside:
+            raise ModelError(
+                f"{step.name!r} is taken: the {beside[0]} has this name already", hint="Take another name."
+            )
+    for text_site in text_sites_in(pou) if added else ():
+        if texts.get((id(text_site.holder), text_site.key)) != text_site.text:
+            continue
+        for each in names.occurrences_in(text_site):
+            meant = added.get(each.reference.name.casefold())
+            if meant is None or not each.refers_to(meant):
+                continue
+            levels = names.resolver.levels(each.reference, text_site)
+            if any(found != meant for level in levels for found in level.named(meant.name)):
+                raise ModelError(
+                    f"{meant.name!r} would mean the new step in {each.use}, and means something else there",
+                    hint="Take another name.",
+                )
 
 
 # -- conditions

@@ -386,6 +386,43 @@ def test_actions_are_inlined_and_extracted() -> None:
         edit.inline_action(pou.action("Dose"))
 
 
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("g", "means something else there"),
+        ("Idle", "means something else there"),
+        ("n", "is taken: the variable Main.n"),
+        ("Work", "is taken: the action Main.Work"),
+        ("IF", "it is a keyword"),
+        ("x y", "a name consists of"),
+    ],
+)
+def test_new_steps_have_names_of_their_own(name: str, why: str) -> None:
+    text = b"""{plcopen_sfc project.dialect := 'codesys'}
+TYPE Mode : (Idle, Run); END_TYPE
+VAR_GLOBAL g : INT; END_VAR
+PROGRAM Main
+VAR n : INT; m : Mode; END_VAR
+INITIAL_STEP S1: Work(N); END_STEP
+TRANSITION FROM S1 TO S1 := m = Idle; END_TRANSITION
+ACTION Work:
+g := g + n; S9 := 1;
+END_ACTION
+END_PROGRAM
+"""
+    project = sfc.loads(text, format="iec-text")
+    edit, chart = project.edit(), project.pou("Main").chart
+    assert chart is not None
+    for add in (
+        lambda: edit.insert_step(name, chart.transitions[0]),
+        lambda: edit.add_branch("Main.S1", "TRUE", step(name), "TRUE", jump("S1")),
+    ):
+        with pytest.raises(ModelError, match=why):
+            add()
+        assert sfc.dumps(project) == text
+    edit.insert_step("S9", chart.transitions[0], "S9.X")  # named nothing before, and new texts may name it
+
+
 def test_a_chart_is_not_inlined_into_a_step() -> None:
     project = plant()
     project.pou("Main").action("Pour").body = sfc.SfcBody(

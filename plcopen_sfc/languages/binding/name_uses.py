@@ -134,6 +134,11 @@ class Names:
                     if reference.name.casefold() in keys:
                         yield Occurrence(text_site, reference, self.resolver.meaning(reference, text_site))
 
+    def occurrences_in(self, text_site: TextSite) -> Iterator[Occurrence]:
+        """Every name in one text, with its meaning."""
+        for reference in self._references(text_site):
+            yield Occurrence(text_site, reference, self.resolver.meaning(reference, text_site))
+
     def _references(self, text_site: TextSite) -> Iterator[Reference]:
         for reference in references(text_site, self.dialect):
             yield self._step_of_flag(reference, text_site.site) or reference
@@ -169,11 +174,7 @@ class Names:
     @cached_property
     def everything(self) -> list[Occurrence]:
         """Every name in every text."""
-        return [
-            Occurrence(text_site, reference, self.resolver.meaning(reference, text_site))
-            for text_site in self.text_sites()
-            for reference in self._references(text_site)
-        ]
+        return [each for text_site in self.text_sites() for each in self.occurrences_in(text_site)]
 
     def undeclared(self, pou: Pou | None = None) -> Iterator[Occurrence]:
         """The names in program text, of all POUs or of `pou`, that are no members and that nothing declares.
