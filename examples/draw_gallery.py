@@ -46,8 +46,9 @@ def main(folder: str) -> None:
         "cap-station": station.pou("CapStation").chart.to_svg(),
         "cap-station-fbd": networks(station, "FBD"),
         "cap-station-ld": networks(station, "LD"),
-        "tank": tank.to_svg(),
-        "tank-s7graph": sfc.loads(sfc.convert(sfc.loads(TANK.encode()), "simaticml").data).pous[0].chart.to_svg(),
+        "tank": in_format("codesys"),
+        "tank-plcopen": in_format("plcopen-2.01"),
+        "tank-s7graph": in_format("simaticml"),
         "tank-grafcet": tank.to_svg(style="grafcet"),
         "cylinders": sfc.load(FIXTURES / "grafcet" / "two_cylinders.gct").pous[0].chart.to_svg(),
         "converted": converted.pous[0].chart.to_svg(),
@@ -55,6 +56,12 @@ def main(folder: str) -> None:
     }
     for name, svg in pictures.items():
         Path(folder, f"{name}.svg").write_bytes(svg.encode("ascii"))
+
+
+def in_format(form: str) -> str:
+    """Return the picture of the tank as its tool reads it from a file of this format."""
+    data = sfc.convert(sfc.loads(TANK.encode()), form).data
+    return sfc.loads(data, as_tool=True).pous[0].chart.to_svg()
 
 
 def networks(station: sfc.Project, language: str) -> str:
