@@ -129,6 +129,12 @@ _HINTS = {
     ),
     "Remove one of them, or rename it.": "Eine davon entfernen oder umbenennen.",
     "{} has a variable {} already": "{} hat schon eine Variable {}",
+    "Give it a name of letters, digits and underscores that is no keyword.": (
+        "Einen Namen aus Buchstaben, Ziffern und Unterstrichen geben, der kein Schlüsselwort ist."
+    ),
+    "{} is a keyword, which no tool takes as a name": "{} ist ein Schlüsselwort, das kein Werkzeug als Namen annimmt",
+    "{} is a keyword, which a condition reads as such": "{} ist ein Schlüsselwort, das Bedingungen als solches lesen",
+    "a condition does not read {} as one name": "eine Bedingung liest {} nicht als einen Namen",
     "Declare it, or correct the name.": "Ihn deklarieren oder berichtigen.",
     "Export them too, where names shall be checked and renamed with the chart.": (
         "Sie mit exportieren, wenn Namen geprüft und mit der Ablaufkette umbenannt werden sollen."

@@ -11,6 +11,8 @@ from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedProje
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding.name_uses import Occurrence
 from plcopen_sfc.languages.binding.text_sites import Role, TextSite
+from plcopen_sfc.languages.grafcet_conditions import NAME, condition_problem
+from plcopen_sfc.languages.words import IEC_KEYWORDS
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.declaration import Declaration
@@ -144,6 +146,27 @@ def _declared_twice(chart: CheckedChart) -> Iterator[Finding]:
             yield Finding(place, f"{pou.name} has a variable {first.name!r} already")
 
 
+def _unreadable_names(chart: CheckedChart) -> Iterator[Finding]:
+    pou = chart.pou
+    if pou is None or next((each for each in chart.around.charts_of(pou)), None) is not chart.chart:
+        return
+    if pou.name.upper() in IEC_KEYWORDS:
+        yield Finding(
+            FindingPlace(pou.report_path, (pou,)), f"{pou.name!r} is a keyword, which no tool takes as a name"
+        )
+    for variable in pou.variables():
+        place = FindingPlace(f"{pou.report_path} / variable {variable.name}", (variable, pou))
+        if variable.name.upper() in IEC_KEYWORDS:
+            yield Finding(place, f"{variable.name!r} is a keyword, which a condition reads as such")
+        elif variable.name and re.fullmatch(NAME, variable.name) is None and not _is_time(variable.name):
+            yield Finding(place, f"a condition does not read {variable.name!r} as one name")
+
+
+def _is_time(name: str) -> bool:
+    """True for ``2s/X202``: AGRAFE has no times in terms, and people declare inputs of such names there."""
+    return "/" in name and condition_problem(name) is None
+
+
 def _misfitting(chart: CheckedChart) -> Iterator[Finding]:
     for each in _own(chart, chart.around.misfits):
         yield Finding(_place(chart, each), each.message)
@@ -223,4 +246,25 @@ VAR05 = Rule(
     example="VAR_INPUT Start, b, start : BOOL; END_VAR\n" + _RING % ("", "Start"),
     check=_declared_twice,
     severity=Severity.ERROR,
+)
+
+VAR06 = Rule(
+    code="VAR06",
+    title="Conditions of a GRAFCET can name its variables",
+    why="A keyword in a condition is none of a variable (Not), a dot is that of a member or AND (a.b), a blank ends "
+    "the name. No tool takes such names, nor a GRAFCET with such a name (IEC 61131-3 ed. 3, 6.1.2).",
+    hint="Give it a name of letters, digits and underscores that is no keyword.",
+    example="""
+GRAFCET Example
+INPUTS
+    Start
+    While
+INITIAL STEP 1
+1 -> 2 : Start * /While
+STEP 2
+2 -> 1 : /Start
+""",
+    check=_unreadable_names,
+    severity=None,
+    severities={"grafcet": Severity.ERROR},
 )

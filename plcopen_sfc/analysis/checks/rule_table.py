@@ -251,6 +251,7 @@ _ON_CHARTS: tuple[Rule, ...] = (
     name_rules.VAR03,
     name_rules.VAR04,
     name_rules.VAR05,
+    name_rules.VAR06,
     reachability_rules.EVO01,
     reachability_rules.EVO02,
     limit_rules.TIM01,

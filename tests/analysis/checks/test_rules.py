@@ -860,6 +860,17 @@ case("VAR03", unused_variable, part_of_another, "nothing uses the variable 'Spar
 TWICE = "VAR_INPUT b : BOOL; END_VAR VAR %s : INT; END_VAR"
 case("VAR05", steps(condition="b", declared=TWICE % "B"), steps(condition="b", declared=TWICE % "n"), "'b' already")
 case("VAR04", plant("x := 2;"), plant("x := b;"), "a number is assigned to BOOL: x := 2")
+NAMED = "GRAFCET %s\nINPUTS\n    a\n    %s\nINITIAL STEP 1\n1 -> 2 : a\nSTEP 2\n2 -> 1 : /a\n"
+case("VAR06", grafcet(NAMED % ("Not", "b")), grafcet(NAMED % ("Note", "b")), "'Not' is a keyword", "grafcet")
+case("VAR06", grafcet(NAMED % ("G", "While")), grafcet(NAMED % ("G", "1B1")), "'While' is a keyword", "grafcet")
+
+
+def dotted(name: str) -> Callable[[], Subject]:
+    data, _ = sfc.convert(sfc.loads((NAMED % ("G", "other")).encode()), "grafcet")
+    return lambda: sfc.loads(data.replace(b'"other"', f'"{name}"'.encode()))
+
+
+case("VAR06", dotted("a.b"), dotted("2s/X2"), "does not read 'a.b' as one name", "grafcet")
 
 
 def remark(comment: str) -> Callable[[], Subject]:
