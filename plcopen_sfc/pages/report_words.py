@@ -699,11 +699,14 @@ _OTHERWISE = {
     "set the priority of {} in TIA Portal: in the source it is {}": (
         "die Priorität von {} in TIA Portal einstellen: in der Quelle ist sie {}"
     ),
-    "the target fires transitions once in a scan: flags are a scan late": (
-        "das Ziel schaltet Transitionen einmal je Zyklus: Merker kommen einen Zyklus später"
+    "the target fires transitions once in a scan, code of `lower` until none can fire: flags are a scan late": (
+        "das Ziel schaltet Transitionen einmal je Zyklus, Code von `lower`, bis keine mehr schalten kann: "
+        "Merker kommen einen Zyklus später"
     ),
-    "the target fires transitions once in a scan: {&} may be active where a GRAFCET only passes": (
-        "das Ziel schaltet Transitionen einmal je Zyklus: {} können aktiv sein, wo ein GRAFCET nur durchläuft"
+    "the target fires transitions once in a scan, code of `lower` until none can fire: "
+    "{&} may be active where a GRAFCET only passes": (
+        "das Ziel schaltet Transitionen einmal je Zyklus, Code von `lower`, bis keine mehr schalten kann: "
+        "{} können aktiv sein, wo ein GRAFCET nur durchläuft"
     ),
     "S7-GRAPH tests no transition in its first scan: what is TRUE in that scan only is missed": (
         "S7-GRAPH prüft in seinem ersten Zyklus keine Transition: was nur in diesem TRUE ist, geht verloren"

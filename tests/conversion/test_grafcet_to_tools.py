@@ -504,6 +504,7 @@ def test_steps_that_are_only_passed_are_named() -> None:
         "GRAFCET G\nINPUTS\n    a\n    b\nINITIAL STEP 1\n1 -> 2 : a\nSTEP 2\n2 -> 3 : b\nSTEP 3\n3 -> 1 : /a * 2s/X3\n"
     )
     (item,) = [item for item in converted(text, "codesys")[1].items if item.what == STABILITY]
+    assert "code of `lower` until none can fire" in item.why
     assert item.why.endswith("Step2 may be active where a GRAFCET only passes")
 
 
@@ -812,7 +813,16 @@ def test_simultaneous_branches_of_a_ruled_chart_are_sequences(form: str, text: s
 @pytest.mark.parametrize("form", ["codesys", "iec-text", "simaticml"])
 def test_a_ruled_chart_that_is_not_safe_is_refused(form: str) -> None:
     text = SIMULTANEOUS.replace("4, 5 -> 1", "5 -> 3 : c\n4, 5 -> 1").replace("2 -> 4 : b", "2 -> 4, 5 : b")
-    assert "can be activated twice" in losses(converted(text, form)[1])["hierarchy"]
+    why = losses(converted(text, form)[1])["hierarchy"]
+    assert "can be activated twice" in why
+    assert "lower the GRAFCET" in why
+
+
+def test_every_refused_hierarchy_names_the_way_to_code() -> None:
+    text = ENCLOSED.replace("11 -> 10 : /c", "11 -> 11 : c * ↑a\n11 -> 10 : /c")
+    why = losses(converted(text, "plcopen")[1])["hierarchy"]
+    assert why.startswith("step Step11 encloses a chart, and a transition leads from it to itself")
+    assert why.endswith("lower the GRAFCET, which makes proven code of all of it")
 
 
 def test_steps_that_rules_activate_and_a_grafcet_passes_are_named() -> None:

@@ -150,8 +150,7 @@ class _Chart:
             except UnknownBehaviourError as error:
                 self._note(Outcome.NOT_EXECUTED, "hierarchy", path, f"the hierarchy is broken: {error}")
             except HierarchyError as error:
-                why = f"{error}: lower the GRAFCET, which makes proven code of all of it"
-                self._note(Outcome.NOT_EXECUTED, "hierarchy", path, why)
+                self._refuse_hierarchy(path, error)
         self.steps = {step.name.casefold(): step for step in self._chart.steps}
         for step in self._chart.steps:
             if step.name.isdecimal():
@@ -168,7 +167,7 @@ class _Chart:
                 edged.add(transition.id)
         passed = [step.name for step in self._passed(flat)]
         which = f"{_first_of(passed)} may be active where a GRAFCET only passes" if passed else "flags are a scan late"
-        why = f"the target fires transitions once in a scan: {which}"
+        why = f"the target fires transitions once in a scan, code of `lower` until none can fire: {which}"
         self._note(Outcome.APPROXIMATED, STABILITY, path, why)
         self._note_selections(path)
         self._note_first_scan(path)
@@ -179,13 +178,17 @@ class _Chart:
                 why = "transitions that are tried before those of the charts that it rules"
                 self._note(Outcome.TRANSLATED, "hierarchy", path, why)
             except HierarchyError as error:
-                self._note(Outcome.NOT_EXECUTED, "hierarchy", path, str(error))
+                self._refuse_hierarchy(path, error)
         starts = [step for step in self._chart.steps if step.initial]
         self._keep_memories(path, starts)
         if self._of_graph:
             self._sequences()
         elif len(starts) > 1:
             self._start(starts, path)
+
+    def _refuse_hierarchy(self, path: str, error: HierarchyError) -> None:
+        why = f"{error}: lower the GRAFCET, which makes proven code of all of it"
+        self._note(Outcome.NOT_EXECUTED, "hierarchy", path, why)
 
     def _note_selections(self, path: str) -> None:
         """Tell of transitions that leave a step together, of which the target fires the first."""
