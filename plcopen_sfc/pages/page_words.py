@@ -86,7 +86,7 @@ _GERMAN = {
     "Verdict": "Urteil",
     "nowhere -> {}": "von nirgends -> {}",
     "{} -> nowhere": "{} -> nirgendwohin",
-    "{} scans of {}, executed as in {}": "{} Zyklen von {}, ausgef\u00fchrt wie in {}",
+    "{} scans of {}, under the execution profile {}": "{} Zyklen von {}, nach dem Ausf\u00fchrungsprofil {}",
     "a body in a form that is kept but not read": "ein Rumpf in einer Form, die erhalten, aber nicht gelesen wird",
     "after {} too": "zugleich nach {}",
     "and {} more": "und {} weitere",

@@ -89,7 +89,12 @@ def trace_section(trace: Trace, index: PageIndex, words: Words) -> Html:
         id="player",
         hidden=True,
     )
-    told = words("{} scans of {}, executed as in {}", len(trace), time_literal(trace.scan_time), trace.profile or "-")
+    told = words(
+        "{} scans of {}, under the execution profile {}",
+        len(trace),
+        time_literal(trace.scan_time),
+        trace.profile or "-",
+    )
     heading = element("h2", element("small", words("Simulation")), " ", trace.name)
     section = element("section", heading, element("p", told), figure, picture, values, id="trace")
     return joined(section, player, data_element("trace-data", data))  # outside: what contains a section fixes in it
