@@ -211,3 +211,12 @@ def test_jumps_in_instruction_list_that_are_no_loops_are_refused() -> None:
     project = sfc.loads((IN_IL % jumping).encode(), format="iec-text")
     with pytest.raises(LoweringError, match="instruction list whose jumps are no loops"):
         lower(project, "case")
+
+
+def test_a_condition_that_jumps_with_a_value_is_refused_with_the_reason() -> None:
+    pou = training_chain()
+    chart = pou.sfc
+    assert chart is not None
+    chart.transitions[0].condition = m.BodyCondition(body=m.IlBody(text="LD B1\nJMPC m\nLD B2\nm: AND B3"))
+    with pytest.raises(LoweringError, match="a value is loaded behind each label"):
+        lower(pou, "case", profile="iec")

@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Container, Iterable
 from dataclasses import replace
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.il import result_expression, statements_with_result
+from plcopen_sfc.languages.il import instructions, result_expression, statements_with_result
 from plcopen_sfc.languages.networks.exported_networks import SOURCES, network_statements
 from plcopen_sfc.languages.networks.network_reading import NetworkReader, body_statements, reader_of_chart
 from plcopen_sfc.languages.networks.results import NetworkExpression, NetworkProblem, NetworkStatements
@@ -261,7 +261,10 @@ class _ConditionReader:
         drawn = network_statements(body.content) if isinstance(body, OpaqueBody) and body.source in SOURCES else None
         if drawn is not None:
             return self._statements(drawn, name)
-        return _failed(f"a condition in {body.language} cannot be read as an expression")
+        more = ""
+        if isinstance(body, IlBody) and any(each.label for each in instructions(body.text, self._dialect)):
+            more = ": jumps have to lead forward, and a value is loaded behind each label: tools do not agree without"
+        return _failed(f"a condition in {body.language} cannot be read as an expression{more}")
 
     def _statements(self, text: str, name: str) -> NetworkExpression:
         """ST: an expression, with ``:=`` before it or a semicolon behind it as tools write it, or statements."""
