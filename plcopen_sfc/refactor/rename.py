@@ -15,6 +15,7 @@ from typing import Any
 
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.errors import Location, ModelError, check_argument
+from plcopen_sfc.languages.binding.name_resolution import fitting
 from plcopen_sfc.languages.binding.name_sites import Reference
 from plcopen_sfc.languages.binding.name_uses import Names, Occurrence, unique_declaration
 from plcopen_sfc.languages.binding.text_sites import Role, SiteKind, TextSite
@@ -74,6 +75,18 @@ def changed_meanings(
             yield was, f"{old.use} would mean {_said(next((d for d in others if d not in (None, was)), None))}"
         else:
             yield now if now is not None and now in wanted else first, f"{old.use} means {_said(was)} now"
+
+
+def _hidden_by(names: Names, occurrence: Occurrence) -> Declaration | None:
+    """Return what hides the list, type or variable that is named before a dot, for a tool that takes the nearest."""
+    meaning = occurrence.meaning.declaration
+    if not occurrence.reference.access or meaning is None:
+        return None
+    for level in names.resolver.levels(occurrence.reference, occurrence.text_site):
+        found = fitting(level.named(occurrence.reference.name), occurrence.reference.role)
+        if found:
+            return None if meaning in found else found[0]
+    return None
 
 
 def _said(declaration: Declaration | None) -> str:
@@ -267,10 +280,14 @@ def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: 
     start = len(journal)
     for change in changes:
         journal.put(*change)
-    after = list(names.after_edits().occurrences(*old_names, *wanted.values(), of=wanted))
-    if wanted and any(changed_meanings(wanted, found, after)):
+    again = names.after_edits()
+    after = list(again.occurrences(*old_names, *wanted.values(), of=wanted))
+    hidden = [(each, other) for each in after for other in [_hidden_by(again, each)] if other in wanted]
+    if wanted and (hidden or any(changed_meanings(wanted, found, after))):
         journal.take_back(start)
-        reasons = list(changed_meanings(wanted, found, after))  # after undo: messages show the old names
+        # after undo: messages show the old names
+        reasons = [(other, f"{each.use} names something else before a dot") for each, other in hidden if other]
+        reasons += changed_meanings(wanted, found, after)
         culprit = reasons[0][0]
         _refuse(culprit, wanted[culprit], (reason for _, reason in reasons))
     return [_with_overrides(results[each], [results[other] for other in overrides[each]]) for each in table]
@@ -293,7 +310,7 @@ def _check_name(names: Names, declaration: Declaration, new: str) -> None:
     problem = names.objection_to(declaration, new)
     if problem:
         raise ModelError(f"{new!r} cannot be a name: {problem}", location=Location(path=str(declaration)))
-    if declaration.kind is Kind.VARIABLE and names.project.dialect in (Dialect.CODESYS, Dialect.TWINCAT):
+    if declaration.kind in (Kind.VARIABLE, Kind.STEP) and names.project.dialect in (Dialect.CODESYS, Dialect.TWINCAT):
         _refuse(declaration, new, _flags(declaration.name, new))
 
 

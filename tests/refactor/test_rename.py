@@ -566,3 +566,29 @@ def test_what_overrides_a_method_gets_no_other_name_in_one_pass() -> None:
     with pytest.raises(ModelError, match="overrides it"):
         made.rename_many({"Base.Inc": "Plus", "Derived.Inc": "More"})
     assert plcopen_sfc.dumps(made) == EXTENDING
+
+
+@pytest.mark.parametrize(
+    ("what", "new"), [("Main.Wait", "GVL"), ("Main.i", "Mode"), ("Main.Wait", "Mode"), ("Main.Wait", "SFCInit")]
+)
+def test_what_is_named_before_a_dot_is_not_hidden(what: str, new: str) -> None:
+    text = b"""{plcopen_sfc format := 1}
+{plcopen_sfc project.dialect := 'codesys'}
+
+TYPE Mode : (Idle, Run); END_TYPE
+
+{plcopen_sfc name := 'GVL'}
+VAR_GLOBAL
+  n : INT;
+END_VAR
+
+PROGRAM Main
+VAR i : INT; m : Mode; END_VAR
+INITIAL_STEP Wait: END_STEP
+TRANSITION FROM Wait TO Wait := GVL.n = 3 AND m = Mode.Run AND i = 1; END_TRANSITION
+END_PROGRAM
+"""
+    made = plcopen_sfc.loads(text, format="iec-text")
+    with pytest.raises(ModelError, match=r"before a dot|as their flag"):
+        made.rename(what, new)
+    assert plcopen_sfc.dumps(made) == text
