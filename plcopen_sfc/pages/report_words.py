@@ -235,6 +235,9 @@ _PARTS = {
 """Parts of messages. Tools are in the dative: German puts them after `in` and `von`."""
 
 _NOT_EXECUTED = {
+    "the controller counts the bits of {} in words, {} in bytes: give it that of its byte": (
+        "die Steuerung zählt die Bits von {} in Worten, {} in Bytes: geben Sie ihm die Adresse seines Bytes"
+    ),
     "a source declares no tags and user constants: it must be in the project already": (
         "eine Quelle deklariert keine Variablen und Anwenderkonstanten: sie muss im Projekt vorhanden sein"
     ),

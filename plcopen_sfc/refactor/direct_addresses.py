@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 from plcopen_sfc.diagnostics import Severity
@@ -50,6 +51,25 @@ def renumber_in_texts(project: Project, source: Dialect, target: Dialect) -> Ite
             site.put(apply_edits(site.text, edits))
         for severity, reason in found.values() if site.reading is not SiteKind.DECLARATIONS else ():
             yield site.report_path, severity, reason
+
+
+def bits_of_words(project: Project) -> Iterator[tuple[str, str]]:
+    """Yield the path and the text of each address of a bit, where one shows that they are counted in words: above 7.
+
+    CoDeSys 2.3: the controller decides that (``%QX1.14`` of the WAGO 750); CODESYS V3 and TwinCAT count in bytes.
+    """
+    found = [(path, variable.address or "") for path, variable in _located(project)]
+    for site in text_sites(project):
+        if "%" in site.text and site.is_program_text:
+            tokens = tokenize(site.text, project.dialect).tokens
+            found += [(site.report_path, token.value) for token in tokens if token.value.startswith("%")]
+    bits = [(path, text, match) for path, text in found if (match := _BIT.fullmatch(text.strip())) is not None]
+    if any(int(match["bit"]) > _LAST_BIT for _, _, match in bits):
+        yield from dict.fromkeys((path, text) for path, text, _ in bits)
+
+
+_BIT = re.compile(r"%[IQM]X?\d{1,9}\.(?P<bit>\d{1,2})", re.IGNORECASE)
+_LAST_BIT = 7
 
 
 def _reason(text: str, new: PartText) -> str:

@@ -74,3 +74,12 @@ def test_a_pause_holds_the_chart() -> None:
     trace = run(60, SFCPause=lambda scan: 16 <= scan < 55)
     assert trace.active(54) == ("Warten",)
     assert trace.active(16) == ("Warten",)
+
+
+@pytest.mark.parametrize(("last", "lost"), [("7", 0), ("14", 2)])
+def test_bits_that_a_controller_counts_in_words_are_other_terminals_elsewhere(last: str, lost: int) -> None:
+    declared = f"PROGRAM Main\nVAR\n\tx AT %IX0.{last} : BOOL;\n\ty AT %QX1.2 : BOOL;\nEND_VAR\n"
+    project = sfc.loads(f"(* @PATH := '' *)\n{declared}(* @END_DECLARATION := '0' *)\ny := x;\nEND_PROGRAM\n".encode())
+    for target in ("codesys", "twincat", "codesys-export"):
+        report = sfc.convert(project, target, partial=True).report
+        assert len([each for each in report.losses if each.what == "address"]) == lost
