@@ -48,7 +48,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.languages.standard_blocks import BOUND_FUNCTIONS, standard_block
 from plcopen_sfc.languages.task_schedules import schedule_of
-from plcopen_sfc.languages.translation.call_translation import ONLY_CODESYS
+from plcopen_sfc.languages.translation.call_translation import is_of_codesys_alone
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.languages.words import folded
 from plcopen_sfc.model.base import Element, ForeignData
@@ -210,7 +210,7 @@ class _Reader:
                 name.casefold() in _RESULTS | self.global_names | self.programs.keys()
                 or standard_block(name) is not None
                 or name.upper() in BOUND_FUNCTIONS
-                or (is_target_of_codesys and name.upper() in ONLY_CODESYS)
+                or (is_target_of_codesys and is_of_codesys_alone(name))
             ):
                 continue
             if own is not None and own.kind is PouKind.FUNCTION and name.casefold() == own.name.casefold():

@@ -39,11 +39,15 @@ LACKED_BY_CODESYS = frozenset(
     """ATAN2 IS_VALID IS_VALID_BCD TO_BIG_ENDIAN TO_LITTLE_ENDIAN FROM_BIG_ENDIAN FROM_LITTLE_ENDIAN DAY_OF_WEEK
     CONCAT_DATE CONCAT_TOD CONCAT_LTOD CONCAT_DT CONCAT_LDT CONCAT_DATE_TOD CONCAT_DATE_LTOD""".split()
 )
-ONLY_CODESYS = frozenset("ADR SIZEOF XSIZEOF BITADR INDEXOF INI TIME LTIME TEST_AND_SET".split())
-"""Operators and functions of CODESYS that IEC 61131-3 and SCL do not have; so have all that begin with ``__``."""
+_ONLY_CODESYS = frozenset("ADR SIZEOF XSIZEOF BITADR INDEXOF INI TIME LTIME TEST_AND_SET".split())
 
 _TIME_OPERATORS = {"ADD": Operator.ADD, "SUB": Operator.SUBTRACT, "MUL": Operator.MULTIPLY, "DIV": Operator.DIVIDE}
 _TIME_FUNCTION = re.compile(r"(ADD|SUB|MUL|DIV)_(L?)(TIME|TOD|DT|DATE)(?:_L?(?:TIME|TOD|DT|DATE))?")
+
+
+def is_of_codesys_alone(name: str) -> bool:
+    """True for operators and functions of CODESYS that IEC 61131-3 and SCL do not have."""
+    return name.upper() in _ONLY_CODESYS or name.startswith("__")
 
 
 def operator_of(block: StandardBlock, target: Dialect) -> Operator | None:
@@ -243,7 +247,7 @@ class CallTranslator:
         word = callee.identifier.upper()
         if self._source is Dialect.SCL:  # others are in quotes, but local instances of a source file may be without
             return self._names.is_local(callee) is False or not self._names.type_of(callee)
-        if self._source is Dialect.CODESYS and (word in ONLY_CODESYS or word.startswith("__")):
+        if self._source is Dialect.CODESYS and is_of_codesys_alone(word):
             return True
         return word in BOUND_FUNCTIONS or translated_truncation(word, self._target, "REAL") is not None
 
