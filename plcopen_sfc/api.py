@@ -202,7 +202,7 @@ def check_import(project: Project, tool: str) -> list[Diagnostic]:
         near = nearest(name, _IMPORTERS)
         raise UnknownFormatError(f"no tool is called {tool!r}{near}", hint=f"There are: {', '.join(_IMPORTERS)}.")
     format, flavour = _IMPORTERS[name]
-    report = convert(project, format, flavour=flavour, tia=version, partial=True, fresh=True).report
+    data, report = convert(project, format, flavour=flavour, tia=version, partial=True, fresh=True)
     file = project.source.path if project.source is not None else None
     kind = project.source.format if project.source is not None else format
     losses, own = report.losses, format_named(format)[0]
@@ -210,7 +210,7 @@ def check_import(project: Project, tool: str) -> list[Diagnostic]:
         from plcopen_sfc.documents.writer_preparation import note_limits  # noqa: PLC0415  # to write, and here
 
         limits = ConversionReport()
-        note_limits(project, own, limits)
+        note_limits(loads(data, format=format, as_tool=True), own, limits)  # loops stand for some charts in the file
         losses += limits.with_outcome(Outcome.NOT_EXECUTED)
     if kind == format == "simaticml":
         from plcopen_sfc.refactor.dialect_translation import compute_constants  # noqa: PLC0415  # here alone

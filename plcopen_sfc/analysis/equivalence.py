@@ -300,15 +300,23 @@ class _Compared:
 
     @property
     def passes_start(self) -> bool:
-        """True if the second has a step before several initial steps of the first, in which its first scan passes.
+        """True if the second has a step before the initial steps of the first, in which its first scan passes.
 
-        No transition of the first is tested in that scan.
+        No transition of the first is tested in that scan. A step before one initial step counts only if it leads to
+        that step of the first and to none of its others: else the second begins elsewhere, and that is a difference.
         """
-        chart, profile = self.subjects[0].pou.chart, self.profiles[0]
-        several = chart is not None and len(chart.initial_steps) > 1 and not profile.initial_situation_held
-        if not (profile.grafcet_terms or several):
+        (first, second), profile = [subject.pou for subject in self.subjects], self.profiles[0]
+        if not _has_start(second) or _has_start(first):
             return False
-        return _has_start(self.subjects[1].pou) and not _has_start(self.subjects[0].pou)
+        if profile.grafcet_terms:
+            return True
+        if first.chart is None or second.chart is None or profile.initial_situation_held:
+            return False
+        names = {step.name.casefold(): step.initial for step in first.chart.steps}
+        entered = second.chart.outgoing(second.chart.initial_steps[0])[0].targets
+        begun = {step.name.casefold() for step in second.chart.steps if step.id in entered} & names.keys()
+        initial = {name for name, is_initial in names.items() if is_initial}
+        return len(initial) > 1 or (bool(initial) and begun == initial)
 
     @cached_property
     def can_be_retimed(self) -> bool:

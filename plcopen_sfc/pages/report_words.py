@@ -1056,6 +1056,9 @@ _TRANSLATED = {
     "tabs are blanks": "Tabulatoren sind Leerzeichen",
     "of the configuration": "der Konfiguration",
     "a configuration with one resource": "eine Konfiguration mit einer Ressource",
+    "it leads to all sequences: each step of branches that do not end together is one": (
+        "er führt zu allen Ketten: jeder Schritt von Zweigen, die nicht zusammen enden, ist eine"
+    ),
     "it leads to all sequences: a chart of the target begins with one step": (
         "er führt zu allen Ketten: eine Ablaufkette des Ziels beginnt mit einem Schritt"
     ),

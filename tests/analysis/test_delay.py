@@ -247,3 +247,23 @@ def test_retimed_scans_are_those_of_the_tool(flow: Flow, qualifiers: list[str], 
     for scan in range(30):
         assert tool.active(scan) == cut.active(scan)
         assert [tool[f"q{i}"][scan] for i in range(3)] == [cut[f"q{i}"][scan] for i in range(3)]
+
+
+SPLIT = """PROGRAM Main VAR_INPUT a, b : BOOL; END_VAR VAR_OUTPUT q : BOOL; END_VAR
+{start} {initial} Idle: END_STEP STEP Left: q(N); END_STEP STEP Right: END_STEP {more}
+TRANSITION FROM Idle TO (Left, Right) := a; END_TRANSITION TRANSITION FROM (Left, Right) TO Idle := b; END_TRANSITION
+END_PROGRAM"""
+
+
+@pytest.mark.parametrize(("entered", "passes"), [("Idle, More", True), ("Left, Right", False), ("Idle, Left", False)])
+def test_only_a_step_that_leads_to_the_initial_step_may_pass_first(*, entered: str, passes: bool) -> None:
+    """A proof lets the first begin later then, so a step that leads elsewhere must not count."""
+    more = "STEP More: END_STEP" if "More" in entered else ""
+    begin = f"INITIAL_STEP Start: END_STEP TRANSITION FROM Start TO ({entered}) := TRUE; END_TRANSITION"
+    plain, later = (
+        sfc.loads(SPLIT.format(start=start, initial=initial, more=added).encode(), format="iec-text")
+        for start, initial, added in (("", "INITIAL_STEP", ""), (begin, "STEP", more))
+    )
+    verdict = equivalent(plain, later, "iec", outputs={"q": "q"})
+    assert verdict.equal is passes, verdict
+    assert ("the first begins when" in str(verdict)) is passes

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.model.compare import differences
+from plcopen_sfc.pages.report_words import german
+from plcopen_sfc.report import Outcome
 from tests.conversion.features import Feature, FeatureChart, feature_project, variable
 from tests.conversion.matrix import same_behaviour
 from tests.conversion.test_sequencers_in_charts import as_file
@@ -161,6 +164,60 @@ def test_an_edit_of_one_loop_counts_for_all(target: str) -> None:
     same = same_behaviour(sfc.loads(changed, format=target, as_tool=True), again, operated=("INIT_SQ", "OFF_SQ"))
     assert same is not None
     assert same.proven, same
+
+
+CROSSED = """PROGRAM Main
+VAR_INPUT a, b, c, d : BOOL; END_VAR
+VAR q, r : BOOL; END_VAR
+INITIAL_STEP Init: END_STEP
+TRANSITION FROM Init TO (Left, Right) := a; END_TRANSITION
+STEP Left: q(N); END_STEP
+STEP Right: r(N); END_STEP
+TRANSITION FROM (Left, Right) TO {between} := b; END_TRANSITION
+{more}
+TRANSITION FROM {between} TO (Left, Right) := c; END_TRANSITION
+TRANSITION FROM (Left, Right) TO Init := d; END_TRANSITION
+END_PROGRAM
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("target", ["codesys", "twincat", "codesys23"])
+@pytest.mark.parametrize(
+    ("between", "more"), [("Pause", "STEP Pause: END_STEP"), ("(Up, Down)", "STEP Up: END_STEP STEP Down: END_STEP")]
+)
+def test_branches_that_do_not_end_together_become_loops(between: str, more: str, target: str, tmp_path: Path) -> None:
+    """They were not executed in CODESYS, which knows nested branches only (SFC130)."""
+    source = sfc.loads(CROSSED.format(between=between, more=more).encode(), format="iec-text")
+    report = sfc.save(source, tmp_path / "main", format=target, limit=30)
+    assert report.with_outcome(Outcome.NOT_EXECUTED) == []
+    assert [item.what for item in report.losses] == ["start of several sequences"]
+    assert report.compared["POU Main"].startswith("equal, second 1 scan later (proof")
+    if target == "codesys":
+        back = sfc.load(tmp_path / "main", format=target)
+        assert [step.name for step in back.pou("Main").chart.steps] == [s.name for s in source.pou("Main").chart.steps]
+        assert not list(differences(back.pou("Main").chart.transitions, source.pou("Main").chart.transitions))
+
+
+def test_edits_of_a_converted_file_keep_the_loops() -> None:
+    """An edited name put the branches of the source into the file, which CODESYS does not execute."""
+    text = CROSSED.format(between="Pause", more="STEP Pause: END_STEP")
+    written, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "codesys")
+    assert [item.why for item in report.losses if item.why == german(item.why)] == []
+    steps = [step.name for step in sfc.loads(written, as_tool=True).pou("Main").chart.steps]
+    assert "Pause_rests" in steps
+    project = sfc.loads(written)
+    project.rename("Main.a", "begins")
+    project.pou("Main").chart.rename_step("Pause", "Waiting")
+    tool = sfc.loads(sfc.dumps(project), as_tool=True).pou("Main").chart
+    assert [step.name for step in tool.steps] == [name.replace("Pause", "Waiting") for name in steps]
+    assert sum("begins" in each.condition.text for each in tool.transitions if isinstance(each.condition, m.Expression))
+
+
+def test_a_step_left_and_entered_at_once_is_in_no_loop() -> None:
+    text = CROSSED.format(between="(Left, Right)", more="")
+    report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "codesys", partial=True)[1]
+    assert {item.why.partition(":")[0] for item in report.with_outcome(Outcome.NOT_EXECUTED)} == {"SFC130"}
 
 
 def test_a_sequence_without_trouble_keeps_its_form() -> None:

@@ -22,7 +22,7 @@ from plcopen_sfc.conversion.adaptation.chart_rewriting import (
 )
 from plcopen_sfc.conversion.adaptation.flags_in_tc6 import execute_flags_in_tc6
 from plcopen_sfc.conversion.adaptation.operating_inputs import OperatingModes
-from plcopen_sfc.conversion.adaptation.sequence_loops import SequenceRewriter, steps_to_start
+from plcopen_sfc.conversion.adaptation.sequence_loops import SequenceRewriter, steps_to_start, undrawable
 from plcopen_sfc.conversion.adaptation.sequencer_rewriting import PermanentRewriter, ShownState
 from plcopen_sfc.conversion.adaptation.step_checks import ACKNOWLEDGING, StepChecks
 from plcopen_sfc.conversion.adaptation.step_rewriting import (
@@ -68,7 +68,7 @@ def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> boo
         return True
     if any(is_supervised(step) for step in chart.steps):
         return True
-    if not (options.of_codesys or options.same_format) and steps_to_start(chart, host):
+    if steps_to_start(chart, host, options) or undrawable(chart, host, options):
         return True
     if any(does_something(operation.body) for operation in (*chart.permanent_pre, *chart.permanent_post)):
         return True

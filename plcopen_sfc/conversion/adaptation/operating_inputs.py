@@ -187,7 +187,7 @@ class AddedElements:
     def step(self, wish: str, why: str) -> Step:
         """Add a step; its name is `wish`, or like it."""
         step = self._chart.add_step(self._rewriting.new_name(wish))
-        step.id = next(self._ids.get(SymbolKind.STEP, iter(())), step.id)
+        step.id = next(self._ids.get(SymbolKind.STEP, iter(())), self._unlike_source(step.id))
         self._added.append(step)
         self._rewriting.note(Outcome.TRANSLATED, "step", f"step {step.name}", why)
         return step
@@ -198,10 +198,14 @@ class AddedElements:
         """Add a transition; `first`: it is tried before all others."""
         priority = _HIGHEST_PRIORITY if first else None
         added = self._chart.add_transition(source, targets, Expression(text=condition), priority=priority)
-        added.id = next(self._ids.get(SymbolKind.TRANSITION, iter(())), added.id)
+        added.id = next(self._ids.get(SymbolKind.TRANSITION, iter(())), self._unlike_source(added.id))
         self._added.append(added)
         self._rewriting.note(Outcome.TRANSLATED, "transition", f"transition {self._chart.label(added)}", why)
         return added
+
+    def _unlike_source(self, number: int) -> int:
+        """Return an id that nothing in the source has: what loops replace comes back with its own."""
+        return max(number, self._rewriting.source.new_id())
 
     def mark(self, together: Iterable[str] = (), instead_of: dict[str, object] | None = None, *, of: str = "") -> None:
         """Mark all that was added; `together`: names by which edits of one count for all.

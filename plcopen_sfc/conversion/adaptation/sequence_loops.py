@@ -7,6 +7,8 @@ that does nothing. Their conditions tell whether the step is active in the next 
 fire, in the order of their priorities, and what switches the step. The rules are those of
 `plcopen_sfc.semantics.charts.graph`, and the tests compare both.
 
+Charts of CODESYS are nested branches: a sequence with branches that do not end together becomes loops as well.
+
 Charts of CODESYS begin with one step: where there are several sequences, or several initial steps in a chart of another
 tool, a step `Start` leads to them all. So it is in TC6 with several initial steps that are connected.
 """
@@ -27,8 +29,9 @@ from plcopen_sfc.conversion.adaptation.operating_inputs import (
 )
 from plcopen_sfc.conversion.adaptation.step_checks import StepChecks
 from plcopen_sfc.conversion.executed_parts import START
-from plcopen_sfc.formats.format_interface import ChartHost
-from plcopen_sfc.formats.plcopen.source_marks import replaced_sequences
+from plcopen_sfc.drawing import limits
+from plcopen_sfc.formats.format_interface import ChartHost, WriteOptions
+from plcopen_sfc.formats.plcopen.source_marks import OF_BRANCHES, replaced_sequences, replaces_sequences
 from plcopen_sfc.languages.st import parse_expression, print_node
 from plcopen_sfc.lowering.code.boolean_logic import reduced
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
@@ -58,6 +61,7 @@ class SequenceRewriter:
         """Change the chart; what it does otherwise is in the report."""
         added = AddedElements(self._rewriting, self._checks)
         parts = sequences_of(self._chart)
+        self._undrawable = undrawable(self._chart, self._host, self._rewriting.options)
         irregular = [part for part in parts if self._is_irregular(part)]
         operators = [name for part in parts if part not in irregular for name in self._operators(part)]
         looped = [part for part in parts if part in irregular or self._operators(part)]
@@ -75,16 +79,19 @@ class SequenceRewriter:
             if self._modes.switches_of_steps:
                 why += f", as does {self._modes.manual} where the manual mode is not used"
             self._rewriting.note(Outcome.TRANSLATED, SEQUENCE, "", why)
-        if self._host.is_codesys and self._rewriting.of_graph and (len(heads) > 1 or looped):
-            self._start(heads, added)
-        elif not (self._rewriting.of_graph or self._rewriting.options.same_format) and (
-            together := steps_to_start(self._chart, self._host)
+        if self._host.is_codesys and (looped or (self._rewriting.of_graph and len(heads) > 1)):
+            start = self._start(heads, added)
+            if not self._rewriting.of_graph:
+                why = "it leads to all sequences: each step of branches that do not end together is one"
+                self._rewriting.note(Outcome.APPROXIMATED, START, f"step {start.name}", why)
+        elif not self._rewriting.of_graph and (
+            together := steps_to_start(self._chart, self._host, self._rewriting.options)
         ):
             start = self._start(together, added)
             why = "it leads to all initial steps: charts of the target have one, and the first scan passes with it"
             self._rewriting.note(Outcome.APPROXIMATED, START, f"step {start.name}", why)
         instead_of = replaced_sequences(self._rewriting.source, self._chart)
-        added.mark([_TOGETHER], instead_of)
+        added.mark([_TOGETHER], instead_of, of="" if self._rewriting.of_graph else OF_BRANCHES)
         told = not any(self._initial.intersection(each.sources) for each in unknown)
         OperatingInputs(self._rewriting, self._checks, added).execute(plain if told else [], self._initial)
 
@@ -93,6 +100,8 @@ class SequenceRewriter:
         ids = {step.id for step in part}
         starts = len(ids & self._initial)
         is_switched = not ids.isdisjoint(self._checks.switched)
+        if not ids.isdisjoint(self._undrawable):
+            return True
         return self._rewriting.of_graph and (is_switched or starts > 1 or (self._host.is_codesys and not starts))
 
     def _operators(self, part: Sequence[Step]) -> list[str]:
@@ -220,10 +229,29 @@ class SequenceRewriter:
         return start
 
 
-def steps_to_start(chart: SfcNetwork, host: ChartHost) -> list[Step]:
+def _may_replace(options: WriteOptions) -> bool:
+    """True if the target has no chart of its own, or its file has other sequences in the place of the source's."""
+    return not (options.of_codesys or options.same_format) or replaces_sequences(options.source)
+
+
+def undrawable(chart: SfcNetwork, host: ChartHost, options: WriteOptions) -> frozenset[int]:
+    """Return the steps before transitions that wait for branches which do not end together; loops can replace them.
+
+    A loop cannot say that a step is left and entered at once.
+    """
+    waiting = [each for each in chart.transitions if len(each.sources) > 1]
+    if not host.is_codesys or not waiting or not _may_replace(options):
+        return frozenset()
+    if any(not set(each.sources).isdisjoint(each.targets) for each in chart.transitions):
+        return frozenset()
+    wrong = {problem.symbol for problem in limits(chart) if problem.code == "SFC130"}
+    return frozenset(step for each in waiting if each.id in wrong for step in each.sources)
+
+
+def steps_to_start(chart: SfcNetwork, host: ChartHost, options: WriteOptions) -> list[Step]:
     """Return the initial steps that a chart of the target cannot have beside each other; none: it can have all."""
     initial = [step for step in chart.steps if step.initial]
-    if len(initial) < 2:
+    if len(initial) < 2 or not _may_replace(options):
         return []
     if host.is_codesys:
         return initial

@@ -30,8 +30,10 @@ if TYPE_CHECKING:
 
 REWRITTEN_FIELD = "rewritten"
 """At a step or transition: the fields of the source, and the digest of what was written for them."""
-OF_FLAGS, OF_ENDS = "flags", "ends"
-"""In the mark of an added step or transition: it replaces SFC flags, or ends of sequences."""
+OF_FLAGS, OF_ENDS, OF_BRANCHES = "flags", "ends", "branches"
+"""In the mark of an added step or transition: it replaces SFC flags, ends of sequences, or branches that end apart."""
+_OF_ALL_TOOLS = frozenset({OF_FLAGS, OF_ENDS, OF_BRANCHES})
+"""Marks of what charts of other tools than TIA Portal have, too."""
 DRAWING_FIELD = "source_drawing"
 """Field beside a chart with added steps or transitions: the drawing without them."""
 ADDED_FIELD = "added"
@@ -108,7 +110,8 @@ def added_element(
     """Return the mark of a step or transition that the source does not have; `uses` as in `rewritten_step`.
 
     `instead_of`: transitions and initial steps of the source that the chart lacks, as `replaced_sequences` gives them.
-    `of`: what it replaces, other than operating inputs of S7-GRAPH: `OF_FLAGS` of CODESYS, or `OF_ENDS`.
+    `of`: what it replaces, other than operating inputs of S7-GRAPH: `OF_FLAGS` of CODESYS, `OF_ENDS` or
+    `OF_BRANCHES`.
     """
     digest = _of_step(added) if isinstance(added, Step) else _of_condition(added.condition)
     names = sorted({name.casefold() for name in uses})
@@ -221,6 +224,11 @@ def drawing_mark(drawing: Drawing) -> dict[str, Any]:
     return {DRAWING_FIELD: drawing.model_dump(mode="json", exclude_defaults=True)}
 
 
+def replaces_sequences(content: bytes) -> bool:
+    """True if a file has sequences in the place of those of a chart of another tool, as `added_element` marks them."""
+    return f'"{OF_BRANCHES}": true'.encode() in content
+
+
 def restore_chart(
     chart: SfcNetwork,
     marks: Mapping[int, dict[str, Any]],
@@ -243,14 +251,14 @@ def restore_chart(
     _take_out(chart, added)
     for number in sorted(added):
         _put_sequences(chart, marks[number])
-    if any(not (marks[number].keys() & {OF_FLAGS, OF_ENDS}) for number in added) and chart.graph_settings is None:
+    if any(not (marks[number].keys() & _OF_ALL_TOOLS) for number in added) and chart.graph_settings is None:
         chart.graph_settings = GraphSettings()  # by which a writer adds them again
     if any(marks[number].get(OF_FLAGS) for number in outdated):
         # transitions obey an edge of SFCTip now, which would fire those that replace flags too
         stated = chart.settings.flags if chart.settings is not None else {}
         none = dict.fromkeys((SfcFlag.TIP, SfcFlag.TIP_MODE), FlagUse(use=False, declare=False))
         chart.settings = (chart.settings or SfcSettings()).model_copy(update={"flags": {**stated, **none}})
-    if any(marks[number].get("added") and not marks[number].keys() & {OF_FLAGS, OF_ENDS} for number in outdated):
+    if any(marks[number].get("added") and not marks[number].keys() & _OF_ALL_TOOLS for number in outdated):
         if chart.graph_settings not in (None, GraphSettings()):
             warn("the settings of the sequencer of S7-GRAPH")
         chart.graph_settings = None  # the replacement of its operating inputs counts now
