@@ -212,12 +212,12 @@ class ActionFunctions:
     def kept_inside(self, pou: Pou) -> frozenset[str]:
         """Return the inputs of a block that no call passes, and that are instances or written by the block itself.
 
-        CODESYS has such inputs. In S7 they are static variables, which others write and read as well. One that no
-        instance in the project connects may be passed elsewhere.
+        CODESYS has such inputs. In S7 they are static variables, which others write and read as well. An input of a
+        block without an instance in the project may be passed elsewhere; one of a program is not.
         """
         around = self.charts.get(pou.name.casefold())
         pou = around.owner if around is not None else pou
-        if pou.name.casefold() not in self._instanced:
+        if pou.name.casefold() not in self._instanced and pou.kind is not PouKind.PROGRAM:
             return frozenset()
         if pou.name not in self._kept_inside:
             inputs = {v.name.casefold(): self._block(v.type) for v in pou.variables(SectionKind.INPUT)}

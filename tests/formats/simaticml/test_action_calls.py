@@ -448,6 +448,21 @@ def test_inputs_that_nobody_passes_are_static_variables() -> None:
     assert not back.variables(m.SectionKind.LOCAL)
 
 
+@pytest.mark.parametrize(("kind", "executed"), [("PROGRAM", True), ("FUNCTION_BLOCK", False)])
+def test_inputs_that_a_program_writes_are_static_variables(kind: str, *, executed: bool) -> None:
+    text = f"""{kind} Main VAR_INPUT a : BOOL; n : INT; END_VAR VAR_OUTPUT q : BOOL; END_VAR
+    INITIAL_STEP S0: END_STEP STEP S1: act(N); q(N); END_STEP
+    TRANSITION FROM S0 TO S1 := a; END_TRANSITION TRANSITION FROM S1 TO S0 := NOT a OR n > 3; END_TRANSITION
+    ACTION act: a := FALSE; n := n + 1; END_ACTION
+    END_{kind}"""
+    data, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "simaticml", partial=True, limit=20)
+    assert bool(report.with_outcome(Outcome.NOT_EXECUTED)) is not executed
+    assert report.compared["POU Main"].startswith("equal (proof") is executed
+    inputs = [variable.name for variable in sfc.loads(data, as_tool=True).pou("Main").variables(m.SectionKind.INPUT)]
+    assert ({"a", "n"} <= set(inputs)) is not executed
+    assert [v.name for v in sfc.loads(data).pou("Main").variables(m.SectionKind.INPUT)] == ["a", "n"]
+
+
 def test_inputs_of_blocks_without_an_instance_stay_inputs() -> None:
     def build(rig: FeatureChart) -> None:
         rig.action("Count", m.StBody(text="g := NOT g;\nIF g THEN n := 1; END_IF;"))
