@@ -207,11 +207,20 @@ def check_import(project: Project, tool: str) -> list[Diagnostic]:
     kind = project.source.format if project.source is not None else format
     losses, own = report.losses, format_named(format)[0]
     if kind == format and own.charts is not None and own.charts.is_codesys:  # a file that no tool of this format wrote
+        from plcopen_sfc.conversion.adaptation.project_rewriting import report_keywords  # noqa: PLC0415
         from plcopen_sfc.documents.writer_preparation import note_limits  # noqa: PLC0415  # to write, and here
 
         limits = ConversionReport()
         note_limits(loads(data, format=format, as_tool=True), own, limits)  # loops stand for some charts in the file
+        report_keywords(project, own.charts, limits)
         losses += limits.with_outcome(Outcome.NOT_EXECUTED)
+    if kind == format and own.dialect is not None and own.dialect is project.dialect:
+        from plcopen_sfc.documents.legal_names import illegal_names  # noqa: PLC0415  # brings the parser
+
+        named = ConversionReport()
+        for path, why in illegal_names(project, own.dialect, own.tool):
+            named.add(Outcome.NOT_EXECUTED, "name", path, why)
+        losses += named.items
     if kind == format == "simaticml":
         from plcopen_sfc.refactor.dialect_translation import compute_constants  # noqa: PLC0415  # here alone
 

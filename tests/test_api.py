@@ -226,6 +226,30 @@ def test_branches_that_do_not_nest_are_told_in_a_file_of_the_tool_too(*, again: 
     assert all(each.code == "IMP001" and "are nested branches: restructure it" in each.message for each in found)
 
 
+@pytest.mark.parametrize(
+    ("format", "tool", "name", "why"),
+    [
+        ("codesys", "codesys", "Füllen", "takes letters without accents"),
+        ("codesys", "twincat", "1 Fill", "takes letters without accents"),
+        ("codesys", "codesys", "IF", "is a keyword"),
+        ("codesys", "codesys", "a", "a variable of the POU has its name"),
+        ("simaticml", "tia", "a", "a variable of the POU has its name"),
+        ("simaticml", "tia", "S" * 130, "takes names of 125 characters"),
+        ("codesys", "codesys", "Fill", ""),
+        ("simaticml", "tia", "1 Füllen", ""),
+    ],
+)
+def test_names_that_a_tool_does_not_compile_are_told_in_its_own_files(format: str, tool: str, name: str, why: str):
+    text = b"""FUNCTION_BLOCK Main VAR_INPUT a : BOOL; END_VAR
+    INITIAL_STEP S0: END_STEP STEP Other: END_STEP
+    TRANSITION FROM S0 TO Other := a; END_TRANSITION TRANSITION FROM Other TO S0 := NOT a; END_TRANSITION
+    END_FUNCTION_BLOCK"""
+    written = sfc.convert(sfc.loads(text, format="iec-text"), format)[0]
+    own = sfc.loads(written.replace(b'"Other"', f'"{name}"'.encode()), format=format)
+    found = [each for each in sfc.check_import(own, tool) if each.code == "IMP001"]
+    assert [why in each.message for each in found] == [True] * bool(why), found
+
+
 def test_a_file_made_in_python_is_of_the_format_of_its_tool():
     project = sfc.Project(pous=[sfc.Pou(name="Main", kind="program", bodies=[sfc.StBody(text=";")])])
     assert imported(project, "codesys") == []

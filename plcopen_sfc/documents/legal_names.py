@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.s7_types import is_system_data
@@ -75,6 +75,17 @@ def give_legal_names(
             break
     paths = {id(each.holder): each.path for each in Names(copy).declarations()}
     keep_table(copy, DECLARED_DATA, [(paths[id(each.holder)], name, each.name) for each, name in done if leaves])
+
+
+def illegal_names(project: Project, dialect: Dialect, tool: str) -> Iterator[tuple[str, str]]:
+    """Yield the paths of names that the tool of a dialect cannot have, each with the reason."""
+    from plcopen_sfc.languages.binding import Names  # noqa: PLC0415  # brings the parser
+
+    names, places = Names(project), _places(project)
+    declared = list(dict.fromkeys(map(names.resolver.original, names.declarations())))
+    is_codesys = family(dialect) is Dialect.CODESYS
+    for each, (_, why) in _legal(project, declared, tool, is_codesys=is_codesys, with_letters=True).items():
+        yield places.get(id(each.holder), each.path), f"{tool} does not compile {each.name}: {why}"
 
 
 def _legal(

@@ -205,7 +205,7 @@ RULES = (
         "CODESYS, TwinCAT, CoDeSys 2.3",
         "not executed: it does not compile",
         lambda this: this.host.is_codesys and not this.options.of_codesys and not this.options.same,
-        lambda this: _report_keywords(this.project, this.host, this.report),
+        lambda this: report_keywords(this.project, this.host, this.report),
     ),
     AdaptationRule(
         "a variable that has the name of an SFC flag and is none",
@@ -318,7 +318,7 @@ def _partly_retained(project: Project) -> Iterator[Interface]:
             yield pou.interface
 
 
-def _report_keywords(project: Project, host: ChartHost, report: ConversionReport) -> None:
+def report_keywords(project: Project, host: ChartHost, report: ConversionReport) -> None:
     """Report names that the target reads as something else."""
     keywords = CODESYS_KEYWORDS if host.has_methods else CODESYS23_KEYWORDS
     for path, what, name in _declared_names(project):
