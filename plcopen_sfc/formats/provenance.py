@@ -34,7 +34,7 @@ class Origin(NamedTuple):
 
 def file_digest(content: bytes) -> str:
     """Return the digest that an `Origin` has of its file."""
-    return hashlib.sha256(content).hexdigest()
+    return hashlib.blake2b(content, digest_size=32).hexdigest()
 
 
 @dataclass(frozen=True, slots=True)

@@ -231,7 +231,10 @@ class _Scan:
         closer = f"END_{part.kind.value}"
         begin, first = self.behind(), self.at
         while self.at < len(self.tokens):
-            kind = self.type()
+            kind = self.tokens[self.at].type
+            if kind not in KEYWORDS:  # nearly all tokens, and declarations are most of many files
+                self.at += 1
+                continue
             if kind == closer:
                 return self.close(part, begin, first)
             if self.shows_missing_end(part.kind, kind):
