@@ -23,11 +23,11 @@ from plcopen_sfc.errors import EncodingError, Location
 from plcopen_sfc.formats.codesys23.chart_text import ChartNames, body_text, chart_blocks
 from plcopen_sfc.formats.codesys23.exp_outline import OWN_LINE
 from plcopen_sfc.formats.codesys23.exp_reader import (
-    CENTRAL_LETTERS,
     CODE_PAGE,
     DIVIDER,
     HEADER,
     KINDS,
+    central_letters,
     footer_of,
     read_export,
 )
@@ -160,7 +160,7 @@ def _is_cyrillic(data: bytes) -> bool:
 
 def _is_central(data: bytes) -> bool:
     """True if one in twenty letters speaks for Central Europe: umlauts and most accents are the same in both pages."""
-    found = sum(map(len, CENTRAL_LETTERS.findall(data)))
+    found = sum(map(len, central_letters(data)))
     return bool(found) and 20 * found >= len(_LETTERS.findall(data))
 
 

@@ -29,6 +29,8 @@ _UNIT = re.compile(r"(PROGRAM|FUNCTION_BLOCK|FUNCTION)[ \t]+(\w+)|(TYPE)\b|(VAR_
 _ACTION = re.compile(r"ACTION[ \t]+(\w+)[ \t]*:", re.IGNORECASE)
 _MARKER = re.compile(r"[\s\ufeff]*_[A-Z]+_BODY\b")
 _MARKS = re.compile(r"'[^'$\r\n]*+(?:\$.[^'$\r\n]*+)*+'|\"[^\"$\r\n]*+(?:\$.[^\"$\r\n]*+)*+\"|\(\*|\*\)")
+_ENDED_SECTIONS = frozenset({"LIBRARY", "PLC_CONFIGURATION", "RESOURCE", "VISUALISATION"})
+"""Sections that have a word at their end (documented); of others that is not known."""
 OWN_LINE = re.compile(r"^\(\* (\{plcopen_sfc [^\r\n]*\}) \*\)", re.MULTILINE)
 """A comment of this package: content that the text cannot express."""
 
@@ -147,6 +149,9 @@ class _Scan:
                 word = re.compile(r"\w*").match(self.text, solid)
                 made.name = word.group() if word is not None else ""
                 end = find_end(self.text, solid, limit, rf"_?END_?{made.name}|PLC_END") if made.name else None
+                if end is None and made.name.upper() in _ENDED_SECTIONS:
+                    message = f"the end of the section {made.name} is missing"
+                    self.problems.append(Problem(message, (solid, solid + len(made.name))))
                 behind = end[1] if end is not None else solid_end(self.text, start, limit)
                 behind = behind if behind > position else limit  # no text that anything ends: all of it is one object
                 made.span = (header[0] if header[0] < header[1] else start, behind)

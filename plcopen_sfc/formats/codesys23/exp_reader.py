@@ -150,8 +150,8 @@ class _Reader:
         if self.source.encoding not in _GUESSES or not letters:
             return ""
         if self.source.encoding == "cp1250":
-            share = sum(map(len, CENTRAL_LETTERS.findall(self.text.encode("cp1250")))) / letters
-            return f": {share:.0%} of its letters beyond ASCII are inside words with ł, ą or š, as in Central Europe"
+            share = sum(map(len, central_letters(self.text.encode("cp1250")))) / letters
+            return f": {share:.0%} of its letters beyond ASCII are inside words with ł, ą, š or ő, as in Central Europe"
         runs = _RUNS[self.source.encoding]
         share = sum(len(found.group()) for found in runs.finditer(self.text)) / letters
         if self.source.encoding == "cp1251":
@@ -379,7 +379,7 @@ class _Reader:
 _RUNS = {"cp1251": re.compile("[\u0400-\u04ff]{3,}"), "cp1252": re.compile("[\xa8\xb8\xc0-\xff]{3,}")}
 """Letters beside each other, as Cyrillic words have them, in two of the code pages that are guessed."""
 _GUESSES = (*_RUNS, "cp1250")
-CENTRAL_LETTERS = re.compile(
+_CENTRAL_LETTERS = re.compile(
     rb"(?<=[A-Za-z])[\xc0-\xff]*[\xa3\xa5\xaf\xb3\xb9\xbc\xbe\xbf]+[\xc0-\xff]*(?=[A-Za-z])(?!h\b)"
     rb"|(?<=[A-Za-z])[\x8a\x8d\x8e\x8f\x9a\x9d\x9e\x9f]|[\x8a\x8d\x8e\x8f\x9a\x9d\x9e\x9f](?=[A-Za-z])"
 )
@@ -387,6 +387,24 @@ CENTRAL_LETTERS = re.compile(
 
 A unit such as m³h is no word.
 """
+_HUNGARIAN_LETTERS = re.compile(rb"[\xf5\xd5\xfb\xdb]")
+"""ő and ű in 1250, õ and û in 1252."""
+_NOT_HUNGARIAN = re.compile(rb"[\xc3\xe3\xc4\xe4]|[\xd5\xf5][Ee][Ss](?![A-Za-z\xc0-\xff])")
+"""Letters of Estonian and Portuguese (ä, ã, -ões), which have õ, too."""
+_DOUBLE_ACUTE = re.compile(rb"[\xf5\xd5]")
+
+
+def central_letters(data: bytes) -> list[bytes]:
+    """Return the letters in words that speak for Central Europe.
+
+    French has û as well: it counts where a letter that is ő or õ is there too, and no letter of Estonian or Portuguese.
+    """
+    found: list[bytes] = _CENTRAL_LETTERS.findall(data)
+    if _DOUBLE_ACUTE.search(data) and not _NOT_HUNGARIAN.search(data):
+        found += _HUNGARIAN_LETTERS.findall(data)
+    return found
+
+
 _WORD = re.compile(r"(?<![A-Za-z])[A-Za-z]*[^\x00-\x7f][A-Za-z\x80-\uffff]*")
 _THREE_LETTERS, _ASCII_LETTERS = re.compile(rb"[\xa8\xb8\xc0-\xff]{3}"), re.compile(rb"(?:[A-Za-z].*){3}")
 _BEYOND_ASCII = re.compile(r"[^\x00-\x7f]+")

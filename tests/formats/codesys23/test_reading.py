@@ -234,6 +234,15 @@ def test_a_guessed_code_page_says_how_sure_it_is() -> None:
     assert (found.location.line, found.location.column) == (5, 20)
     assert "'Zдhler' is 'Zähler' in cp1252: the file mixes code pages" in found.message
     assert sfc.dumps(project) == mixed
+    for text, page in [
+        ("Az időegység és a hőmérséklet hűtővíz előtt", "cp1250"),  # ő and ű: õ and û in 1252
+        ("Brûleur, contrôle, goût, sûr", "cp1252"),
+        ("Rõhk ja õli, pump töötab, küte väljas", "cp1252"),
+        ("Condições, botões, pressão", "cp1252"),
+        ("Botões, condições", "cp1252"),
+    ]:
+        named = sfc.loads(f"{start}{text}{end}".encode(page))
+        assert (named.pous[0].variables()[0].comment, named.diagnostics[0].message.split()[8]) == (text, f"{page},")
     western = sfc.loads(f"{start}Zähler, Größe{end}".encode("cp1252"))
     assert "100% of its letters beyond ASCII are alone or in pairs" in western.diagnostics[0].message
     assert [each.code for each in western.diagnostics] == ["EXP200"]
@@ -285,7 +294,8 @@ def test_a_file_that_is_cut_off_anywhere_tells_so() -> None:
     """Between objects nothing did, where pragmas or the comment behind a list were cut."""
     data = BELT.read_bytes()
     ends = [found.end() for found in re.finditer(rb"^(?:END_\w+|\*\)|\(\* @END_DECL.*?\*\))\r$", data, re.MULTILINE)]
-    for cut in range(data.index(b"PROGRAM"), data.index(b"LIBRARY"), 17):
+    cuts = [*range(data.index(b"PROGRAM"), data.index(b"LIBRARY"), 17), data.index(b"NumOfGVLs"), len(data) - 5]
+    for cut in cuts:
         project = sfc.loads(data[:cut], format="codesys23")
         told = {each.code for each in project.diagnostics} - {"EXP200"}
         is_between = any(end - 1 <= cut and not data[end:cut].strip() for end in ends)
