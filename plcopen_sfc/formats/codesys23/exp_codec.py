@@ -545,6 +545,8 @@ def _words(node: n.Node, enumerations: Collection[str]) -> Iterator[str]:
             yield f"assignment in an expression (`{print_node(node)}`)"
         case n.Continue():
             yield "CONTINUE"
+        case n.Goto(keyword=keyword):
+            yield f"jump {keyword}"
         case n.Call(callee=n.Name(identifier=name)) if _CONVERSION.fullmatch(name):
             yield f"function {name}, which names the type it converts to only"
         case n.Member(base=n.Name(identifier=base), name=n.Name(identifier=name)):

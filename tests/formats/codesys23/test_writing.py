@@ -153,6 +153,7 @@ END_PROGRAM"""
         ("condition", "a AND_THEN q", "AND_THEN"),
         ("action", "t1 := TO_TIME(i);", "TO_TIME"),
         ("action", "FOR i := 0 TO 3 DO CONTINUE; END_FOR;", "CONTINUE"),
+        ("action", "JMP last; i := 0; last: i := 1;", "jump JMP"),
         ("action", "q S= a;", "S="),
         ("action", "t1 := LTIME_TO_TIME(LTIME#5us);", "LTIME#5us"),
         ("variable", "w : WSTRING;", "WSTRING"),
