@@ -55,6 +55,9 @@ if TYPE_CHECKING:
 _CAP, _RUNS, _SCANS = 2_000, 10, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
 
+_LONGER = 10
+"""Times the runs of a second comparison, where the first one has not reached all and time is left."""
+
 _APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, FIRST_SCAN, CHART_OF_ACTION, ORDER_OF_ACTIONS, FALLING_EDGE}
 _APART |= {SELECTION, ARITHMETIC, BOOLEAN_ACTIONS, "retain", "address", "interval", "max time", "maximum time"}
 """Losses beside which a run shows more: what operates a chart rests, nothing looks at addresses or times of tasks, and
@@ -158,12 +161,18 @@ def _run(
 ) -> _Run | None:
     """Run a chart for at most `limit` seconds; None, and in `report` why, where it cannot be run."""
     from plcopen_sfc.analysis.pairing import Delay  # noqa: PLC0415  # most conversions run nothing
+    from plcopen_sfc.analysis.verdict import VerdictKind  # noqa: PLC0415
 
     if limit <= 0:
         _note_untested(report, place.report_path, "not run: the time limit was reached")
         return None
+    end = time.thread_time() + limit
     try:
         verdict = compared(delay="auto", limit=limit)
+        left = end - time.thread_time()
+        if verdict.kind is VerdictKind.UNTESTED and not verdict.gap and left > limit / 2:
+            longer = compared(delay=verdict.delay, limit=left, runs=_RUNS * _LONGER)
+            verdict = longer if longer.different or longer.scans > verdict.scans else verdict
         is_cut = verdict.delay.retimed and verdict.equal
         other = profiles[0].order is not profiles[1].order
         is_cut = is_cut and _lasts(place, source, verdict.inputs, has_other_inputs=other)

@@ -60,6 +60,27 @@ def test_frozen_variables_are_named_and_can_be_inputs() -> None:
     assert everything.frozen == ()
 
 
+UNCALLED = project(
+    "VAR Other : TON; Own : TON; END_VAR\nVAR_OUTPUT Q : BOOL; END_VAR",
+    "TRANSITION FROM A TO B := Other.Q; END_TRANSITION TRANSITION FROM B TO A := Own.Q; END_TRANSITION",
+    "INITIAL_STEP A: END_STEP STEP B: Q(N); Run(N); END_STEP ACTION Run: Own(IN := TRUE, PT := T#1s); END_ACTION",
+)
+
+
+@pytest.mark.parametrize("names", ["Other.Q", "other", "all"])
+def test_outputs_of_instances_that_nothing_calls_are_frozen_and_can_be_inputs(names: str) -> None:
+    """Code beside what is compared may call them: they were taken for FALSE, and steps were proven unreachable."""
+    frozen = equivalent(UNCALLED, UNCALLED, "iec")
+    assert frozen.frozen == ("Other.Q",)
+    assert not frozen.equal
+    assert "unreachable (proven)" not in str(frozen)
+    freed = equivalent(UNCALLED, UNCALLED, "iec", free_inputs=names)
+    assert freed.proven
+    assert (freed.inputs, freed.frozen) == (("Other.Q",), ())
+    with pytest.raises(ModelError, match="is no variable that nothing writes"):
+        equivalent(UNCALLED, UNCALLED, "iec", free_inputs="Own.Q")
+
+
 @pytest.mark.parametrize("name", ["Q", "Stopp"])
 def test_what_is_written_or_unknown_cannot_be_freed(name: str) -> None:
     with pytest.raises(ModelError, match="is no variable that nothing writes"):

@@ -387,7 +387,7 @@ def test_competing_conditions_that_exclude_each_other_keep_the_case(second: str,
     pou.interface.sections[0].variables += [boolean("a"), boolean("b")]
     timer = m.Variable(name="t", type=m.DerivedType(name="TON"))
     pou.interface.sections.append(m.VariableSection(kind=m.SectionKind.LOCAL, variables=[timer]))
-    made = lower(pou, profile="matiec")
+    made = lower(pou, profile="matiec", free_inputs="all")
     assert made.construction == construction
     assert made.proof is not None
     assert made.proof.kind is VerdictKind.PROVEN, str(made.proof)

@@ -112,7 +112,14 @@ class VariableUse:
             return False
         if self._is_given_inside(key):
             return True
-        return self._is_passed(key) or (self._is_root(key) and not self.is_written(key))
+        if not self._is_passed(key) and not (self._is_root(key) and not self.is_written(key)):
+            return False
+        return not _is_instance(self._field(key).type) or self._is_wanted(*self.inputs[key])
+
+    def _is_wanted(self, path: str, type_: t.Type) -> bool:
+        """True for a value of an instance that nothing calls which the user wants as an input."""
+        first = path.partition(".")[0]
+        return _is_value(type_) and not self._freed.isdisjoint((ALL_FREE, path.casefold(), first.casefold()))
 
     def _is_given_inside(self, key: str) -> bool:
         """True for a variable at an input address of a block: each instance has one, which its calls do not write."""
@@ -186,24 +193,34 @@ class VariableUse:
                 yield from self._given_inside(inner, name, field.type, seen)
 
     def is_freed(self, field: Field) -> bool:
-        """True for a variable at an input address, and for one that the user wants as an input."""
-        if not field.declared or not is_plain(field.type):
+        """True for a variable at an input address, and for one that the user wants as an input.
+
+        Outputs of an instance may be wanted: what nothing calls is as what nothing writes.
+        """
+        is_instance = _is_instance(field.type)
+        if not field.declared or not (is_instance or is_plain(field.type)):
             return False
         if field.given:
-            return True
+            return not is_instance
         if field.direction not in (Direction.LOCAL, Direction.EXTERNAL) or field.name.casefold() in self._not_free:
             return False
-        return ALL_FREE in self._freed or field.name.casefold() in self._freed
+        name = field.name.casefold()
+        inside = is_instance and any(each.startswith(f"{name}.") for each in self._freed)
+        return inside or ALL_FREE in self._freed or name in self._freed
 
     def frozen(self) -> Iterator[str]:
-        """Yield the paths of declared variables that are read, that nothing writes, and that are no inputs."""
-        for key, (path, _) in self.read.items():
+        """Yield the paths of declared variables that are read, that nothing writes, and that are no inputs.
+
+        Values of instances that nothing calls are among them: other code of the POU may call these.
+        """
+        for key, (path, type_) in self.read.items():
             field = self._field(key)
-            plain = field.declared and field.name.casefold() not in _FLAGS and is_plain(field.type)
+            is_part = _is_instance(field.type) and _is_value(type_)
+            plain = field.declared and field.name.casefold() not in _FLAGS and (is_part or is_plain(field.type))
             known = field.direction in (Direction.LOCAL, Direction.EXTERNAL)
             if plain and known and self._is_root(key) and not self.is_written(key):
                 root = ".".join(key.split(".")[:2])
-                yield path if self.is_written_inside(root) else field.name
+                yield path if is_part or self.is_written_inside(root) else field.name
 
     # -- writes
 
@@ -241,6 +258,10 @@ def is_plain(type_: t.Type) -> bool:
     if isinstance(type_, t.StructureType):
         return not type_.layout.is_instance and all(is_plain(field.type) for field in type_.layout.fields)
     return is_plain(type_.base) if isinstance(type_, t.ArrayOf) else isinstance(type_, t.ScalarType)
+
+
+def _is_instance(type_: t.Type) -> bool:
+    return isinstance(type_, t.StructureType) and type_.layout.is_instance
 
 
 def _is_value(type_: t.Type) -> TypeGuard[t.ScalarType]:
