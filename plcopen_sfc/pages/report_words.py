@@ -307,7 +307,7 @@ _NOT_EXECUTED = {
     "{+} is `{+}` in {+} instead of `{+}`": "{0} ist in {2} `{1}` statt `{3}`",
     "the {+} of {+} `{}` is `{+}` in {+} instead of `{+}`": "{0} von {1} `{2}` ist in {4} `{3}` statt `{5}`",
     "the {+} does something else in {+}: `{+}`": "{} hat in {} eine andere Wirkung: `{}`",
-    "the undeclared name {} is in its place, and the block does not compile:  {+}": (
+    "the undeclared name {} is in its place, and the block does not compile: {+}": (
         "an ihrer Stelle steht der nicht deklarierte Name {}, und der Baustein lässt sich nicht übersetzen: {}"
     ),
     "function blocks or edges are in it, which a transition of S7-GRAPH cannot have": (

@@ -324,7 +324,7 @@ class ConditionWriter:
                 label = self.ctx.place[-1].partition(" ")[2] if self.ctx.place else ""
                 body = untranslated_body(result, label)
                 name = untranslated_name(label)
-                why = f"the undeclared name {name} is in its place, and the block does not compile:  {drawn}"
+                why = f"the undeclared name {name} is in its place, and the block does not compile: {drawn}"
                 self.ctx.note(Outcome.NOT_EXECUTED, what, why=why)
             else:
                 body = drawn
