@@ -39,6 +39,7 @@ from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.binding.name_uses import Occurrence
 from plcopen_sfc.languages.binding.text_sites import Role
 from plcopen_sfc.languages.declarations.kept_texts import inheritance, kept
+from plcopen_sfc.languages.networks.condition_reading import shown_named_condition
 from plcopen_sfc.languages.networks.network_graph import without_places
 from plcopen_sfc.languages.s7_globals import TABLE, is_retained, local_tags
 from plcopen_sfc.languages.s7_programs import WITHOUT_TASK, names_of_programs, unused_inputs
@@ -52,12 +53,12 @@ from plcopen_sfc.languages.translation.call_translation import is_of_codesys_alo
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.languages.words import folded
 from plcopen_sfc.model.base import Element, ForeignData
-from plcopen_sfc.model.body import FbdBody, LdBody, StBody
+from plcopen_sfc.model.body import FbdBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.declaration import NamedObject
 from plcopen_sfc.model.dialect import STRING_LENGTHS, Dialect
 from plcopen_sfc.model.network import Block, Node
-from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
+from plcopen_sfc.model.pou import DataBlock, DataBlockKind, NamedTransition, Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Task, TaskWatchdog
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, Step
 from plcopen_sfc.model.text import MultilingualText
@@ -627,7 +628,12 @@ class _Reader:
                     self._body(inner, pou, action.body, inner.path, called)
         for named in pou.transitions if is_written else ():
             path = f"{pou.report_path} / named transition {named.name}"
-            part.add("named transition", named.name, path, named).tell("code", self.code(named.body))
+            part.add("named transition", named.name, path, named).tell("code", self.code(self._as_text(named)))
+
+    def _as_text(self, named: NamedTransition) -> Body | None:
+        """The body of a transition object; as an expression where it is an archive of networks that is understood."""
+        shown = shown_named_condition(named, self.dialect) if isinstance(named.body, OpaqueBody) else None
+        return StBody(text=shown[0]) if shown is not None else named.body
 
     def _result(self, part: Part, kind: DataType | None) -> None:
         if not (isinstance(kind, DerivedType) and kind.name.casefold() == "void"):  # S7 has it for functions without

@@ -70,6 +70,23 @@ def test_networks_of_operators_are_executed_converted_and_renamed() -> None:
     assert sfc.dumps(project) == FILE.replace(b"VAR a,", b"VAR Start,").replace(b'"a"', b'"Start"')
 
 
+def test_a_drawn_condition_that_became_text_is_no_difference() -> None:
+    """`diff` showed the archive and the expression, as if the condition were another one."""
+    start, end = FILE.index(b"<Implementation>"), FILE.index(b"</Implementation>") + len(b"</Implementation>")
+    archive = pou(network("Go", OR))
+    drawn = archive[archive.index(b"<Implementation>") : archive.index(b"</Implementation>")] + b"</Implementation>"
+    whole = b"<Implementation><ST><![CDATA[]]></ST></Implementation>"
+    guid = b'"{22222222-2222-2222-2222-222222222222}"'
+    data = FILE[:start] + whole + b'<Transition Name="Go" Id=' + guid + b">" + drawn + b"</Transition>" + FILE[end:]
+    project = sfc.loads(data)
+    assert project.diagnostics == ()
+    assert isinstance(project.pous[0].transitions[0].body, OpaqueBody)
+    back = sfc.loads(sfc.dumps(sfc.loads(sfc.dumps(project, format="codesys")), format="twincat"))
+    assert str(sfc.diff(project, back)) == "no differences"
+    other = sfc.loads(data.replace(b"n = 3", b"n = 4"))
+    assert "-a OR n = 3" in str(sfc.diff(project, other))
+
+
 @pytest.mark.parametrize(
     ("old", "new"),
     [
