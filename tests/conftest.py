@@ -57,12 +57,13 @@ def pytest_collection_finish() -> None:
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Leave out four of five slow tests, unless these are asked for (``-m slow``, or by ``::``) or all is to be run.
 
-    Which fifth is run is the same for the same files, and another one after every change that CHANGELOG.md tells of.
+    Which fifth is run is the same for the same files, and another one after most changes of the package.
     What installs a whole environment comes first: at the end the other processes would wait for it.
     """
     asked_for = "slow" in config.option.markexpr or any("::" in argument for argument in config.args)
     if not WHOLE and not asked_for:
-        turn = crc32((Path(__file__).parents[1] / "CHANGELOG.md").read_bytes())
+        # sizes of modules: another sum after most changes
+        turn = sum(path.stat().st_size for path in (Path(__file__).parents[1] / "plcopen_sfc").rglob("*.py"))
         left_out = {
             item
             for item in items
