@@ -654,13 +654,14 @@ TRANSITION FROM S1 TO (P1, P2) := a; END_TRANSITION
 TRANSITION FROM P1 TO (P3, P4) := b; END_TRANSITION
 TRANSITION FROM (P2, P3) TO P5 := c; END_TRANSITION
 TRANSITION FROM (P5, P4) TO S1 := d; END_TRANSITION
+TRANSITION FROM P4 TO P4 := c; END_TRANSITION
 END_PROGRAM
 """
 
 
 @pytest.mark.parametrize("target", ["codesys", "codesys-export", "twincat", "codesys23"])
-def test_branches_that_do_not_nest_are_refused_in_the_family_of_codesys(target: str) -> None:
-    """CODESYS took them as approximated, CoDeSys 2.3 without an item, and TwinCAT refused."""
+def test_branches_that_do_not_nest_and_are_no_loops_are_refused_in_the_family_of_codesys(target: str) -> None:
+    """Where they cannot become loops: a step is left and entered at once."""
     project = sfc.loads(CROSSED, format="iec-text")
     with pytest.raises(sfc.LossError) as caught:
         sfc.save(project, io.BytesIO(), format=target)
