@@ -353,6 +353,15 @@ class Editor:
         return name_edits.copy_pou(self._journal, source, name, self.project, names or {})
 
     @_edit
+    def lay_out_texts(self) -> list[str]:
+        """Lay structured text out: keywords in capitals, blanks between words, lines indented by their blocks.
+
+        Comments, line breaks and names stay. Gives the paths of the texts that changed. What cannot be read stays, and
+        so do texts of GRAFCETs.
+        """
+        return name_edits.lay_out_texts(self._journal, self.project)
+
+    @_edit
     def redraw(self, chart: SfcNetwork) -> None:
         """Discard the drawing of a chart: it is drawn from its steps and transitions when it is saved."""
         self._journal.put(chart, "drawing", None)

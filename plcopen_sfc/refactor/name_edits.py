@@ -9,10 +9,11 @@ from typing import Any
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.binding import Declaration, Kind, Names
 from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of, unique_declaration
-from plcopen_sfc.languages.binding.text_sites import Role, TextSite, text_sites_in
+from plcopen_sfc.languages.binding.text_sites import Role, SiteKind, TextSite, text_sites_in
 from plcopen_sfc.languages.networks import condition_reader
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_statements
+from plcopen_sfc.languages.st.layout import layout_edits
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.words import needs_quotes, objection
 from plcopen_sfc.model.actions import Qualifier
@@ -75,14 +76,33 @@ def replace_variable(journal: Journal, project: Project, old: str, new: str) -> 
     for edits in texts.values():
         site = edits[0][0]
         changed.append(site.path)
-        markup: str | None = getattr(site.holder, "markup", None)
-        if markup is not None:
-            # tokens of TIA Portal are made from the text when the file is written
-            tokens = is_tokens(markup)
-            journal.put(
-                site.holder, "markup", None if tokens else edit_markup(markup, site.text, [e for _, e in edits])
-            )
-        journal.put(site.holder, site.key, apply_edits(site.text, [edit for _, edit in edits]))
+        _edit_text(journal, site, [edit for _, edit in edits])
+    return changed
+
+
+def _edit_text(journal: Journal, site: TextSite, edits: list[Edit]) -> None:
+    """Edit a text, and its markup with it."""
+    markup: str | None = getattr(site.holder, "markup", None)
+    if markup is not None:
+        # tokens of TIA Portal are made from the text when the file is written
+        journal.put(site.holder, "markup", None if is_tokens(markup) else edit_markup(markup, site.text, edits))
+    journal.put(site.holder, site.key, apply_edits(site.text, edits))
+
+
+def lay_out_texts(journal: Journal, project: Project) -> list[str]:
+    """Lay out the statements and conditions of a project; give the paths of the texts that change.
+
+    Texts that cannot be read stay, and so do those of a GRAFCET, whose blanks can have a meaning.
+    """
+    names = Names(project)
+    changed: list[str] = []
+    for site in names.text_sites():
+        if site.is_program_text and not names.is_in_grafcet(site.site):
+            is_condition = site.reading is SiteKind.EXPRESSION
+            edits = layout_edits(site.text, names.dialect, is_condition=is_condition)
+            if edits:
+                changed.append(site.report_path)
+                _edit_text(journal, site, edits)
     return changed
 
 

@@ -146,7 +146,7 @@ class Names:
     def _step_of_flag(self, reference: Reference, site: Site) -> Reference | None:
         """Return the step that a name in a GRAFCET is the flag of: ``X12`` (IEC 60848:2013, 4.3 and 7.4)."""
         is_flag = reference.role is Role.VALUE and reference.base is None and reference.callee is None
-        if not is_flag or reference.name[:1] not in ("X", "x") or reference.unread or not self._has_flags(site):
+        if not is_flag or reference.name[:1] not in ("X", "x") or reference.unread or not self.is_in_grafcet(site):
             return None
         if self.resolver.lookup(reference, site) is not NOTHING:  # a variable
             return None
@@ -157,8 +157,8 @@ class Names:
         found = meaning.candidates or (meaning.declaration,)
         return step if any(each is not None and each.kind is Kind.STEP for each in found) else None
 
-    def _has_flags(self, site: Site) -> bool:
-        """True in a GRAFCET: no other chart has such flags."""
+    def is_in_grafcet(self, site: Site) -> bool:
+        """True for a text of a GRAFCET: in its conditions a dot is AND, and `X12` is the flag of a step."""
         of_grafcet = self.project.tool_format.startswith("grafcet")
         return of_grafcet or any(chart.partial_charts for chart in site.charts)
 
@@ -167,7 +167,7 @@ class Names:
         pou = declaration.pou
         if declaration.kind is Kind.STEP and pou is not None and name.isascii() and name.isdecimal():
             chart = pou.chart
-            if self._has_flags(Site(pou, charts=(chart,) if chart is not None else ())):
+            if self.is_in_grafcet(Site(pou, charts=(chart,) if chart is not None else ())):
                 return ""
         return objection(name, self.project.dialect)
 
