@@ -13,6 +13,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import Verdict, equivalent
 from plcopen_sfc.conversion import executed
+from plcopen_sfc.conversion.assumed_types import with_inputs
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.profile import default_profile
@@ -32,12 +33,15 @@ CAUTIOUS = {
     ("qualifier P0", "codesys-export"): _IMPORT,
     ("retain", "codesys"): _IMPORT,
     ("macro-step", "codesys"): _IMPORT,
-    ("priority of a convergence", "codesys23"): "the text has the transition, which no drawing of CoDeSys 2.3 has",
     ("negated action", "codesys"): _IMPORT,
     ("action that is a chart", "simaticml"): "the chart in the action does not go on as the action ends",
     ("address", "simaticml"): "the simulation has no inputs and outputs at addresses",
     ("enumeration", "simaticml"): _FINAL,
-    **{("several initial steps", target): _START for target in ("codesys", "twincat", "codesys-export", "codesys23")},
+    **{
+        (feature, target): _START
+        for feature in ("several initial steps", "priority of a convergence")
+        for target in ("codesys", "twincat", "codesys-export", "codesys23")
+    },
     ("counter", "codesys-export"): "nothing in the chart reads the counter",
     ("counter", "twincat"): "nothing in the chart reads the counter",
     ("counter", "codesys"): "nothing in the chart reads the counter",
@@ -66,7 +70,6 @@ REASONS = {
         ),
     },
     "codesys|twincat|codesys-export": {
-        "priority of a convergence": "transitions are tried from left to right, a convergence is below its branches",
         "negated action|macro-step": "charts of CODESYS have no such element",
     },
     "plcopen-2.01": {
@@ -74,7 +77,6 @@ REASONS = {
     },
     "codesys23": {
         "negated action|macro-step|action that calls a method": "CoDeSys 2.3 has no such element",
-        "priority of a convergence": "transitions are tried from left to right, a convergence is below its branches",
     },
     "codesys|twincat|codesys-export|plcopen-2.01|iec-text|codesys23": {
         "SkipSteps": "each step is active for a scan at least in other tools",
@@ -185,9 +187,13 @@ def same_behaviour(
     profiles = (default_profile(source), default_profile(result))
     inputs = {n: n for n in (*OPERATED, *operated) if any(v.name == n for v in source.pou("Main").variables())}
     outputs = [name for name in (*OUTPUTS, *outputs) if any(v.name == name for v in source.pou("Main").variables())]
+    # inputs that the source writes are static variables in TIA Portal, which others write between its scans too
+    written = {v.name for v in source.pou("Main").variables(m.SectionKind.INPUT)}
+    inside = {pou.name: {v.name for v in pou.variables(m.SectionKind.LOCAL)} & written for pou in result.pous}
+    asked = with_inputs(result, {name: found for name, found in inside.items() if found})
     try:
         return equivalent(
-            source.pou("Main"), result.pou("Main"), profiles, delay="auto", outputs=outputs, inputs=inputs, cap=2000
+            source.pou("Main"), asked.pou("Main"), profiles, delay="auto", outputs=outputs, inputs=inputs, cap=2000
         )
     except sfc.SfcError:
         return None

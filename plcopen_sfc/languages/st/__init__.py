@@ -1,7 +1,7 @@
 """Structured text: parsing, printing and editing.
 
 `parse_statements` and `parse_expression` give a text its tree, `render` gives the text of a tree that was edited,
-`print_node` that of one which was made.
+`print_node` that of one which was made; `layout` has the edits that lay a text out.
 """
 
 from plcopen_sfc.languages.st.parsing import (
