@@ -47,10 +47,8 @@ from plcopen_sfc.languages.s7_types import is_system_data
 from plcopen_sfc.languages.sfc_flag_uses import flags_at_rest, named_flags
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements
-from plcopen_sfc.languages.standard_blocks import BOUND_FUNCTIONS, standard_block
 from plcopen_sfc.languages.task_schedules import schedule_of
-from plcopen_sfc.languages.translation.call_translation import is_of_codesys_alone
-from plcopen_sfc.languages.translation.translation_context import family
+from plcopen_sfc.languages.translation.call_translation import has_function
 from plcopen_sfc.languages.words import folded
 from plcopen_sfc.model.base import Element, ForeignData
 from plcopen_sfc.model.body import FbdBody, LdBody, OpaqueBody, StBody
@@ -199,7 +197,7 @@ class _Reader:
             return
         self._calls_of_programs(names)
         # a source in another dialect may have operators of CODESYS: its tool does not have them, this one does
-        is_target_of_codesys = bool(self.compared_with.parts) and family(self.dialect) is Dialect.CODESYS
+        dialect = self.dialect if self.compared_with.parts else Dialect.IEC
         for occurrence in names.undeclared():
             name = occurrence.reference.name
             own = occurrence.text_site.site.pou
@@ -207,12 +205,7 @@ class _Reader:
                 continue
             if own is not None and name.casefold() in {flag.casefold() for flag in own.implicit_flags()}:
                 continue
-            if (
-                name.casefold() in _RESULTS | self.global_names | self.programs.keys()
-                or standard_block(name) is not None
-                or name.upper() in BOUND_FUNCTIONS
-                or (is_target_of_codesys and is_of_codesys_alone(name))
-            ):
+            if name.casefold() in _RESULTS | self.global_names | self.programs.keys() or has_function(dialect, name):
                 continue
             if own is not None and own.kind is PouKind.FUNCTION and name.casefold() == own.name.casefold():
                 continue  # its result

@@ -28,10 +28,10 @@ def give_legal_names(
     """Rename what a copy declares under names that the tool of a target cannot have, or give it its own names back.
 
     CODESYS and S7 have a variable for each step: none may be called as another variable. Names in TIA Portal have a
-    longest length. CODESYS, CoDeSys 2.3 and
-    TwinCAT take letters without accents (CODESYS V3 online help, "Identifiers"), which `with_letters` asks for. The
-    project keeps the names of the source, and what it declares gets them in other tools again. Called before texts are
-    translated, which a new name needs, and behind that, which the old one does.
+    longest length. CODESYS, CoDeSys 2.3 and TwinCAT take letters without accents (CODESYS V3 online help,
+    "Identifiers"), which `with_letters` asks for. The project keeps the names of the source, and what it declares gets
+    them in other tools again. Called before texts are translated, which a new name needs, and behind that, which the
+    old one does.
     """
     from plcopen_sfc.languages.binding import Names  # noqa: PLC0415  # brings the parser
     from plcopen_sfc.languages.translation.renames import DECLARED_DATA, keep_table, kept_table  # noqa: PLC0415

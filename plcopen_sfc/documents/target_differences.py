@@ -45,7 +45,7 @@ def note_differences(
     _note_wider_arithmetic(project, kind, dialect, report)
     _note_operands(project, kind, options, report)
     _note_sections(project, kind, report)
-    if project.tool_format == EXPORTS and dialect is not Dialect.SCL:
+    if project.tool_format == EXPORTS != kind.name and dialect is not Dialect.SCL:
         _note_bits_of_words(project, kind, report)
     _note_falling_edges(project, kind, dialect, report)
     if default_profile(project).flags and (kind.charts is None or not kind.charts.is_codesys):
@@ -112,8 +112,6 @@ def _note_bits_of_words(project: Project, kind: Format, report: ConversionReport
     """Report addresses of bits that a controller of CoDeSys 2.3 counts in words: they are other terminals elsewhere."""
     from plcopen_sfc.refactor.direct_addresses import bits_of_words  # noqa: PLC0415  # of CoDeSys 2.3 alone
 
-    if kind.name == EXPORTS:
-        return
     for path, text in bits_of_words(project):
         why = f"the controller counts the bits of `{text}` in words, {kind.tool} in bytes: give it that of its byte"
         report.add(Outcome.NOT_EXECUTED, "address", path, why)

@@ -22,8 +22,7 @@ from plcopen_sfc.languages.effects import path_of
 from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_statements, transform, walk
-from plcopen_sfc.languages.standard_blocks import BOUND_FUNCTIONS, standard_block
-from plcopen_sfc.languages.translation.call_translation import is_of_codesys_alone
+from plcopen_sfc.languages.translation.call_translation import has_function
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
@@ -182,9 +181,7 @@ def family(profile: Profile) -> str:
 def is_of_the_tool(occurrence: Occurrence, dialect: Dialect) -> bool:
     """True for names that no project declares: standard blocks, operators of CODESYS, coils that TIA Portal names."""
     name = occurrence.reference.name
-    if dialect in (Dialect.CODESYS, Dialect.TWINCAT) and is_of_codesys_alone(name):
-        return True
-    return standard_block(name) is not None or name.upper() in BOUND_FUNCTIONS or name in _COILS
+    return has_function(dialect, name) or name in _COILS
 
 
 _COILS = frozenset({"TrCoil", "IlCoil", "SvCoil"})

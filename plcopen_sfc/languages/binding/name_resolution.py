@@ -12,6 +12,7 @@ from plcopen_sfc.languages.binding.name_scopes import (
     head_of,
     namespace_place,
     object_of,
+    parameters_of,
     step_of,
     variables_in,
 )
@@ -397,8 +398,7 @@ class Resolver:
             return self.type_of_declaration(declaration) if declaration is not None else Untyped.UNKNOWN
         if not isinstance(called, Pou | Method) or called.interface is None:
             return Untyped.UNKNOWN
-        kinds = (SectionKind.INPUT, SectionKind.IN_OUT, SectionKind.OUTPUT)
-        inputs = [v for section in called.interface.sections if section.kind in kinds for v in section.variables]
+        inputs = parameters_of(called.interface)
         return self.settled(inputs[position].type, site.place) if position < len(inputs) else Untyped.UNKNOWN
 
     def _parameter(self, called: Pou | Method | Type, name: str) -> Binding:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import TypeVar
 
 from plcopen_sfc.languages.binding.name_sites import Reference
 from plcopen_sfc.languages.binding.symbols import (
@@ -27,6 +28,8 @@ from plcopen_sfc.model.project import Configuration, Project, Resource, TreeNode
 from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
 from plcopen_sfc.model.types import DataType, DerivedType, EnumType, StructType
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+
+_T = TypeVar("_T")
 
 
 class Scopes:
@@ -96,7 +99,7 @@ class Scopes:
 
     def pou_levels(self, pou: Pou) -> tuple[Level, ...]:
         """Return the scope of a POU and those of what it extends."""
-        return tuple(map(self.pou, self._chain(pou)))
+        return tuple(map(self.pou, _chain(pou, self.base)))
 
     def base(self, pou: Pou) -> Pou | None:
         """Return the POU that this one extends, as the text of its declaration names it."""
@@ -114,19 +117,19 @@ class Scopes:
             return []
         if declaration.kind is not Kind.VARIABLE:
             return [each for each in self._overriding(pou, declaration.kind, declaration.name) if each != declaration]
-        method = next((each for each in pou.methods if any(holder is v for v in _parameters(each))), None)
+        method = next((each for each in pou.methods if any(holder is v for v in parameters_of(each.interface))), None)
         others = self._overriding(pou, Kind.METHOD, method.name) if method is not None else []
         return [
             Declaration(Kind.VARIABLE, f"{other.path}.{parameter.name}", (parameter,), other.pou)
             for other in others
-            for parameter in (_parameters(other.holder) if isinstance(other.holder, Method) else ())
+            for parameter in (parameters_of(other.holder.interface) if isinstance(other.holder, Method) else ())
             if parameter.name.casefold() == declaration.name.casefold() and parameter is not holder
         ]
 
     def _overriding(self, pou: Pou, kind: Kind, name: str) -> list[Declaration]:
         """Return the methods or actions of a name in a POU, in what it extends, and in what extends that."""
         if self._chains is None:
-            self._chains = [self._chain(each) for each in self._project.pous]
+            self._chains = [_chain(each, self.base) for each in self._project.pous]
         own = next(chain for chain in self._chains if chain[0] is pou)
         root = next((each for each in reversed(own) if self._declares(each, kind, name)), pou)
         family = (chain[0] for chain in self._chains if any(each is root for each in chain))
@@ -134,15 +137,6 @@ class Scopes:
 
     def _declares(self, pou: Pou, kind: Kind, name: str) -> list[Declaration]:
         return [each for each in self.pou(pou).named(name) if each.kind is kind]
-
-    def _chain(self, pou: Pou) -> list[Pou]:
-        """Return a POU and what it extends, the nearest first."""
-        chain: list[Pou] = []
-        derived: Pou | None = pou
-        while derived is not None and all(derived is not each for each in chain):
-            chain.append(derived)
-            derived = self.base(derived)
-        return chain
 
     def method(self, pou: Pou, method: Method) -> Level:
         """Return the declarations of a method."""
@@ -183,21 +177,17 @@ class Scopes:
         """Return the members of a structure, and those of what it extends."""
         if self._declared is None:
             self._declared = {id(each.type): each for each in self._project.data_types}
-        levels: list[Level] = []
-        derived: DataType | None = type_
-        while isinstance(derived, StructType) and self.structure(derived) not in levels:
-            levels.append(self.structure(derived))
-            derived = self._extended(self._declared.get(id(derived)))
-        return tuple(levels)
+        return tuple(map(self.structure, _chain(type_, self._extended)))
 
-    def _extended(self, declaration: t.DataTypeDeclaration | None) -> DataType | None:
-        """Return the type that the one of this declaration extends."""
+    def _extended(self, type_: StructType) -> StructType | None:
+        """Return the structure that this one extends, as its declaration names it."""
+        declaration = (self._declared or {}).get(id(type_))
         if declaration is None:
             return None
         for name in kept_inheritance(declaration.extension_data).extends:
             for level in self.outer(declaration.place):
                 for found in level.named(name.rpartition(".")[2]):
-                    if isinstance(found.holder, t.DataTypeDeclaration):
+                    if isinstance(found.holder, t.DataTypeDeclaration) and isinstance(found.holder.type, StructType):
                         return found.holder.type
         return None
 
@@ -312,9 +302,20 @@ _OF_STEPS = re.compile(r"G7_(?:Step|Transition)\w*|SFCStepType", re.IGNORECASE)
 """The types of variables that S7-GRAPH declares for each step and transition, and CODESYS on demand, by its name."""
 
 
-def _parameters(method: Method) -> list[t.Variable]:
-    kinds = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT)
-    sections = method.interface.sections if method.interface is not None else []
+def _chain(first: _T, base: Callable[[_T], _T | None]) -> list[_T]:
+    """Return something and what it extends, the nearest first."""
+    chain: list[_T] = []
+    derived: _T | None = first
+    while derived is not None and all(derived is not each for each in chain):
+        chain.append(derived)
+        derived = base(derived)
+    return chain
+
+
+def parameters_of(interface: Interface | None) -> list[t.Variable]:
+    """Return the variables that a call passes, in their order."""
+    kinds = (SectionKind.INPUT, SectionKind.IN_OUT, SectionKind.OUTPUT)
+    sections = interface.sections if interface is not None else []
     return [variable for section in sections if section.kind in kinds for variable in section.variables]
 
 

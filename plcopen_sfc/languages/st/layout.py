@@ -27,9 +27,9 @@ _CLOSE_BEHIND = frozenset({"LPAR", "LSQB", "DOT", "RANGE"})
 
 
 class _Places(NamedTuple):
-    """Where statements and the labels of a CASE begin."""
+    """Where statements and labels of a CASE begin, and where labels do."""
 
-    statements: frozenset[int]
+    beginnings: frozenset[int]
     labels: frozenset[int]
 
 
@@ -52,9 +52,10 @@ def layout_edits(text: str, dialect: Dialect, *, is_condition: bool = False) -> 
         if kind in _CLOSING and levels:
             levels.pop()
         if "\n" in gap or "\r" in gap or not place:
-            level = sum(levels) - (kind in _BETWEEN or _next(parts, place).span[0] in places.labels)
-            is_new = kind == "" or kind in _CLOSING | _BETWEEN or part.span[0] in places.statements | places.labels
-            wanted = _breaks(gap) + INDENT * (max(level, 0) if is_new else max(level, 0) + bool(place))
+            is_outer = kind in _BETWEEN or _following(parts, place).span[0] in places.labels
+            goes_on = bool(kind) and kind not in _CLOSING | _BETWEEN and part.span[0] not in places.beginnings
+            level = max(sum(levels) - is_outer, 0) + (goes_on and place > 0)
+            wanted = _breaks(gap) + INDENT * level
         else:
             wanted = _blank(parts[place - 1], part, unary)
         if wanted != gap:
@@ -83,10 +84,10 @@ def _places(tree: n.Node) -> _Places:
             starts.update(each.span[0] for each in getattr(node, name, None) or () if each.span is not None)
         if isinstance(node, n.CaseBranch) and node.labels[0].span is not None:
             labels.add(node.labels[0].span[0])
-    return _Places(frozenset(starts), frozenset(labels))
+    return _Places(frozenset(starts | labels), frozenset(labels))
 
 
-def _next(parts: list[Token | Comment], place: int) -> Token | Comment:
+def _following(parts: list[Token | Comment], place: int) -> Token | Comment:
     """Return the token that the comments at a place are before."""
     return next((part for part in parts[place:] if isinstance(part, Token)), parts[place])
 

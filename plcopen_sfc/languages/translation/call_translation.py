@@ -23,7 +23,7 @@ from plcopen_sfc.languages.standard_blocks import (
     standard_blocks,
 )
 from plcopen_sfc.languages.translation.name_translation import NameTranslator
-from plcopen_sfc.languages.translation.translation_context import TITLES, Notes
+from plcopen_sfc.languages.translation.translation_context import TITLES, Notes, family
 from plcopen_sfc.model.dialect import Dialect
 
 S7_TIMERS_AND_COUNTERS = frozenset({"TON", "TOF", "TP", "CTU", "CTD", "CTUD"})
@@ -48,6 +48,13 @@ _TIME_FUNCTION = re.compile(r"(ADD|SUB|MUL|DIV)_(L?)(TIME|TOD|DT|DATE)(?:_L?(?:T
 def is_of_codesys_alone(name: str) -> bool:
     """True for operators and functions of CODESYS that IEC 61131-3 and SCL do not have."""
     return name.upper() in _ONLY_CODESYS or name.startswith("__")
+
+
+def has_function(dialect: Dialect, name: str) -> bool:
+    """True for functions, operators and blocks that no project declares: standard ones, and those of CODESYS in it."""
+    if family(dialect) is Dialect.CODESYS and is_of_codesys_alone(name):
+        return True
+    return standard_block(name) is not None or name.upper() in BOUND_FUNCTIONS
 
 
 def operator_of(block: StandardBlock, target: Dialect) -> Operator | None:
