@@ -211,7 +211,10 @@ def check_import(project: Project, tool: str) -> list[Diagnostic]:
         from plcopen_sfc.documents.writer_preparation import note_limits  # noqa: PLC0415  # to write, and here
 
         limits = ConversionReport()
-        note_limits(loads(data, format=format, as_tool=True), own, limits)  # loops stand for some charts in the file
+        note_limits(project.charts(), own, limits)
+        if limits.items:  # loops are in the place of some of these charts in the file
+            limits.items.clear()
+            note_limits(loads(data, format=format, as_tool=True).charts(), own, limits)
         report_keywords(project, own.charts, limits)
         losses += limits.with_outcome(Outcome.NOT_EXECUTED)
     if kind == format and own.dialect is not None and own.dialect is project.dialect:

@@ -282,8 +282,10 @@ def _merged(
         """Return the tree of a project, in the terms of the tool where the file has or needs them."""
         written = replace(options, baseline=baseline, unchanged=unchanged)
         if options.untouched or not is_other:
+            _note_limits(edited, kind, touched, notes)
             return codec.to_tree(edited, written, notes)
         copy, marks = rewrite_project(edited, kind, written, notes)
+        _note_limits(copy, kind, touched, notes)
         for _, _, body in copy.bodies():
             if isinstance(body, SfcBody):
                 prepare_body(body, style, positions=False)
@@ -304,6 +306,14 @@ def _merged(
     except FormatError:  # references by position that lead elsewhere now
         return None
     return _Merged(data, is_same_to_tool=False) if is_same else None
+
+
+def _note_limits(written: Project, kind: Format, edited: Collection[str], report: ConversionReport) -> None:
+    """Report edited charts that are no nested branches. TC6 has wires for any; other writers report what they lack."""
+    if kind.drawing is DrawingNeed.STRUCTURED and kind.standard == "TC6":
+        from plcopen_sfc.documents.writer_preparation import note_limits  # noqa: PLC0415  # only to save edits
+
+        note_limits((chart for chart in written.charts() if chart.name in edited), kind, report)
 
 
 def _unchanged(before: Project, after: Project, touched: Collection[str], codec: XmlCodec) -> dict[int, frozenset[int]]:

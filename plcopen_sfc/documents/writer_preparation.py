@@ -20,7 +20,7 @@ from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import COUNTING_BYTES, Dialect, address_dialect
-from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.text import is_direct
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.net import Net
@@ -103,7 +103,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         return Prepared(written, copy, options, behaviour)
     written, marks = rewrite_project(copy, kind, options, report)
     if kind.charts is not None and kind.charts.is_codesys and not options.same:
-        note_limits(written, kind, report)
+        note_limits(written.charts(), kind, report)
     if written is not copy and _has_flags(kind):
         _put_into_notation(written, kind, report)
     return Prepared(written, copy, replace(options, marks=marks, rewritten=copy), behaviour)
@@ -197,7 +197,7 @@ def _drawn(
     options = replace(options, marks=marks, rewritten=meant)
     other = project.source is None or project.source.format != kind.name
     if style.structured and other:
-        note_limits(copy, kind, report)
+        note_limits(copy.charts(), kind, report)
     # a format without ids has branches of its own instead of the bars of others
     replaced = bool(options.flavour) or (not kind.ids and other)
     prepare(copy, style, positions=kind.positions, replace=replaced, foreign=True)
@@ -410,11 +410,11 @@ def _address_dialect(project: Project, kind: Format, dialect: Dialect | None) ->
     return project.address_dialect if is_own else target
 
 
-def note_limits(project: Project, kind: Format, report: ConversionReport) -> None:
-    """Report which charts tools that know nested branches only may not take, and that they begin with one step."""
+def note_limits(charts: Iterable[Chart], kind: Format, report: ConversionReport) -> None:
+    """Report charts that tools which know nested branches only may not take, and that they begin with one step."""
     from plcopen_sfc.drawing import limits  # noqa: PLC0415
 
-    for chart in project.charts():
+    for chart in charts:
         names = {step.id: f"step {step.name}" for step in chart.chart.steps}
         names |= {id_: f"transition {label}" for id_, label in chart.chart.labels().items()}
         initial = {step.id for step in chart.chart.steps if step.initial}

@@ -43,7 +43,8 @@ class _Provenance:
 
     `known` are the fields that were there before it was read; `digest` is that of its content as it was read, None
     before that. `place` is the document of a folder and the place of the object in it, `folder` the one that the file
-    itself has for the object. `origin` is where in a file it was read. Only copies have the same `mark`.
+    itself has for the object. `origin` is where in a file it was read. Only copies have the same `mark`. `is_replaced`:
+    the file has other sequences in the place of those of a chart.
     """
 
     known: tuple[str, ...] = ()
@@ -52,6 +53,7 @@ class _Provenance:
     folder: str | None = None
     origin: Origin | None = None
     mark: str = ""
+    is_replaced: bool = False
 
     def __deepcopy__(self, memo: dict[int, Any]) -> _Provenance:
         """Copies come from where the original comes from."""
@@ -75,7 +77,8 @@ def read_later(
         with collecting_rarely():
             whole = read()
         folder = whole.folder if isinstance(whole, ProjectObject) else None
-        thing._provenance = replace(_provenance(thing), digest=_own_digest(whole), folder=folder)
+        own, replaced = _own_digest(whole), _provenance(whole).is_replaced
+        thing._provenance = replace(_provenance(thing), digest=own, folder=folder, is_replaced=replaced)
         return whole
 
     thing = model.late(fields, supply, text)
@@ -202,6 +205,17 @@ def _charts_in(pou: Pou) -> Iterator[tuple[tuple[str | int, ...], str, SfcBody]]
 def remember_body(body: SfcBody, origin: Origin) -> None:
     """Remember where the chart of a body was read."""
     body.chart._provenance = replace(_provenance(body.chart), origin=origin)
+
+
+def remember_replaced(chart: SfcNetwork) -> None:
+    """Remember that the file of a chart has other sequences in the place of its own, as `added_element` marks them."""
+    chart._provenance = replace(_provenance(chart), is_replaced=True)
+
+
+def is_replaced(chart: SfcNetwork) -> bool:
+    """True if the file that a chart was read from has other sequences in its place."""
+    chart.read()
+    return _provenance(chart).is_replaced
 
 
 def remember_object(thing: ProjectObject, origin: Origin) -> None:

@@ -214,6 +214,27 @@ def test_edits_of_a_converted_file_keep_the_loops() -> None:
     assert sum("begins" in each.condition.text for each in tool.transitions if isinstance(each.condition, m.Expression))
 
 
+def test_an_edit_of_one_chart_of_a_file_is_no_reason_for_loops_in_another() -> None:
+    """Loops were written for each chart of a file with loops, and such an edit of other files was saved silently."""
+    crossed = CROSSED.format(between="Pause", more="STEP Pause: END_STEP")
+    own = crossed.replace("PROGRAM Main", "PROGRAM Own").replace("END_PROGRAM", "").partition("TRANSITION FROM (")[0]
+    own += "TRANSITION FROM (Left, Right) TO Init := d; END_TRANSITION END_PROGRAM"
+    project = sfc.loads(sfc.dumps(sfc.loads((crossed + own).encode(), format="iec-text"), format="codesys"))
+    chart = project.pou("Own").chart
+    chart.add_step("Pause")
+    chart.add_transition(["Left", "Right"], "Pause", "b")
+    chart.add_transition("Pause", ["Left", "Right"], "c")
+    project.rename("Main.a", "begins")
+    with pytest.raises(sfc.LossError, match="SFC130") as refused:
+        sfc.dumps(project)
+    assert {item.path.partition(" /")[0] for item in refused.value.report.losses} == {"POU Own"}
+    tool = sfc.loads(sfc.dumps(project, partial=True), as_tool=True)
+    assert ["Pause_rests" in {step.name for step in tool.pou(pou).chart.steps} for pou in ("Main", "Own")] == [
+        True,
+        False,
+    ]
+
+
 def test_a_step_left_and_entered_at_once_is_in_no_loop() -> None:
     text = CROSSED.format(between="(Left, Right)", more="")
     report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "codesys", partial=True)[1]

@@ -31,7 +31,8 @@ from plcopen_sfc.conversion.adaptation.step_checks import StepChecks
 from plcopen_sfc.conversion.executed_parts import START
 from plcopen_sfc.drawing import limits
 from plcopen_sfc.formats.format_interface import ChartHost, WriteOptions
-from plcopen_sfc.formats.plcopen.source_marks import OF_BRANCHES, replaced_sequences, replaces_sequences
+from plcopen_sfc.formats.plcopen.source_marks import OF_BRANCHES, replaced_sequences
+from plcopen_sfc.formats.provenance import is_replaced
 from plcopen_sfc.languages.st import parse_expression, print_node
 from plcopen_sfc.lowering.code.boolean_logic import reduced
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
@@ -229,9 +230,9 @@ class SequenceRewriter:
         return start
 
 
-def _may_replace(options: WriteOptions) -> bool:
-    """True if the target has no chart of its own, or its file has other sequences in the place of the source's."""
-    return not (options.of_codesys or options.same_format) or replaces_sequences(options.source)
+def _may_replace(chart: SfcNetwork, options: WriteOptions) -> bool:
+    """True if the chart is none of the target, or the file of the target has other sequences in its place."""
+    return not (options.of_codesys or options.same_format) or is_replaced(chart)
 
 
 def undrawable(chart: SfcNetwork, host: ChartHost, options: WriteOptions) -> frozenset[int]:
@@ -240,7 +241,7 @@ def undrawable(chart: SfcNetwork, host: ChartHost, options: WriteOptions) -> fro
     A loop cannot say that a step is left and entered at once.
     """
     waiting = [each for each in chart.transitions if len(each.sources) > 1]
-    if not host.is_codesys or not waiting or not _may_replace(options):
+    if not host.is_codesys or not waiting or not _may_replace(chart, options):
         return frozenset()
     if any(not set(each.sources).isdisjoint(each.targets) for each in chart.transitions):
         return frozenset()
@@ -251,7 +252,7 @@ def undrawable(chart: SfcNetwork, host: ChartHost, options: WriteOptions) -> fro
 def steps_to_start(chart: SfcNetwork, host: ChartHost, options: WriteOptions) -> list[Step]:
     """Return the initial steps that a chart of the target cannot have beside each other; none: it can have all."""
     initial = [step for step in chart.steps if step.initial]
-    if len(initial) < 2 or not _may_replace(options):
+    if len(initial) < 2 or not _may_replace(chart, options):
         return []
     if host.is_codesys:
         return initial

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import ValidationError
 
+from plcopen_sfc.formats.provenance import remember_replaced
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.chart_settings import FlagUse, GraphSettings, SfcFlag, SfcSettings
@@ -224,11 +225,6 @@ def drawing_mark(drawing: Drawing) -> dict[str, Any]:
     return {DRAWING_FIELD: drawing.model_dump(mode="json", exclude_defaults=True)}
 
 
-def replaces_sequences(content: bytes) -> bool:
-    """True if a file has sequences in the place of those of a chart of another tool, as `added_element` marks them."""
-    return f'"{OF_BRANCHES}": true'.encode() in content
-
-
 def restore_chart(
     chart: SfcNetwork,
     marks: Mapping[int, dict[str, Any]],
@@ -249,6 +245,8 @@ def restore_chart(
     _put_logic(chart, [mark for number, mark in marks.items() if number not in outdated])
     added = {number for number, mark in marks.items() if mark.get("added") and number not in outdated}
     _take_out(chart, added)
+    if any(marks[number].get(OF_BRANCHES) for number in added):
+        remember_replaced(chart)
     for number in sorted(added):
         _put_sequences(chart, marks[number])
     if any(not (marks[number].keys() & _OF_ALL_TOOLS) for number in added) and chart.graph_settings is None:
