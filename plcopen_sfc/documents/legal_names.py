@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.s7_types import is_system_data
 from plcopen_sfc.languages.translation.translation_context import family
-from plcopen_sfc.languages.words import free_name
+from plcopen_sfc.languages.words import free_name, identifier
 from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
@@ -34,13 +34,13 @@ def give_legal_names(
     old one does.
     """
     from plcopen_sfc.languages.binding import Names  # noqa: PLC0415  # brings the parser
-    from plcopen_sfc.languages.translation.renames import DECLARED_DATA, keep_table, kept_table  # noqa: PLC0415
+    from plcopen_sfc.languages.translation.renames import KeptNames, keep_names, kept_names  # noqa: PLC0415
     from plcopen_sfc.refactor.rename import rename_many, restore_names  # noqa: PLC0415
 
     if family(copy.dialect) is not Dialect.IEC:
         return
     leaves = dialect is not None and family(dialect) is not Dialect.IEC
-    kept = [] if leaves else kept_table(copy, DECLARED_DATA)
+    kept = [] if leaves else kept_names(copy, KeptNames.DECLARED)
     if not leaves and not kept:
         return
     names = Names(copy)
@@ -74,7 +74,8 @@ def give_legal_names(
         if len(part) == len(wanted):
             break
     paths = {id(each.holder): each.path for each in Names(copy).declarations()}
-    keep_table(copy, DECLARED_DATA, [(paths[id(each.holder)], name, each.name) for each, name in done if leaves])
+    rows = [(paths[id(each.holder)], name, each.name) for each, name in done if leaves]
+    keep_names(copy, KeptNames.DECLARED, rows)
 
 
 def illegal_names(project: Project, dialect: Dialect, tool: str) -> Iterator[tuple[str, str]]:
@@ -92,8 +93,6 @@ def _legal(
     project: Project, declared: list[Declaration], tool: str, *, is_codesys: bool, with_letters: bool
 ) -> dict[Declaration, tuple[str, str]]:
     """Return the names that things get, and why. `with_letters`: CODESYS gets other letters for those with accents."""
-    from plcopen_sfc.languages.translation.renames import identifier  # noqa: PLC0415  # brings the parser
-
     clashing: set[int] = set()
     for chart in project.charts():
         variables = {each.name.casefold() for each in chart.pou.variables() if not is_system_data(each)}

@@ -72,10 +72,10 @@ def _renamed_variables(project: Project, copy: Project) -> dict[str, str]:
 
     Those of members of structures are as in programs: ``POU Main / motor.is_on``, ``global variable Data.is_on``.
     """
-    from plcopen_sfc.languages.translation.renames import NameScope, kept_names  # noqa: PLC0415  # brings the parser
+    from plcopen_sfc.languages.translation.renames import NameScope, kept_renames  # noqa: PLC0415  # brings the parser
 
     found = _renamed_for_matiec(project, copy)
-    from_s7, to_s7 = kept_names(copy), kept_names(project)
+    from_s7, to_s7 = kept_renames(copy), kept_renames(project)
     if not (len(from_s7) or len(to_s7)):
         return found
 

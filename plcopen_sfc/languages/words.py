@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Container
 from itertools import zip_longest
 
 from plcopen_sfc.languages.st.lexer import STATEMENT_KEYWORDS
+from plcopen_sfc.languages.standard_blocks import standard_blocks
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.types import Elementary
 
@@ -55,7 +57,15 @@ CODESYS_KEYWORDS = CODESYS23_KEYWORDS | frozenset(
 )
 """Words that are no names in CODESYS V3 and TwinCAT 3: no project in reach has one, but for names such as ``Step``."""
 
-
+_IEC_WORDS = frozenset(block.name for block in standard_blocks()) | frozenset(
+    """STEP INITIAL_STEP END_STEP TRANSITION END_TRANSITION ACTION END_ACTION FROM WITH ON CONFIGURATION RESOURCE TASK
+    PRIORITY READ_ONLY READ_WRITE R_EDGE F_EDGE""".split()
+)
+"""Standard functions and blocks, and words of textual charts and configurations; many tools take these as names."""
+_CODESYS_WORDS = CODESYS_KEYWORDS | frozenset(
+    """ADD MUL SUB DIV MOVE NOT SHL SHR ROL ROR SEL MAX MIN LIMIT MUX GT LT LE GE EQ NE ADR BITADR INI SIZEOF XSIZEOF
+    INDEXOF ABS SQRT LN LOG EXP SIN COS TAN ASIN ACOS ATAN EXPT TRUNC TRUNC_INT""".split()
+)
 _SCL_WORDS = TRANSLATED_KEYWORDS | {"ANY", "BEGIN", "DB", "LABEL"}
 """Words that are names in quotes only in SCL, in declarations as in use; the last four are variables elsewhere."""
 
@@ -68,6 +78,34 @@ def is_plain(name: str) -> bool:
 def needs_quotes(name: str) -> bool:
     """True if a name is in quotes in SCL wherever it is declared and used."""
     return not is_plain(name) or name.upper() in _SCL_WORDS
+
+
+_UMLAUTS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss", "ẞ": "SS"})
+
+
+def is_identifier(name: str) -> bool:
+    """True if a name is an identifier of IEC 61131-3 (6.1.2): letters, digits, and single underscores."""
+    return re.fullmatch(r"(?!.*__)[A-Za-z_][A-Za-z0-9_]*", name) is not None
+
+
+def without_accents(name: str) -> str:
+    """Return a name in the letters of ASCII: those with accents without them, German ones as German writes them."""
+    text = unicodedata.normalize("NFC", name).translate(_UMLAUTS)
+    return unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
+
+
+def identifier(name: str) -> str:
+    """Return an identifier like `name`: ``Füllstand 1`` is ``Fuellstand_1``."""
+    text = re.sub(r"[^A-Za-z0-9]+", "_", without_accents(name)).strip("_")
+    if not text:  # nothing left, as of a name in another script
+        text = "_".join(f"u{ord(character):04X}" for character in name) or "unnamed"
+    return f"_{text}" if text[0].isdigit() else text
+
+
+def is_reserved(name: str, target: Dialect) -> bool:
+    """True if `target` reads a name as something else, so that no variable and no member can have it."""
+    word = name.upper()
+    return word in TRANSLATED_KEYWORDS or word in (_IEC_WORDS if target is Dialect.IEC else _CODESYS_WORDS)
 
 
 def objection(name: str, dialect: Dialect) -> str:

@@ -18,7 +18,7 @@ from plcopen_sfc.analysis.pairing import with_commands
 from plcopen_sfc.analysis.search_limits import seconds, spent
 from plcopen_sfc.analysis.verdict import UntestedError, Verdict, VerdictKind
 from plcopen_sfc.errors import Location, LoweringError, SfcError
-from plcopen_sfc.languages.translation.renames import identifier, is_identifier, is_reserved
+from plcopen_sfc.languages.words import identifier, is_identifier, is_reserved
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts.graph.graph_parameters import PARAMETERS

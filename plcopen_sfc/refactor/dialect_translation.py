@@ -36,7 +36,7 @@ from plcopen_sfc.languages.translation import (
     translate,
 )
 from plcopen_sfc.languages.translation.arithmetic_translation import ArithmeticTranslator
-from plcopen_sfc.languages.translation.renames import keep_names, kept_names
+from plcopen_sfc.languages.translation.renames import KeptNames, keep_names, kept_renames
 from plcopen_sfc.languages.translation.translation_context import TITLES, Notes, family
 from plcopen_sfc.model import (
     ActionAssociation,
@@ -123,7 +123,7 @@ def translate_project(
     texts = [
         text_site for text_site in text_sites(project) if text_site.is_program_text and not _names_a_step(text_site)
     ]
-    renames = kept_names(project) if target is Dialect.SCL else _names_of_results(project, source, target)
+    renames = kept_renames(project) if target is Dialect.SCL else _names_of_results(project, source, target)
     while True:  # a later text may need a name that an earlier one has used
         known = len(renames)
         results = [_translated(text_site, target, renames, project, globals_) for text_site in texts]
@@ -142,7 +142,7 @@ def translate_project(
     found += _rename_steps(project, renames, target)
     _rename_declarations(project, renames, target)
     if Dialect.SCL in (source, target) and source is not target:
-        keep_names(project, renames if source is Dialect.SCL else Renames())
+        keep_names(project, KeptNames.TRANSLATED, renames.rows() if source is Dialect.SCL else ())
     _rename_instances(project, source, target)
     _say_lengths(project, source, target)
     found += _say_starts(project, source, target)

@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 
 from plcopen_sfc.languages.binding import Names, bind
-from plcopen_sfc.languages.translation.renames import PROGRAMS_DATA, keep_table, kept_table
+from plcopen_sfc.languages.translation.renames import KeptNames, keep_names, kept_names
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.languages.words import free_name
 from plcopen_sfc.model.base import ForeignData
@@ -74,13 +74,13 @@ def _make_blocks(project: Project, tool: str, report: ConversionReport) -> None:
         made.append((name, program.name, caller))
         made += [(program.name, "", f"{number} {place} {count} {variable}") for variable, number, place, count in shown]
     if made:
-        keep_table(project, PROGRAMS_DATA, made)
+        keep_names(project, KeptNames.PROGRAMS, made)
 
 
 def _make_programs(project: Project, report: ConversionReport) -> None:
     """Let function blocks be programs again that were made of such, where nothing else is called as they were."""
     pous = {pou.name: pou for pou in project.pous}
-    rows = kept_table(project, PROGRAMS_DATA)
+    rows = kept_names(project, KeptNames.PROGRAMS)
     shown = {(block, text.split()[-1]): text for block, kind, text in rows if not kind}
     for name, block, caller in (row for row in rows if row[1]):
         sections = [each for each in project.global_sections() if any(v.name == name for v in each.variables)]
@@ -97,7 +97,7 @@ def _make_programs(project: Project, report: ConversionReport) -> None:
             project.pous = [each for each in project.pous if each.name != caller]
             for place, called in _called_by_tasks(project, caller.casefold()):
                 _execute(called, name, place, f"the program {name}", report)
-    keep_table(project, PROGRAMS_DATA, [])
+    keep_names(project, KeptNames.PROGRAMS, ())
 
 
 def _users(project: Project, programs: Mapping[str, Pou]) -> dict[str, set[str]]:

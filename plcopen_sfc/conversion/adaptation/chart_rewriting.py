@@ -8,8 +8,7 @@ from plcopen_sfc.formats.format_interface import ChartHost, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import SourceMarks, added_section
 from plcopen_sfc.languages.networks import condition_reader, is_empty_network
 from plcopen_sfc.languages.st import print_node
-from plcopen_sfc.languages.translation.renames import identifier
-from plcopen_sfc.languages.words import free_name
+from plcopen_sfc.languages.words import free_name, identifier
 from plcopen_sfc.lowering.code.lowered_code import names_of
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.chart_settings import SfcFlag

@@ -25,8 +25,7 @@ from plcopen_sfc.languages.effects import may_change, path_of
 from plcopen_sfc.languages.networks import condition_reader, draw_ld
 from plcopen_sfc.languages.sfc_flag_uses import WATCHING_FLAGS, flags_at_rest, named_flags
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node
-from plcopen_sfc.languages.translation.renames import identifier
-from plcopen_sfc.languages.words import free_name, needs_quotes
+from plcopen_sfc.languages.words import free_name, identifier, needs_quotes
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.conditions import Expression

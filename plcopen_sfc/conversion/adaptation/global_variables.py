@@ -37,8 +37,8 @@ from plcopen_sfc.languages.start_values import filled
 from plcopen_sfc.languages.task_schedules import FREEWHEELING
 from plcopen_sfc.languages.translation import NameScope, Renames
 from plcopen_sfc.languages.translation.literal_translation import translated_address
-from plcopen_sfc.languages.translation.renames import identifier, kept_names
-from plcopen_sfc.languages.words import free_name
+from plcopen_sfc.languages.translation.renames import kept_renames
+from plcopen_sfc.languages.words import free_name, identifier
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
@@ -146,7 +146,7 @@ class _Globals:
     declared: set[str] = field(init=False)
 
     def __post_init__(self) -> None:
-        self.names = kept_names(self.project)
+        self.names = kept_renames(self.project)
         things = [*self.project.pous, *self.project.data_types]
         self.declared = {thing.name.casefold() for thing in things}
         self.types = {each.name.casefold(): each.type for each in self.project.data_types}

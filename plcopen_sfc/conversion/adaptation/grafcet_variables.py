@@ -13,8 +13,7 @@ from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.languages.binding import Declaration
 from plcopen_sfc.languages.declarations import write_type
 from plcopen_sfc.languages.translation.literal_translation import translated_address
-from plcopen_sfc.languages.translation.renames import identifier
-from plcopen_sfc.languages.words import is_plain
+from plcopen_sfc.languages.words import identifier, is_plain
 from plcopen_sfc.lowering.code.lowered_code import names_of
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou

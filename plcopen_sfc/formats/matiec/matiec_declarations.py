@@ -11,7 +11,6 @@ nothing but the text: what it uses and does not declare (blocks of libraries, ab
 from __future__ import annotations
 
 import re
-import unicodedata
 from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain, count
@@ -24,7 +23,7 @@ from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, render, transform, walk
 from plcopen_sfc.languages.standard_blocks import standard_block
-from plcopen_sfc.languages.words import IEC_KEYWORDS
+from plcopen_sfc.languages.words import EDGES, IEC_KEYWORDS, without_accents
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Configuration, Project, Resource
 from plcopen_sfc.model.types import (
@@ -49,8 +48,7 @@ from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _NAME = re.compile(r"(?!.*__)(?!.*_$)[A-Za-z_][A-Za-z0-9_]*")
-_LETTERS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss"})
-_KEYWORDS = IEC_KEYWORDS | {"ON", "R_EDGE", "F_EDGE", "EN", "ENO"}
+_KEYWORDS = IEC_KEYWORDS | EDGES | {"ON", "EN", "ENO"}
 _LIBRARY = frozenset({"RTC", "SEMA", "INTEGRAL", "DERIVATIVE", "PID", "RAMP", "HYSTERESIS"})
 _TYPED = re.compile(r"([A-Z_]+)_(?:[SDL]?INT|U[SDL]?INT|L?REAL|BOOL|BYTE|[DL]?WORD)")
 
@@ -108,8 +106,7 @@ def is_matiec_name(name: str) -> bool:
 
 def matiec_name(name: str) -> str:
     """Return a name near `name` that matiec takes."""
-    plain = unicodedata.normalize("NFKD", name.translate(_LETTERS)).encode("ascii", "ignore").decode()
-    plain = re.sub(r"_+", "_", re.sub(r"[^A-Za-z0-9_]", "_", plain)).rstrip("_") or "x"
+    plain = re.sub(r"_+", "_", re.sub(r"[^A-Za-z0-9_]", "_", without_accents(name))).rstrip("_") or "x"
     return plain if is_matiec_name(plain) else f"x_{plain.lstrip('_')}"
 
 

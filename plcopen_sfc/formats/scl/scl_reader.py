@@ -26,7 +26,7 @@ from plcopen_sfc.formats.text_patch import (
 from plcopen_sfc.languages.declarations import Declared, DeclaredUnit, Head, read_declarations, split_units, write_value
 from plcopen_sfc.languages.declarations.declaration_comments import said
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
-from plcopen_sfc.languages.declarations.type_names import is_identifier, is_unit_quoted_in_scl
+from plcopen_sfc.languages.declarations.type_names import is_unit_quoted_in_scl, is_unreserved
 from plcopen_sfc.languages.problems import Lines, Problem
 from plcopen_sfc.languages.s7_types import number_of, s7_types
 from plcopen_sfc.languages.st import declaration_nodes as d
@@ -139,7 +139,7 @@ def _written(name: str, path: Path) -> str:
 
 
 def _name(name: str) -> str:
-    return name if is_identifier(name) else f'"{name}"'
+    return name if is_unreserved(name) else f'"{name}"'
 
 
 KEYWORDS = {

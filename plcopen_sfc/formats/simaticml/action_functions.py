@@ -32,8 +32,7 @@ from plcopen_sfc.languages.st import parse_expression, parse_statements, print_n
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, S7_VERSION, StandardBlock, standard_block
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
-from plcopen_sfc.languages.translation.renames import identifier
-from plcopen_sfc.languages.words import free_name
+from plcopen_sfc.languages.words import free_name, identifier
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import NamedCondition
 from plcopen_sfc.model.dialect import Dialect

@@ -22,7 +22,7 @@ from pydantic import ValidationError
 from plcopen_sfc.errors import Location, ModelError, StructureError
 from plcopen_sfc.formats.format_interface import TIA_PORTAL
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines
-from plcopen_sfc.languages.translation.renames import DECLARED_DATA
+from plcopen_sfc.languages.translation.renames import NAMES_DATA
 from plcopen_sfc.model.base import ExtensionData, ForeignData, Model
 from plcopen_sfc.model.checked import first_misfit
 from plcopen_sfc.model.late import LateElement
@@ -242,7 +242,7 @@ def _exchanged(extension_data: ExtensionData, own: Markup, wanted: Markup) -> Ex
             found.data += taken.data
             found.attributes |= taken.attributes
             found.elements += taken.elements
-        elif data.name.startswith(KEPT_MARKUP) or data.name == DECLARED_DATA:
+        elif data.name.startswith(KEPT_MARKUP) or data.name == NAMES_DATA:
             found.data.append(data)
         else:
             left.data.append(data)

@@ -70,7 +70,7 @@ _SYSTEM_TYPES = re.compile(
 _NUMBERS = re.compile(r"(?:FB|FC|DB|OB|UDT)\d+", re.IGNORECASE)
 
 
-def is_identifier(name: str) -> bool:
+def is_unreserved(name: str) -> bool:
     """True if `name` needs no quotes."""
     return _IDENTIFIER.fullmatch(name) is not None and name.upper() not in _RESERVED
 
@@ -92,19 +92,19 @@ def bare_name(text: str) -> str:
 
 def written_name(name: str, dialect: Dialect) -> str:
     """`name` as a declaration can have it: in quotes in SCL; elsewhere an invalid name is made valid."""
-    if is_identifier(name) or (name.upper() in _BETWEEN and dialect is not Dialect.SCL):
+    if is_unreserved(name) or (name.upper() in _BETWEEN and dialect is not Dialect.SCL):
         return name
     if dialect is Dialect.SCL:
         return '"' + re.sub(r'["\r\n]', "_", name) + '"'
     plain = re.sub(r"\W", "_", name) or "_"
-    return f"_{plain}" if plain[0].isdigit() else plain if is_identifier(plain) else f"{plain}_"
+    return f"_{plain}" if plain[0].isdigit() else plain if is_unreserved(plain) else f"{plain}_"
 
 
 def declared_name(name: str, dialect: Dialect) -> str:
     """Return the name of a variable as its declaration has it: in quotes in SCL if it has them in use, unlike types."""
     return (
         f'"{name}"'
-        if dialect is Dialect.SCL and is_identifier(name) and needs_quotes(name)
+        if dialect is Dialect.SCL and is_unreserved(name) and needs_quotes(name)
         else written_name(name, dialect)
     )
 

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import json
-import re
-import unicodedata
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TypeAlias
 
-from plcopen_sfc.languages.standard_blocks import standard_blocks
-from plcopen_sfc.languages.words import CODESYS_KEYWORDS, TRANSLATED_KEYWORDS
+from plcopen_sfc.languages.words import identifier, is_identifier, is_reserved
 from plcopen_sfc.model.base import ExtensionData, ForeignData
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
@@ -66,6 +63,10 @@ class Renames:
         """Return how many new names were ever given, those that had to be given up again too."""
         return len(self._old)
 
+    def rows(self) -> list[tuple[str, str, str]]:
+        """Return the renames as the rows that a project keeps (`KeptNames.TRANSLATED`)."""
+        return sorted((rename.scope.value, rename.old, rename.new) for rename in self)
+
     def new_name(self, scope: NameScope, old: str) -> str | None:
         """Return the name of `old` outside of SCL; None: no rename is known."""
         found = self._new.get(_key(scope, old))
@@ -109,78 +110,58 @@ def _is_legal(name: str, target: Dialect) -> bool:
     return is_identifier(name) and not is_reserved(name, target)
 
 
-def is_identifier(name: str) -> bool:
-    """True if a name is an identifier of IEC 61131-3 (6.1.2): letters, digits, and single underscores."""
-    return re.fullmatch(r"(?!.*__)[A-Za-z_][A-Za-z0-9_]*", name) is not None
-
-
-def identifier(name: str) -> str:
-    """Return an identifier like `name`: ``Füllstand 1`` is ``Fuellstand_1``."""
-    text = unicodedata.normalize("NFC", name).translate(_UMLAUTS)
-    text = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
-    text = re.sub(r"[^A-Za-z0-9]+", "_", text).strip("_")
-    if not text:  # nothing left, as of a name in another script
-        text = "_".join(f"u{ord(character):04X}" for character in name) or "unnamed"
-    return f"_{text}" if text[0].isdigit() else text
-
-
-def is_reserved(name: str, target: Dialect) -> bool:
-    """True if `target` reads a name as something else, so that no variable and no member can have it."""
-    word = name.upper()
-    return word in TRANSLATED_KEYWORDS or word in (_IEC_WORDS if target is Dialect.IEC else _CODESYS_WORDS)
-
-
-_UMLAUTS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss", "ẞ": "SS"})
-_IEC_WORDS = frozenset(block.name for block in standard_blocks()) | frozenset(
-    """STEP INITIAL_STEP END_STEP TRANSITION END_TRANSITION ACTION END_ACTION FROM WITH ON CONFIGURATION RESOURCE TASK
-    PRIORITY READ_ONLY READ_WRITE R_EDGE F_EDGE""".split()
-)
-"""Standard functions and blocks, and words of textual charts and configurations; many tools take these as names."""
-_CODESYS_WORDS = CODESYS_KEYWORDS | frozenset(
-    """ADD MUL SUB DIV MOVE NOT SHL SHR ROL ROR SEL MAX MIN LIMIT MUX GT LT LE GE EQ NE ADR BITADR INI SIZEOF XSIZEOF
-    INDEXOF ABS SQRT LN LOG EXP SIN COS TAN ASIN ACOS ATAN EXPT TRUNC TRUNC_INT""".split()
-)
-
-
 NAMES_DATA = "urn:plcopen-sfc:names"
-"""The data of a project that keeps them."""
-DECLARED_DATA = "urn:plcopen-sfc:declared"
-"""The data of a project that keeps the names in its source of what it declares; files of all tools have it."""
-PROGRAMS_DATA = "urn:plcopen-sfc:programs"
-"""The data of a project that keeps the names of programs of CODESYS, of blocks in their place, and of their callers."""
+"""The data of a project that keeps names of its source; files of all tools have it."""
 
 
-def keep_names(project: Project, renames: Renames) -> None:
-    """Keep the renames with the project instead of those that it has kept before."""
-    keep_table(project, NAMES_DATA, sorted((rename.scope.value, rename.old, rename.new) for rename in renames))
+class KeptNames(StrEnum):
+    """Names of a source that a project keeps, each a row of three texts.
+
+    TRANSLATED: the `Renames` of texts from SCL: scope, old and new name. DECLARED: declarations that got names which
+    the tool can have: path, old and new name. PROGRAMS: programs of CODESYS, the blocks in their place, and the callers
+    of these.
+    """
+
+    TRANSLATED = "translated"
+    DECLARED = "declared"
+    PROGRAMS = "programs"
 
 
-def keep_table(project: Project, name: str, rows: Sequence[tuple[str, str, str]]) -> None:
-    """Keep rows of names with the project instead of those that it has kept as `name` before; none: keep nothing."""
+_Row: TypeAlias = tuple[str, str, str]
+
+
+def keep_names(project: Project, kind: KeptNames, rows: Iterable[_Row]) -> None:
+    """Keep names with the project instead of those of the kind that it has kept before."""
+    table = [row for row in _kept_table(project) if row[0] != kind] + [[kind.value, *row] for row in rows]
     extension_data = project.extension_data or ExtensionData()
-    data = [one for one in extension_data.data if one.name != name]
-    if rows:
-        text = json.dumps(rows).replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
-        data.append(ForeignData(name=name, content=f'<names xmlns="{name}">{text}</names>'))
+    data = [one for one in extension_data.data if one.name != NAMES_DATA]
+    if table:
+        text = json.dumps(table).replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
+        data.append(ForeignData(name=NAMES_DATA, content=f'<names xmlns="{NAMES_DATA}">{text}</names>'))
     extension_data = extension_data.model_copy(update={"data": data})
     project.extension_data = extension_data if extension_data != ExtensionData() else None
 
 
-def kept_names(project: Project) -> Renames:
-    """The renames that a project has kept since its texts were translated from SCL; none where they are damaged."""
+def kept_names(project: Project, kind: KeptNames) -> list[_Row]:
+    """Return the names of a kind that a project has kept; none where they are damaged."""
+    return [(first, second, third) for own, first, second, third in _kept_table(project) if own == kind]
+
+
+def kept_renames(project: Project) -> Renames:
+    """Return the renames that a project has kept since its texts were translated from SCL; none if damaged."""
     try:
-        return Renames(Rename(NameScope(scope), old, new) for scope, old, new in kept_table(project, NAMES_DATA))
+        rows = kept_names(project, KeptNames.TRANSLATED)
+        return Renames(Rename(NameScope(scope), old, new) for scope, old, new in rows)
     except ValueError:
         return Renames()
 
 
-def kept_table(project: Project, name: str) -> list[tuple[str, str, str]]:
-    """Return the rows of names that a project has kept as `name`; none where they are damaged."""
+def _kept_table(project: Project) -> list[list[str]]:
     for data in project.extension_data.data if project.extension_data is not None else ():
-        if data.name == name:
+        if data.name == NAMES_DATA:
             try:
                 rows = json.loads(data.content.partition(">")[2].rpartition("</")[0])
-                return [(str(first), str(second), str(third)) for first, second, third in rows]
+                return [[str(kind), str(first), str(second), str(third)] for kind, first, second, third in rows]
             except (TypeError, ValueError):
                 break
     return []

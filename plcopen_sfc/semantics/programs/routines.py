@@ -10,7 +10,7 @@ from typing import Any
 
 from plcopen_sfc.errors import Location, SimulationError
 from plcopen_sfc.languages.declarations.kept_texts import kept
-from plcopen_sfc.languages.declarations.type_names import is_identifier
+from plcopen_sfc.languages.declarations.type_names import is_unreserved
 from plcopen_sfc.languages.networks import body_statements, chart_statements, condition_expression
 from plcopen_sfc.languages.networks.exported_networks import SOURCES, network_statements
 from plcopen_sfc.languages.networks.results import NetworkText
@@ -392,7 +392,7 @@ class Routines:
                 found = self._library.named_type(type_name, self._scope)
                 if isinstance(found, t.StructureType):
                     self._library.implicit(name, found)
-            elif is_identifier(text) and isinstance(self._scope.resolve(n.Name(text)), Unknown):
+            elif is_unreserved(text) and isinstance(self._scope.resolve(n.Name(text)), Unknown):
                 found = self._library.named_type(type_name, self._scope)
                 if isinstance(found, t.StructureType):
                     self._scope.helper(name, found)
