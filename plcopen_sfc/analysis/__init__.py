@@ -1,7 +1,8 @@
 """Analysis of charts, and comparison of charts and programs.
 
 * `checks`: the numbered rules.
-* Charts with free conditions: `marking` (the marking graph), `soundness`, `regions`, `unreachable`.
+* Charts with free conditions: `marking` (the marking graph), `ruled_situations` (under forcing orders),
+  `soundness`, `regions`, `unreachable`.
 * Conditions: `exclusivity`, with `knowledge` of names, `formulas` for z3.
 * Comparisons: `equivalence` with its `verdict` and `coverage`; `systems` and `pairing` (what is compared),
   `system_comparison`, `product` (the search for a proof), `directed` with `goals` and `stimuli` (the search without

@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import combinations
+from functools import reduce
+from itertools import combinations, product
+from operator import or_
 
 from plcopen_sfc.analysis.checks.action_targets import (
     Manner,
@@ -24,7 +26,7 @@ from plcopen_sfc.languages.effects import Path, path_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.model.actions import ActionEvent, ActionKind, Qualifier
-from plcopen_sfc.semantics.net import NetStep
+from plcopen_sfc.semantics.net import NetStep, NetTransition
 from plcopen_sfc.semantics.profile import BooleanTargets
 
 _KEEPING = frozenset({Manner.SET, Manner.RESET, Manner.STORED})
@@ -233,23 +235,43 @@ def _together(chart: CheckedChart, first: _Write, second: _Write) -> str:
         return _at_once(chart, first, second)
     if first.step is second.step:
         return ""  # in the order of the text
-    if chart.graph.complete and chart.graph.concurrent(first.step, second.step):
+    if chart.concurrent(first.step, second.step):
         return "and both can be active together"
     return ""
 
 
 def _at_once(chart: CheckedChart, first: _Write, second: _Write) -> str:
     """Return True if transitions that let both happen can be cleared in one evolution."""
-    net = chart.net
-    for a in _causes(chart, first):
-        for b in _causes(chart, second):
-            if a == b:
-                return f"and both happen when {net.transitions[a].path} is cleared"
-            both = net.transitions[a].pre | net.transitions[b].pre
-            apart = not net.transitions[a].pre & net.transitions[b].pre
-            if apart and chart.graph.complete and any(not both & ~marking for marking in chart.graph):
-                return f"and {net.transitions[a].path} and {net.transitions[b].path} can be cleared together"
+    of_first, of_second = _causes(chart, first), _causes(chart, second)
+    for cause in sorted(of_first & of_second):
+        one = chart.net.transitions[cause]
+        if not chart.net.hierarchy or _both_happen(chart, (first, second), one):
+            return f"and both happen when {one.path} is cleared"
+    for a, b in product(sorted(of_first), sorted(of_second)):
+        one, other = chart.net.transitions[a], chart.net.transitions[b]
+        if a == b or one.pre & other.pre:
+            continue
+        if chart.net.hierarchy:
+            together = _both_happen(chart, (first, second), one, other)
+        else:
+            together = chart.graph.complete and any(not (one.pre | other.pre) & ~marking for marking in chart.graph)
+        if together:
+            return f"and {one.path} and {other.path} can be cleared together"
     return ""
+
+
+def _both_happen(chart: CheckedChart, writes: tuple[_Write, _Write], *fired: NetTransition) -> bool:
+    """Return True if both actions happen when transitions are cleared, as the hierarchy of charts has it."""
+    targets = reduce(or_, (transition.post for transition in fired))
+    sources = reduce(or_, (transition.pre for transition in fired))
+    for before in chart.situations:
+        after = chart.situations.after(before, *fired)
+        if after is None:
+            continue
+        activated, left = after & (targets | ~before), before & (sources | ~after)
+        if all(w.step.bit & (activated if w.kind is ActionKind.ON_ACTIVATION else left) for w in writes):
+            return True
+    return False
 
 
 def _causes(chart: CheckedChart, write: _Write) -> set[int]:
@@ -261,11 +283,22 @@ def _causes(chart: CheckedChart, write: _Write) -> set[int]:
     while waiting:
         step = waiting.pop()
         found.update(beside[step.index])
+        found.update(cause for order in _forcing(chart, step) for cause in chart.net.entering[order.index])
         for upper in _around(chart, step, activation=activation):
             if upper.index not in seen:
                 seen.add(upper.index)
                 waiting.append(upper)
     return found
+
+
+def _forcing(chart: CheckedChart, step: NetStep) -> Iterator[NetStep]:
+    """Yield the steps with orders that force the chart of a step."""
+    partial = chart.sheet_of(step).partial
+    if partial is not None:
+        for other in chart.net.steps:
+            orders = (each.forcing for each in other.step.actions if each.forcing is not None)
+            if any(order.chart.casefold() == partial.name.casefold() for order in orders):
+                yield other
 
 
 def _around(chart: CheckedChart, step: NetStep, *, activation: bool) -> Iterator[NetStep]:

@@ -12,6 +12,8 @@ from typing import NamedTuple
 from plcopen_sfc.analysis.exclusivity import Exclusivity, Truth, exclusive, overlapping, truth
 from plcopen_sfc.analysis.knowledge import Knowledge, ProjectKnowledge
 from plcopen_sfc.analysis.marking import MarkingGraph, marking_graph
+from plcopen_sfc.analysis.ruled_situations import RuledSituations
+from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import Declaration, Names, bind, texts_in
 from plcopen_sfc.languages.binding.compile_mistakes import type_mistakes
@@ -384,6 +386,17 @@ class CheckedChart:
         """Reachable situations of the net. Competing transitions never fire together here: SEL01 is about those."""
         affordable = _MOST_FIRINGS // (len(self.net.transitions) + 1)
         return marking_graph(self.net, cap=min(MOST_MARKINGS, affordable))
+
+    @cached_property
+    def situations(self) -> RuledSituations:
+        """Situations of a GRAFCET in which charts rule others."""
+        return RuledSituations(self.net, min(MOST_MARKINGS, _MOST_FIRINGS // (10 * (len(self.net.transitions) + 1))))
+
+    def concurrent(self, a: NetStep, b: NetStep) -> bool:
+        """Return True if two steps can be active together; False where that is not known."""
+        if self.net.hierarchy:
+            return self.situations.concurrent(a, b)
+        return self.graph.complete and self.graph.concurrent(a, b) is Answer.YES
 
     @cached_property
     def types(self) -> dict[str, DataType]:

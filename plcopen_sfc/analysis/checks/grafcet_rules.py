@@ -288,10 +288,8 @@ def _rulers(chart: CheckedChart) -> Iterator[tuple[NetStep, FindingPlace, str, s
 
 
 def _at_once(chart: CheckedChart) -> Iterator[Finding]:
-    if not chart.graph.complete:
-        return
     for (first, _, chart_a, what_a), (second, place, chart_b, what_b) in combinations(_rulers(chart), 2):
-        if chart_a == chart_b and what_a != what_b and first is not second and chart.graph.concurrent(first, second):
+        if chart_a == chart_b and what_a != what_b and first is not second and chart.concurrent(first, second):
             message = f"step {first.path} rules {chart_a.upper()} as well, and both can be active together"
             yield Finding(place, message)
 

@@ -481,12 +481,66 @@ def enclosed(*links: str) -> Callable[[], Subject]:
         for number, names in enumerate((("A", "B"), ("C", "D"))):
             inner = part(f"G{number}", PartialChartKind.ENCLOSED, *names, initial=False)
             acting(inner.chart, names[0], target="x", kind=ActionKind.ON_ACTIVATION, value=str(number))
+            inner.chart.transitions.pop()  # which would activate it once more
             whole.partial_charts.append(inner)
 
     return made(change)
 
 
 case("ACT04", enclosed("A", "C"), enclosed("A", "D"), "both happen when S1 -> S2 is cleared", "grafcet")
+FORCED = """GRAFCET Plan
+CHART G1
+    INITIAL STEP 1
+    1 -> 2 : a
+    STEP 2
+        {below}
+    2 -> 1 : b
+    STEP 3
+        ON EVENT ↑b : q := TRUE
+CHART G2
+    INITIAL STEP 10
+    10 -> 11 : c
+    STEP 11
+        FORCE G1{order}
+        {above}
+    11 -> 10 : d
+"""
+
+
+def forced(below: str, order: str, above: str) -> Callable[[], Subject]:
+    """A chart that an order forces: `below` is an action of its step 2, `above` one beside the order."""
+    return lambda: sfc.loads(FORCED.format(below=below, order=f"{{{order}}}", above=above).encode())
+
+
+EVENT = "ON EVENT ↑b : {} := {}"
+case(
+    "ACT04",
+    forced(EVENT.format("x", "TRUE"), "2", EVENT.format("x", "FALSE")),
+    forced(EVENT.format("x", "TRUE"), "INIT", EVENT.format("x", "FALSE")),
+    "step G1.2, and both can be active together",
+    "grafcet",
+)
+case(
+    "ACT04",
+    forced("x", "3", EVENT.format("q", "FALSE")),
+    forced("x", "INIT", EVENT.format("q", "FALSE")),
+    "step G1.3, and both can be active together",
+    "grafcet",
+)
+case(
+    "ACT04",
+    forced("ON DEACTIVATION x := TRUE", "INIT", "ON ACTIVATION x := FALSE"),
+    forced("ON ACTIVATION x := TRUE", "INIT", "ON ACTIVATION x := FALSE"),
+    "G2.10 -> 11",
+    "grafcet",
+)
+case(
+    "ACT04",
+    forced("ON ACTIVATION x := TRUE", "2", "ON ACTIVATION x := FALSE"),
+    forced("ON ACTIVATION x := TRUE", "*", "ON DEACTIVATION x := FALSE"),
+    "both happen when G2.10 -> 11 is cleared",
+    "grafcet",
+)
 case("ACT05", steps("q(N, T#5s);"), steps("q(N);"), "the time T#5s has no effect")
 case("ACT06", steps("q(L, T#5s);", "q(D, T#6s);"), steps("q(L, T#5s);", "q(D, t#5S);"), "another time here")
 case("ACT07", steps("q(P1);"), steps("q(N);"), "there is no qualifier P1 here", "s7graph")
