@@ -109,6 +109,14 @@ def condition_problem(text: str, dialect: Dialect = Dialect.IEC) -> Problem | No
     return Problem(message, (0, len(text)))
 
 
+def is_operand(name: str) -> bool:
+    """Return True if a condition reads `name` as one operand.
+
+    That of a variable may be ``2s/X202``: AGRAFE has no times in terms, and people declare inputs of such names there.
+    """
+    return re.fullmatch(NAME, name) is not None or ("/" in name and condition_problem(name) is None)
+
+
 def separated(text: str, known: Collection[str]) -> str:
     """Return a condition with blanks beside the dots between `known` names (in lower case), which are AND then."""
 

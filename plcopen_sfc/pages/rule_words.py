@@ -409,6 +409,9 @@ _MESSAGES = {
     "a string": "eine Zeichenkette",
     "a value of an enumeration": "ein Wert einer Aufzählung",
     "{} is a step and no value: its flag is {}": "{} ist ein Schritt und kein Wert: sein Merker ist {}",
+    "{} is a BOOL: it has no {}; AND is written * or . between blanks": (
+        "{} ist ein BOOL und hat kein {}; UND schreibt man * oder . zwischen Leerzeichen"
+    ),
     "the condition {} cannot be read: {}": "die Bedingung {} ist nicht lesbar: {}",
     "a dot in {} is that of a member, and a BOOL and a flag have none": (
         "ein Punkt in {} ist der eines Elements, und ein BOOL und ein Merker haben keines"
@@ -464,6 +467,10 @@ _READ = {
     "found {+}, expected {+} in line {#}": "gefunden: {}, erwartet: {}, in Zeile {}",
     "found {+}, expected {+} for the {} in line {#}": "gefunden: {}, erwartet: {}, für {} in Zeile {}",
     "{} cannot stand here": "{} kann hier nicht stehen",
+    "{} cannot stand here: structured text has {}: {} and then {}": (
+        "{} kann hier nicht stehen: strukturierter Text hat {}: {}, dann {}"
+    ),
+    "{} cannot stand here: structured text has {}": "{} kann hier nicht stehen: strukturierter Text hat {}",
     "these statements belong to no step, action or transition": (
         "diese Anweisungen gehören zu keinem Schritt, keiner Aktion und keiner Transition"
     ),

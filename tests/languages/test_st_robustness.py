@@ -46,6 +46,8 @@ def told(parsed: Parsed[Any]) -> list[tuple[int, int, str]]:
         ('a := 1;\rb := "no end;\rc := 1;', 2, 6, "this string has no end on its line"),
         ("a := 1;\nb := 2\x00;", 2, 7, "the character U+0000 cannot stand here"),
         ("a := ?;", 1, 6, "'?' cannot stand here"),
+        ("a := b ≥ c;", 1, 8, "'≥' cannot stand here: structured text has >="),
+        ("a := ¬b;", 1, 6, "'¬' cannot stand here: structured text has NOT"),
         ("a := \ud800;", 1, 6, "the character U+D800 cannot stand here"),
         ("a\r\n:=\n1\r;\n b := ;", 5, 7, "found ';', expected an expression"),
     ],

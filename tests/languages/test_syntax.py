@@ -86,7 +86,8 @@ def test_conditions_of_other_charts_have_no_terms_of_grafcet() -> None:
         dialect=Dialect.CODESYS, pous=[Pou(name="Main", kind=PouKind.PROGRAM, bodies=[SfcBody(chart=chart)])]
     )
     (found,) = sfc.check_syntax(project)
-    assert (found.code, found.message) == ("LNG101", "'↑' cannot stand here")
+    told = "'↑' cannot stand here: structured text has R_TRIG: `Edge(CLK := a);` and then `Edge.Q`"
+    assert (found.code, found.message) == ("LNG101", told)
 
 
 def test_an_unreadable_condition_of_a_grafcet_has_its_place() -> None:

@@ -11,7 +11,7 @@ from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedProje
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding.name_uses import Occurrence
 from plcopen_sfc.languages.binding.text_sites import Role, TextSite
-from plcopen_sfc.languages.grafcet_conditions import NAME, condition_problem
+from plcopen_sfc.languages.grafcet_conditions import is_operand
 from plcopen_sfc.languages.words import IEC_KEYWORDS
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.conditions import Expression
@@ -158,13 +158,8 @@ def _unreadable_names(chart: CheckedChart) -> Iterator[Finding]:
         place = FindingPlace(f"{pou.report_path} / variable {variable.name}", (variable, pou))
         if variable.name.upper() in IEC_KEYWORDS:
             yield Finding(place, f"{variable.name!r} is a keyword, which a condition reads as such")
-        elif variable.name and re.fullmatch(NAME, variable.name) is None and not _is_time(variable.name):
+        elif variable.name and not is_operand(variable.name):
             yield Finding(place, f"a condition does not read {variable.name!r} as one name")
-
-
-def _is_time(name: str) -> bool:
-    """True for ``2s/X202``: AGRAFE has no times in terms, and people declare inputs of such names there."""
-    return "/" in name and condition_problem(name) is None
 
 
 def _misfitting(chart: CheckedChart) -> Iterator[Finding]:

@@ -415,6 +415,10 @@ class _Chart:
             is_value = each.base is None and each.callee is None and not each.access
             if is_value and each.name.casefold() in self.steps and not self._is_known(each.name):
                 raise _TermError(f"{each.name} is a step and no value: its flag is X{each.name}")
+            if each.base is None and each.access and self._is_bool(each.name):
+                raise _TermError(
+                    f"{each.name} is a BOOL: it has no {each.access}; AND is written * or . between blanks"
+                )
         return print_node(transform(parsed.tree, self._flag))
 
     def _is_known(self, name: str) -> bool:
@@ -434,6 +438,16 @@ class _Chart:
         """True for what a GRAFCET declares, which its steps do not hide; inputs with an address are tags by now."""
         wanted = name.casefold()
         return wanted in self._tags or any(variable.name.casefold() == wanted for variable in self._pou.variables())
+
+    def _is_bool(self, name: str) -> bool:
+        """True for a declared BOOL, and for the flag of a step."""
+        wanted = name.casefold()
+        if wanted in self._tags:
+            return wanted not in self._numbers
+        found = next((each for each in self._pou.variables() if each.name.casefold() == wanted), None)
+        if found is None:
+            return wanted[:1] == "x" and wanted[1:] in self.steps and wanted not in self._globals
+        return isinstance(found.type, ElementaryType) and found.type.name is Elementary.BOOL
 
     # -- actions
 

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.languages.binding import Declaration
 from plcopen_sfc.languages.declarations import write_type
+from plcopen_sfc.languages.grafcet_conditions import is_operand
 from plcopen_sfc.languages.translation.literal_translation import translated_address
 from plcopen_sfc.languages.words import identifier, is_plain
 from plcopen_sfc.lowering.code.lowered_code import names_of
@@ -34,6 +35,11 @@ def with_declarable_variables(project: Project, kind: Format) -> tuple[Project, 
     report = ConversionReport()
     if not kind.tool or not default_profile(project).grafcet_terms:
         return project, report
+    for pou in project.pous:
+        for variable in pou.variables():
+            if not is_operand(variable.name):
+                why = f"a condition does not read {variable.name!r} as one name"
+                report.add(Outcome.NOT_EXECUTED, "name", f"{pou.report_path} / {variable.name}", why)
     table: dict[str | Declaration, str] = {}
     if kind.dialect is not Dialect.SCL:
         table |= _legal_names(project)

@@ -227,7 +227,7 @@ def tokenize(
         else:
             kind = "BAD"
             if len(problems) < MAX_PROBLEMS:
-                problems.append(Problem(f"{_shown(value)} cannot stand here", (start, position)))
+                problems.append(Problem(_out_of_place(value), (start, position)))
         append(Token(kind, value, (start, position)))
         previous = kind
     return Tokens(tokens, comments, problems)
@@ -285,6 +285,26 @@ class _Blocks:
             elif opened:
                 ends[opened.pop()] = mark.end()
         return ends
+
+
+_INSTEAD = {
+    "↑": "R_TRIG: `Edge(CLK := a);` and then `Edge.Q`",
+    "↓": "F_TRIG: `Edge(CLK := a);` and then `Edge.Q`",
+    **dict.fromkeys("¬!", "NOT"),
+    **dict.fromkeys("·∧⋅∙•", "AND"),
+    "∨": "OR",
+    "≤": "<=",
+    "≥": ">=",
+    "≠": "<>",
+}
+"""Signs that GRAFCETs have in conditions, and the words of structured text for them."""
+
+
+def _out_of_place(character: str) -> str:
+    """Return the message for a character that no token begins with."""
+    instead = _INSTEAD.get(character)
+    told = f"{_shown(character)} cannot stand here"
+    return told if instead is None else f"{told}: structured text has {instead}"
 
 
 def _shown(character: str) -> str:

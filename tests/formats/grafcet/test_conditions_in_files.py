@@ -7,7 +7,7 @@ from functools import cache
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.errors import ModelError
+from plcopen_sfc.errors import LossError, ModelError
 from plcopen_sfc.model import Expression, Project
 
 FORMS = [
@@ -113,6 +113,29 @@ def test_a_dot_between_bools_is_told_where_it_is_that_of_a_member(form: str) -> 
     assert [finding.message for finding in found] == [
         f"a dot in '{text}' is that of a member, and a BOOL and a flag have none" for text in ("a.b", "X1.1B1 + a")
     ]
+
+
+@pytest.mark.parametrize("text", ["a.b", "/X1.a + b", "START * X2.1B1"])
+def test_no_tool_gets_a_member_of_a_bool(text: str) -> None:
+    """Terms of ``.grafcet`` files have no dots, but an edit may put one into a condition."""
+    project = written(plan("a * b"), "grafcet")
+    chart = project.pous[0].chart
+    assert chart is not None
+    chart.partial_charts[0].chart.transitions[1].condition = Expression(text=text)
+    for form in ("codesys", "plcopen", "simaticml", "iec-text"):
+        with pytest.raises(LossError, match=r"is a BOOL: it has no \w+; AND is written"):
+            sfc.convert(project, form)
+
+
+@pytest.mark.parametrize("form", ["codesys", "plcopen", "simaticml", "iec-text"])
+@pytest.mark.parametrize("name", ["a.b", "a-b", "a b"])
+def test_a_declared_name_that_a_condition_reads_as_more_is_refused(form: str, name: str) -> None:
+    """Files of AGRAFE may declare it. The tool had a variable `a_b`, and a condition on the member `b` of an `a`."""
+    content = sfc.dumps(plan("/START"), format="grafcet").decode()
+    project = sfc.loads(content.replace('"START"', f'"{name}"').encode())
+    with pytest.raises(LossError) as caught:
+        sfc.convert(project, form)
+    assert f"a condition does not read {name!r} as one name" in {item.why for item in caught.value.report.losses}
 
 
 @pytest.mark.parametrize(

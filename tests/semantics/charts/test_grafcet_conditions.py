@@ -111,7 +111,8 @@ def test_messages_have_terms_as_they_are_written() -> None:
         ),
         (
             "n < 5 + ↑a",
-            "'n < 5 + ↑a' is no structured text: '↑' cannot stand here; write [..] around a comparison",
+            "'n < 5 + ↑a' is no structured text: '↑' cannot stand here: structured text has R_TRIG: "
+            "`Edge(CLK := a);` and then `Edge.Q`; write [..] around a comparison",
             8,
         ),
         ("F(5 + b*) * a", "'F(5 + b*)' is no structured text: found ')', expected an expression", 8),
