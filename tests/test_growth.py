@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -120,3 +120,20 @@ def test_an_edit_writes_what_it_touches_and_reads_no_other_drawing(
     written.clear()
     assert b"Renamed" in sfc.dumps(project)
     assert sorted(written) == sorted([name, "Renamed"])
+
+
+def test_a_rename_looks_for_its_words_once_in_each_other_chart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    generate(tmp_path / "charts.xml", megabytes=0.3, steps=12)
+    project = sfc.load(tmp_path / "charts.xml")
+    charts = [each.chart for each in project.charts()]
+    asked: list[sfc.SfcNetwork] = []
+    may_mention = sfc.SfcNetwork.may_mention
+
+    def counted(chart: sfc.SfcNetwork, words: Collection[str], *, as_members: bool = False) -> bool:
+        asked.append(chart)
+        return may_mention(chart, words, as_members=as_members)
+
+    monkeypatch.setattr(sfc.SfcNetwork, "may_mention", counted)
+    charts[0].rename_step(charts[0].steps[0].name, "Renamed")
+    assert sorted(map(id, asked)) == sorted(map(id, charts))
+    assert len(charts) > 1

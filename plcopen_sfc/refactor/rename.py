@@ -250,7 +250,8 @@ def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: 
     is_shown = family(names.dialect) is Dialect.CODESYS and any(each.kind is Kind.STEP for each in wanted)
     flags = {name.casefold() for name in SHOWING_FLAGS} if is_shown else set()
     flags -= {name.casefold() for each, new in wanted.items() for name in (each.name, new)}
-    found = list(names.occurrences(*(d.name for d in wanted), *wanted.values(), *flags, of=wanted))  # in one pass
+    words = (*(each.name for each in wanted), *wanted.values(), *flags)
+    found = list(names.occurrences(*words, of=wanted))  # in one pass
     is_shown = any(each.reference.name.casefold() in flags and not each.reference.declares for each in found)
     found = [each for each in found if each.reference.name.casefold() not in flags]
     by_name: dict[str, list[Occurrence]] = {}
@@ -281,7 +282,8 @@ def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: 
     for change in changes:
         journal.put(*change)
     again = names.after_edits()
-    after = list(again.occurrences(*old_names, *wanted.values(), of=wanted))
+    after = list(again.occurrences(*words, of=wanted))  # the same words: the texts with them are known
+    after = [each for each in after if each.reference.name.casefold() not in flags]
     hidden = [(each, other) for each in after for other in [_hidden_by(again, each)] if other in wanted]
     if wanted and (hidden or any(changed_meanings(wanted, found, after))):
         journal.take_back(start)
