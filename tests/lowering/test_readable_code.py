@@ -292,6 +292,10 @@ def test_long_lines_are_broken_before_or_and_and() -> None:
     quoted = "'Inputs.Place1 OR a very long text with AND (and more)');"
     call = f"ErrorAnalyzation := CONCAT(CONCAT(ErrorAnalyzation, SEL(a, 'b OR c', '')), {quoted}"
     assert wrapped(call, "    ").splitlines()[1].strip() == quoted
+    # an ELSIF has its indentation in front of it: it counts as room, whatever the length is
+    for length in range(60, 140):
+        line = f"        ELSIF {'a' * 30} AND {'b' * (length - 48)} AND {'c' * 60}"
+        assert " ".join(wrapped(line, "        ", deeper="        ", ends=5).split()) == line.strip()
 
 
 def test_a_restart_is_one_paragraph_and_variables_of_a_chart_in_an_action_have_its_name() -> None:

@@ -164,6 +164,18 @@ def test_nothing_covers_anything_else_on_the_sheet(language: str) -> None:
     assert ["Step 2", "Cylinder moves out"] in titles
 
 
+@pytest.mark.parametrize("language", ["FBD", "LD", "ST", "IL"])
+def test_a_chart_that_does_nothing_is_code_that_does_nothing(language: str) -> None:
+    body = m.SfcBody(chart=m.SfcNetwork())
+    alone = m.Project(name="Plant", pous=[m.Pou(name="Main", kind=m.PouKind.PROGRAM, bodies=[body])])
+    for target in TARGETS:
+        if language == "IL" and target == "simaticml":
+            continue  # has no instruction list
+        lowered = lower(alone, "flipflop", language=language, target=target, verify=False)
+        assert lowered.language == language
+        assert sfc.loads(sfc.dumps(lowered.project, format=target, partial=True)).pou("Main").sfc is None
+
+
 @pytest.mark.parametrize("form", ["plcopen-2.01", "codesys"])
 def test_networks_of_others_stand_below_each_other_in_files_of_tc6(form: str) -> None:
     """Who lowers without a target saves networks; other tools than ours see the sheet only."""

@@ -294,7 +294,7 @@ def _with_common_rails(nodes: Sequence[Node]) -> list[Node]:
 
 def _renumber(nodes: Sequence[Node], new: dict[int, int]) -> None:
     """Give elements their `new` ids. A wire that starts at no element starts at none afterwards."""
-    free = count(max(new.values()) + 1)
+    free = count(max(new.values(), default=0) + 1)
     for node in nodes:
         node.id = new[node.id]
         for wire in wires_of(node):

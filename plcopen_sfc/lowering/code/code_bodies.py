@@ -156,7 +156,7 @@ def _broken(text: str, room: int) -> list[str]:
         if sign == " ":
             rank = _RANKS.get(text[found.end()], 0)
             places.setdefault((depth, rank), []).append(found.end())
-    if len(text) <= room or not places:
+    if len(text.strip()) <= room or not places:
         return [text]
     lines: list[str] = []
     start = 0
