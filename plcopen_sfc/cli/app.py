@@ -407,7 +407,7 @@ def _lower(
     if no_init and init is not None:
         raise typer.BadParameter("--init and --no-init exclude each other")
     from plcopen_sfc.cli.commands import lower
-    from plcopen_sfc.lowering.chart_lowering import LoweringOptions
+    from plcopen_sfc.lowering.lowering_options import LoweringOptions
 
     options: LoweringOptions = {
         "style": style,

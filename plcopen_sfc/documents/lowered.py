@@ -35,9 +35,10 @@ from plcopen_sfc.languages.binding import names_in
 from plcopen_sfc.languages.binding.name_uses import dialect_of
 from plcopen_sfc.languages.s7_globals import tag_tables_of
 from plcopen_sfc.lowering import LoweredPou, lower_project
-from plcopen_sfc.lowering.chart_lowering import LoweringOptions, faults_of
+from plcopen_sfc.lowering.chart_lowering import faults_of
 from plcopen_sfc.lowering.construction import errors_of
 from plcopen_sfc.lowering.enumeration_constants import with_enumeration_constants
+from plcopen_sfc.lowering.lowering_options import LoweringOptions
 from plcopen_sfc.lowering.proof import ProofOptions, refuse_untested
 from plcopen_sfc.lowering.written_code import (
     prove_written,

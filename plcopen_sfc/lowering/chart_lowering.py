@@ -5,32 +5,28 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import asdict, dataclass, replace
-from enum import StrEnum
 from inspect import signature
-from typing import Any, NamedTuple, TypedDict, TypeVar, Unpack
+from typing import Any, Unpack, cast
 
 from plcopen_sfc.analysis.equivalence import Searching
 from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
 from plcopen_sfc.collector import collecting_rarely
-from plcopen_sfc.errors import ArgumentError, Location, LoweringError, check_argument, listed_names, nearest
+from plcopen_sfc.errors import ArgumentError, Location, LoweringError, nearest
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.code.lowered_code import flags_of_part, flags_of_several
-from plcopen_sfc.lowering.code_texts import TEXTS, Texts
 from plcopen_sfc.lowering.construction import Constructed, construct, errors_of
 from plcopen_sfc.lowering.faults.fault_kinds import Fault
 from plcopen_sfc.lowering.faults.fault_search import find_faults
 from plcopen_sfc.lowering.grafcet.grafcet_reading import read_plain, stop_condition, without_emergency_stop
 from plcopen_sfc.lowering.lowering_losses import losses
 from plcopen_sfc.lowering.lowering_options import (
-    ActionPlace,
     Construction,
-    Language,
+    LoweringOptions,
     LoweringRules,
     OperatingMode,
-    States,
     Style,
+    checked,
     tool_of,
-    without_version,
 )
 from plcopen_sfc.lowering.other_bodies import (
     with_actions,
@@ -48,11 +44,8 @@ from plcopen_sfc.report import Item
 from plcopen_sfc.semantics.charts.graph.graph_parameters import OPERATING
 from plcopen_sfc.semantics.drawn_charts import as_executed
 from plcopen_sfc.semantics.net import Net
-from plcopen_sfc.semantics.profile import Profile, default_profile
-from plcopen_sfc.semantics.profile import profile as profile_named
+from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.subjects import Subject, resolve
-
-Choice = TypeVar("Choice", Construction, Style, Language, States, ActionPlace, OperatingMode)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -67,7 +60,6 @@ class LoweredPou(Constructed):
     """
 
     project: Project
-    style: Style
     proof: Verdict | None
     faults: tuple[Fault, ...] = ()
     name: str
@@ -80,6 +72,11 @@ class LoweredPou(Constructed):
         """Code that was made."""
         action = next((a for a in self.pou.actions if f"{self.pou.name}.{a.name}" == self.name), None)
         return action.body if action is not None else self.pou.body
+
+    @property
+    def style(self) -> Style:
+        """Style of the code."""
+        return self.rules.style
 
     @property
     def profile(self) -> Profile:
@@ -126,153 +123,92 @@ class LoweredPou(Constructed):
         }
 
 
+class _LowerOptions(LoweringOptions, Searching, total=False):
+    """Options of `lower`: those of the code, and those of the search."""
+
+
 def lower(
     subject: SfcNetwork | Pou | Project,
     construction: Construction | str = Construction.AUTO,
     *,
     pou: str | None = None,
-    style: Style | str = Style.EXACT,
-    language: Language | str | None = None,
-    profile: Profile | str | None = None,
-    init: str | None = None,
-    stop: str | None = None,
-    reset_actions: bool = False,
-    states: States | str | None = None,
-    actions: ActionPlace | str = ActionPlace.INLINE,
-    flags: str = "local",
-    flag_names: str = "",
-    modes: Iterable[OperatingMode | str] = (),
     target: str | None = None,
-    at_rest: Iterable[str] = (),
-    lang: str = "en",
     verify: bool = True,
     accept_untested: bool = False,
-    **searching: Unpack[Searching],
+    **options: Unpack[_LowerOptions],
 ) -> LoweredPou:
     """Make program code of a chart: flip-flops (``flipflop``, ``fup``), a ``case``, step ``bits``, or what fits best.
 
-    `subject` and `pou` as in `simulate`. `style`: ``exact`` does what the chart does, ``classic`` is the textbook form.
-    `language`: ``ST``, ``FBD`` or ``LD``; usual are FBD for flip-flops and ST for all others, also where `target` is
-    text. `profile`: what the chart does; that of its tool if not given. `lang`: of titles and comments, ``en`` or
-    ``de``. `verify`: compare the code with the chart under the profile, all inputs that were added being inactive;
-    `flag_names`: the name of step 1's flag, such as ``SR01``, after which those of all numbered steps are called.
-    `searching` are options of the search (`equivalent`). `accept_untested`: take code of which not all was reached when
-    it was compared. All others are those of `LoweringRules`.
+    `subject` and `pou` as in `simulate`. `target`: the format that the code is for; None: that of the project.
+    `verify`: compare the code with the chart under the profile, all inputs that were added being inactive.
+    `accept_untested`: take code of which not all was reached when it was compared. `options` are those of
+    `LoweringOptions`, such as ``style="classic"``, and of the search (`equivalent`).
 
     Nothing is changed in `subject`. Raises `LoweringError` for what the target cannot express, and where exact code is
     found to be different; `UntestedError` where it is equal, but steps or transitions were not reached that may be
     reachable; `ModelError` for an unknown name.
     """
-    known = {*signature(lower).parameters, *signature(prove).parameters, *Searching.__annotations__}
-    for name in searching.keys() - known:
-        raise ArgumentError(f"lower has no option {name!r}{nearest(name, known)}")
-    wanted = _Wanted(
-        _chosen(Construction, _ALIASES.get(str(construction), str(construction))),
-        _chosen(Style, str(style)),
-        _chosen(Language, str(language).upper()) if language is not None else None,
+    code = LoweringOptions.__annotations__.keys()
+    _refuse_unknown(
+        options, {*signature(lower).parameters, *signature(prove).parameters, *_LowerOptions.__annotations__}
     )
-    for name, value in {"init": init, "stop": stop, "flags": flags, "lang": lang}.items():
-        check_argument(value, (str, type(None)), f"{name} is a text")
+    searching = cast(Searching, {name: value for name, value in options.items() if name not in code})
+    own = cast(LoweringOptions, {name: value for name, value in options.items() if name in code})
     found = resolve(subject, pou)
-    _chart_of(found)
-    _refuse_what_was_not_read(found)
-    semantics = default_profile(found.project) if profile is None else profile_named(profile)
-    rules = LoweringRules(
-        semantics,
-        _texts(lang, flag_names),
-        init,
-        stop_condition(stop, found, semantics) if stop is not None else None,
-        reset_actions,
-        _chosen(States, str(states)) if states is not None else None,
-        _chosen(ActionPlace, str(actions)),
-        flags,
-        frozenset(_chosen(OperatingMode, mode) for mode in listed_names(modes, "modes are named by texts")),
-        without_version(target) if target is not None else None,
-        frozenset(listed_names(at_rest, "inputs at rest are named by texts")),
-    )
-    meant, pressed = as_executed(found, semantics), ""
-    if wanted.style is Style.CLASSIC:
-        meant, pressed = without_emergency_stop(meant, semantics)
-        if pressed:
-            flags_left = flags_of_part(flags, _chart_of(found), _chart_of(meant))
-            rules = replace(rules, stop=rules.stop or pressed, init=rules.init or "", flags=flags_left)
-    with collecting_rarely(), errors_of(found.project, found.pou, found.name):
-        made = _constructed(found, meant, wanted, rules)
-        if pressed:
-            made = replace(made, step_flags=_by_original_path(made.step_flags, _chart_of(found)))
-    options = ProofOptions(accept_untested, searching) if verify else None
-    lowered = _lowered(found, made, rules, wanted.style, options, lang=lang)
-    return replace(lowered, faults=faults_of(meant, lowered)) if verify else lowered
+    rules = checked(found.project, construction, target, own)
+    return _lowered(found, rules, ProofOptions(accept_untested, searching) if verify else None)
 
 
-def _texts(lang: str, flag_names: str) -> Texts:
-    """Return the texts of a language, with the names of flags after that of step 1."""
-    texts = TEXTS.get(lang)
-    if texts is None:
-        raise LoweringError(f"there are no texts in {lang!r}", hint="There are: " + ", ".join(TEXTS))
-    try:
-        return texts.with_flags(flag_names) if flag_names else texts
-    except ValueError:
-        raise LoweringError(
-            f"{flag_names!r} is no name of the flag of step 1", hint="It ends with its number: SR01, Step_1."
-        ) from None
+def _refuse_unknown(options: Iterable[str], known: Collection[str]) -> None:
+    for name in options:
+        if name not in known:
+            raise ArgumentError(f"lower has no option {name!r}{nearest(name, known)}")
 
 
-def _lowered(
-    chart: Subject, made: Constructed, rules: LoweringRules, style: Style, options: ProofOptions | None, *, lang: str
-) -> LoweredPou:
+def _lowered(chart: Subject, rules: LoweringRules, options: ProofOptions | None) -> LoweredPou:
     """Return the code in a copy of the project, compared with `chart` where there are `options`."""
-    project, pou = _with(chart, made.pou, made.blocks, made.data_types)
-    if made.flags is not None:
-        made.flags.put_into(project)
-    proof = None
-    if options is not None:
-        code = Subject(project, made.pou, chart.name)
-        proof = _proof(chart, code, made, rules.profile, style, **options.searching)
-        with errors_of(chart.project, chart.pou, chart.name):
+    _refuse_what_was_not_read(chart)
+    with collecting_rarely(), errors_of(chart.project, chart.pou, chart.name):
+        made, meant = _constructed(chart, rules)
+        project, pou = _with(chart, made.pou, made.blocks, made.data_types)
+        if made.flags is not None:
+            made.flags.put_into(project)
+        proof = None
+        if options is not None:
+            proof = _proof(chart, Subject(project, made.pou, chart.name), made, **options.searching)
             refuse_untested(chart.name, proof, accepted=options.accept_untested)
-    return LoweredPou(
+    lowered = LoweredPou(
         **(vars(made) | {"pou": pou}),
         project=project,
-        style=style,
         proof=proof,
         name=chart.name,
-        losses=losses(chart, [pou, *made.blocks], rules.profile, lang),
+        losses=losses(chart, [pou, *made.blocks], rules.profile, rules.texts.language),
         chart=chart,
         proof_options=options,
     )
+    return replace(lowered, faults=faults_of(meant, lowered)) if options is not None else lowered
 
 
-class _Wanted(NamedTuple):
-    """Code that a user wants."""
-
-    construction: Construction
-    style: Style
-    language: Language | None
-
-
-def _constructed(chart: Subject, meant: Subject, wanted: _Wanted, rules: LoweringRules) -> Constructed:
-    """Return the code of `chart` and of the charts that it brings along, made from what is executed (`meant`)."""
-    dialect = chart.project.dialect
-
-    made = construct(
-        meant.pou,
-        _chart_of(meant),
-        dialect,
-        rules,
-        construction=wanted.construction,
-        style=wanted.style,
-        language=wanted.language,
-        project=meant.project,
-    )
-    made = with_actions(made, dialect, rules, wanted.language, chart.project)
+def _constructed(chart: Subject, rules: LoweringRules) -> tuple[Constructed, Subject]:
+    """Return the code of `chart` and of the charts that it brings along, and the chart as it is executed."""
+    dialect, whole = chart.project.dialect, _chart_of(chart)
+    if rules.stop is not None:
+        rules = replace(rules, stop=stop_condition(rules.stop, chart, rules.profile))
+    meant, pressed = as_executed(chart, rules.profile), ""
+    if rules.is_classic:
+        meant, pressed = without_emergency_stop(meant, rules.profile)
+    if pressed:
+        flags = flags_of_part(rules.flags, whole, _chart_of(meant))
+        rules = replace(rules, stop=rules.stop or pressed, init=rules.init or "", flags=flags)
+    made = construct(meant.pou, _chart_of(meant), dialect, rules, meant.project)
+    made = with_actions(made, dialect, rules, chart.project)
     if rules.target is not None and tool_of(rules.target, dialect) is Tool.S7:
         pou = without_external_declarations(with_actions_inside(made.pou, dialect), meant.project)
         pou = without_uncalled_actions(pou, meant.project) if chart.name == chart.pou.name else pou
         made = replace(made, pou=pou)
     if chart.name == chart.pou.name:
         made = replace(made, pou=without_unused_parts(meant.pou, made.pou, dialect))
-    return made
+    return replace(made, step_flags=_by_original_path(made.step_flags, whole)) if pressed else made, meant
 
 
 def _by_original_path(flags: Mapping[str, str], chart: SfcNetwork) -> dict[str, str]:
@@ -288,25 +224,22 @@ def _chart_of(subject: Subject) -> SfcNetwork:
     return subject.pou.chart
 
 
-def _proof(
-    chart: Subject, code: Subject, made: Constructed, profile: Profile, style: Style, **searching: Unpack[Searching]
-) -> Verdict:
+def _proof(chart: Subject, code: Subject, made: Constructed, **searching: Unpack[Searching]) -> Verdict:
     """Compare `code` with `chart`. Raises `LoweringError` where exact code is different."""
-    with errors_of(chart.project, chart.pou, chart.name):
-        found = prove(
-            chart,
-            code,
-            profile,
-            fixed=made.at_rest,
-            left_out=made.left_out,
-            step_flags=made.step_flags or None,
-            **searching,
+    found = prove(
+        chart,
+        code,
+        made.rules.profile,
+        fixed=made.at_rest,
+        left_out=made.left_out,
+        step_flags=made.step_flags or None,
+        **searching,
+    )
+    if found.kind is VerdictKind.DIFFERENT and not made.rules.is_classic:
+        raise LoweringError(
+            f"the code does not do what the chart does: {found}",
+            hint="This is an error of plcopen_sfc: please report it with the chart.",
         )
-        if found.kind is VerdictKind.DIFFERENT and style is Style.EXACT:
-            raise LoweringError(
-                f"the code does not do what the chart does: {found}",
-                hint="This is an error of plcopen_sfc: please report it with the chart.",
-            )
     return found
 
 
@@ -332,32 +265,11 @@ def faults_of(subject: Subject, lowered: LoweredPou) -> tuple[Fault, ...]:
         subject,
         resolve(lowered.project, subject.name),
         read_plain(subject.pou, chart, subject.project.dialect, lowered.profile),
-        lowered.construction,
         lowered.rules,
         situation=lowered.situation,
         at_rest=lowered.at_rest,
         left_out=lowered.left_out,
     )
-
-
-_ALIASES = {"fup": "flipflop"}
-_NOUNS: dict[type[StrEnum], str] = {
-    Construction: "construction",
-    Style: "style",
-    Language: "language for it",
-    States: "kind of states",
-    ActionPlace: "place for actions",
-    OperatingMode: "operating mode",
-}
-
-
-def _chosen(kind: type[Choice], name: str) -> Choice:
-    try:
-        return kind(name)
-    except ValueError:
-        known = [each.value for each in kind]
-        message = f"there is no {_NOUNS[kind]} {name!r}{nearest(name, known)}"
-        raise LoweringError(message, hint="There are: " + ", ".join(known)) from None
 
 
 def _with(
@@ -383,24 +295,6 @@ def _with(
         project.pous[place + 1 : place + 1] = blocks
     project.data_types += data_types
     return project, pou
-
-
-class LoweringOptions(TypedDict, total=False):
-    """Options of `lower` but for the construction, the target and the proof."""
-
-    style: Style | str
-    language: Language | str | None
-    profile: Profile | str | None
-    init: str | None
-    stop: str | None
-    reset_actions: bool
-    states: States | str | None
-    actions: ActionPlace | str
-    flags: str
-    flag_names: str
-    modes: Iterable[OperatingMode | str]
-    at_rest: Iterable[str]
-    lang: str
 
 
 @dataclass(frozen=True)
@@ -432,8 +326,8 @@ def lower_project(
     names = [pou] if pou is not None else [*charts]
     if not names:
         raise LoweringError("there is no chart to be lowered")
-    flags = options.get("flags", "local")
-    options["modes"], options["at_rest"] = tuple(options.get("modes", ())), options.get("at_rest", ())
+    _refuse_unknown(options, LoweringOptions.__annotations__)
+    rules = checked(project, construction, target, options)
     left = set(names) - set(without)
     found: list[LoweredPou] = []
     refused: dict[str, LoweringError] = {}
@@ -443,13 +337,10 @@ def lower_project(
         if name is None:  # all others were lowered with those that call them
             break
         left.remove(name)
-        if len(names) > 1:
-            options["flags"] = flags_of_several(flags, charts[name], following)
+        flags = flags_of_several(rules.flags, charts[name], following) if len(names) > 1 else rules.flags
         try:
-            lowered = lower(current, construction, pou=name, target=target, verify=False, **options)
+            lowered = _lowered(resolve(current, name), replace(rules, flags=flags), None)
         except LoweringError as error:
-            if error.location.path is None:  # an option that concerns all charts
-                raise
             refused[name] = error
             continue
         found.append(replace(lowered, chart=resolve(project, name)))

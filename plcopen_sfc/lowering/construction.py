@@ -16,7 +16,7 @@ from plcopen_sfc.lowering.actions.drive_block import drive_block
 from plcopen_sfc.lowering.code.code_bodies import assemble
 from plcopen_sfc.lowering.code.code_memory import BitMemory, BlockMemory, Memory, OperandMemory
 from plcopen_sfc.lowering.code.flat_statements import flatten, name_inputs
-from plcopen_sfc.lowering.code.lowered_code import LOCAL, FlagPlaces, LoweredCode, Naming, names_of
+from plcopen_sfc.lowering.code.lowered_code import FlagPlaces, LoweredCode, Naming, names_of
 from plcopen_sfc.lowering.code.single_use import inline_single_uses, remove_unread
 from plcopen_sfc.lowering.code.statement_lists import join_conditionals
 from plcopen_sfc.lowering.encodings.case_encodings import CaseEncoding, RegionEncoding, no_regions, one_step_at_a_time
@@ -36,13 +36,13 @@ from plcopen_sfc.lowering.graph.sequencer_reading import read_sequencer, without
 from plcopen_sfc.lowering.graph.sequencer_scan import GraphCycle
 from plcopen_sfc.lowering.graph.sequencer_source import GraphSource
 from plcopen_sfc.lowering.lowering_options import (
+    LOCAL,
     ActionPlace,
     Construction,
     Language,
     LoweringRules,
     OperatingMode,
     States,
-    Style,
     has_instructions,
     has_networks,
     has_one_sheet,
@@ -79,14 +79,7 @@ def errors_of(project: Project, pou: Pou, name: str) -> Iterator[None]:
         raise
 
 
-def choose(
-    source: ChartSource,
-    wanted: Construction,
-    rules: LoweringRules,
-    *,
-    style: Style,
-    language: Language | None,
-) -> tuple[Construction, Language, str]:
+def choose(source: ChartSource, rules: LoweringRules) -> tuple[Construction, Language, str]:
     """Return the construction, its language, and the reason for it.
 
     Raises `LoweringError` where the construction has no such language, or none of the options that were asked for.
@@ -96,7 +89,8 @@ def choose(
         _check_options_of_sequencer(rules, place)
     elif {name.upper() for name in rules.at_rest} - {"ALL"}:  # all of no inputs is nothing
         raise LoweringError("only blocks of S7-GRAPH have parameters that could be inactive inputs", location=place)
-    chosen, why = _choice(source, wanted, rules, style=style, language=language)
+    chosen, why = _choice(source, rules)
+    language = rules.language
     if language is None:
         drawn = chosen is Construction.FLIPFLOP and shows_networks(rules.target)
         language = Language.FBD if drawn else Language.ST
@@ -120,25 +114,23 @@ def choose(
             location=place,
             hint=f"It was taken for this reason: {why}.",
         )
-    if rules.actions is ActionPlace.BLOCK and style is Style.CLASSIC and chosen is Construction.CASE:
+    if rules.actions is ActionPlace.BLOCK and rules.is_classic and chosen is Construction.CASE:
         raise LoweringError("actions cannot be in a block of their own where they are a part of a CASE", location=place)
     if rules.flags != LOCAL and chosen not in (Construction.FLIPFLOP, Construction.BITS):
         raise LoweringError("only flip-flops and step bits have flags that could be put elsewhere", location=place)
     return chosen, language, why
 
 
-def _choice(
-    source: ChartSource, wanted: Construction, rules: LoweringRules, *, style: Style, language: Language | None
-) -> tuple[Construction, str]:
-    if wanted is not Construction.AUTO:
-        return wanted, "asked for"
-    if language not in (None, Language.ST):
-        return Construction.FLIPFLOP, f"flip-flops are what {language} can hold"
+def _choice(source: ChartSource, rules: LoweringRules) -> tuple[Construction, str]:
+    if rules.construction is not Construction.AUTO:
+        return rules.construction, "asked for"
+    if rules.language not in (None, Language.ST):
+        return Construction.FLIPFLOP, f"flip-flops are what {rules.language} can hold"
     objections = _objections(source, rules.profile)
     several = next(objections)
-    if style is Style.CLASSIC and several:
+    if rules.is_classic and several:
         return Construction.FLIPFLOP, f"textbooks have flip-flops for it: {several}"
-    if rules.flags != LOCAL and style is Style.EXACT:
+    if rules.flags != LOCAL and not rules.is_classic:
         return Construction.BITS, f"there are to be step flags at {rules.flags}"
     most = "at most one step is active at a time"
     if not several:
@@ -187,7 +179,7 @@ def _check_options_of_sequencer(rules: LoweringRules, place: Location) -> None:
 
 @dataclass(frozen=True)
 class Constructed:
-    """POU made of a chart. `why` is the reason for the construction, `rules` are those that it keeps.
+    """POU made of a chart. `rules` are those that it keeps, with the construction that was chosen for the reason `why`.
 
     `step_flags` are the expressions that are TRUE while a step is active, by the path of the step; `situation` those
     that hold between two scans, where that is not the same. The code does what the chart does while inputs that were
@@ -197,7 +189,6 @@ class Constructed:
     """
 
     pou: Pou
-    construction: Construction
     rules: LoweringRules
     why: str
     step_flags: Mapping[str, str]
@@ -210,21 +201,18 @@ class Constructed:
     blocks: tuple[Pou, ...] = ()
 
     @property
+    def construction(self) -> Construction:
+        """Construction that was chosen."""
+        return self.rules.construction
+
+    @property
     def following(self) -> str:
         """Address behind its flags; empty where they have none."""
         return self.flags.following if self.flags is not None else ""
 
 
 def construct(
-    pou: Pou,
-    chart: SfcNetwork,
-    dialect: Dialect,
-    rules: LoweringRules,
-    *,
-    construction: Construction = Construction.AUTO,
-    style: Style = Style.EXACT,
-    language: Language | None = None,
-    project: Project | None = None,
+    pou: Pou, chart: SfcNetwork, dialect: Dialect, rules: LoweringRules, project: Project | None = None
 ) -> Constructed:
     """Lower `chart`, which is the body of `pou`, a part of `project`.
 
@@ -235,20 +223,20 @@ def construct(
     surroundings = names_of(project)
     # reading refuses what is not understood, so that all below lowers a chart that is known completely
     source = _read(pou, chart, dialect, rules, project)
-    rules = with_usual_input(rules, style, source, surroundings)
+    rules = with_usual_input(rules, source, surroundings)
     if isinstance(source, GraphSource):
         # variables of G7_StepPlus and the like are types that only a GRAPH block can declare
         pou = without_step_data(pou)
-    chosen, language, why = choose(source, construction, rules, style=style, language=language)
-    if rules.states is None:
-        rules = replace(rules, states=usual_states(style, rules.target, dialect))
+    chosen, language, why = choose(source, rules)
+    states = rules.states or usual_states(rules, dialect)
+    rules = replace(rules, construction=chosen, language=language, states=states)
     code = _code(source, dialect, rules, language, project)
     # the listings of textbooks have // in every file
-    code.is_textbook = style is Style.CLASSIC
-    code.for_others = rules.target is not None and style is Style.EXACT
+    code.is_textbook = rules.is_classic
+    code.for_others = rules.target is not None and not rules.is_classic
     if rules.flags != LOCAL:
         code.flags = FlagPlaces(rules, pou.name, project, code.tool)
-    maker = _filled(source, code, _memory(code, language), rules, surroundings, chosen=chosen, style=style)
+    maker = _filled(source, code, _memory(code, language), rules, surroundings)
     if code.drawn and code.tool is Tool.S7:
         name_inputs(code, project)
     # most of a sequencer would be the text of boxes in CODESYS
@@ -263,7 +251,6 @@ def construct(
         join_conditionals(code)
     return Constructed(
         pou=assemble(pou, code, dialect, language),
-        construction=chosen,
         rules=rules,
         why=why,
         step_flags={path: _bare_names(expression) for path, expression in maker.active_steps().items()},
@@ -271,7 +258,7 @@ def construct(
         at_rest=code.at_rest,
         left_out=code.left_out.identifier if code.left_out is not None else None,
         data_types=tuple(code.data_types),
-        step_numbers=_numbers(source, maker, chosen, rules),
+        step_numbers=_numbers(source, maker, rules),
         flags=code.flags,
         blocks=tuple(drive_block(drive, dialect, language) for drive in maker.drives),
     )
@@ -292,19 +279,17 @@ def _filled(
     memory: Memory,
     rules: LoweringRules,
     surroundings: Collection[str],
-    *,
-    chosen: Construction,
-    style: Style,
 ) -> Encoding:
     """Return the encoding of a chart whose schedule has filled `code`."""
-    source = plain_chart(source) if style is Style.CLASSIC else source
+    chosen = rules.construction
+    source = plain_chart(source) if rules.is_classic else source
     if isinstance(source, GraphSource):
         code.at_rest |= dict.fromkeys(source.at_rest, False)
         refuse_several_steps(source, chosen, rules.profile)
     elif source.grafcet is not None:
         refuse_cases(source, chosen, rules.profile)
     encoding = _ENCODINGS[chosen](source, code, memory, rules, surroundings)
-    if style is Style.CLASSIC:
+    if rules.is_classic:
         if isinstance(source, GraphSource) or not isinstance(encoding, FlipFlopEncoding | CaseEncoding):
             raise LoweringError(f"{chosen} has no classic style")
         encoding.classic()
@@ -345,9 +330,9 @@ def _memory(code: LoweredCode, language: Language) -> Memory:
     return OperandMemory(code) if code.tool is Tool.S7 else BlockMemory(code)
 
 
-def _numbers(source: ChartSource, maker: Encoding, construction: Construction, rules: LoweringRules) -> dict[str, int]:
+def _numbers(source: ChartSource, maker: Encoding, rules: LoweringRules) -> dict[str, int]:
     """Return the numbers of steps where they are states, or are selected by them."""
-    if construction not in (Construction.CASE, Construction.REGIONS) and OperatingMode.SELECT not in rules.modes:
+    if rules.construction not in (Construction.CASE, Construction.REGIONS) and OperatingMode.SELECT not in rules.modes:
         return {}
     merged = maker.states.is_merged if isinstance(maker, RegionEncoding) else lambda _: False
     numbers = zip(source.net.steps, step_numbers(source.net), strict=True)

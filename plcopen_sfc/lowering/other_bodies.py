@@ -18,7 +18,7 @@ from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.lowering.construction import Constructed, construct, errors_of
-from plcopen_sfc.lowering.lowering_options import Construction, Language, LoweringRules
+from plcopen_sfc.lowering.lowering_options import LOCAL, Construction, LoweringRules, Style
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition
@@ -98,19 +98,18 @@ class _Replacing:
         return "".join([*parts, text[end:]])
 
 
-def with_actions(
-    made: Constructed, dialect: Dialect, rules: LoweringRules, language: Language | None, project: Project
-) -> Constructed:
+def with_actions(made: Constructed, dialect: Dialect, rules: LoweringRules, project: Project) -> Constructed:
     """Return the same with code in the place of the charts of those actions that its code calls, and that these call.
 
     They have the construction of the chart where it can hold them. Restart and operating modes concern the chart
     itself. Step variables in other bodies are replaced by the flags of the charts.
     """
-    inner = replace(rules, init=None, stop=None, reset_actions=False, flags="local", modes=frozenset())
-    pou, data_types, body = made.pou, list(made.data_types), made.pou.body
     # a chart of an action may need more than one CASE although the outer one needs one
     parts = made.construction in (Construction.CASE, Construction.REGIONS)
     construction = Construction.AUTO if parts else made.construction
+    inner = replace(rules, construction=construction, style=Style.EXACT, flags=LOCAL, modes=frozenset())
+    inner = replace(inner, init=None, stop=None, reset_actions=False)
+    pou, data_types, body = made.pou, list(made.data_types), made.pou.body
     flags = _by_name(made.step_flags)
     done: set[str] = set()
     calling = [body]
@@ -129,12 +128,7 @@ def with_actions(
                 # types that are new have their names already
                 around = project.model_copy(update={"data_types": [*project.data_types, *data_types]})
                 with errors_of(project, pou, f"{pou.name}.{action.name}"):
-                    found = construct(
-                        *(alone, chart, dialect, replace(inner, part=action.name)),
-                        construction=construction,
-                        language=language,
-                        project=around,
-                    )
+                    found = construct(alone, chart, dialect, replace(inner, part=action.name), around)
                 data_types += found.data_types
                 pou = found.pou.model_copy(update={"bodies": pou.bodies})
                 _action_named(pou, action.name).body = found.pou.body

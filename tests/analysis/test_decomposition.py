@@ -12,8 +12,7 @@ import pytest
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalence, equivalent
 from plcopen_sfc.analysis.product import Explored, Search, ended
-from plcopen_sfc.lowering import Construction, Language, Style
-from plcopen_sfc.lowering.code_texts import Texts
+from plcopen_sfc.lowering import Construction
 from plcopen_sfc.lowering.construction import construct
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.model import Qualifier
@@ -76,16 +75,8 @@ def test_random_charts_and_programs_with_mistakes(name: str, monkeypatch: pytest
         random = Random(seed)  # noqa: S311
         pou = random_chart(seed, size=5, codesys=name == "codesys")
         assert pou.sfc is not None
-        rules = LoweringRules(PROFILES[name], Texts())
-        made = construct(
-            pou,
-            pou.sfc,
-            Dialect.IEC,
-            rules,
-            construction=Construction.BITS,
-            style=Style.EXACT,
-            language=Language.ST,
-        )
+        rules = LoweringRules(PROFILES[name], construction=Construction.BITS)
+        made = construct(pou, pou.sfc, Dialect.IEC, rules)
         assert isinstance(made.pou.body, m.StBody)
         body = made.pou.body if seed % 4 == 0 else m.StBody(text=mutated(made.pou.body.text, random))
         code = made.pou.model_copy(update={"bodies": [body]})

@@ -5,14 +5,18 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.errors import ArgumentError, LoweringError
 from plcopen_sfc.formats.simaticml import lad_fbd_networks
 from plcopen_sfc.formats.simaticml.element_reader import NotUnderstoodError
+from plcopen_sfc.lowering import lower_project
+from plcopen_sfc.lowering.lowering_options import LoweringOptions, LoweringRules
 from tests.cli.conftest import CommandRun
 from tests.lowering.charts import training_chain
 
@@ -324,6 +328,23 @@ def test_where_all_charts_are_refused_nothing_is_written(cli: Cli, line: Path) -
     )
     assert "nothing is written" not in one.err
     assert not (line / "out.xml").exists()
+
+
+def test_every_option_of_the_code_is_an_option_of_the_command(cli: Cli) -> None:
+    options = set(LoweringOptions.__annotations__)
+    assert options - {"lang", "flag_names"} < {each.name for each in fields(LoweringRules)}
+    shown = cli("lower", "--help").out
+    assert [name for name in options if f"--{name.replace('_', '-').removesuffix('s')}" not in shown] == []
+
+
+@pytest.mark.parametrize("lowering", [sfc.lower, lower_project])
+def test_options_are_checked_before_any_chart_is_lowered(lowering: Callable[..., object]) -> None:
+    project = m.Project(pous=[training_chain()])
+    with pytest.raises(ArgumentError, match=r"no option 'stile' \(did you mean 'style'\?\)"):
+        lowering(project, stile="classic")
+    with pytest.raises(LoweringError, match=r"no style 'clasic' \(did you mean 'classic'\?\)") as found:
+        lowering(project, style="clasic")
+    assert found.value.location.path is None  # a mistake of the call, not of a chart
 
 
 def test_an_option_that_is_wrong_is_told_once(cli: Cli, line: Path) -> None:

@@ -7,7 +7,6 @@ from typing import Any
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import Verdict, equivalent
 from plcopen_sfc.lowering import Construction, Language
-from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.construction import Constructed, construct
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.model.dialect import Dialect
@@ -73,9 +72,9 @@ def lowered(
     """The block as code: bits in structured text, flip-flops in FBD and LD, if nothing else is wanted."""
     (pou,) = project.pous
     assert pou.sfc is not None
-    rules = LoweringRules(PROFILES["s7graph"], Texts(), **options)
     construction = construction or (Construction.BITS if language is Language.ST else Construction.FLIPFLOP)
-    return construct(pou, pou.sfc, Dialect.SCL, rules, construction=construction, language=language, project=project)
+    rules = LoweringRules(PROFILES["s7graph"], construction=construction, language=language, **options)
+    return construct(pou, pou.sfc, Dialect.SCL, rules, project)
 
 
 def text(project: m.Project, construction: Construction = Construction.BITS) -> str:

@@ -16,8 +16,7 @@ from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.analysis.marking import marking_graph
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.lowering import Construction, Language, Style
-from plcopen_sfc.lowering.code_texts import Texts
+from plcopen_sfc.lowering import Construction, Language
 from plcopen_sfc.lowering.construction import construct
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.model.dialect import Dialect
@@ -41,12 +40,10 @@ def lowered(pou: m.Pou, profile: str) -> Iterator[tuple[str, m.Pou, dict[str, st
     """The chart in every form that can hold it: what it is, the program, and what tells of its steps."""
     chart = pou.sfc
     assert chart is not None
-    rules = LoweringRules(PROFILES[profile], Texts())
     for construction, language in FORMS:
         try:
-            made = construct(
-                pou, chart, Dialect.IEC, rules, construction=construction, style=Style.EXACT, language=language
-            )
+            rules = LoweringRules(PROFILES[profile], construction=construction, language=language)
+            made = construct(pou, chart, Dialect.IEC, rules)
         except LoweringError as error:
             refusing = construction in (Construction.CASE, Construction.REGIONS)
             if not refusing or "cannot hold the chart" not in error.message:

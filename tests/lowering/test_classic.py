@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import pytest
 
@@ -10,7 +11,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering import Construction, Language, Style, lower
-from plcopen_sfc.lowering.code_texts import Texts
+from plcopen_sfc.lowering.code_texts import TEXTS
 from plcopen_sfc.lowering.construction import construct
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.model import FbdBody, StBody
@@ -20,7 +21,7 @@ from tests.corpus import CORPUS
 from tests.lowering.charts import act, boolean, pou_with, training_chain
 from tests.samples import FIXTURES
 
-RULES = LoweringRules(PROFILES["iec"], Texts("de"))
+RULES = LoweringRules(PROFILES["iec"], TEXTS["de"], style=Style.CLASSIC)
 
 
 def squeezed(text: str) -> list[str]:
@@ -33,9 +34,7 @@ def lowered(construction: Construction, language: Language) -> object:
     pou = training_chain()
     chart = pou.sfc
     assert chart is not None
-    result = construct(
-        pou, chart, Dialect.IEC, RULES, construction=construction, style=Style.CLASSIC, language=language
-    )
+    result = construct(pou, chart, Dialect.IEC, replace(RULES, construction=construction, language=language))
     return result.pou.body
 
 

@@ -9,8 +9,7 @@ import pytest
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.lowering import Construction, Language, Style
-from plcopen_sfc.lowering.code_texts import Texts
+from plcopen_sfc.lowering import Construction, Language
 from plcopen_sfc.lowering.construction import construct
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.model.dialect import Dialect
@@ -30,8 +29,8 @@ FORMS = [
 def verdict(pou: m.Pou, construction: Construction, language: Language, profile: str = "iec") -> Verdict:
     chart = pou.sfc
     assert chart is not None
-    rules = LoweringRules(PROFILES[profile], Texts())
-    lowered = construct(pou, chart, Dialect.IEC, rules, construction=construction, style=Style.EXACT, language=language)
+    rules = LoweringRules(PROFILES[profile], construction=construction, language=language)
+    lowered = construct(pou, chart, Dialect.IEC, rules)
     return equivalent(pou, lowered.pou, profile, cap=2_000, runs=20)
 
 

@@ -10,7 +10,6 @@ from plcopen_sfc import model as m
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering import Construction, lower
-from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.construction import construct
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.model.dialect import Dialect
@@ -39,13 +38,13 @@ def chart(pou: m.Pou) -> m.SfcNetwork:
 
 
 def verdict(pou: m.Pou, construction: Construction = Construction.AUTO, profile: str = "iec") -> Verdict:
-    rules = LoweringRules(PROFILES[profile], Texts())
-    made = construct(pou, chart(pou), Dialect.IEC, rules, construction=construction)
+    rules = LoweringRules(PROFILES[profile], construction=construction)
+    made = construct(pou, chart(pou), Dialect.IEC, rules)
     return equivalent(pou, made.pou, profile, step_flags=made.step_flags, cap=3_000, runs=20)
 
 
 def text_of(pou: m.Pou, profile: str = "iec") -> str:
-    made = construct(pou, chart(pou), Dialect.IEC, LoweringRules(PROFILES[profile], Texts()))
+    made = construct(pou, chart(pou), Dialect.IEC, LoweringRules(PROFILES[profile]))
     assert isinstance(made.pou.body, m.StBody)
     return made.pou.body.text
 

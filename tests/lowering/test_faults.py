@@ -297,7 +297,6 @@ def same_rules(chart: Subject, code: LoweredPou) -> tuple[Fault, ...]:
         chart,
         Subject(code.project, code.pou, chart.name),
         read_chart(chart.pou, network, chart.project.dialect, code.profile),
-        code.construction,
         code.rules,
         situation=code.situation,
         at_rest=code.at_rest,

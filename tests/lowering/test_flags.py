@@ -10,8 +10,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.lowering import Construction, Language, Style, lower
-from plcopen_sfc.lowering.code_texts import Texts
+from plcopen_sfc.lowering import Construction, Language, lower
 from plcopen_sfc.lowering.construction import construct
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.model.dialect import Dialect
@@ -48,8 +47,8 @@ def with_memories(pou: m.Pou) -> m.Pou:
 def lowered_text(pou: m.Pou, construction: Construction = Construction.BITS) -> str:
     chart = pou.sfc
     assert chart is not None
-    rules = LoweringRules(PROFILES["codesys"], Texts())
-    made = construct(pou, chart, Dialect.CODESYS, rules, construction=construction, style=Style.EXACT)
+    rules = LoweringRules(PROFILES["codesys"], construction=construction)
+    made = construct(pou, chart, Dialect.CODESYS, rules)
     body = made.pou.body
     assert isinstance(body, m.StBody)
     return body.text
@@ -198,8 +197,8 @@ def test_flags_that_only_the_tool_declares_are_declared() -> None:
     chart = pou.sfc
     assert chart is not None
     chart.settings = m.SfcSettings(flags={m.SfcFlag.INIT: m.FlagUse(use=True)})
-    rules = LoweringRules(PROFILES["codesys"], Texts())
-    made = construct(pou, chart, Dialect.CODESYS, rules, construction=Construction.BITS, style=Style.EXACT)
+    rules = LoweringRules(PROFILES["codesys"], construction=Construction.BITS)
+    made = construct(pou, chart, Dialect.CODESYS, rules)
     assert made.pou.interface is not None
     local = [s for s in made.pou.interface.sections if s.kind is m.SectionKind.LOCAL]
     assert "SFCInit" in [variable.name for section in local for variable in section.variables]

@@ -16,7 +16,6 @@ from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering import LoweredPou, lower
 from plcopen_sfc.lowering.code.code_memory import BitMemory
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode, Naming
-from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.encodings.step_flags import StepBitEncoding
 from plcopen_sfc.lowering.grafcet.grafcet_reading import read_grafcet
 from plcopen_sfc.lowering.grafcet.grafcet_scan import GrafcetScan
@@ -478,7 +477,7 @@ def most_evolutions(conditions: str, stored: str = "") -> int | None:
         chart.step("2").actions = [action("onActivation", stored, value="TRUE")]
     source = read_grafcet(pou_with(chart, "a b c", "Q"), m.Dialect.IEC, PROFILES["grafcet"])
     code = LoweredCode(Naming(m.Dialect.IEC, source.names()))
-    bits = StepBitEncoding(source, code, BitMemory(code), LoweringRules(PROFILES["grafcet"], Texts()))
+    bits = StepBitEncoding(source, code, BitMemory(code), LoweringRules(PROFILES["grafcet"]))
     return GrafcetScan(bits).stability.most
 
 

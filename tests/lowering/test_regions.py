@@ -11,7 +11,6 @@ from plcopen_sfc import model as m
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering import Construction, Language, Style, lower
-from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.construction import Constructed, construct
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.model.dialect import Dialect
@@ -44,7 +43,7 @@ def driven(chart: m.SfcNetwork, conditions: dict[int, str]) -> m.Pou:
 def lowered(pou: m.Pou, construction: Construction = Construction.REGIONS, profile: str = "iec") -> Constructed:
     chart = pou.sfc
     assert chart is not None
-    return construct(pou, chart, Dialect.IEC, LoweringRules(PROFILES[profile], Texts()), construction=construction)
+    return construct(pou, chart, Dialect.IEC, LoweringRules(PROFILES[profile], construction=construction))
 
 
 def verdict(
@@ -298,8 +297,8 @@ def test_a_name_cannot_end_the_comment_that_it_stands_in() -> None:
     assert pou.sfc is not None
     pou.sfc.steps[1].name = "Fill\nq := TRUE;"
     assert "    2: // Step Fill q := TRUE;\n" in text_of(lowered(pou))
-    rules = LoweringRules(PROFILES["iec"], Texts())
-    flipflops = construct(pou, pou.sfc, Dialect.IEC, rules, construction=Construction.FLIPFLOP, language=Language.ST)
+    rules = LoweringRules(PROFILES["iec"], construction=Construction.FLIPFLOP, language=Language.ST)
+    flipflops = construct(pou, pou.sfc, Dialect.IEC, rules)
     assert "\n// Step Fill q := TRUE;\n" in text_of(flipflops)
 
 
@@ -363,9 +362,9 @@ def test_a_chart_that_ends_has_a_state_of_no_step(profile: str) -> None:
     assert (made.construction, made.why) == (Construction.CASE, "at most one step is active at a time")
     assert verdict(pou, Construction.CASE, profile).kind is VerdictKind.PROVEN
     assert pou.sfc is not None
-    rules = LoweringRules(PROFILES[profile], Texts())
+    rules = LoweringRules(PROFILES[profile], construction=Construction.CASE, style=Style.CLASSIC)
     with pytest.raises(LoweringError, match="end of a chart"):
-        construct(pou, pou.sfc, Dialect.IEC, rules, construction=Construction.CASE, style=Style.CLASSIC)
+        construct(pou, pou.sfc, Dialect.IEC, rules)
 
 
 def test_the_most_readable_form_that_is_exact_says_why() -> None:

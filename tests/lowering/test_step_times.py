@@ -12,7 +12,6 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.lowering import Construction, Language
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode, Naming
-from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.construction import construct
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.lowering.reading.step_variables import StepTimers
@@ -31,8 +30,8 @@ FORMS = [
 
 def proves(pou: m.Pou, profile: str) -> None:
     for construction, language in FORMS:
-        rules = LoweringRules(PROFILES[profile], Texts())
-        made = construct(pou, chart(pou), Dialect.IEC, rules, construction=construction, language=language)
+        rules = LoweringRules(PROFILES[profile], construction=construction, language=language)
+        made = construct(pou, chart(pou), Dialect.IEC, rules)
         found = equivalent(pou, made.pou, profile, step_flags=made.step_flags, cap=600, runs=20, scans=60)
         assert not found.different, f"{construction} {language}: {found}"
 
@@ -58,7 +57,7 @@ def test_conditions_of_actions_and_what_actions_execute(profile: str) -> None:
 def test_nothing_is_kept_for_a_condition_of_the_step_itself() -> None:
     pou = chain("S1>S2 S2>S1")
     chart(pou).transitions[0].condition = m.Expression(text="S1.T >= T#30ms")
-    rules = LoweringRules(PROFILES["iec"], Texts())
+    rules = LoweringRules(PROFILES["iec"])
     made = construct(pou, chart(pou), Dialect.IEC, rules)
     assert made.pou.interface is not None
     assert [v.name for v in made.pou.interface.sections[-1].variables] == ["step_number", "X1_time"]

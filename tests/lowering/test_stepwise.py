@@ -14,7 +14,6 @@ from plcopen_sfc import model as m
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering import ActionPlace, Construction, Language
-from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.construction import Constructed, construct
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.model.dialect import Dialect
@@ -38,8 +37,8 @@ def lowered(
     profile: Profile = MATIEC,
     actions: ActionPlace = ActionPlace.INLINE,
 ) -> Constructed:
-    rules = LoweringRules(profile, Texts(), actions=actions)
-    return construct(pou, chart(pou), Dialect.IEC, rules, construction=construction, language=language)
+    rules = LoweringRules(profile, construction=construction, language=language, actions=actions)
+    return construct(pou, chart(pou), Dialect.IEC, rules)
 
 
 def verdict(pou: m.Pou, construction: Construction, language: Language, cap: int = 200) -> Verdict:

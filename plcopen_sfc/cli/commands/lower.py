@@ -24,7 +24,7 @@ from plcopen_sfc.errors import LossError, LoweringError
 from plcopen_sfc.files import folder_exists
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.lowering import LoweredPou
-from plcopen_sfc.lowering.chart_lowering import LoweringOptions
+from plcopen_sfc.lowering.lowering_options import LoweringOptions
 from plcopen_sfc.report import ConversionReport
 
 _FINDINGS = 1

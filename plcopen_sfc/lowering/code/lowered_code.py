@@ -19,7 +19,7 @@ from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, Tool
 from plcopen_sfc.languages.words import free_name
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, assignment
 from plcopen_sfc.lowering.code_texts import Texts
-from plcopen_sfc.lowering.lowering_options import LoweringRules
+from plcopen_sfc.lowering.lowering_options import LOCAL, LoweringRules
 from plcopen_sfc.model.dialect import COUNTING_BYTES, Dialect
 from plcopen_sfc.model.pou import DataBlock
 from plcopen_sfc.model.project import Chart, Configuration, Project, Tag, TagTable
@@ -95,7 +95,6 @@ INT = ElementaryType(name=Elementary.INT)
 TIME = ElementaryType(name=Elementary.TIME)
 _LARGEST_INT = 32_767
 
-LOCAL = "local"
 _FIRST = re.compile(r"%?MX?(\d{1,9})\.([0-7])", re.IGNORECASE)
 _ADDRESS = re.compile(r"%?M([XBWDL]?)(\d{1,9})(?:\.(\d{1,9}))?", re.IGNORECASE)
 _WIDTHS = {"": 1, "X": 1, "B": 8, "W": 16, "D": 32, "L": 64}

@@ -57,7 +57,6 @@ def find_faults(
     chart: Subject,
     code: Subject,
     source: ChartSource,
-    construction: Construction,
     rules: LoweringRules,
     *,
     situation: Mapping[str, str],
@@ -71,7 +70,7 @@ def find_faults(
     searched. Where it is too large, the search goes from step to step; and where the inputs cannot be enumerated,
     typical and random ones are tried. A fault that is found so is one, but its trace need not be the shortest.
     """
-    looked_for = FLIP_FLOP_RULES if construction is Construction.FLIPFLOP else CASE_RULES
+    looked_for = FLIP_FLOP_RULES if rules.construction is Construction.FLIPFLOP else CASE_RULES
     restarts = {rules.init, rules.stop} & set(at_rest) | ({left_out} if left_out is not None else set())
     clock = clocking([chart, code], None)
     original = ProgramSystem(chart, rules.profile, clock)

@@ -14,7 +14,7 @@ from plcopen_sfc.languages.words import free_name
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, assignment, conjunction, disjunction, equal, negation
 from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.lowered_code import BOOL, LoweredCode, integer
-from plcopen_sfc.lowering.lowering_options import LoweringRules, OperatingMode, Style
+from plcopen_sfc.lowering.lowering_options import LoweringRules, OperatingMode
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, step_numbers
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.variables import SectionKind
@@ -27,14 +27,12 @@ def names_in_conditions(rules: LoweringRules, dialect: Dialect) -> set[str]:
     return {node.identifier for tree in trees for node in walk(tree) if isinstance(node, n.Name)}
 
 
-def with_usual_input(
-    rules: LoweringRules, style: Style, source: ChartSource, surroundings: Collection[str]
-) -> LoweringRules:
+def with_usual_input(rules: LoweringRules, source: ChartSource, surroundings: Collection[str]) -> LoweringRules:
     """Return the rules with the restart input that a textbook form has where none was asked for; or with none.
 
     An input of the POU of this name is taken, unless the chart reads it: then it means something else.
     """
-    if rules.init or (rules.init is None and style is Style.EXACT):
+    if rules.init or (rules.init is None and not rules.is_classic):
         return rules
     if rules.init is not None:
         return replace(rules, init=None)
