@@ -5,6 +5,7 @@
 * `pragmas`: the remainder of the model in texts.
 * `translation`: between dialects, with `expression_types`, `standard_blocks`, `start_values` and `words` (keywords).
 * S7 has its own `s7_actions`, `s7_boxes`, `s7_globals`, `s7_programs` and `s7_types`.
+* `method_calls`: calls of methods as calls of functions.
 * `task_schedules`: times of tasks.
 * `text_edits`; `problems` of one, `syntax_problems` of those in a file.
 """

@@ -9,9 +9,7 @@ exports)::
                                          // action Release of #Gripper
                                          #Gripper.Valve := FALSE;
 
-A method has parameters and variables of its own. It becomes a function that gets the variables of the block, too::
-
-    #n := #Gripper.Lift(height := 3);    #n := "Gripper_Lift"(Valve := #Gripper.Valve, height := 3);
+Methods become functions (`method_calls`).
 
 Calls of timers and counters pass the start values that their instances cannot have in S7 (`s7_start_values`).
 """
@@ -20,14 +18,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from itertools import zip_longest
 
-from plcopen_sfc.languages.binding.name_resolution import Resolver
-from plcopen_sfc.languages.binding.name_sites import named
 from plcopen_sfc.languages.binding.text_sites import Site, TextSite
+from plcopen_sfc.languages.method_calls import InlinedText, MethodCalls, NoStatementsError
 from plcopen_sfc.languages.networks import body_statements
-from plcopen_sfc.languages.s7_programs import names_of_programs
 from plcopen_sfc.languages.s7_start_values import InstanceStarts
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, print_node, walk
@@ -43,7 +37,6 @@ from plcopen_sfc.model.types import SimpleValue, Variable
 from plcopen_sfc.model.variables import SectionKind
 
 _MOST_CHARACTERS = 100_000
-_NO_FUNCTIONS = "it is no function here"
 _INDENT = "    "
 _OPENS = re.compile(r"\b(?:THEN|ELSE|DO|OF|REPEAT)\b|:(?!=)", re.IGNORECASE)
 """Words that statements are in, where they begin in the same line."""
@@ -56,51 +49,18 @@ _UNSEEN = {
 """Variables of a block that no other block reaches."""
 
 
-@dataclass(frozen=True, slots=True)
-class MethodFunction:
-    """The function for a method: its name, the parameters of the method, and the variables of the block it gets."""
+class ActionCalls(MethodCalls):
+    """Puts the statements of the actions of a project in SCL in the place of calls of them.
 
-    name: str
-    parameters: list[Variable]
-    outputs: frozenset[str]
-    around: list[str]
-
-
-class _NoStatementsError(Exception):
-    """No statements do what a call does."""
-
-
-@dataclass(slots=True)
-class InlinedText:
-    """A text without calls of actions and methods: `text`, those that it called, and why a call is still there.
-
-    `started` are the instances whose calls pass start values.
+    Calls of methods are those of functions. `reached` has the ids of actions as well.
     """
 
-    text: str
-    called: list[str] = field(default_factory=list)
-    methods: list[str] = field(default_factory=list)
-    started: list[str] = field(default_factory=list)
-    problems: list[str] = field(default_factory=list)
-
-
-class ActionCalls:
-    """Puts the statements of the actions of a project in SCL in the place of calls of them."""
-
     def __init__(self, project: Project) -> None:
+        super().__init__(project, Dialect.SCL)
         self.call_of_chart: Callable[[Pou, Action], str | None] = lambda _owner, _action: None
         """Returns the statement that executes the chart of an action once; None where there is none."""
-        self.function_of_method: Callable[[Pou, Method], MethodFunction | str] = lambda _owner, _method: _NO_FUNCTIONS
-        """Returns the function for a method; a reason where there is none."""
-        self.reached: set[int] = set()
-        """Ids of the actions whose statements are in the place of a call."""
         self.starts = InstanceStarts(project)
-        self._resolver = Resolver(project, Dialect.SCL)
-        self._methods = frozenset(method.name.casefold() for pou in project.pous for method in pou.methods)
         self._names = self._methods | {action.name.casefold() for pou in project.pous for action in pou.actions}
-        programs = names_of_programs(project) if self._names else {}
-        called = [pou for pou in project.pous if pou.actions or pou.methods]
-        self._programs = {programs[pou.name].casefold(): pou for pou in called if pou.name in programs}
         self._inlined: dict[tuple[int, int, str], InlinedText] = {}
 
     def inlined(self, text: str, pou: Pou, method: Method | None = None) -> InlinedText:
@@ -139,7 +99,7 @@ class ActionCalls:
         started: list[str] = []
         if site.pou is not None:
             text, started = self.starts.completed(text, site.pou)
-        found = self._without_methods(text, site)
+        found = self.without_methods(text, site)
         found.started = started
         if found.methods or started:
             text = found.text
@@ -156,7 +116,7 @@ class ActionCalls:
             start, end = statement.span
             try:
                 statements = self._statements(declaration, callee, statement.call, text, around)
-            except _NoStatementsError as error:
+            except NoStatementsError as error:
                 found.problems.append(f"{shown}: {error}")
                 continue
             end += len(text[end:]) - len(text[end:].lstrip(" ").removeprefix(";"))
@@ -167,98 +127,6 @@ class ActionCalls:
         if len(found.text) > _MOST_CHARACTERS:
             return InlinedText(text, problems=["with the statements of its actions it is too long"])
         return found
-
-    def _without_methods(self, text: str, site: Site) -> InlinedText:
-        """Return a text with calls of functions in place of those of methods, the inner ones first."""
-        found = InlinedText(text)
-        while any(name in found.text.casefold() for name in self._methods) and not found.problems:
-            edits: list[Edit] = []
-            for span, call, declaration in self._innermost(found.text, site):
-                shown = found.text[slice(*(call.callee.span or span))]
-                try:
-                    edits.append(Edit(*span, self._function_call(declaration, call, found.text)))
-                except _NoStatementsError as error:
-                    found.problems.append(f"{shown}: {error}")
-                else:
-                    found.methods.append(shown)
-            if not edits:
-                break
-            found.text = apply_edits(found.text, edits)
-        return found
-
-    def _innermost(self, text: str, site: Site) -> list[tuple[tuple[int, int], n.Call, Declaration]]:
-        """Return the calls of methods in a text that have no others among their arguments, with their places."""
-        found: list[tuple[tuple[int, int], n.Call, Declaration]] = []
-        for call in walk(parse_statements(text, Dialect.SCL).tree):
-            if isinstance(call, n.Call) and call.span is not None:
-                declaration = self._declaration(call.callee, site)
-                if declaration is not None and declaration.kind is Kind.METHOD:
-                    found.append((call.span, call, declaration))
-        spans = [span for span, _, _ in found]
-        return [
-            (own, call, declaration)
-            for own, call, declaration in found
-            if not any(own[0] <= start and end <= own[1] and (start, end) != own for start, end in spans)
-        ]
-
-    def _function_call(self, declaration: Declaration, call: n.Call, text: str) -> str:
-        """Return the call of a function that does what a call of a method does."""
-        method, owner = declaration.holder, declaration.pou
-        if not isinstance(method, Method) or owner is None:
-            raise _NoStatementsError("it is no method of a block")
-        function = self.function_of_method(owner, method)
-        if isinstance(function, str):
-            raise _NoStatementsError(function)
-        path = self._path(call.callee, text)
-        passed = {
-            name.casefold(): f"{name} := {path}.{name}" if path else f"{name} := #{name}" for name in function.around
-        }
-        known = {parameter.name.casefold(): parameter.name for parameter in function.parameters}
-        for argument, by_place in zip_longest(call.arguments, [*known.values()][: len(call.arguments)]):
-            name = argument.name.identifier if argument.name is not None else by_place
-            if name is None or name.casefold() not in known:
-                raise _NoStatementsError(f"it has no parameter for {name or 'all that is passed'}")
-            if argument.value is None or argument.value.span is None or argument.negated:
-                raise _NoStatementsError(f"nothing is passed to {name}, or something negated")
-            sign = "=>" if name.casefold() in function.outputs else ":="
-            passed[name.casefold()] = f"{name} {sign} {text[slice(*argument.value.span)]}"
-        for parameter in function.parameters:
-            name = parameter.name
-            if name.casefold() not in passed and name.casefold() not in function.outputs:
-                if not isinstance(parameter.initial, SimpleValue) or not parameter.initial.text:
-                    raise _NoStatementsError(f"nothing is passed to {name}")
-                passed[name.casefold()] = f"{name} := {parameter.initial.text}"
-        self.reached.add(id(method))
-        return f'"{function.name}"({", ".join(passed.values())})'
-
-    def _declaration(self, callee: n.Expression, site: Site) -> Declaration | None:
-        """Return the declaration of what an expression calls; None where it is not known."""
-        program = self._program(callee.base) if isinstance(callee, n.Member) else None
-        if program is not None and isinstance(callee, n.Member):
-            return self._resolver.member(program, callee.name.identifier).declaration
-        return self._resolver.called(callee, site)
-
-    def _path(self, callee: n.Expression, text: str) -> str:
-        """Return the path of the instance whose action or method is called; empty for the block itself."""
-        for part in walk(callee):
-            if isinstance(part, n.Index) and not all(map(_stays, part.indices)):
-                raise _NoStatementsError("the index of the instance may change while its action is executed")
-        head = callee
-        while isinstance(head, n.Member):
-            head = head.base
-        if isinstance(callee, n.Member) and isinstance(head, n.Name) and self._is_type(head):
-            raise _NoStatementsError(f"{head.identifier} is a block without a data block of its own")
-        return text[slice(*callee.base.span)] if isinstance(callee, n.Member) and callee.base.span is not None else ""
-
-    def _program(self, base: n.Expression) -> Pou | None:
-        """Return the program whose instance data block an expression names."""
-        is_global = isinstance(base, n.Name) and base.quoting is n.Quoting.GLOBAL
-        return self._programs.get(base.identifier.casefold()) if is_global else None  # type: ignore[union-attr]
-
-    def _is_type(self, name: n.Name) -> bool:
-        """True for the name of a block, which is no instance."""
-        found = self._resolver.lookup(named(name), Site()).declaration if name.quoting is n.Quoting.GLOBAL else None
-        return found is not None and found.kind is Kind.POU
 
     def _statements(
         self,
@@ -271,13 +139,13 @@ class ActionCalls:
         """Return the statements in place of a call of an action."""
         action, owner = declaration.holder, declaration.pou
         if not isinstance(action, Action) or owner is None:
-            raise _NoStatementsError("it is no action of a block")
+            raise NoStatementsError("it is no action of a block")
         if any(action is each for each in around):
-            raise _NoStatementsError("it calls itself")
+            raise NoStatementsError("it calls itself")
         path = self._path(callee, text)
         inner = self._inline(self._code(action, owner), Site(pou=owner, place=owner.place), (*around, action))
         if inner.problems:
-            raise _NoStatementsError(inner.problems[0])
+            raise NoStatementsError(inner.problems[0])
         before, after = _arguments(call, path, text)
         code = self._at(inner.text, owner, path) if path else inner.text
         self.reached.add(id(action))
@@ -293,7 +161,7 @@ class ActionCalls:
             return _code(action)
         call = self.call_of_chart(owner, action)
         if call is None:
-            raise _NoStatementsError("its chart is no block of its own")
+            raise NoStatementsError("its chart is no block of its own")
         return call
 
     def _at(self, text: str, owner: Pou, path: str) -> str:
@@ -311,7 +179,7 @@ class ActionCalls:
             name = token.value[1:].strip('"')
             kind, constant, variable = known.get(name.casefold(), (None, False, None))
             if kind in _UNSEEN:
-                raise _NoStatementsError(f"it uses {name}, {_UNSEEN[kind]} of {owner.name}")
+                raise NoStatementsError(f"it uses {name}, {_UNSEEN[kind]} of {owner.name}")
             new = f"{path}.{token.value[1:]}"
             if constant and variable is not None:
                 new = _constant(variable)
@@ -319,18 +187,10 @@ class ActionCalls:
         return apply_edits(text, edits)
 
 
-def _stays(index: n.Expression) -> bool:
-    """True for an index that statements of another block do not change: without calls and global variables."""
-    return not any(
-        isinstance(part, n.Call) or (isinstance(part, n.Name) and part.quoting is n.Quoting.GLOBAL)
-        for part in walk(index)
-    )
-
-
 def _constant(variable: Variable) -> str:
     """Return the value of a constant, which other blocks cannot name."""
     if not isinstance(variable.initial, SimpleValue) or not variable.initial.text:
-        raise _NoStatementsError(f"it uses {variable.name}, a constant without a plain value")
+        raise NoStatementsError(f"it uses {variable.name}, a constant without a plain value")
     value = variable.initial.text
     return value if _PLAIN.fullmatch(value) else f"({value})"
 
@@ -343,18 +203,18 @@ def _code(action: Action) -> str:
     if isinstance(body, FbdBody | LdBody):
         drawn = body_statements(body, Dialect.SCL)
         if drawn.obstacles or drawn.helpers or drawn.open_ends:
-            raise _NoStatementsError("its network is no list of statements")
+            raise NoStatementsError("its network is no list of statements")
         return print_node(drawn.tree)
     if not isinstance(body, StBody):
-        raise _NoStatementsError(f"it is a body in {body.language}")
+        raise NoStatementsError(f"it is a body in {body.language}")
     parsed = parse_statements(body.text, Dialect.SCL)
     if parsed.problems:
-        raise _NoStatementsError("its text cannot be read")
+        raise NoStatementsError("its text cannot be read")
     for node in walk(parsed.tree):
         if isinstance(node, n.ReturnStatement):
-            raise _NoStatementsError("it ends with RETURN, which would end what calls it too")
+            raise NoStatementsError("it ends with RETURN, which would end what calls it too")
         if isinstance(node, n.LabelStatement | n.Goto):
-            raise _NoStatementsError("it has jumps")
+            raise NoStatementsError("it has jumps")
     return body.text
 
 
@@ -364,7 +224,7 @@ def _arguments(call: n.Expression, path: str, text: str) -> tuple[list[str], lis
     after: list[str] = []
     for argument in call.arguments if isinstance(call, n.Call) else ():
         if argument.name is None:
-            raise _NoStatementsError("it has an argument without a name")
+            raise NoStatementsError("it has an argument without a name")
         if argument.value is None or argument.value.span is None:
             continue
         member = f"{path}.{argument.name.identifier}" if path else f"#{argument.name.identifier}"

@@ -382,9 +382,19 @@ _NOT_EXECUTED = {
     "blocks of S7 have no methods: what calls it does not execute it": (
         "Bausteine von S7 haben keine Methoden: was sie aufruft, führt sie nicht aus"
     ),
-    "blocks of TIA Portal have no methods, and no function holds it: {+}": (
-        "Bausteine von TIA Portal haben keine Methoden, und keine Funktion nimmt sie auf: {}"
+    "blocks of {+} have no methods, and no function holds it: {+}": (
+        "Bausteine von {} haben keine Methoden, und keine Funktion nimmt sie auf: {}"
     ),
+    "blocks of {+} have no methods, and this calls one: {+}": (
+        "Bausteine von {} haben keine Methoden, und dies ruft eine auf: {}"
+    ),
+    "it calls the action {}, which only its block executes": (
+        "sie ruft die Aktion {} auf, die nur ihr Baustein ausführt"
+    ),
+    "{} is an instance, which functions do not get in {+}": (
+        "{} ist eine Instanz, die Funktionen in {} nicht bekommen"
+    ),
+    "the method {} of {}": "die Methode {} von {}",
     "S7 has no actions and methods to call: {}": "S7 hat keine Aktionen und Methoden, die man aufrufen kann: {}",
     "`{}` is of the type {}, and an action is a Boolean variable in {+}": (
         "`{}` ist vom Typ {}, und eine Aktion ist in {} eine boolesche Variable"

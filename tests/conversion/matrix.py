@@ -72,9 +72,6 @@ REASONS = {
     "codesys|twincat|codesys-export": {
         "negated action|macro-step": "charts of CODESYS have no such element",
     },
-    "plcopen-2.01": {
-        "action that calls a method": "TC6 has no methods; functions in their places are written for TIA Portal only",
-    },
     "codesys23": {
         "negated action|macro-step|action that calls a method": "CoDeSys 2.3 has no such element",
     },

@@ -5,7 +5,7 @@
 `step_rewriting`      rows and step actions as statements, with `step_checks` for interlocks, supervisions and events
 `sequencer_rewriting` what a block of S7-GRAPH does beside its steps
 `global_variables`    tags, data blocks and lists of global variables
-`called_programs`     programs that others call as function blocks, before texts are translated
+`called_methods`      methods as functions, before texts are translated; `called_programs`: programs that others call
 `chart_rewriting`     a chart that is being rewritten
 `flag_transitions`    SFC flags of CODESYS in S7-GRAPH, with `boxes_before_conditions` for timers and edges
 `grafcet_charts`      GRAFCETs in the words of sequential function charts

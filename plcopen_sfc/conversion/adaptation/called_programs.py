@@ -12,11 +12,9 @@ from collections.abc import Iterator, Mapping
 
 from plcopen_sfc.languages.binding import Names, bind
 from plcopen_sfc.languages.translation.renames import KeptNames, keep_names, kept_names
-from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.languages.words import free_name
 from plcopen_sfc.model.base import ForeignData
 from plcopen_sfc.model.body import StBody
-from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource
 from plcopen_sfc.model.types import DerivedType, Variable
@@ -24,17 +22,8 @@ from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
 
-def adapt_programs(project: Project, dialect: Dialect | None, tool: str, report: ConversionReport) -> None:
-    """Change the called programs of `project`, a copy, into blocks for a tool of a dialect, or such blocks back."""
-    if dialect is None or family(dialect) is family(project.dialect):
-        return
-    if family(dialect) is Dialect.IEC and family(project.dialect) is Dialect.CODESYS:
-        _make_blocks(project, tool, report)
-    elif family(dialect) is Dialect.CODESYS:
-        _make_programs(project, report)
-
-
-def _make_blocks(project: Project, tool: str, report: ConversionReport) -> None:
+def make_blocks_of_programs(project: Project, tool: str, report: ConversionReport) -> None:
+    """Change the called programs of `project`, a copy, into blocks for a tool."""
     programs = {pou.name.casefold(): pou for pou in project.pous if pou.kind is PouKind.PROGRAM}
     users = _users(project, programs)
     taken = {thing.name.casefold() for thing in project.objects()}
@@ -50,7 +39,7 @@ def _make_blocks(project: Project, tool: str, report: ConversionReport) -> None:
         reads, writes = _named_outside(project, program, key)
         if any(each.address is not None or _is_constant(program, each.name, reads) for each in program.variables()):
             continue  # blocks have no variables at addresses, and others do not see their constants
-        shown = _show(program, reads, writes)
+        shown = show_variables(program, reads, writes)
         program.name, program.kind = free(f"{name}_block"), PouKind.FUNCTION_BLOCK
         instance = Variable(name=name, type=DerivedType(name=program.name))
         section = VariableSection(kind=SectionKind.GLOBAL, name=free("Programs"), variables=[instance])
@@ -72,12 +61,12 @@ def _make_blocks(project: Project, tool: str, report: ConversionReport) -> None:
                 )
             _execute(called, caller, place, f"the program {caller}, which calls the instance", report)
         made.append((name, program.name, caller))
-        made += [(program.name, "", f"{number} {place} {count} {variable}") for variable, number, place, count in shown]
+        made += [(program.name, "", row) for row in shown]
     if made:
         keep_names(project, KeptNames.PROGRAMS, made)
 
 
-def _make_programs(project: Project, report: ConversionReport) -> None:
+def make_programs_of_blocks(project: Project, report: ConversionReport) -> None:
     """Let function blocks be programs again that were made of such, where nothing else is called as they were."""
     pous = {pou.name: pou for pou in project.pous}
     rows = kept_names(project, KeptNames.PROGRAMS)
@@ -86,7 +75,7 @@ def _make_programs(project: Project, report: ConversionReport) -> None:
         sections = [each for each in project.global_sections() if any(v.name == name for v in each.variables)]
         if block not in pous or name in pous or len(sections) != 1:
             continue
-        _hide(pous[block], {variable: text for (owner, variable), text in shown.items() if owner == block})
+        hide_variables(pous[block], {variable: text for (owner, variable), text in shown.items() if owner == block})
         pous[block].name, pous[block].kind = name, PouKind.PROGRAM
         sections[0].variables = [each for each in sections[0].variables if each.name != name]
         owners: list[Project | Configuration | Resource] = [project, *project.configurations, *project.resources()]
@@ -137,20 +126,21 @@ def _is_constant(program: Pou, name: str, reads: set[str]) -> bool:
     return name.casefold() in reads and any(v.name == name for each in constant for v in each.variables)
 
 
-def _show(program: Pou, reads: set[str], writes: set[str]) -> list[tuple[str, int, int, int]]:
+def show_variables(program: Pou, reads: set[str], writes: set[str]) -> list[str]:
     """Let others see local variables that they name: as inputs where they write them, else as outputs.
 
-    Returns them, each with the number of its section, its place there, and how many variables that had.
+    Outputs that they write are inputs, too. Returns a row of each: the number of its section, its place there, how many
+    variables that had, its kind, and the name.
     """
-    shown: list[tuple[str, int, int, int]] = []
+    shown: list[str] = []
     sections: list[VariableSection] = []
     for number, section in enumerate(program.interface.sections if program.interface is not None else ()):
         parts: dict[SectionKind, list[Variable]] = {section.kind: []}
         for place, variable in enumerate(section.variables):
             key, kind = variable.name.casefold(), section.kind
-            if kind is SectionKind.LOCAL and key in writes | reads:
+            if (kind is SectionKind.LOCAL and key in writes | reads) or (kind is SectionKind.OUTPUT and key in writes):
+                shown.append(f"{number} {place} {len(section.variables)} {kind} {variable.name}")
                 kind = SectionKind.INPUT if key in writes else SectionKind.OUTPUT
-                shown.append((variable.name, number, place, len(section.variables)))
             parts.setdefault(kind, []).append(variable)
         kept = [(kind, variables) for kind, variables in parts.items() if variables or len(parts) == 1]
         sections += [section.model_copy(update={"kind": kind, "variables": variables}) for kind, variables in kept]
@@ -159,11 +149,12 @@ def _show(program: Pou, reads: set[str], writes: set[str]) -> list[tuple[str, in
     return shown
 
 
-def _hide(program: Pou, shown: Mapping[str, str]) -> None:
-    """Put the variables that `_show` has shown into their sections again; `shown` has their places by their names."""
+def hide_variables(program: Pou, shown: Mapping[str, str]) -> None:
+    """Put variables that were shown into their sections again; `shown` has their places by their names."""
     if program.interface is None or not shown:
         return
     places = {name: tuple(map(int, text.split()[:3])) for name, text in shown.items()}
+    kinds = {places[name][0]: SectionKind(text.split()[3]) for name, text in shown.items()}
     whole = Counter(number for number, _, _ in places.values())
     sections: list[VariableSection] = []
     parts: dict[int, tuple[VariableSection, list[Variable]]] = {}
@@ -173,7 +164,7 @@ def _hide(program: Pou, shown: Mapping[str, str]) -> None:
             continue
         number, _, count = places[section.variables[0].name]
         if number not in parts and (whole[number] == count or not sections):  # nothing of the section was left
-            sections.append(section.model_copy(update={"kind": SectionKind.LOCAL, "variables": []}))
+            sections.append(section.model_copy(update={"kind": kinds[number], "variables": []}))
         parts.setdefault(number, (sections[-1], []))[1].extend(section.variables)
     for section, variables in parts.values():
         for variable in sorted(variables, key=lambda each: places[each.name][1]):

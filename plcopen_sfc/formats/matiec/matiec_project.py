@@ -93,9 +93,7 @@ def _fit_pou(unit: FittedPou, final_scan: bool | None, *, same_loops: bool, reli
     pou = unit.pou
     if pou.kind is PouKind.ORGANIZATION_BLOCK:
         pou.kind = PouKind.PROGRAM
-    for method in pou.methods:
-        unit.note(Outcome.NOT_EXECUTED, "method", f"{unit.path} / method {method.name}", "matiec has no methods")
-    pou.methods = []
+    pou.methods = []  # those that are no functions are told
     if pou.interface is not None:
         pou.interface.declaration = None
         _check_addresses(unit)

@@ -183,7 +183,7 @@ def added_part(body: StBody | IlBody) -> dict[str, Any]:
 
 def added_pou(pou: Pou) -> dict[str, Any]:
     """Return the mark of a block in structured text that the source does not have."""
-    return {ADDED_FIELD: _of_pou(pou)}
+    return {ADDED_FIELD: pou_digest(pou)}
 
 
 def added_section(section: VariableSection) -> dict[str, Any]:
@@ -489,7 +489,7 @@ def is_added_pou(pou: Fields) -> bool:
     """True if a block is as it was added. Takes its mark."""
     added = pou.pop(ADDED_FIELD, None)
     read = _fitting(Pou, pou) if added is not None else None
-    return read is not None and added == _of_pou(read)
+    return read is not None and added == pou_digest(read)
 
 
 def is_added_configuration(configuration: Fields) -> bool:
@@ -550,7 +550,8 @@ def _of_section(section: VariableSection) -> str:
     return text_digest(json.dumps(_plain_fields(section), sort_keys=True))
 
 
-def _of_pou(pou: Pou) -> str:
+def pou_digest(pou: Pou) -> str:
+    """Return a digest of a block in structured text: of its interface and its statements."""
     sections = [_plain_fields(section) for section in (pou.interface.sections if pou.interface is not None else ())]
     rest = [len(pou.actions), len(pou.transitions), len(pou.methods)]
     return text_digest(json.dumps([pou.name, pou.kind, sections, [*map(_plain, pou.bodies)], rest], sort_keys=True))

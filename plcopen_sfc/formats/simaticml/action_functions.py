@@ -23,8 +23,9 @@ from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_si
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.languages.effects import ANYTHING, Effects, Path, effects, path_of
 from plcopen_sfc.languages.library_blocks import library_blocks
+from plcopen_sfc.languages.method_calls import IMPLICIT_METHODS, MethodFunction
 from plcopen_sfc.languages.networks import Helper, body_statements
-from plcopen_sfc.languages.s7_actions import ActionCalls, MethodFunction
+from plcopen_sfc.languages.s7_actions import ActionCalls
 from plcopen_sfc.languages.s7_globals import global_names
 from plcopen_sfc.languages.s7_programs import renamed_local, s7_programs
 from plcopen_sfc.languages.st import nodes as n
@@ -58,8 +59,6 @@ _LONGEST = 120
 _LOCAL = (n.Quoting.LOCAL, n.Quoting.LOCAL_QUOTED)
 _NO_TEXT = "its network is no list of statements"
 _PARAMETERS = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT)
-_IMPLICIT_METHODS = frozenset({"fb_init", "fb_reinit", "fb_exit"})
-"""Methods that CODESYS calls by itself."""
 _STEP_DATA = {"X": Elementary.BOOL, "T": Elementary.TIME}
 """The data of steps that calls pass, with their types."""
 
@@ -170,7 +169,7 @@ class ActionFunctions:
                 self.charts[found.block.name.casefold()] = found
         return found
 
-    def method(self, owner: Pou, method: Method) -> MethodFunction | str:
+    def method(self, owner: Pou, method: Method, _path: str = "") -> MethodFunction | str:
         """Return the function for a method of `owner`; a reason where there is none."""
         if id(method) not in self._of_methods:
             self._of_methods[id(method)] = "it calls itself"
@@ -285,7 +284,7 @@ class ActionFunctions:
         """Make the function for a method, with the parameters of that and the variables of the block that it uses."""
         if self._is_of_folder:
             return "the function for it is a file of its own, which an edit of the folder does not write"
-        if method.name.casefold() in _IMPLICIT_METHODS:
+        if method.name.casefold() in IMPLICIT_METHODS:
             return "its tool calls it when an instance is made or goes"
         heirs = [each.name for each in self._pous.values() if _has_method(each, method) and self._extends(each, owner)]
         if heirs:

@@ -119,12 +119,13 @@ class KeptNames(StrEnum):
 
     TRANSLATED: the `Renames` of texts from SCL: scope, old and new name. DECLARED: declarations that got names which
     the tool can have: path, old and new name. PROGRAMS: programs of CODESYS, the blocks in their place, and the callers
-    of these.
+    of these. METHODS: functions, the blocks whose methods they were, and these methods.
     """
 
     TRANSLATED = "translated"
     DECLARED = "declared"
     PROGRAMS = "programs"
+    METHODS = "methods"
 
 
 _Row: TypeAlias = tuple[str, str, str]

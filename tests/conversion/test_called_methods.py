@@ -1,0 +1,104 @@
+"""Methods of CODESYS in tools without methods: functions that get the variables of the block."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.report import Outcome
+from tests.conversion.features import FeatureChart, variable
+from tests.formats.simaticml.test_action_calls import method, methods, project_of
+
+TARGETS = [("plcopen-2.01", ""), ("plcopen-2.01", "beremiz"), ("iec-text", "matiec")]
+
+
+def called_methods(rig: FeatureChart) -> None:
+    """Methods that call each other, one of an instance, in statements, expressions and conditions."""
+    methods(rig)
+    rig.project.pous[1].actions = []
+    rig.project.pous[1].methods = [method("Toggle", "run := NOT THIS^.run;\nToggle := run;", result="BOOL")]
+    axis = rig.project.pous[2]
+    axis.bodies = [m.StBody(text="IF motor.run THEN motor.Toggle(); END_IF;")]
+    rig.pou.actions = [each for each in rig.pou.actions if each.name not in ("Go", "Halt")]
+    for step in rig.chart.steps:
+        step.actions = [each for each in step.actions if each.target not in ("Go", "Halt")]
+
+
+def told_methods(report: sfc.ConversionReport, outcome: Outcome) -> dict[str, str]:
+    return {item.path: item.why for item in report.with_outcome(outcome) if item.what == "method"}
+
+
+@pytest.mark.parametrize(("target", "flavour"), TARGETS)
+def test_methods_are_functions_and_the_machine_does_the_same(target: str, flavour: str) -> None:
+    report = sfc.convert(project_of(called_methods), target, flavour=flavour, limit=8).report
+    assert report.with_outcome(Outcome.NOT_EXECUTED) == []
+    assert report.compared["POU Main"].startswith("equal")
+    told = told_methods(report, Outcome.TRANSLATED)
+    assert told["POU Main / method Next"].startswith("it is the function Main_Next,")
+
+
+@pytest.mark.parametrize("target", ["plcopen-2.01", "plcopen-1.01"])
+def test_methods_come_back(target: str) -> None:
+    source = sfc.loads(sfc.dumps(project_of(called_methods), format="codesys"))
+    back = sfc.loads(sfc.dumps(sfc.loads(sfc.dumps(source, format=target)), format="codesys"))
+    for pou in source.pous:
+        again = back.pou(pou.name)
+        assert again.methods == pou.methods
+        assert again.interface == pou.interface
+    assert [pou.name for pou in back.pous] == [pou.name for pou in source.pous]
+    up, turn = (back.pou("Main").find_action(name) for name in ("Up", "Turn"))
+    assert isinstance(up.body, m.StBody)
+    assert isinstance(turn.body, m.StBody)
+    assert up.body.text == (
+        "n := Next(more := 2) + Next(more := 1);\nIF Next(more := Next(more := 1)) > 5 THEN Clear(); END_IF;"
+    )
+    assert turn.body.text == "q := axis.motor.Toggle();\naxis.motor.Toggle();"
+
+
+def test_an_edited_function_stays_one_and_what_calls_it() -> None:
+    source = sfc.loads(sfc.dumps(project_of(called_methods), format="codesys"))
+    written = sfc.loads(sfc.dumps(source, format="plcopen-2.01"))
+    written.pou("Main_Clear").bodies = [m.StBody(text="n := 1;")]
+    back = sfc.loads(sfc.dumps(written, format="codesys"))
+    assert [each.name for each in back.pou("Main").methods] == []
+    assert {"Main_Clear", "Main_Next"} <= {pou.name for pou in back.pous}
+    assert [each.name for each in back.pou("Motor").methods] == ["Toggle"]
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("run := Toggle();", "it calls itself"),
+        ("run := THIS^.old > 0;", "its text cannot be read"),
+        ("Start();", "it calls the action Start, which only its block executes"),
+        ("timer(IN := run);", "timer is an instance, which functions do not get in TC6 tools"),
+    ],
+)
+def test_a_method_that_no_function_holds_says_why(text: str, why: str) -> None:
+    project = project_of(called_methods)
+    motor = project.pous[1]
+    motor.actions = [m.Action(name="Start", body=m.StBody(text="run := TRUE;"))]
+    section = m.VariableSection(kind=m.SectionKind.LOCAL, variables=[variable("timer", "TON"), variable("old", "INT")])
+    assert motor.interface is not None
+    motor.interface.sections.append(section)
+    motor.methods = [method("Toggle", text, result="BOOL")]
+    report = sfc.convert(project, "plcopen-2.01", flavour="beremiz", partial=True).report
+    told = told_methods(report, Outcome.NOT_EXECUTED)
+    assert why in told["POU Motor / method Toggle"]
+    assert any(
+        "have no methods, and this calls one: motor.Toggle" in item.why
+        for item in report.with_outcome(Outcome.NOT_EXECUTED)
+    )
+
+
+def test_an_instance_is_a_parameter_in_tc6() -> None:
+    project = project_of(called_methods)
+    motor = project.pous[1]
+    assert motor.interface is not None
+    motor.interface.sections.append(m.VariableSection(variables=[variable("timer", "TON")]))
+    motor.methods = [method("Toggle", "timer(IN := run);\nrun := NOT timer.Q;\nToggle := run;", result="BOOL")]
+    data, report = sfc.convert(project, "plcopen-2.01")
+    assert not told_methods(report, Outcome.NOT_EXECUTED)
+    function = sfc.loads(data, as_tool=True).pou("Motor_Toggle")
+    assert [each.name for each in function.variables(m.SectionKind.IN_OUT)] == ["run", "timer"]
