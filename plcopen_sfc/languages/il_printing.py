@@ -1,4 +1,4 @@
-"""Instruction list as text: instructions that were read, and expressions and statements of structured text.
+"""Statements of structured text as instruction list.
 
 Operands that are no names or constants are in parentheses over several lines (``AND( a`` .. ``)``, IEC 61131-3 ed. 2,
 3.2.2), as the editors of CoDeSys 2.3 and CODESYS have them. A condition becomes a jump, unless S and R express it.
@@ -6,10 +6,10 @@ Operands that are no names or constants are in parentheses over several lines (`
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import count
 
-from plcopen_sfc.languages.il import ARITHMETIC, COMPARISONS, LOGIC, Instruction
+from plcopen_sfc.languages.il import ARITHMETIC, COMPARISONS, LOGIC
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import Operator
@@ -21,22 +21,6 @@ _LEAVES = (n.Name, n.Member, n.Index, n.Literal, n.Address, n.Dereference, n.Per
 
 class NoInstructionError(ValueError):
     """A part of structured text that instruction list has no words for."""
-
-
-def print_instructions(found: Iterable[Instruction]) -> str:
-    """Return instructions as text, one in a line."""
-    return "\n".join(_line(each) for each in found)
-
-
-def _line(instruction: Instruction) -> str:
-    operands = ", ".join(print_node(operand.parsed.tree) for operand in instruction.operands)
-    operator = instruction.operator + ("(" if instruction.opens else "")
-    return " ".join(filter(None, [f"{instruction.label}:" if instruction.label else "", operator, operands]))
-
-
-def expression_instructions(tree: n.Expression) -> str:
-    """Return instructions whose result is the value of an expression. Raises `NoInstructionError`."""
-    return "\n".join(_Writer().value(tree))
 
 
 def statement_instructions(statements: Sequence[n.Statement], labels: Iterator[int] | None = None) -> str:

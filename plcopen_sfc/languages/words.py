@@ -144,3 +144,10 @@ def free_name(wanted: str, taken: Container[str]) -> str:
     while name.casefold() in taken:
         name, number = f"{wanted}_{number}", number + 1
     return name
+
+
+def take_name(wanted: str, taken: set[str]) -> str:
+    """Return what `free_name` gives; it is one of the names that are `taken` then."""
+    name = free_name(wanted, taken)
+    taken.add(name.casefold())
+    return name

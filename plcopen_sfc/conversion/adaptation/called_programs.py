@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 
 from plcopen_sfc.languages.binding import Names, bind
 from plcopen_sfc.languages.translation.renames import KeptNames, keep_names, kept_names
-from plcopen_sfc.languages.words import free_name
+from plcopen_sfc.languages.words import take_name
 from plcopen_sfc.model.base import ForeignData
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.pou import Pou, PouKind
@@ -27,12 +27,6 @@ def make_blocks_of_programs(project: Project, tool: str, report: ConversionRepor
     programs = {pou.name.casefold(): pou for pou in project.pous if pou.kind is PouKind.PROGRAM}
     users = _users(project, programs)
     taken = {thing.name.casefold() for thing in project.objects()}
-
-    def free(wish: str) -> str:
-        name = free_name(wish, taken)
-        taken.add(name.casefold())
-        return name
-
     made: list[tuple[str, str, str]] = []
     for key in [key for key in programs if key in users and not _is_its_own_user(key, users)]:
         program, name = programs[key], programs[key].name
@@ -40,9 +34,9 @@ def make_blocks_of_programs(project: Project, tool: str, report: ConversionRepor
         if any(each.address is not None or _is_constant(program, each.name, reads) for each in program.variables()):
             continue  # blocks have no variables at addresses, and others do not see their constants
         shown = show_variables(program, reads, writes)
-        program.name, program.kind = free(f"{name}_block"), PouKind.FUNCTION_BLOCK
+        program.name, program.kind = take_name(f"{name}_block", taken), PouKind.FUNCTION_BLOCK
         instance = Variable(name=name, type=DerivedType(name=program.name))
-        section = VariableSection(kind=SectionKind.GLOBAL, name=free("Programs"), variables=[instance])
+        section = VariableSection(kind=SectionKind.GLOBAL, name=take_name("Programs", taken), variables=[instance])
         project.global_variables = [*project.global_variables, section]
         why = f"the function block {program.name} with the global instance {name}: others name it or its variables"
         report.add(Outcome.TRANSLATED, "program", f"POU {name}", why)
@@ -50,7 +44,7 @@ def make_blocks_of_programs(project: Project, tool: str, report: ConversionRepor
         caller = ""
         for place, called in _called_by_tasks(project, key):
             if not caller:
-                caller = free(f"{name}_task")
+                caller = take_name(f"{name}_task", taken)
                 body = StBody(text=f"{name}();")
                 project.pous = [
                     *project.pous,

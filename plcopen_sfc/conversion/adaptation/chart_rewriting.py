@@ -8,7 +8,7 @@ from plcopen_sfc.formats.format_interface import ChartHost, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import SourceMarks, added_section
 from plcopen_sfc.languages.networks import condition_reader, is_empty_network
 from plcopen_sfc.languages.st import print_node
-from plcopen_sfc.languages.words import free_name, identifier
+from plcopen_sfc.languages.words import identifier, take_name
 from plcopen_sfc.lowering.code.lowered_code import names_of
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.chart_settings import SfcFlag
@@ -92,9 +92,7 @@ class ChartRewriting:
 
     def new_name(self, wish: str) -> str:
         """Return a name that nothing in the POU or around it has."""
-        name = free_name(identifier(wish), self.taken)
-        self.taken.add(name.casefold())
-        return name
+        return take_name(identifier(wish), self.taken)
 
 
 def taken_names(project: Project, chart: Chart) -> set[str]:

@@ -25,7 +25,7 @@ from plcopen_sfc.languages.effects import may_change, path_of
 from plcopen_sfc.languages.networks import condition_reader, draw_ld
 from plcopen_sfc.languages.sfc_flag_uses import WATCHING_FLAGS, flags_at_rest, named_flags
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node
-from plcopen_sfc.languages.words import free_name, identifier, needs_quotes
+from plcopen_sfc.languages.words import identifier, needs_quotes, take_name
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.conditions import Expression
@@ -505,9 +505,7 @@ class _GraphFlags(FlagRewriter):
         return step
 
     def _new_name(self, wish: str) -> str:
-        name = free_name(wish, self._taken)
-        self._taken.add(name.casefold())
-        return name
+        return take_name(wish, self._taken)
 
     def _lead(self, source: Step, target: Step, condition: str) -> None:
         added = self._chart.add_transition(source, target, Expression(text=condition), priority=_FIRST)

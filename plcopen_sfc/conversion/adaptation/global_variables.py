@@ -38,7 +38,7 @@ from plcopen_sfc.languages.task_schedules import FREEWHEELING
 from plcopen_sfc.languages.translation import NameScope, Renames
 from plcopen_sfc.languages.translation.literal_translation import translated_address
 from plcopen_sfc.languages.translation.renames import kept_renames
-from plcopen_sfc.languages.words import free_name, identifier
+from plcopen_sfc.languages.words import identifier, take_name
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
@@ -166,8 +166,7 @@ class _Globals:
                 found[-1].retain = variables is retained
         taken: set[str] = set()
         for section in found:
-            section.name = free_name(section.name or "", taken)
-            taken.add(section.name.casefold())
+            section.name = take_name(section.name or "", taken)
         return found
 
     def _note(self, outcome: Outcome, what: str, path: str, why: str) -> None:

@@ -29,7 +29,7 @@ from plcopen_sfc.languages.grafcet_conditions import ConditionError, to_structur
 from plcopen_sfc.languages.networks import declared_rules, draw_ld
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform
-from plcopen_sfc.languages.words import free_name, identifier
+from plcopen_sfc.languages.words import identifier, take_name
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, disjunction
 from plcopen_sfc.model.actions import ActionEvent, ActionKind, ForcedSituation, Qualifier
 from plcopen_sfc.model.body import StBody
@@ -388,9 +388,7 @@ class _Chart:
 
     def _new_name(self, wish: str) -> str:
         """Return a name that nothing in the POU or around it has."""
-        name = free_name(identifier(wish), self._taken)
-        self._taken.add(name.casefold())
-        return name
+        return take_name(identifier(wish), self._taken)
 
     # -- conditions
 

@@ -27,7 +27,7 @@ from plcopen_sfc.formats.iectext.text_source import (
 )
 from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, Segment, additions
 from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
-from plcopen_sfc.languages.words import free_name
+from plcopen_sfc.languages.words import take_name
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.sfc import SfcBody
@@ -104,9 +104,7 @@ class TextPrinter:
         base = re.sub(r"\W+", "_", wish).strip("_") or "Unnamed"
         base = f"_{base}" if base[0].isdigit() else base
         base = base if self.is_name(base) else f"{base}_"
-        name = free_name(base, self.used)
-        self.used.add(name.casefold())
-        return name
+        return take_name(base, self.used)
 
     def is_expression(self, text: str) -> bool:
         """True if `text` comes back as it is from between ``:=`` and ``;``."""

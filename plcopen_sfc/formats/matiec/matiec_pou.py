@@ -16,7 +16,7 @@ from plcopen_sfc.languages.networks import Helper, NetworkProblem, body_statemen
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, render, transform
 from plcopen_sfc.languages.standard_blocks import standard_block
-from plcopen_sfc.languages.words import IEC_KEYWORDS, free_name, is_plain
+from plcopen_sfc.languages.words import IEC_KEYWORDS, is_plain, take_name
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import (
@@ -83,9 +83,7 @@ class FittedPou:
         """Return a name near `wish` that nothing in the POU has."""
         base = re.sub(r"_+", "_", re.sub(r"[^A-Za-z0-9_]", "_", wish)).strip("_") or "x"
         base = f"x_{base}" if base[0].isdigit() or base.upper() in IEC_KEYWORDS else base
-        name = free_name(base, self.used)
-        self.used.add(name.casefold())
-        return name
+        return take_name(base, self.used)
 
     def declare(self, wish: str, kind: str | DataType = "BOOL") -> str:
         """Add a local variable; returns its name."""

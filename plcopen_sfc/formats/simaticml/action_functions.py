@@ -33,7 +33,7 @@ from plcopen_sfc.languages.st import parse_expression, parse_statements, print_n
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, S7_VERSION, StandardBlock, standard_block
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
-from plcopen_sfc.languages.words import free_name, identifier
+from plcopen_sfc.languages.words import identifier, take_name
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import NamedCondition
 from plcopen_sfc.model.dialect import Dialect
@@ -258,7 +258,7 @@ class ActionFunctions:
         while name.casefold() in taken:
             name += "_"
         block = Pou(
-            name=self._free(f"{owner.name}_{action.name}"[:_LONGEST]),
+            name=take_name(f"{owner.name}_{action.name}"[:_LONGEST], self._taken),
             kind=PouKind.FUNCTION_BLOCK,
             interface=interface,
             bodies=[action.body],
@@ -309,7 +309,7 @@ class ActionFunctions:
         filled = self._parameters(owner, used - own, {path[0] for path in found.writes if path} - own)
         if isinstance(filled, str):
             return filled
-        name = self._free(f"{owner.name}_{method.name}"[:_LONGEST])
+        name = take_name(f"{owner.name}_{method.name}"[:_LONGEST], self._taken)
         around = [variable.name for variable in filled.variables()]
         text = renamed_local(calls.text, method.name, name)
         sections = [section.model_copy(deep=True) for section in interface.sections if section.variables]
@@ -402,7 +402,10 @@ class ActionFunctions:
             of_steps = VariableSection(kind=SectionKind.INPUT, variables=[variable for variable, _ in data])
             filled.sections.insert(0, of_steps)
         function = Pou(
-            name=self._free(f"{pou.name}_{label}"[:_LONGEST]), kind=PouKind.FUNCTION, interface=filled, bodies=[body]
+            name=take_name(f"{pou.name}_{label}"[:_LONGEST], self._taken),
+            kind=PouKind.FUNCTION,
+            interface=filled,
+            bodies=[body],
         )
         self._step_data[function.name] = {variable.name: value for variable, value in data}
         return function
@@ -469,11 +472,6 @@ class ActionFunctions:
             isinstance(type_, DerivedType)
             and (type_.name.casefold() in self._types or type_.name.casefold() not in self._pous)
         )
-
-    def _free(self, wish: str) -> str:
-        name = free_name(wish, self._taken)
-        self._taken.add(name.casefold())
-        return name
 
 
 class _Uses:

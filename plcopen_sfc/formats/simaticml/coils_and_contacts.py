@@ -300,19 +300,11 @@ def _unfold(network: LogicNetwork, rail: LeftPowerRail, box: Block, parts: list[
         else:
             power = wires
     for node in network.nodes:
-        for holder in _pins(node):
+        for holder in _inputs(node):
             if any(wire.source == box.id for wire in holder.connections):
                 kept = [wire for wire in holder.connections if wire.source != box.id]
                 holder.connections = [*kept, *(wire.model_copy(deep=True) for wire in power)]
     network.nodes.remove(box)
-
-
-def _pins(node: object) -> list[InputPin]:
-    if isinstance(node, Block):
-        pins = [variable.input for variable in (*node.parameters.inputs, *node.parameters.in_outs)]
-        return [pin for pin in pins if pin is not None]
-    pin = getattr(node, "input", None)
-    return [pin] if isinstance(pin, InputPin) else []
 
 
 _BITS = BOOLEAN | {"R_TRIG", "F_TRIG"}

@@ -14,7 +14,7 @@ from plcopen_sfc.formats.simaticml.scl_tokens import CALL
 from plcopen_sfc.formats.simaticml.sequence_rules import MOST_SEQUENCES, MOST_STEPS, MOST_TRANSITIONS
 from plcopen_sfc.languages.s7_globals import tag_tables_of
 from plcopen_sfc.languages.s7_types import is_system_data, s7_types
-from plcopen_sfc.languages.words import free_name
+from plcopen_sfc.languages.words import take_name
 from plcopen_sfc.model.base import ExtensionData, Model
 from plcopen_sfc.model.body import BodyBase, FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import WiredCondition
@@ -177,7 +177,7 @@ def _numbers(chart: SfcNetwork, place: str, variables: set[str], report: Convers
     taken |= variables | system_members(variables)
     for transition in chart.transitions:
         if not transition.name:
-            transition.name = _free(f"Trans{transition.number}", taken)
+            transition.name = take_name(f"Trans{transition.number}", taken)
             why = "it got a name, as S7-GRAPH requires"
             report.add(Outcome.TRANSLATED, "name", f"{place} / transition {transition.name}", why)
     if not chart.sequences and chart.steps:
@@ -253,9 +253,3 @@ def _number(things: Iterable[Any]) -> None:
                 following += 1
             thing.number = following
             taken.add(following)
-
-
-def _free(name: str, taken: set[str]) -> str:
-    free = free_name(name, taken)
-    taken.add(free.casefold())
-    return free

@@ -11,6 +11,7 @@ from dataclasses import replace
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.il import instructions, result_expression, statements_with_result
 from plcopen_sfc.languages.networks.exported_networks import SOURCES, network_statements
+from plcopen_sfc.languages.networks.network_graph import is_fed
 from plcopen_sfc.languages.networks.network_reading import NetworkReader, body_statements, reader_of_chart
 from plcopen_sfc.languages.networks.results import NetworkExpression, NetworkProblem, NetworkStatements
 from plcopen_sfc.languages.networks.wires import inverted
@@ -22,7 +23,7 @@ from plcopen_sfc.languages.words import is_plain
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.network import Coil, InputPin, Node
+from plcopen_sfc.model.network import Coil, Node
 from plcopen_sfc.model.pou import NamedTransition
 from plcopen_sfc.model.sfc import Body, BodyCondition, Condition, SfcNetwork, Transition
 
@@ -334,8 +335,4 @@ def is_empty_network(condition: Condition | None) -> bool:
     if not isinstance(condition, BodyCondition) or not isinstance(condition.body, FbdBody | LdBody):
         return False
     nodes = [node for network in condition.body.networks for node in network.nodes]
-    return all(isinstance(node, Coil) and not _leads(node.input) for node in nodes)
-
-
-def _leads(pin: InputPin | None) -> bool:
-    return pin is not None and bool(pin.connections or pin.expression)
+    return all(isinstance(node, Coil) and not is_fed(node.input) for node in nodes)

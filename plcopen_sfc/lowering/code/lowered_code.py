@@ -16,7 +16,7 @@ from plcopen_sfc.languages.networks import Helper
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, Tool
-from plcopen_sfc.languages.words import free_name
+from plcopen_sfc.languages.words import take_name
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, assignment
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.lowering_options import LOCAL, LoweringRules
@@ -126,7 +126,7 @@ class FlagPlaces:
             if unknown:
                 self._refuse(f"there is no chart {unknown!r} for flags{nearest(unknown, known)}")
             self.taken = dict(_taken_bits(project))
-            self.name = self._free(f"{rules.texts.flag_list}_{pou}")
+            self.name = take_name(f"{rules.texts.flag_list}_{pou}", self._surroundings)
         else:
             self.name = rules.flags
             if re.fullmatch(r"[^\W\d]\w*", self.name) is None or _ADDRESS.fullmatch(self.name):
@@ -163,7 +163,7 @@ class FlagPlaces:
         is_member = self.in_block and self.tool is not None
         name = naming.fresh(wanted)
         if not is_member:
-            name = self._free(name)
+            name = take_name(name, self._surroundings)
         variable = Variable(name=name, type=BOOL, comment=comment)
         if initial and self.have_values:
             variable.initial = SimpleValue(text="TRUE")
@@ -212,11 +212,6 @@ class FlagPlaces:
         self.taken[bit] = name
         place = f"{bit // _BYTE}.{bit % _BYTE}"
         return f"%M{place}" if self.tool is Tool.S7 else f"%MX{place}"
-
-    def _free(self, wanted: str) -> str:
-        name = free_name(wanted, self._surroundings)
-        self._surroundings.add(name.casefold())
-        return name
 
     def _refuse(self, message: str, hint: str = "") -> NoReturn:
         raise LoweringError(message, location=Location(path=self._pou), hint=hint)

@@ -9,7 +9,9 @@ from hypothesis import strategies as st
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.languages.translation import NameScope, Rename, Renames, TranslationContext, translate_text
+from plcopen_sfc.languages.translation.renames import KeptNames, keep_names, kept_names, kept_renames
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.project import Project
 
 SCL, IEC = Dialect.SCL, Dialect.IEC
 LOCAL, GLOBAL, MEMBER = NameScope.LOCAL, NameScope.GLOBAL, NameScope.MEMBER
@@ -36,6 +38,23 @@ def test_names_become_legal(old: str, new: str) -> None:
     assert list(renames) == [Rename(LOCAL, old, new)]
     assert renames.old_name(LOCAL, new) == old
     assert renames.legal_name(LOCAL, old.swapcase() if old.isascii() else old) == new
+
+
+def test_names_of_one_kind_are_kept_beside_those_of_the_others() -> None:
+    project = Project()
+    keep_names(project, KeptNames.TRANSLATED, [("local", "a <b>", "a_b"), ("nowhere", "x", "y")])
+    keep_names(project, KeptNames.DECLARED, [("Main.Fill_step", "Fill", "Fill_step")])
+    assert [name for _, name, _ in kept_names(project, KeptNames.TRANSLATED)] == ["a <b>", "x"]
+    assert list(kept_renames(project)) == [], "a scope that there is not"
+    keep_names(project, KeptNames.TRANSLATED, [("local", "a <b>", "a_b")])
+    assert list(kept_renames(project)) == [Rename(LOCAL, "a <b>", "a_b")]
+    keep_names(project, KeptNames.TRANSLATED, [])
+    assert kept_names(project, KeptNames.DECLARED) == [("Main.Fill_step", "Fill", "Fill_step")]
+    assert project.extension_data is not None
+    project.extension_data.data[0].content = "<names>[7]</names>"
+    assert kept_names(project, KeptNames.DECLARED) == []
+    keep_names(project, KeptNames.DECLARED, [])
+    assert project.extension_data is None
 
 
 def test_legal_names_stay_and_are_no_renames() -> None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.errors import Location, UnknownBehaviourError
-from plcopen_sfc.model import BodyCondition, Coil, FbdBody, InputPin, LdBody
+from plcopen_sfc.languages.networks import is_empty_network
 from plcopen_sfc.semantics.charts.graph import step_data
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile
@@ -43,17 +43,9 @@ def check_no_graph(net: Net, profile: Profile, path: str) -> None:
             )
 
 
-def _leads(pin: InputPin | None) -> bool:
-    return pin is not None and bool(pin.connections or pin.expression)
-
-
 def programmed(condition: ModelCondition | None) -> ModelCondition | None:
     """Return the condition, unless it is an empty network: its coil alone, which nothing leads to."""
-    if isinstance(condition, BodyCondition) and isinstance(condition.body, FbdBody | LdBody):
-        nodes = [node for network in condition.body.networks for node in network.nodes]
-        if all(isinstance(node, Coil) and not _leads(node.input) for node in nodes):
-            return None
-    return condition
+    return None if is_empty_network(condition) else condition
 
 
 @dataclass(frozen=True, slots=True)
