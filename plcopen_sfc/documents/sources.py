@@ -148,14 +148,18 @@ def documents_of(project: Project) -> Iterator[Project]:
 def locations_of(project: Project, paths: Iterable[str]) -> list[Location]:
     """Return the places of objects by their paths (``POU Main / step S3``), each with its path.
 
-    The file is that of the document, in a folder the one that has the POU. The line is that of the object or of what is
-    around it, as far as the format tells; there is none in a project that was not loaded.
+    The file is that of the document, in a folder the one that has the POU or the type. The line is that of the object
+    or of what is around it, as far as the format tells; there is none in a project that was not loaded.
     """
-    documents = {pou.name: document for document in documents_of(project) for pou in document.pous}
+    documents = {
+        each.report_path: document
+        for document in documents_of(project)
+        for each in (*document.pous, *document.data_types)
+    }
     known: dict[int, tuple[str | None, Mapping[str, int]]] = {}
     found: list[Location] = []
     for path in paths:
-        document = documents.get(ObjectPath.of(path).owner.removeprefix("POU "))
+        document = documents.get(ObjectPath.of(path).owner)
         if document is None:
             found.append(Location(path=path))
             continue

@@ -16,22 +16,34 @@ from plcopen_sfc.analysis.ruled_situations import RuledSituations
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import Declaration, Names, bind, texts_in
-from plcopen_sfc.languages.binding.compile_mistakes import type_mistakes
+from plcopen_sfc.languages.binding.compile_mistakes import Parameter, pin_of, type_mistakes
+from plcopen_sfc.languages.binding.name_resolution import Resolver, Type
 from plcopen_sfc.languages.binding.name_scopes import charts_inside
 from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite
+from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.effects import path_of
 from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_condition, parse_statements, transform, walk
+from plcopen_sfc.languages.st import parse_condition, parse_statements, print_node, transform, walk
+from plcopen_sfc.languages.standard_blocks import BlockKind, StandardBlock, standard_block
 from plcopen_sfc.languages.translation.call_translation import has_function
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, Body, PartialChart, SfcBody, SfcNetwork, Step, Transition
-from plcopen_sfc.model.types import DataType, DerivedType, ElementaryType
+from plcopen_sfc.model.types import (
+    ArrayType,
+    DataType,
+    DataTypeDeclaration,
+    DerivedType,
+    ElementaryType,
+    StringType,
+    StructType,
+    SubrangeType,
+)
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import TermTexts
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
 from plcopen_sfc.semantics.profile import PROFILES, Profile
@@ -197,6 +209,58 @@ class Misfit(NamedTuple):
     message: str
 
 
+class _TypesAt:
+    """Types and parameters at a site, as `type_mistakes` asks for them."""
+
+    def __init__(self, resolver: Resolver, site: Site) -> None:
+        self._resolver, self._site = resolver, site
+
+    def type_of(self, value: n.Expression) -> str:
+        block = self._resolver.standard_block_of(value.base, self._site) if isinstance(value, n.Member) else None
+        if block is not None and isinstance(value, n.Member):
+            name = value.name.identifier
+            pin = pin_of(block, name, is_output=True) or pin_of(block, name, is_output=False)
+            return pin.type if pin is not None else ""
+        return self._name(self._resolver.type_of(value, self._site))
+
+    def parameter_of(self, call: n.Call, position: int) -> Parameter | None:
+        """Return the parameter for an argument of a call, as far as it is known."""
+        argument, callee = call.arguments[position], print_node(call.callee)
+        name = argument.name.identifier if argument.name is not None else ""
+        block = self._resolver.standard_block_of(call.callee, self._site)
+        if block is not None:
+            return pin_of(block, name, is_output=argument.output) if name else None
+        function = self._standard_function(call.callee)
+        if function is not None:
+            pins = {pin.name: pin.type for pin in function.input_pins(len(call.arguments))}
+            names = [function.input_name(name)] if name else [*pins][position : position + 1]
+            return next((Parameter(each, function.name, pins.get(each, "")) for each in names if each), None)
+        type_ = self._name(self._resolver.parameter_type(call, position, self._site))
+        return Parameter(name or f"argument {position + 1}", callee, type_, argument.output) if type_ else None
+
+    def _standard_function(self, callee: n.Expression) -> StandardBlock | None:
+        if not isinstance(callee, n.Name) or self._resolver.called(callee, self._site) is not None:
+            return None
+        block = standard_block(callee.identifier)
+        return block if block is not None and block.kind is BlockKind.FUNCTION else None
+
+    def _name(self, type_: Type) -> str:
+        match type_:
+            case ElementaryType(name=name):
+                return name.value
+            case StringType():
+                return "STRING"
+            case SubrangeType(base=base):
+                return self._name(base)
+            case ArrayType():
+                return "ARRAY"
+            case StructType() if "union" not in kept(type_.extension_data):
+                return "STRUCT"
+            case Pou(kind=PouKind.FUNCTION_BLOCK):
+                return "INSTANCE"
+        return ""
+
+
 class CheckedProject:
     """A project as the rules on its charts see it: declared variables, and what writes them.
 
@@ -236,6 +300,11 @@ class CheckedProject:
         )
 
     @cached_property
+    def undeclared_types(self) -> tuple[Occurrence, ...]:
+        """The names of types that nothing declares, each where it is first."""
+        return self._here(self.named.undeclared_types())
+
+    @cached_property
     def undeclared_members(self) -> tuple[Occurrence, ...]:
         """The members that their types do not have."""
         return tuple(self.named.undeclared_members())
@@ -246,21 +315,25 @@ class CheckedProject:
         return tuple(self.named.unused())
 
     @cached_property
+    def endless_types(self) -> tuple[tuple[DataTypeDeclaration | Pou, ...], ...]:
+        """The types and function blocks that contain themselves, with those that they do it through."""
+        return tuple(self.named.resolver.endless_types())
+
+    @cached_property
     def misfits(self) -> tuple[Misfit, ...]:
         """Assignments and comparisons in structured text whose types do not fit."""
         return tuple(self._misfits())
 
     def _misfits(self) -> Iterator[Misfit]:
-        resolver, dialect = self.named.resolver, self.dialect
         for each in self.named.text_sites():
-            parsed = parse_statements(each.text, dialect) if each.reading is SiteKind.STATEMENTS else None
-            if parsed is not None and not parsed.problems:
-
-                def elementary(value: n.Expression, site: Site = each.site) -> str:
-                    found = resolver.type_of(value, site)
-                    return found.name.value if isinstance(found, ElementaryType) else ""
-
-                yield from (Misfit(each, message) for message in type_mistakes(parsed.tree, dialect, elementary))
+            if not each.is_program_text:
+                continue
+            is_value = each.reading is SiteKind.EXPRESSION
+            parsed = (parse_condition if is_value else parse_statements)(each.text, self.dialect)
+            if not parsed.problems:
+                types = _TypesAt(self.named.resolver, each.site)
+                found = type_mistakes(parsed.tree, self.dialect, types.type_of, types.parameter_of)
+                yield from (Misfit(each, message) for message in found)
 
     @cached_property
     def knowledge(self) -> ProjectKnowledge:

@@ -12,6 +12,7 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding.name_uses import Occurrence
 from plcopen_sfc.languages.binding.text_sites import Role, TextSite
 from plcopen_sfc.languages.grafcet_conditions import is_operand
+from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.words import IEC_KEYWORDS
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.conditions import Expression
@@ -81,6 +82,25 @@ def _like(chart: CheckedChart, occurrence: Occurrence) -> str:
     return visible[found[0]] if found else ""
 
 
+def _is_slip(name: str, like: str) -> bool:
+    """True if one letter, or two that are exchanged, make the difference.
+
+    Not a digit, which counts things that are alike, nor the first letter: `ePart` is the type of `Part`.
+    """
+    one, other = name.casefold(), like.casefold()
+    if one[:1] != other[:1] or re.sub(r"\d+", "", one) == re.sub(r"\d+", "", other):
+        return False
+    start = next((i for i, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), min(len(one), len(other)))
+    rest, others = one[start:], other[start:]
+    exchanged = rest[:2] == others[1::-1] and rest[2:] == others[2:]
+    return exchanged or rest[1:] == others[1:] or rest[1:] == others or rest == others[1:]
+
+
+def _in_libraries(chart: CheckedChart) -> bool:
+    """True if a type may be one of a library, which no file of the tool has."""
+    return chart.around.project.dialect in (Dialect.CODESYS, Dialect.TWINCAT) and not chart.around.externals
+
+
 def _undeclared(chart: CheckedChart) -> Iterator[Finding]:
     partial = chart.pou is not None and is_partial(chart.around, chart.pou)
     is_grafcet = chart.family == "grafcet" and chart.pou is not None
@@ -93,15 +113,21 @@ def _undeclared(chart: CheckedChart) -> Iterator[Finding]:
             message = f"{name!r} is the flag of a step {flag['step']}, and there is no such step"
             yield Finding(_place(chart, each), message, "Correct the number, or declare a variable of this name.")
             continue
-        if (partial and not like) or _has_its_rule(each):
+        if (partial and not _is_slip(name, like)) or _has_its_rule(each):
             continue  # VAR02 lists it
         what = "no step" if each.reference.access.casefold() in _OF_STEPS else "nothing"
         hint = f"Did you mean {like!r}?" if like else ""
         yield Finding(_place(chart, each), f"{name!r} names {what} that the project declares", hint)
-    for each in _own(chart, chart.around.undeclared_members):
+    for each in _own(chart, chart.around.undeclared_types):
         like = _like(chart, each)
+        if _is_slip(each.reference.name, like) or not (partial or _in_libraries(chart)):
+            hint = f"Did you mean {like!r}?" if like else ""
+            yield Finding(_place(chart, each), f"{each.reference.name!r} names no type that the project declares", hint)
+    for each in _own(chart, chart.around.undeclared_members):
+        like, name, callee = _like(chart, each), each.reference.name, each.reference.callee
         hint = f"Did you mean {like!r}?" if like else ""
-        yield Finding(_place(chart, each), f"{each.reference.name!r} is no member of what is before it", hint)
+        why = "is no member of what is before it" if callee is None else f"is no parameter of {print_node(callee)}"
+        yield Finding(_place(chart, each), f"{name!r} {why}", hint)
 
 
 def _has_its_rule(occurrence: Occurrence) -> bool:
@@ -115,12 +141,18 @@ _OF_STEPS = frozenset({"x", "t"})
 
 
 def _externals(chart: CheckedChart) -> Iterator[Finding]:
-    if chart.pou is None or not is_partial(chart.around, chart.pou):
-        return
-    found = [each for each in _own(chart, chart.around.undeclared) if not _like(chart, each)]
-    if found:
-        names = sorted({each.reference.name for each in found}, key=str.casefold)
-        shown = ", ".join(names[:_LISTED]) + (f" and {len(names) - _LISTED} more" if len(names) > _LISTED else "")
+    partial = chart.pou is not None and is_partial(chart.around, chart.pou)
+    undeclared = [*chart.around.undeclared] if partial else []
+    if partial or _in_libraries(chart):
+        undeclared += chart.around.undeclared_types
+    names: dict[str, str] = {}
+    for each in _own(chart, undeclared):
+        name = each.reference.name
+        if not _is_slip(name, _like(chart, each)):
+            names.setdefault(name.casefold(), name)
+    if names:
+        shown = ", ".join(names[key] for key in sorted(names)[:_LISTED])
+        shown += f" and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
         yield Finding(chart.root.place, f"declared elsewhere: {shown}")
 
 
@@ -144,6 +176,15 @@ def _declared_twice(chart: CheckedChart) -> Iterator[Finding]:
         if first is not variable:
             place = FindingPlace(f"{pou.report_path} / variable {variable.name}", (variable, pou))
             yield Finding(place, f"{pou.name} has a variable {first.name!r} already")
+
+
+def _endless(chart: CheckedChart) -> Iterator[Finding]:
+    if next((each for pou in chart.around.project.pous for each in chart.around.charts_of(pou)), None) is chart.chart:
+        for cycle in chart.around.endless_types:
+            head, *others = [(each.report_path, each.name) for each in cycle]
+            through = f" through {', '.join(name for _, name in others)}" if others else ""
+            elements = (cycle[0],)
+            yield Finding(FindingPlace(head[0], elements), f"{head[1]} contains itself{through}")
 
 
 def _unreadable_names(chart: CheckedChart) -> Iterator[Finding]:
@@ -183,9 +224,10 @@ VAR01 = Rule(
     code="VAR01",
     title="Names are declared",
     why="A name that nothing declares does not compile: a typing error, or the rest of what was renamed or deleted by "
-    "hand. Each name is found once, in the chart or in code of its POU; members of types and blocks too. Names of "
-    "a file that declares nothing global are VAR02, but for those that are nearly the same as a declared one. In a "
-    "GRAFCET without tables of variables only the flags of steps are looked for (X99 without a step 99).",
+    "hand. Each name is found once, in the chart or in code of its POU; types, members of types and blocks, and "
+    "parameters in calls too, but for what a library may declare: types by a path, what a block has that extends one. "
+    "Names of a file that declares nothing global are VAR02, but for those that are nearly the same as a declared one. "
+    "In a GRAFCET without tables of variables only the flags of steps are looked for (X99 without a step 99).",
     hint="Declare it, or correct the name.",
     example=_DECLARED + _RING % ("", "Strat"),
     check=_undeclared,
@@ -195,8 +237,9 @@ VAR01 = Rule(
 VAR02 = Rule(
     code="VAR02",
     title="Undeclared names of a partial export are declared elsewhere",
-    why="An export of some blocks lacks the global variables, tags and data blocks that these name. One finding lists "
-    "them for each chart: the names that must be there where the file is imported.",
+    why="An export of some blocks lacks the global variables, tags, data blocks and types that these name, and each "
+    "export of CODESYS and TwinCAT the blocks and types of libraries. One finding lists them for each chart: the names "
+    "that must be there where the file is imported.",
     hint="Export them too, where names shall be checked and renamed with the chart.",
     example="a block in CODESYS that names GVL.Start, in an export without lists of global variables",
     check=_externals,
@@ -220,9 +263,9 @@ VAR03 = Rule(
 VAR04 = Rule(
     code="VAR04",
     title="Values have the kind of what they are assigned to and compared with",
-    why="No compiler takes a number where a BOOL is wanted, or a duration where a number is. Numbers, BOOL and "
-    "durations are told apart in structured text; whether one number fits into another is a matter of each tool, and "
-    "what has an unknown type is left alone.",
+    why="No compiler takes a number where a BOOL is wanted, or a duration where a number is. Numbers, BOOL, durations, "
+    "strings, dates, structures, arrays and instances are told apart in structured text, also in arguments of calls; "
+    "whether one number fits into another is a matter of each tool, and what has an unknown type is left alone.",
     hint="Convert the value (REAL_TO_INT, TIME_TO_DINT), or compare it: n <> 0.",
     example="VAR_INPUT Start, b : BOOL; n : INT; END_VAR\n"
     + _RING % ("Count(P1);", "Start")
@@ -262,4 +305,16 @@ STEP 2
     check=_unreadable_names,
     severity=None,
     severities={"grafcet": Severity.ERROR},
+)
+
+VAR07 = Rule(
+    code="VAR07",
+    title="No type contains itself",
+    why="A structure or block with a member of its own type, directly or through other types, has no end and no size: "
+    "no tool compiles it, and it cannot be simulated (IEC 61131-3 ed. 3, 6.4.4.6). Each circle is found once, with the "
+    "first chart. Pointers and references to the own type are fine.",
+    hint="Remove the member, or make it a pointer or a reference.",
+    example="a structure ST_Part with a member of type ST_Part",
+    check=_endless,
+    severity=Severity.ERROR,
 )

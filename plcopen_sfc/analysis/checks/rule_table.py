@@ -252,6 +252,7 @@ _ON_CHARTS: tuple[Rule, ...] = (
     name_rules.VAR04,
     name_rules.VAR05,
     name_rules.VAR06,
+    name_rules.VAR07,
     reachability_rules.EVO01,
     reachability_rules.EVO02,
     limit_rules.TIM01,

@@ -7,9 +7,10 @@ such as that of a library, is never an error.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Set
+from dataclasses import dataclass
 
 from plcopen_sfc.languages.binding.bound_bodies import bind
-from plcopen_sfc.languages.expression_types import ORDER, REALS, ExpressionTypes
+from plcopen_sfc.languages.expression_types import CALCULATING, INSTANTS, ORDER, REALS, ExpressionTypes
 from plcopen_sfc.languages.il import statements as il_statements
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
@@ -30,18 +31,50 @@ def compile_mistakes(body: Body | None, pou: Pou, dialect: Dialect, names: Set[s
         yield from _Check(pou, dialect, names).mistakes(body)
 
 
-def type_mistakes(tree: n.Node, dialect: Dialect, type_of: Callable[[Expression], str]) -> Iterator[str]:
-    """Yield the misfits in statements: types of another kind. `type_of` is that of `ExpressionTypes`."""
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A parameter of what is called: its name and the name of what has it, its type, empty where it is not known."""
+
+    name: str
+    owner: str
+    type: str
+    is_output: bool = False
+
+
+def pin_of(block: StandardBlock, name: str, *, is_output: bool) -> Parameter | None:
+    """Return the parameter of a standard block that an argument is for; None where it has no such."""
+    found = block.output_name(name) if is_output else block.input_name(name)
+    pins = {pin.name: pin.type for pin in (block.outputs if is_output else block.inputs)}
+    return Parameter(name, block.name, pins.get(found, ""), is_output) if found is not None else None
+
+
+def type_mistakes(
+    tree: n.Node,
+    dialect: Dialect,
+    type_of: Callable[[Expression], str],
+    parameter_of: Callable[[n.Call, int], Parameter | None],
+) -> Iterator[str]:
+    """Yield the misfits in statements or in an expression: types of another kind.
+
+    `type_of` is that of `ExpressionTypes`; also `STRUCT`, `ARRAY` and `INSTANCE`. `parameter_of` gives the parameter of
+    a call that an argument is for, by its position.
+    """
     kinds = _Kinds(dialect, type_of)
     for node in walk(tree):
         for message, about in kinds.mistakes_in(node):
             yield f"{message}: {' '.join(print_node(about).split())}"
+        if isinstance(node, n.Call):
+            for position, argument in enumerate(node.arguments):
+                parameter = parameter_of(node, position) if argument.value is not None else None
+                if parameter is not None and argument.value is not None:
+                    yield from kinds.misfit(parameter, argument.value)
 
 
 class _Kinds:
-    """The kinds of values: numbers, BOOL and TIME are of different ones. Empty for all others."""
+    """The kinds of values: numbers, BOOL, TIME, strings, instants are of different ones. Empty for all others."""
 
     def __init__(self, dialect: Dialect, type_of: Callable[[Expression], str]) -> None:
+        self._dialect = dialect
         self._types = ExpressionTypes(dialect, type_of)
 
     def mistakes_in(self, node: n.Node) -> Iterator[tuple[str, n.Node]]:
@@ -60,15 +93,38 @@ class _Kinds:
                 operands
             ):
                 yield " and ".join(map(self.of, operands)), node
-            case n.Operation(operator, operands) if operator in n.CONNECTIVES and self.of(operands[0]) == "TIME":
-                yield f"{operator.value} of TIME", node
+            case n.Operation(operator, operands) if operator in n.CONNECTIVES and self.of(operands[0]) not in (
+                "",
+                "BOOL",
+                "a number",
+            ):
+                yield f"{operator.value} of {self.of(operands[0])}", node
+            case n.Operation(operator, operands) if operator in CALCULATING and self._differ(operands):
+                kinds = [self.of(each) for each in operands]
+                if not _CALCULATED.issuperset(kinds):
+                    yield " and ".join(filter(None, kinds)), node
+
+    def misfit(self, parameter: Parameter, value: Expression) -> Iterator[str]:
+        """Yield that a parameter is of another kind than the value that it gets or, an output, is assigned to."""
+        wanted, kind = self._kind_of(parameter.type), self.of(value)
+        if wanted and kind and wanted != kind:
+            yield f"{parameter.name} of {parameter.owner} is {wanted}, not {kind}"
 
     def of(self, expression: Expression) -> str:
         """Return the kind of a value."""
         value = self._types.value(expression)
+        if value.type == "STRING" and self._dialect is Dialect.SCL and isinstance(n.bare(expression), n.Literal):
+            return ""  # one character is a CHAR, and that a number without the IEC check
         if value.loose:  # 0 and 1 are values of BOOL too
             return "" if 0 <= value.low <= value.high <= 1 else "a number"
-        return _kind_of(value.type)
+        return self._kind_of(value.type)
+
+    def _kind_of(self, name: str) -> str:
+        if name in ORDER or name in REALS or name in _GENERIC_NUMBERS:
+            return "a number"
+        if name in INSTANTS and self._dialect is Dialect.SCL:
+            return ""  # without the IEC check of a block they are numbers too
+        return _KINDS.get(name, "")
 
     def _differ(self, operands: Collection[Expression]) -> bool:
         return len({kind for each in operands if (kind := self.of(each))}) > 1
@@ -109,27 +165,24 @@ class _Check:
                 ):
                     yield f"{block.name} has no {name.identifier}", node
             case n.CallStatement(n.Call(n.Name() as callee, arguments)):
-                yield from self._parameters(callee, arguments)
+                yield from ((message, callee) for message in self._parameters(callee, arguments))
             case n.Case(selector, ()):
                 yield "a CASE has no branches", selector
 
-    def _parameters(self, callee: n.Name, arguments: tuple[n.Argument, ...]) -> Iterator[tuple[str, n.Node]]:
+    def _parameters(self, callee: n.Name, arguments: tuple[n.Argument, ...]) -> Iterator[str]:
         block = self._block(callee)
         if isinstance(block, str):
-            yield f"{block} cannot be called", callee
+            yield f"{block} cannot be called"
             return
         if block is None:
             return
-        pins = {pin.name: pin.type for pin in (*block.inputs, *block.outputs)}
         for each in arguments:
             name = each.name.identifier if each.name is not None else ""
-            found = block.output_name(name) if each.output else block.input_name(name)
-            if name and name.upper() not in ("EN", "ENO") and found is None:
-                yield f"{block.name} has no {name}", callee
-            elif each.value is not None and found is not None:
-                wanted, kind = _kind_of(pins.get(found, "")), self._kinds.of(each.value)
-                if wanted and kind and wanted != kind:
-                    yield f"{name} of {block.name} is {wanted}, not {kind}", callee
+            parameter = pin_of(block, name, is_output=each.output)
+            if name and name.upper() not in ("EN", "ENO") and parameter is None:
+                yield f"{block.name} has no {name}"
+            elif each.value is not None and parameter is not None:
+                yield from self._kinds.misfit(parameter, each.value)
 
     def _block(self, name: n.Name) -> StandardBlock | str | None:
         """Return the block that a variable is an instance of, the name of an elementary type, or None for others."""
@@ -154,7 +207,16 @@ class _Check:
         return ""
 
 
-def _kind_of(name: str) -> str:
-    if name in ORDER or name in REALS:
-        return "a number"
-    return {"LTIME": "TIME"}.get(name, name if name in ("BOOL", "TIME") else "")
+_KINDS = {
+    **dict.fromkeys(("TIME", "LTIME"), "TIME"),
+    **dict.fromkeys(("STRING", "WSTRING", "ANY_STRING"), "STRING"),
+    **{name: name.removeprefix("L") for name in INSTANTS},
+    "BOOL": "BOOL",
+    "STRUCT": "a structure",
+    "ARRAY": "an array",
+    "INSTANCE": "an instance",
+}
+"""A character alone is a string in some tools and a number in others: it has no kind."""
+_GENERIC_NUMBERS = frozenset({"ANY_NUM", "ANY_INT", "ANY_REAL"})
+_CALCULATED = frozenset({"", "a number", "BOOL", "TIME", *INSTANTS})
+"""Kinds that one tool or another calculates with together."""

@@ -22,7 +22,7 @@ from plcopen_sfc.languages.binding.text_sites import Role, Site, TextSite, Value
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.languages.st.nodes import Quoting
-from plcopen_sfc.languages.standard_blocks import standard_block
+from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, StandardBlock, standard_block
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.declaration import Declaration, Kind, NamedObject
 from plcopen_sfc.model.dialect import Dialect
@@ -46,6 +46,10 @@ class Untyped(Enum):
 
 Type = t.DataType | Pou | Level | Untyped
 """The type of a value, as far as names need it. A `Level` is a thing with members that is no value."""
+
+
+StoredType = t.DataTypeDeclaration | Pou
+"""What a value or an instance can be of."""
 
 
 class Resolver:
@@ -77,7 +81,7 @@ class Resolver:
         if reference.base is not None:
             return self.member(self.type_of(reference.base, site, reference.name), reference.name)
         if reference.callee is not None:
-            return self._parameter(self._callable(reference.callee, site), reference.name)
+            return self._parameter(self.called_type(reference.callee, site), reference.name)
         meaning = self.lookup(reference, site)
         if meaning.declaration is None or meaning.declaration.kind is Kind.ENUM_VALUE:
             return self._expected(reference, text_site) or meaning
@@ -107,7 +111,7 @@ class Resolver:
         if reference.base is not None:
             return self._members(self.type_of(reference.base, site, reference.name))
         if reference.callee is not None:
-            return self._parameters(self._callable(reference.callee, site))
+            return self._parameters(self.called_type(reference.callee, site))
         return self._visible(reference, site)
 
     # -- names on their own
@@ -345,11 +349,56 @@ class Resolver:
             type_ = holder.type
         return Untyped.UNKNOWN
 
+    def endless_types(self) -> Iterator[tuple[StoredType, ...]]:
+        """Yield the types and blocks that contain themselves, each with those through which they do, once a circle."""
+        stored: list[StoredType] = [*self.project.data_types, *self.project.pous]
+        declared = {id(each): each for each in stored}
+        contained = {key: [id(inner) for inner in self._contained(each)] for key, each in declared.items()}
+        told: set[frozenset[int]] = set()
+        for start in _with_an_end_removed(contained):
+            before: dict[int, int | None] = {start: None}
+            waiting = [start]
+            for each in waiting:
+                if start in contained[each]:
+                    way: list[int] = []
+                    at: int | None = each
+                    while at is not None:
+                        way.append(at)
+                        at = before[at]
+                    if frozenset(way) not in told:
+                        told.add(frozenset(way))
+                        yield tuple(declared[key] for key in reversed(way))
+                    break
+                for inner in contained[each]:
+                    if inner not in before:
+                        before[inner] = each
+                        waiting.append(inner)
+
+    def _contained(self, thing: StoredType) -> list[StoredType]:
+        """Return the declared types of what is stored in a value of a type, or in an instance of a block."""
+        types = [thing.type] if isinstance(thing, t.DataTypeDeclaration) else []
+        if isinstance(thing, Pou) and thing.kind is PouKind.FUNCTION_BLOCK and thing.interface is not None:
+            stored = [section for section in thing.interface.sections if section.kind not in _NOT_STORED]
+            types = [variable.type for section in stored for variable in section.variables]
+        found: list[StoredType] = []
+        for type_ in types:
+            if isinstance(type_, t.ArrayType):
+                types.append(type_.base)
+            elif isinstance(type_, t.StructType):
+                types += [member.type for member in type_.members]
+            elif isinstance(type_, t.DerivedType):
+                reference = Reference(type_.name.strip('"'), (0, 0), Role.TYPE)
+                declaration = self.lookup(reference, Site(place=thing.place)).declaration
+                holder = declaration.holder if declaration is not None else None
+                if isinstance(holder, Pou | t.DataTypeDeclaration):
+                    found.append(holder)
+        return found
+
     # -- calls
 
     def _result(self, callee: n.Expression, site: Site) -> Type:
         """Return the type of what a call gives back."""
-        called = self._callable(callee, site)
+        called = self.called_type(callee, site)
         if isinstance(called, Untyped):
             return called
         interface = called.interface if isinstance(called, Pou | Method) else None
@@ -366,7 +415,7 @@ class Resolver:
             return self.member(self.type_of(callee.base, site, name), name).declaration
         return None
 
-    def _callable(self, callee: n.Expression | n.Node, site: Site) -> Pou | Method | Type:
+    def called_type(self, callee: n.Expression | n.Node, site: Site) -> Pou | Method | Type:
         """Return the POU, method or type that a call names."""
         if isinstance(callee, n.Name):
             meaning = self.lookup(named(callee, role=Role.ACTION), site)
@@ -391,7 +440,7 @@ class Resolver:
 
     def parameter_type(self, call: n.Call, position: int, site: Site) -> Type:
         """The type of the parameter that gets an argument of a call, by the name or the place of the argument."""
-        called = self._callable(call.callee, site)
+        called = self.called_type(call.callee, site)
         name = call.arguments[position].name
         if name is not None:
             declaration = self._parameter(called, name.identifier).declaration
@@ -400,6 +449,27 @@ class Resolver:
             return Untyped.UNKNOWN
         inputs = parameters_of(called.interface)
         return self.settled(inputs[position].type, site.place) if position < len(inputs) else Untyped.UNKNOWN
+
+    def standard_block_of(self, value: n.Expression | n.Node, site: Site) -> StandardBlock | None:
+        """Return the standard function block that a value is an instance of, None for other values."""
+        depth = 0
+        while isinstance(value, n.Parenthesized | n.Index):
+            depth += isinstance(value, n.Index)
+            value = value.inner if isinstance(value, n.Parenthesized) else value.base
+        declaration = None
+        if isinstance(value, n.Name):
+            declaration = self.lookup(named(value, role=Role.ACTION), site).declaration
+        elif isinstance(value, n.Member):
+            name = value.name.identifier
+            declaration = self.member(self.type_of(value.base, site, name), name).declaration
+        holder = declaration.holder if declaration is not None else None
+        type_ = holder.type if isinstance(holder, t.Variable) else None
+        while depth and isinstance(type_, t.ArrayType):
+            depth, type_ = depth - 1, type_.base
+        if depth or not isinstance(type_, t.DerivedType) or self.settled(type_, site.place) is not Untyped.FOREIGN:
+            return None
+        block = standard_block(BLOCKS_OF_S7.get(type_.name, type_.name))
+        return block if block is not None and block.stateful else None
 
     def _parameter(self, called: Pou | Method | Type, name: str) -> Binding:
         if called is Untyped.UNKNOWN:
@@ -430,7 +500,7 @@ class Resolver:
             called = self.type_of(parse_expression(block.instance, self.dialect).tree, site)
             return called if called is not Untyped.UNKNOWN else self.settled(_named_type(block.type_name), site.place)
         tree = parse_expression(block.type_name, self.dialect).tree
-        type_ = self._callable(tree, site)
+        type_ = self.called_type(tree, site)
         # of what is in a block by its name alone, the type is that name
         return Untyped.ELSEWHERE if type_ is Untyped.UNKNOWN and not isinstance(tree, n.Member) else type_
 
@@ -450,6 +520,22 @@ class Resolver:
             inner = self.member(type_, member.member).declaration
             type_ = self.type_of_declaration(inner) if inner is not None else Untyped.UNKNOWN
         return type_
+
+
+def _with_an_end_removed(contained: dict[int, list[int]]) -> list[int]:
+    """Return the keys of what contains itself, or what does: without all that has an end."""
+    holders: dict[int, list[int]] = {}
+    for key, inside in contained.items():
+        for inner in inside:
+            holders.setdefault(inner, []).append(key)
+    left = {key: len(inside) for key, inside in contained.items()}
+    ending = [key for key, count in left.items() if not count]
+    for key in ending:
+        for holder in holders.get(key, ()):
+            left[holder] -= 1
+            if not left[holder]:
+                ending.append(holder)
+    return [key for key, count in left.items() if count]
 
 
 def _name(pou: Pou | None) -> str:
@@ -489,6 +575,7 @@ def _is_callable(declaration: Declaration) -> bool:
 
 _STEP_VARIABLES = frozenset({"x", "t"})
 """The members of a step (IEC 61131-3: ``S.X``, ``S.T``; CODESYS: ``S.x``, ``S.t``)."""
+_NOT_STORED = frozenset({SectionKind.IN_OUT, SectionKind.EXTERNAL, SectionKind.TEMP})
 _MOST_ALIASES = 20
 _FOREIGN_TYPES = frozenset({"SFCSTEPTYPE", "SFCACTIONTYPE", "S5TIME", "BIT", "LTIME"})
 _LAST = 9

@@ -107,6 +107,18 @@ class Scopes:
         found = [d.holder for level in self.outer(pou.place) for name in names for d in level.named(name)]
         return next((holder for holder in found if isinstance(holder, Pou)), None)
 
+    def extends_unknown(self, thing: object) -> bool:
+        """Return True for a POU or structure that extends, directly or not, what the project does not declare."""
+        if isinstance(thing, Pou):
+            last = _chain(thing, self.base)[-1]
+            return bool(inheritance(last.interface).extends) and self.base(last) is None
+        if isinstance(thing, StructType) and len(self.structure_levels(thing)):
+            end = _chain(thing, self._extended)[-1]
+            declaration = (self._declared or {}).get(id(end))
+            extends = kept_inheritance(declaration.extension_data).extends if declaration is not None else ()
+            return bool(extends) and self._extended(end) is None
+        return False
+
     def overrides(self, declaration: Declaration) -> list[Declaration]:
         """Return the declarations that have their name together with this one, because blocks extend each other.
 

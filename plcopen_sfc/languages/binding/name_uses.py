@@ -10,7 +10,7 @@ from functools import cached_property
 from itertools import chain
 
 from plcopen_sfc.errors import ModelError, check_argument
-from plcopen_sfc.languages.binding.name_resolution import Resolver
+from plcopen_sfc.languages.binding.name_resolution import Resolver, Type, Untyped
 from plcopen_sfc.languages.binding.name_sites import (
     Reference,
     in_declarations,
@@ -32,8 +32,8 @@ from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.owners import Owned
-from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.pou import Method, Pou
+from plcopen_sfc.model.project import Project, Tag
 from plcopen_sfc.model.types import DerivedType, StructType, Variable
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import Use
@@ -184,8 +184,11 @@ class Names:
         found: set[str] = set()
         declared: set[tuple[Site, Role, str]] = set()
         for text_site in self.text_sites():
-            if not text_site.is_program_text or (pou is not None and text_site.site.pou is not pou):
+            own = text_site.site.pou
+            if not text_site.is_program_text or (pou is not None and own is not pou):
                 continue
+            if self.resolver.scopes.extends_unknown(own):
+                continue  # it may be declared there
             for reference in self._references(text_site):
                 name = reference.name.casefold()
                 is_member = reference.base is not None or reference.callee is not None
@@ -198,14 +201,50 @@ class Names:
                     found.add(name)
                     yield Occurrence(text_site, reference, meaning)
 
+    def undeclared_types(self) -> Iterator[Occurrence]:
+        """The names of types that nothing declares, but for those of libraries by their paths: each where it is first.
+
+        In S7 the types of the controller have no quotes.
+        """
+        found: set[str] = set()
+        for text_site in self.text_sites():
+            if text_site.role is not Role.TYPE or not isinstance(text_site.holder, DerivedType | Tag):
+                continue
+            for reference in self._references(text_site):
+                name, is_quoted = reference.name.casefold(), text_site.text.startswith('"')
+                of_controller = self.dialect is Dialect.SCL and not is_quoted
+                if name in found or of_controller or name != text_site.text.strip('"').casefold():
+                    continue
+                meaning = self.resolver.meaning(reference, text_site)
+                is_known = meaning.declaration is not None or meaning.doubt
+                if not is_known and self.resolver.settled(DerivedType(name=name), "") is Untyped.ELSEWHERE:
+                    found.add(name)
+                    yield Occurrence(text_site, reference, meaning)
+
     def undeclared_members(self) -> Iterator[Occurrence]:
-        """The names behind dots that a type, a list or a block, which the project declares, does not have."""
+        """The names that a type, a list or a block, which the project declares or which is standard, does not have.
+
+        They are behind dots, or name parameters in calls.
+        """
+        scopes = self.resolver.scopes
         for occurrence in self.everything:
-            base, meaning = occurrence.reference.base, occurrence.meaning
-            if base is not None and meaning.declaration is None and not meaning.doubt:
-                type_ = self.resolver.type_of(base, occurrence.text_site.site, occurrence.reference.name)
-                if isinstance(type_, Level | StructType | Pou):
+            reference, meaning, site = occurrence.reference, occurrence.meaning, occurrence.text_site.site
+            if meaning.declaration is not None or meaning.doubt:
+                continue
+            type_: Type | Method
+            if reference.base is not None:
+                type_ = self.resolver.type_of(reference.base, site, reference.name)
+                block = self.resolver.standard_block_of(reference.base, site)
+            elif reference.callee is not None and reference.name.upper() not in ("EN", "ENO"):
+                type_ = self.resolver.called_type(reference.callee, site)
+                block = self.resolver.standard_block_of(reference.callee, site)
+            else:
+                continue
+            if block is not None:
+                if block.input_name(reference.name) is None and block.output_name(reference.name) is None:
                     yield occurrence
+            elif isinstance(type_, Level | StructType | Pou | Method) and not scopes.extends_unknown(type_):
+                yield occurrence
 
     def unused(self, *, callable_elsewhere: bool = False) -> list[Declaration]:
         """The actions, named transitions and local variables that nothing in the project names, as far as can be told.

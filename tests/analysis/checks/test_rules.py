@@ -914,6 +914,97 @@ case("VAR03", unused_variable, part_of_another, "nothing uses the variable 'Spar
 TWICE = "VAR_INPUT b : BOOL; END_VAR VAR %s : INT; END_VAR"
 case("VAR05", steps(condition="b", declared=TWICE % "B"), steps(condition="b", declared=TWICE % "n"), "'b' already")
 case("VAR04", plant("x := 2;"), plant("x := b;"), "a number is assigned to BOOL: x := 2")
+
+TYPED = """
+TYPE Part : STRUCT Size : INT; END_STRUCT; END_TYPE
+FUNCTION_BLOCK Valve
+VAR_INPUT Open : BOOL; END_VAR
+Open := Open;
+END_FUNCTION_BLOCK
+PROGRAM Main
+VAR b : BOOL; n : INT; s : STRING; w : TIME; d : DATE; t : TON; v : Valve; p : Part; many : ARRAY [0..1] OF TON; END_VAR
+VAR x : %s; END_VAR
+INITIAL_STEP S1: Act(N); END_STEP
+TRANSITION FROM S1 TO S1 := %s; END_TRANSITION
+ACTION Act: %s END_ACTION
+END_PROGRAM
+"""
+
+
+def typed(statement: str = "n := 1;", *, condition: str = "b", type: str = "INT") -> Callable[[], Subject]:
+    return whole(TYPED % (type, condition, statement))
+
+
+case("VAR01", typed(type="NoSuchType"), typed(type="Part"), "'NoSuchType' names no type")
+case("VAR01", typed(type="ARRAY [0..3] OF Parts"), typed(type="ARRAY [0..3] OF Part"), "'Parts' names no type")
+case("VAR01", typed("t(INN := b);"), typed("t(IN := b, Q => b);"), "'INN' is no parameter of t")
+case("VAR01", typed("v(Close := b);"), typed("v(Open := b, EN := b);"), "'Close' is no parameter of v")
+case("VAR01", typed(condition="t.QQ"), typed(condition="t.Q"), "'QQ' is no member")
+case("VAR01", typed("many[1](INN := b);"), typed("many[1](IN := b);"), "'INN' is no parameter of many[1]")
+for wrong, right, told in (
+    ("n := s;", "n := LEN(s);", "STRING is assigned to a number"),
+    ("s := 3;", "s := 'three';", "a number is assigned to STRING"),
+    ("b := s = 3;", "b := s = '3';", "STRING and a number: s = 3"),
+    ("n := n + s;", "n := n + STRING_TO_INT(s);", "a number and STRING: n + s"),
+    ("IF s THEN n := 1; END_IF;", "IF b THEN n := 1; END_IF;", "a condition is STRING: s"),
+    ("w := d;", "d := d;", "DATE is assigned to TIME"),
+    ("n := p;", "n := p.Size;", "a structure is assigned to a number"),
+    ("n := v;", "b := v.Open;", "an instance is assigned to a number"),
+    ("n := t.Q;", "w := t.ET;", "BOOL is assigned to a number: n := t.Q"),
+    ("n := many;", "b := many[1].Q;", "an array is assigned to a number"),
+    ("t(IN := n);", "t(IN := n > 1);", "IN of TON is BOOL, not a number"),
+    ("t(PT := 5);", "t(PT := w);", "PT of TON is TIME, not a number"),
+    ("t(Q => n);", "t(Q => b);", "Q of TON is BOOL, not a number"),
+    ("v(Open := w);", "v(Open := b);", "Open of v is BOOL, not TIME"),
+    ("n := LEN(n);", "n := LEN(s);", "IN of LEN is STRING, not a number"),
+):
+    case("VAR04", typed(wrong), typed(right), told)
+case("VAR04", typed(condition="n > s"), typed(condition="n > 2"), "a number and STRING: n > s")
+CIRCLE = (
+    "TYPE A : STRUCT inner : %s; END_STRUCT; END_TYPE TYPE B : STRUCT inner : ARRAY [0..1] OF %s; END_STRUCT; END_TYPE"
+)
+for wrong, told in ((("A", "INT"), "A contains itself"), (("B", "A"), "A contains itself through B")):
+    case(
+        "VAR07",
+        whole(CIRCLE % wrong + TYPED % ("INT", "b", "")),
+        whole(CIRCLE % ("B", "INT") + TYPED % ("A", "b", "")),
+        told,
+    )
+OWN = "FUNCTION_BLOCK Own VAR%s other : Own; END_VAR ; END_FUNCTION_BLOCK" + TYPED % ("Own", "b", "")
+case("VAR07", whole(OWN % ""), whole(OWN % "_IN_OUT"), "Own contains itself")
+
+
+def of_library(base: str, type: str) -> Callable[[], Subject]:
+    """A program for CODESYS with global variables, and a block that extends `base`."""
+    text = f"""{{plcopen_sfc format := 1}}
+{{plcopen_sfc project.dialect := 'codesys'}}
+VAR_GLOBAL g : INT; END_VAR
+FUNCTION_BLOCK Base ; END_FUNCTION_BLOCK
+FUNCTION_BLOCK Valve EXTENDS {base} ; END_FUNCTION_BLOCK
+PROGRAM Main
+VAR v : Valve; b : BOOL; x : {type}; END_VAR
+INITIAL_STEP S1: END_STEP
+TRANSITION FROM S1 TO S1 := v.Closed; END_TRANSITION
+END_PROGRAM
+"""
+    return whole(text)
+
+
+case("VAR01", of_library("Base", "Valve"), of_library("LibraryBase", "Valve"), "'Closed' is no member", "codesys")
+case("VAR01", of_library("LibraryBase", "Vallve"), of_library("LibraryBase", "BLINK"), "'Vallve' names no", "codesys")
+case("VAR02", of_library("LibraryBase", "BLINK"), of_library("LibraryBase", "Valve"), "elsewhere: BLINK", "codesys")
+case(
+    "VAR01",
+    plant("xGateOpen();", actions="xGoteOpen"),
+    plant("eGateOpen();", actions="GateOpen"),
+    "'xGateOpen' names nothing",
+)
+case(
+    "VAR01",
+    plant("xGateOpen();", actions="xGoteOpen"),
+    plant("xGateOpen2();", actions="xGateOpen1"),
+    "'xGateOpen' names nothing",
+)
 NAMED = "GRAFCET %s\nINPUTS\n    a\n    %s\nINITIAL STEP 1\n1 -> 2 : a\nSTEP 2\n2 -> 1 : /a\n"
 case("VAR06", grafcet(NAMED % ("Not", "b")), grafcet(NAMED % ("Note", "b")), "'Not' is a keyword", "grafcet")
 case("VAR06", grafcet(NAMED % ("G", "While")), grafcet(NAMED % ("G", "1B1")), "'While' is a keyword", "grafcet")
