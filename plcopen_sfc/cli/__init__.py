@@ -2,7 +2,7 @@
 
 `app` declares the commands, `options` their options, `commands` has modules for what they do.
 `command_files` loads files, `many_files` finds them and works on each, `screen` prints and turns errors into
-messages and exit codes, `summary` is about files and their charts.
+messages and exit codes, `summary` is about files and their charts, `report_items` shows what a conversion lists.
 Exit codes: 0 fine, 1 findings or differences, 2 wrong usage or unreadable input.
 """
 

@@ -3,7 +3,7 @@
 * `drawing_upkeep`: a drawing that fits its chart before a writer needs it: an old drawing follows the edits, with
   `attached_symbols`, action blocks and expressions
 * `drawing_style`: the two styles, and whether a drawing fits its chart
-* `new_drawing` from `chart_nesting` (a chart as a graph, and as nested branches)
+* `new_drawing` from `chart_nesting` (a chart as nested branches) and `forward_edges` (those that a drawing runs along)
 * `symbol_layout`: places and sizes of symbols, pins and wires
 * `wording`: conditions and actions in one line of text; `pictures`: charts as SVG pictures
 * `document_order`: symbols and logic in document order, and new ids in that order

@@ -71,6 +71,23 @@ def test_a_name_of_a_module_or_a_public_class_means_one_thing():
         assert {name for name, count in Counter(names).items() if count > 1} == set()
 
 
+def test_each_package_maps_its_modules_and_contributing_names_files_that_there_are():
+    """A stranger finds a module by the docstring of its package; that of the whole one is in CONTRIBUTING."""
+    unmapped = []
+    for init in (ROOT / "plcopen_sfc").rglob("*/__init__.py"):
+        told = ast.get_docstring(ast.parse(init.read_text(encoding="utf-8"))) or ""
+        modules = {path.stem for path in init.parent.glob("*.py")} | {
+            path.parent.name for path in init.parent.glob("*/__init__.py")
+        }
+        named = {word for _, code in re.findall(r"(`+)(.+?)\1", told) for word in re.findall(r"\w+", code)}
+        unmapped += [str(init.parent / name) for name in sorted(modules - named - {"__init__"})]
+    assert unmapped == []
+    named = set(re.findall(r"`(?:[\w/]+/)?(\w+\.py)`", (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")))
+    known = {path.name for folder in ("plcopen_sfc", "tests") for path in (ROOT / folder).rglob("*.py")}
+    assert len(named) > 40
+    assert named - known == set()
+
+
 @pytest.mark.slow
 def test_methods_of_higher_layers_work_where_only_the_model_was_imported():
     script = """

@@ -3,12 +3,14 @@
 `project_rewriting`   the rules for projects
 `chart_rules`         the rules for charts, and conditions
 `step_rewriting`      rows and step actions as statements, with `step_checks` for interlocks, supervisions and events
-`sequencer_rewriting` what a block of S7-GRAPH does beside its steps
+`sequencer_rewriting` what a block of S7-GRAPH does beside its steps; `operating_inputs`: INIT_SQ and OFF_SQ
+`sequence_loops`      sequences that a chart of the target cannot hold, as a loop of each step
 `global_variables`    tags, data blocks and lists of global variables
 `called_methods`      methods as functions, before texts are translated; `called_programs`: programs that others call
 `chart_rewriting`     a chart that is being rewritten
-`flag_transitions`    SFC flags of CODESYS in S7-GRAPH, with `boxes_before_conditions` for timers and edges
-`grafcet_charts`      GRAFCETs in the words of sequential function charts
+`flag_transitions`    SFC flags of CODESYS in S7-GRAPH, with `boxes_before_conditions` for timers and edges;
+                      `flags_in_tc6`: in TC6
+`grafcet_charts`      GRAFCETs in the words of sequential function charts; `grafcet_variables`: their declarations
 `grafcet_hierarchy`   partial charts, forcing orders, enclosing steps and macro-steps as one chart
 
 The abilities of the target are those of its record (`formats.format_interface.ChartHost`); what was written keeps the

@@ -4,7 +4,7 @@
 a transition and `chart_statements` the rest of the logic drawn in a chart. `draw_fbd` and `draw_ld` draw statements,
 `draw_fbd_expression` and `draw_ld_expression` an expression. `normal_form` is what stays the same there and back.
 
-`network_reading`, from `network_graph` (elements and wires) and `blocks` (what a box does) to `results`
+`network_reading`     from `network_graph` (elements), `wires` (values) and `blocks` (what a box does) to `results`
 `condition_reading`   conditions of every kind as expressions
 `exported_networks`   networks of exports of CoDeSys 2.3 as structured text
 `box_trees`           networks of TwinCAT 3 (NWL) as structured text

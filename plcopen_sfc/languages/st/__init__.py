@@ -2,6 +2,9 @@
 
 `parse_statements` and `parse_expression` give a text its tree, `render` gives the text of a tree that was edited,
 `print_node` that of one which was made; `layout` has the edits that lay a text out.
+
+`lexer` has the tokens, `parsing` runs the grammars ``st.lark`` and ``declarations.lark``, whose rules `tree_building`
+makes `nodes` and `declaration_nodes` of. `walking` goes through trees, `printing` gives their text, `literals` values.
 """
 
 from plcopen_sfc.languages.st.parsing import (
