@@ -395,6 +395,9 @@ _NOT_EXECUTED = {
         "{} ist eine Instanz, die Funktionen in {} nicht bekommen"
     ),
     "the method {} of {}": "die Methode {} von {}",
+    "a type of numbers, which take the places of its values: matiec numbers enumerations from 0": (
+        "ein Zahlentyp, dessen Zahlen an Stelle der Werte stehen: matiec nummeriert Aufzählungen von 0 an"
+    ),
     "S7 has no actions and methods to call: {}": "S7 hat keine Aktionen und Methoden, die man aufrufen kann: {}",
     "`{}` is of the type {}, and an action is a Boolean variable in {+}": (
         "`{}` ist vom Typ {}, und eine Aktion ist in {} eine boolesche Variable"

@@ -14,6 +14,17 @@ from tests.conversion.features import feature_project
 from tests.conversion.pairs import named
 from tests.conversion.test_flags_in_tia import BRANCHES, FLAGS, chart_with, losses
 
+LONG_BRANCHES = """
+INITIAL_STEP Idle: END_STEP
+STEP Left: q(S); END_STEP
+STEP Left_2: q(R); END_STEP
+STEP Right: END_STEP
+STEP Right_2: r(N); END_STEP
+TRANSITION FROM Idle TO (Left, Right) := a; END_TRANSITION
+TRANSITION FROM Left TO Left_2 := b; END_TRANSITION
+TRANSITION FROM Right TO Right_2 := g; END_TRANSITION
+TRANSITION FROM (Left_2, Right_2) TO Idle := b; END_TRANSITION
+"""
 COUNT = "ACTION Count: n := 1 - n; END_ACTION"
 
 
@@ -28,6 +39,8 @@ def compared(source: m.Project, *, flavour: str = "") -> tuple[bytes, Conversion
     [
         pytest.param(("SFCReset",), {}, marks=pytest.mark.slow),
         (("SFCReset",), {"work": "q(S);"}),
+        (("SFCReset",), {"chart": LONG_BRANCHES}),
+        pytest.param(FLAGS, {"chart": BRANCHES}, marks=pytest.mark.slow),
         (("SFCReset",), {"work": "q(SD, T#20ms);"}),
         (("SFCInit", "SFCPause"), {"idle": "q(N);", "work": ""}),
         pytest.param(("SFCPause",), {"chart": BRANCHES}, marks=pytest.mark.slow),
@@ -103,8 +116,8 @@ def test_what_differs_is_told(flag: str, fields: dict[str, str], path: str) -> N
     assert [(item.outcome, item.path) for item in report.losses] == [(Outcome.APPROXIMATED, path)]
 
 
-def test_no_transition_leaves_branches_together() -> None:
-    source = chart_with("SFCReset", chart=BRANCHES)
+def test_no_transition_leaves_a_situation_that_is_part_of_another() -> None:
+    source = chart_with("SFCReset", chart=BRANCHES + "TRANSITION FROM Idle TO Left := b; END_TRANSITION")
     report = sfc.convert(source, "plcopen-2.01", partial=True)[1]
     assert losses(report) == [("not executed", "operating input", "POU Main / SFCReset")]
     assert not sfc.convert(source, "plcopen-2.01", at_rest=["SFCReset"])[1].losses

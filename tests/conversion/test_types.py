@@ -6,6 +6,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.analysis import equivalent
 from plcopen_sfc.api import convert
 from plcopen_sfc.report import Outcome
 
@@ -121,3 +122,30 @@ END_FUNCTION
 """
     _, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), target, partial=True)
     assert [item.path for item in report.losses if item.what == "initial"] == ["POU Next / k"]
+
+
+NUMBERED = """TYPE
+  Level : (Low := 1, Mid := 5, High := 9) := Mid;
+  Plain : (One, Two);
+  Tank : STRUCT lvl : Level := Level#High; END_STRUCT;
+END_TYPE
+FUNCTION_BLOCK Main
+VAR_INPUT go : BOOL; Low : INT; END_VAR
+VAR l : Level; k : Level := High; p : Plain; tank : Tank; END_VAR
+VAR_OUTPUT q, n : INT; END_VAR
+CASE l OF Level#Low: l := Level#Mid; Mid, High: l := Level#Low; q := SEL(Low = 2, 0, 1); END_CASE;
+IF go AND k = Level#High AND tank.lvl = k THEN p := Two; k := Level#Mid; END_IF;
+n := SEL(k = High, 0, 1);
+END_FUNCTION_BLOCK
+"""
+
+
+def test_enumerations_that_do_not_count_from_0_are_numbers_for_matiec() -> None:
+    """The input `Low` hides the value of its name."""
+    source = sfc.loads(NUMBERED.encode(), format="iec-text")
+    data, report = sfc.convert(source, "iec-text", flavour="matiec")
+    assert [item.place for item in report.items if item.what == "enumeration"] == ["enumeration data type Level"]
+    assert report.losses == []
+    written = sfc.loads(data, format="iec-text", as_tool=True)
+    assert "CASE l OF 1: l := 5; 5, 9: l := 1; q := SEL(Low = 2, 0, 1); END_CASE;" in data.decode()
+    assert equivalent(source.pou("Main"), written.pou("Main"), outputs=["q", "n"]).equal

@@ -5,17 +5,19 @@ transitions from firing; SFCPause stops it; SFCTipMode keeps transitions from fi
 that are enabled. A block of S7-GRAPH has INIT_SQ and T_PUSH, but for its caller only; TC6 has nothing of the kind. So
 the flags are conditions: of
 transitions that are tried before all others, to the initial step and to one that does nothing, and of those that the
-chart has (`plcopen_sfc.semantics.charts.sfc_flags`, and the tests compare both). No transition leaves one branch of a
-simultaneous sequence: SFCInit and SFCReset have no effect on charts with such branches.
+chart has (`plcopen_sfc.semantics.charts.sfc_flags`, and the tests compare both). Where several steps may be active at a
+time, one transition leaves all that are active together, for each situation. A block of S7-GRAPH cannot have these.
 """
 
 from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from itertools import chain
 
+from plcopen_sfc.analysis.marking import marking_graph
+from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.conversion.adaptation.chart_rewriting import taken_names
 from plcopen_sfc.conversion.executed_parts import HIDDEN_FLAG, told_flag
 from plcopen_sfc.formats.format_interface import SOURCE_CHART_FIELD, WriteOptions
@@ -52,6 +54,8 @@ _ENDING = frozenset({SfcFlag.INIT, SfcFlag.RESET})
 _STOPPING = frozenset({SfcFlag.PAUSE, SfcFlag.QUIT_ERROR})
 _OBEYED = _TIPPING | _ENDING | {SfcFlag.PAUSE}
 _BRANCHES = "several of its steps may be active at a time, which no transition leaves together"
+_MOST_SITUATIONS = 32
+"""The most situations for which there is a transition each."""
 _ENDED = "actions that it ends, stored or delayed ones, go on there"
 
 
@@ -112,6 +116,8 @@ class FlagRewriter(ABC):
     """The flags that conditions obey."""
     prefix = ""
     """The prefix of a variable of the block in texts."""
+    leaves_branches = False
+    """True if a transition may leave whatever steps of simultaneous branches are active together."""
 
     def __init__(self, chart: Chart, texts: Mapping[int, str | None], resting: Collection[SfcFlag]) -> None:
         self._place, self._chart, self._texts, self._resting = chart, chart.chart, {**texts}, resting
@@ -163,7 +169,7 @@ class FlagRewriter(ABC):
         """Add a step."""
 
     @abstractmethod
-    def _lead(self, source: Step, target: Step, condition: str) -> None:
+    def _lead(self, sources: Sequence[Step], target: Step, condition: str) -> None:
         """Add a transition that is tried before the others."""
 
     def _put(self, transition: Transition, condition: str) -> None:
@@ -199,8 +205,7 @@ class FlagRewriter(ABC):
             return "it is no variable of the block"
         if sum(step.initial for step in chart.steps) != 1 or any(step.macro is not None for step in chart.steps):
             return _BRANCHES
-        is_one = all(len(each.sources) == 1 and len(each.targets) == 1 for each in chart.transitions)
-        if flag in _ENDING and not is_one:
+        if flag in _ENDING and self._has_branches and not self._situations():
             return _BRANCHES
         held = self._held_by(flag)
         if any(self._texts[number] is None for number in held):
@@ -208,6 +213,20 @@ class FlagRewriter(ABC):
         if flag in _ENDING:
             return self._refused_end()
         return self._refused_pause() if flag in _STOPPING else None
+
+    @property
+    def _has_branches(self) -> bool:
+        return any(len(each.sources) != 1 or len(each.targets) != 1 for each in self._chart.transitions)
+
+    def _situations(self) -> list[list[Step]]:
+        """Return the steps that may be active together; none where transitions cannot leave each of the situations."""
+        if not self._has_branches:
+            return [[step] for step in self._chart.steps]
+        graph = marking_graph(self._chart, cap=_MOST_SITUATIONS)
+        found = [*graph] if self.leaves_branches and graph.complete and graph.safe is Answer.YES else []
+        if any(one & other == one for one in found for other in found if one != other):
+            return []  # a transition that leaves one situation would be enabled in the other
+        return [[step.step for step in graph.net.steps if step.bit & marking] for marking in found]
 
     def _is_declared(self, flag: SfcFlag) -> bool:
         return any(each.name.casefold() == flag.variable.casefold() for each in self._place.pou.variables())
@@ -219,7 +238,7 @@ class FlagRewriter(ABC):
 
     def _held_by(self, flag: SfcFlag) -> list[int]:
         """Return the ids of the transitions that do not fire while a flag is TRUE, and that others do not precede."""
-        is_any = flag not in _ENDING
+        is_any = flag not in _ENDING or self._has_branches
         return [each.id for each in self._chart.transitions if is_any or self._initial.id in each.sources]
 
     @property
@@ -231,24 +250,26 @@ class FlagRewriter(ABC):
     def _execute(self, flags: Collection[SfcFlag]) -> None:
         for flag in (flag for flag in flags if not self._is_declared(flag)):
             self._declare(flag.variable)
-        steps = list(self._chart.steps)
+        steps, situations = list(self._chart.steps), self._situations()
+        has_branches = self._has_branches
         again = self._initial
         if SfcFlag.RESET in flags:
             again = self._beginning()
-        self._hold(flags, again)
+        self._hold(flags, again, all_wait=has_branches and not _ENDING.isdisjoint(flags))
         wanted = {SfcFlag.INIT: self._init, SfcFlag.RESET: self._reset}
         begins = [text for flag, text in wanted.items() if flag in flags]
         self.ends = [*begins]
         if SfcFlag.INIT in flags and self._has_rest:
             begins.remove(self._init)
             rest = self._rest(flags)
-            for step in steps if again in steps else [*steps, again]:
-                self._lead(step, rest, self._init)
-        for step in (step for step in steps if step is not again and begins):
-            if any(step.id in each.sources and each.targets == [again.id] for each in self._chart.transitions):
+            for active in situations if again in steps else [*situations, [again]]:
+                self._lead(active, rest, self._init)
+        for active in (active for active in situations if active != [again] and begins):
+            ids = [step.id for step in active]
+            if any(each.sources == ids and each.targets == [again.id] for each in self._chart.transitions):
                 why = "the transition of the flags to the initial step is another one"
-                self._note(Outcome.TRANSLATED, "order of transitions", f"step {step.name}", why)
-            self._lead(step, again, " OR ".join(begins))
+                self._note(Outcome.TRANSLATED, "order of transitions", f"step {active[0].name}", why)
+            self._lead(active, again, " OR ".join(begins))
         self._report_ends([flag for flag in flags if flag in _ENDING], steps)
 
     def _beginning(self) -> Step:
@@ -264,7 +285,7 @@ class FlagRewriter(ABC):
     def _rest(self, flags: Collection[SfcFlag]) -> Step:
         why = "it is active instead of the initial step, and does nothing"
         rest = self._added_step(f"{SfcFlag.INIT.variable}_holds", why)
-        self._lead(rest, self._initial, all_of([f"NOT {self._init}", self._goes_on(flags)]))
+        self._lead([rest], self._initial, all_of([f"NOT {self._init}", self._goes_on(flags)]))
         return rest
 
     def _goes_on(self, flags: Collection[SfcFlag]) -> str:
@@ -273,10 +294,11 @@ class FlagRewriter(ABC):
             return ""
         return f"NOT {self._pause}" + (f" OR {self._reset}" if SfcFlag.RESET in flags else "")
 
-    def _hold(self, flags: Collection[SfcFlag], again: Step) -> None:
+    def _hold(self, flags: Collection[SfcFlag], again: Step, *, all_wait: bool) -> None:
         """Let transitions not fire while a flag is TRUE, and as CODESYS tests them afterwards.
 
-        SFCReset leads to the step `again`, the initial one or another in its place.
+        SFCReset leads to the step `again`, the initial one or another in its place. `all_wait`: a transition of the
+        flags leaves several steps, and precedes no transition that leaves one of them.
 
         CODESYS executes actions before it tests transitions: after a scan without either it tests none before it has
         executed actions again, and the transition that it found before a pause fires behind that.
@@ -296,7 +318,7 @@ class FlagRewriter(ABC):
             is_first = not {self._initial.id, again.id}.isdisjoint(transition.sources)
             text = self._texts[transition.id] or "TRUE"
             is_never = transition.exclude or (text == "FALSE" and not pushed)
-            if is_never or not (stops or is_first or tips):
+            if is_never or not (stops or is_first or tips or all_wait):
                 continue
             text = all_of([text, f"NOT {self._tip_mode}" if SfcFlag.TIP_MODE in flags else ""])
             text = f"({text}) OR ({pushed})" if pushed else text
@@ -308,8 +330,9 @@ class FlagRewriter(ABC):
                 now = all_of([*map(self._step_flag, left), *fires])
                 self.lines.append(f"{found} := {stops} AND (({waits} AND {found}) OR ({now}));")
                 condition = all_of([f"({condition}) OR ({waits} AND {found})", f"NOT {self._pause}"])
-            if is_first:
-                held = [self._init] * rises + [self._reset] * (SfcFlag.RESET in flags)
+            if is_first or all_wait:
+                is_ended = rises or (all_wait and SfcFlag.INIT in flags)
+                held = [self._init] * is_ended + [self._reset] * (SfcFlag.RESET in flags)
                 condition = all_of([condition, *(f"NOT {text}" for text in held)])
             self._put(transition, condition)
         # the memories are written last: the lines above need those of the scan before
@@ -507,9 +530,9 @@ class _GraphFlags(FlagRewriter):
     def _new_name(self, wish: str) -> str:
         return take_name(wish, self._taken)
 
-    def _lead(self, source: Step, target: Step, condition: str) -> None:
-        added = self._chart.add_transition(source, target, Expression(text=condition), priority=_FIRST)
-        added.name = self._new_name(f"{source.name}_to_{target.name}")
+    def _lead(self, sources: Sequence[Step], target: Step, condition: str) -> None:
+        added = self._chart.add_transition(sources, target, Expression(text=condition), priority=_FIRST)
+        added.name = self._new_name(f"{sources[0].name}_to_{target.name}")
         why = "it replaces an SFC flag, and is tried before the others"
         self._note(Outcome.TRANSLATED, "transition", f"transition {added.name}", why)
 

@@ -7,7 +7,7 @@ ends it: SFCInit and SFCReset lead to steps that do so.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, guarded
 from plcopen_sfc.conversion.adaptation.flag_transitions import FlagRewriter, all_of, is_code
@@ -61,6 +61,7 @@ def execute_flags_in_tc6(
 
 class _Tc6Flags(FlagRewriter):
     obeyed = FlagRewriter.obeyed | {SfcFlag.QUIT_ERROR}
+    leaves_branches = True
 
     def __init__(self, rewriting: ChartRewriting, steps: StepRewriter, checks: StepChecks) -> None:
         chart = rewriting.chart
@@ -130,9 +131,9 @@ class _Tc6Flags(FlagRewriter):
     def _added_step(self, wish: str, why: str) -> Step:
         return self._added.step(wish, why)
 
-    def _lead(self, source: Step, target: Step, condition: str) -> None:
+    def _lead(self, sources: Sequence[Step], target: Step, condition: str) -> None:
         why = "it replaces an SFC flag, and is tried before the others"
-        self._added.transition(source, target, condition, why, first=True)
+        self._added.transition(sources, target, condition, why, first=True)
 
     def _put(self, transition: Transition, condition: str) -> None:
         super()._put(transition, condition)

@@ -193,11 +193,17 @@ class AddedElements:
         return step
 
     def transition(
-        self, source: Step, targets: Step | Iterable[Step], condition: str, why: str, *, first: bool = False
+        self,
+        sources: Step | Iterable[Step],
+        targets: Step | Iterable[Step],
+        condition: str,
+        why: str,
+        *,
+        first: bool = False,
     ) -> Transition:
         """Add a transition; `first`: it is tried before all others."""
         priority = _HIGHEST_PRIORITY if first else None
-        added = self._chart.add_transition(source, targets, Expression(text=condition), priority=priority)
+        added = self._chart.add_transition(sources, targets, Expression(text=condition), priority=priority)
         added.id = next(self._ids.get(SymbolKind.TRANSITION, iter(())), self._unlike_source(added.id))
         self._added.append(added)
         self._rewriting.note(Outcome.TRANSLATED, "transition", f"transition {self._chart.label(added)}", why)

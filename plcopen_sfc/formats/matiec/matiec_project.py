@@ -14,6 +14,7 @@ from plcopen_sfc.formats.matiec.matiec_declarations import (
     note_undeclared,
     quote_strings,
 )
+from plcopen_sfc.formats.matiec.matiec_enumerations import number_enumerations
 from plcopen_sfc.formats.matiec.matiec_pou import FittedPou, give_iec_pins
 from plcopen_sfc.formats.matiec.matiec_statements import (
     compilable_instructions,
@@ -48,6 +49,7 @@ def fit_project(
     own = options.of_matiec
     final_scan = None if own else options.of_codesys
     name_structures(project, report)
+    number_enumerations(project, report)
     give_plain_names(project, report)
     types = TypeFitter(project.data_types, report)
     constants = types.sections(project.global_sections(), "", {})
