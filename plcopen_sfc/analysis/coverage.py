@@ -550,8 +550,6 @@ class _Reasons:
         why += f", as {_kept(frozen)}" if frozen else ""
         return Unreached(PART, shown, why, impossible=bool(frozen), value=value)
 
-    # -- what is possible
-
     # -- what is in the way
 
     def _reached_steps(self, name: str, net: Net) -> set[int]:

@@ -496,6 +496,7 @@ class Division:
             searching = search(first, second, domains, cap)
             found = None
             progress = Progress(0, 0)
+            # once a part differs, the others are searched for a shorter difference only
             while found is None and (inputs is None or progress.depth + 1 < len(inputs)):
                 try:
                     progress = next(searching)
@@ -510,6 +511,7 @@ class Division:
             if found is None:
                 continue  # it has no shorter difference
             if not found.complete and found.inputs is None and inputs is None:
+                # numbers that were tried value by value may be equal whatever they are
                 signals = {name: domain.signal for name, domain in domains.items()}
                 found = explore_terms(first, second, signals, cap, look) or found
             states += found.states
@@ -520,7 +522,7 @@ class Division:
                 inputs = found.inputs
             elif not found.complete:
                 failed.append(found)
-                if not found.capped:
+                if not found.capped:  # no limit, but something that cannot be followed: there is no proof any more
                     break
         if inputs is not None:
             shortest = all(each.depth + 1 >= len(inputs) for each in failed)
@@ -542,6 +544,7 @@ def divide(left: ProgramSystem, right: ProgramSystem, pairs: Sequence[Pair]) -> 
         for side, system, observation in zip(sides, (left, right), pair, strict=True):
             kept.append(cone(side.parts, _names_of(observation.path).union(*map(_names_of, system.not_followed))))
         shares.append(_Share(kept[0], kept[1], (pair,)))
+    # a share inside another is compared with it: its variables are searched there anyway
     joined: list[_Share] = []
     for share in sorted(shares, key=lambda each: -each.size):
         around = next((place for place, each in enumerate(joined) if each.holds(share)), None)

@@ -71,6 +71,7 @@ class Term(Symbolic):
         return self._asked("<=", other, self)
 
     def __eq__(self, other: object) -> bool:
+        # a = b and b = a are one question: with two answers the sides would differ
         first, second = sorted((_key_of(self), _key_of(other)), key=repr)
         return self._answers.of(("=", first, second))
 
@@ -208,6 +209,7 @@ class _Abstract:
         """Return the state; both sides are asked one after the other."""
         if self._first:
             self._names.clear()
+        # how a kept number came about is forgotten: the next scan has to be equal whatever it is
         for cells, slot in self._cells:
             if isinstance(cells[slot], Term | int | float):  # else nothing uses it
                 cells[slot] = self._names.of(cells[slot])

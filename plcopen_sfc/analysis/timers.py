@@ -119,6 +119,7 @@ def _steps_read(
                 conditions = [t.condition for t in chart.outgoing(step) if isinstance(t.condition, Expression)]
                 texts = [text for each in conditions for text in texts_in(each, dialect)]
                 own[key] += sum(found.step == key for text in texts for found in _reads_of_times(text))
+    # conditions behind a step are tested only while it is active; other texts read its time when it is not, too
     anywhere = frozenset(name for name, count in read.items() if count != own[name])
     return anywhere, frozenset(read)
 
@@ -262,8 +263,9 @@ def waiting_timers(instance: Instance, observed: Collection[str], scan_time: int
         presets = uses.presets.get(name)
         if name in uses.otherwise or not presets:
             continue
+        # a scan beyond the last time that makes a difference: a scan earlier it might still make one
         limit = max(presets) + scan_time + _ROUNDING
-        if name not in uses.read:
+        if name not in uses.read:  # not even Q, which turns at the preset
             limit = min(limit, max(uses.constants.get(name, ()), default=0) + scan_time + _ROUNDING)
         start, elapsed = frame.layout.find("START"), frame.layout.find("ET")
         if start is not None and elapsed is not None:

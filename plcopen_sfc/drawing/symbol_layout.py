@@ -347,6 +347,8 @@ class _Layout:
         self.boxes = {number: self.own_box(self.symbols[number]) for number in order}
         self.boxes[ROOT] = _Box(0, 0, 0, 0)
         for number in order:
+            # what one way leads to is a column below the symbol before it; where ways meet, the symbol is below all of
+            # their columns: it belongs to the last symbol that all ways have passed
             parent = self.boxes[self.edges.dominator[number]]
             (parent.branches if self.edges.forward_inputs[number] < 2 else parent.merges).append(number)
         for box in self.boxes.values():

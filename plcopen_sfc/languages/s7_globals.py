@@ -336,6 +336,7 @@ def _lists(project: Project) -> Iterator[tuple[str, VariableSection]]:
         yield section.name or "", section
     sections = [s for c in project.configurations for s in c.global_variables]
     sections += [s for c in project.configurations for resource in c.resources for s in resource.global_variables]
+    # texts name variables with a list of CODESYS, which has an id; the names of other lists are labels in TC6
     for section in sections:
         yield section.name if section.name and section.object_id is not None else "", section
 

@@ -90,7 +90,7 @@ class Late(Owned):
         self._supply = self._unread_text = None
         known = dict(self.__dict__)
         self.__dict__.clear()  # its order is that of the fields in JSON
-        self.__dict__.update(whole.__dict__ | known)
+        self.__dict__.update(whole.__dict__ | known)  # a script may have changed what is known
         self.__pydantic_fields_set__.update(whole.__pydantic_fields_set__)
         self.adopt()
 

@@ -95,6 +95,7 @@ def read_elements(type: Fields, elements: list[etree._Element]) -> Fields | None
 def _add(items: list[Fields], text: str | None, count: int) -> None:
     if not count:
         return
+    # equal neighbours are one item with repetitions, as texts write them: an array may have 10,000 zeros
     if items and items[-1]["value"]["text"] == text:
         count += int(items[-1]["repetitions"] or 1)
         items.pop()
@@ -264,7 +265,7 @@ def write_nested(element: etree._Element, type_: DataType, value: Value | None, 
         type_ = _type_of(element)
     try:
         entries = [] if value is None else list(apart(value, type_, types))
-        if value != assembled(entries, type_, types):
+        if value != assembled(entries, type_, types):  # what does not come back would be lost without a word
             return False
         places = [_find(element, path, types) for path, _ in entries]
     except ValuePathError:

@@ -98,6 +98,7 @@ class _ChartWriter:
         self.names = {
             name.casefold() for name in (*(s.name for s in chart.steps), *(t.name for t in chart.transitions))
         }
+        # S7-GRAPH declares a variable for each step and transition: names of the block's variables are taken
         self.names |= {name.removeprefix("#") for name in ctx.types}
         self.transition_numbers = _numbers((t.id, t.number) for t in chart.transitions)
         self._labels = chart.labels()
@@ -277,6 +278,7 @@ class _ChartWriter:
         links.sort(key=lambda link: order.get(str(link), len(order)))  # stable: new connections stay in usual order
         used = _branches_of(links)
         alone = len(self.chart.sequences) < _TWO
+        # a branch that no connection names is one of the only sequence; of several it might be in any
         dissolved = drawn - used
         branches = [
             (symbol, marks)
@@ -336,6 +338,7 @@ class _ChartWriter:
     def _step(self, parent: etree._Element, step: Step) -> None:
         ctx = self.ctx
         attributes = {"Number": str(self.step_numbers[step.id]), "Init": flag(step.initial), "Name": step.name}
+        # the attribute takes a literal; what is calculated goes into the fields that are kept beside it
         if step.max_time is not None and not step.max_time.startswith(("#", '"')):
             attributes["MaximumStepTime"] = step.max_time
         if step.warning_time is not None:
@@ -354,7 +357,7 @@ class _ChartWriter:
         instead = self.rows.write(actions, step) or (["exclude"] if step.exclude else [])
         if instead:
             keep_fields(actions, {WRITTEN: rows_digest(actions), INSTEAD: instead})
-        sub(actions, "Action")
+        sub(actions, "Action")  # the empty last row of the editor, which every export has
         self._supervised(element, step, "Supervision", step.supervision)
         self._supervised(element, step, "Interlock", step.interlock)
         own = ("Actions", "Supervisions", "Interlocks")

@@ -105,6 +105,7 @@ def bind(body: Body, dialect: Dialect) -> BoundBody:
     """Return the bound view of a body, made once for as long as the body stays as it is."""
     key, state = id(body), (dialect, _content(body))
     kept = _KEPT.get(key)
+    # the id of a body that is gone may be that of another one
     if kept is None or kept[0]() is not body or kept[1] != state:
         kept = _KEPT[key] = (ref(body, partial(_forget, _KEPT, key)), state, _bound(body, dialect))
     return kept[2]

@@ -50,6 +50,7 @@ class Scopes:
 
     def levels(self, site: Site) -> tuple[Level, ...]:
         """Return the scopes that are visible at `site`, the innermost first."""
+        # by identity: objects of the model are equal by content, and two equal POUs are two scopes
         key = (id(site.pou), id(site.method), tuple(map(id, site.charts)), site.place)
         found = self._sites.get(key)
         if found is None:
@@ -88,6 +89,7 @@ class Scopes:
     def _find_step_variables(self, level: Level) -> None:
         for variable in level:
             type_ = getattr(variable.holder, "type", None)
+            # text that names the variable means the step: a rename of either has to take the other with it
             if isinstance(type_, DerivedType) and _OF_STEPS.fullmatch(type_.name):
                 for other in level.named(variable.name):
                     if other.kind in (Kind.STEP, Kind.TRANSITION):
@@ -103,6 +105,7 @@ class Scopes:
 
     def base(self, pou: Pou) -> Pou | None:
         """Return the POU that this one extends, as the text of its declaration names it."""
+        # behind the namespace of a library, which may be in the project as well
         names = [name.rpartition(".")[2] for name in inheritance(pou.interface).extends]
         found = [d.holder for level in self.outer(pou.place) for name in names for d in level.named(name)]
         return next((holder for holder in found if isinstance(holder, Pou)), None)
@@ -143,6 +146,7 @@ class Scopes:
         if self._chains is None:
             self._chains = [_chain(each, self.base) for each in self._project.pous]
         own = next(chain for chain in self._chains if chain[0] is pou)
+        # blocks that extend the topmost one which declares it override one method, also beside each other
         root = next((each for each in reversed(own) if self._declares(each, kind, name)), pou)
         family = (chain[0] for chain in self._chains if any(each is root for each in chain))
         return [found for each in family for found in self._declares(each, kind, name)]
@@ -318,7 +322,7 @@ def _chain(first: _T, base: Callable[[_T], _T | None]) -> list[_T]:
     """Return something and what it extends, the nearest first."""
     chain: list[_T] = []
     derived: _T | None = first
-    while derived is not None and all(derived is not each for each in chain):
+    while derived is not None and all(derived is not each for each in chain):  # a damaged file may have a circle
         chain.append(derived)
         derived = base(derived)
     return chain

@@ -96,10 +96,12 @@ class BlockReader:
         arguments = [a for a in arguments if a is not enable]
         for variable in block.parameters.outputs:
             if _is(variable, "eno"):
+                # the power before the box: executing it may change what this is calculated from
                 if guard is not None and self._is_used(block, variable) and not is_variable(guard):
                     guard = self._kept(block, guard, "BOOL")
                 self._give(block, variable, guard or TRUE)
         self._call(block, arguments, guard)
+        # in-outs, which `block_inputs` has last, pass their variables on
         for argument in arguments[len(arguments) - len(block.parameters.in_outs) :]:
             source = (block.id, argument.variable.name)
             product = (Factor(source, argument.value),) if argument.value is not None else None
@@ -369,6 +371,7 @@ class BlockReader:
             self._written.add(sink.id)
             return None
         type_name = self._graph.type_of((block.id, result.name))
+        # retained: while the box is not executed, its wire has the value of the last time
         helper = self._wires.helper("value", (block.id, None), type_name, retained=guard is not None)
         self._wires.execute_all(self._guarded(guard, (n.Assignment(helper, value),)))
         return (Factor((block.id, result.name), helper),)
@@ -466,7 +469,7 @@ def _operation(standard: StandardBlock, values: list[Expression]) -> Expression 
         return None
     if operator in (Operator.ADD, Operator.MULTIPLY):
         first = n.bare(values[0])
-        if isinstance(first, n.Operation) and first.operator is operator:
+        if isinstance(first, n.Operation) and first.operator is operator:  # one operation, as a + b + c is read
             values = [*first.operands, *values[1:]]
         return n.Operation(operator, tuple(values))
     if len(values) == 2:

@@ -123,7 +123,7 @@ class GraphActions:
             noted = reached.action(label, [ActionOrigin(owner.steps, model)])
             key = (model.target or "").casefold()
             row = _Row(model.qualifier, model.event, model.interlock, owner.since, key, noted)
-            if model.event is ActionEvent.C:
+            if model.event is ActionEvent.C:  # no event: the row acts as one with the interlock
                 row.event, row.interlock = None, True
             if model.qualifier in _TIMERS:
                 row.timer = self._timer(row.key)
@@ -218,6 +218,7 @@ class GraphActions:
                     if row.qualifier is Qualifier.ON:
                         on |= row.switched
                     elif row.qualifier is Qualifier.OFF:
+                        # OFF S_ALL spares the step that it is in, OFF of this step alone does not
                         off |= row.switched & ~(bit if row.switched & (row.switched - 1) else 0)
                     else:
                         self._execute(frame, now, row)
@@ -248,6 +249,7 @@ class GraphActions:
         if not bit & happening.active:
             return False
         if row.duration is not None:
+            # D acts from its time on, L up to it
             late = now - frame.v[row.since] >= row.duration(frame)
             if late is not (row.qualifier is Qualifier.D):
                 return False
@@ -507,6 +509,7 @@ class GraphProgram:
             for index in indexes(left):
                 v[self._slots[index]].v[step_data.S0] = True
             if entered:
+                # the first actions of a step depend on its interlock in this very cycle
                 fresh = self._conditions.check(frame, entered, acknowledge=False)
                 checked = CheckedSteps(
                     checked.released & ~left | fresh.released,
@@ -525,7 +528,7 @@ class GraphProgram:
         on, off = self._actions.act(
             frame, now, Happening(left, situation, self._events(frame, situation | left), checked.released)
         )
-        v[self._situation] = situation & ~off | on
+        v[self._situation] = situation & ~off | on  # steps that actions switch are shown from the next cycle on
         if self._parameters.has_outputs:
             self._report(frame, commands, situation, checked)
 
