@@ -48,7 +48,7 @@ def check(
 
 
 def _located(found: list[Diagnostic], project: Project) -> list[Diagnostic]:
-    """The findings with their places in the file, by file and line."""
+    """Return the findings with their places in the file, by file and line."""
     if project.source is None:
         return found
     places = project.locations_of(each.location.path or "" for each in found)

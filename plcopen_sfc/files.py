@@ -61,7 +61,7 @@ def refuse_empty(path: str | os.PathLike[str]) -> None:
 
 
 def read_bytes(path: str | os.PathLike[str]) -> bytes:
-    """All bytes of the file at `path`.
+    """Return all bytes of the file at `path`.
 
     Raises `FileAccessError` where the file is missing, a folder, not readable, or disappears meanwhile.
     """
@@ -179,7 +179,7 @@ def _stage(target: Path, data: bytes) -> Path:
 
 
 def _mode_of(target: Path) -> int | None:
-    """The permissions of the old file; None if there is none.
+    """Return the permissions of the old file; None if there is none.
 
     A file that may not be written is refused: the rename would overwrite it all the same.
     """

@@ -97,7 +97,7 @@ class ConversionReport:
         self.items.append(Item(outcome, what, path, why))
 
     def with_outcome(self, *outcomes: Outcome) -> list[Item]:
-        """The items with one of these outcomes."""
+        """Return the items with one of these outcomes."""
         return [item for item in self.items if item.outcome in outcomes]
 
     @property
@@ -128,7 +128,7 @@ class ConversionReport:
         ]
 
     def as_dict(self) -> dict[str, Any]:
-        """The report as plain data, for JSON."""
+        """Return the report as plain data, for JSON."""
         return {
             "source_format": self.source_format,
             "target_format": self.target_format,
@@ -201,7 +201,7 @@ class Converted(NamedTuple):
 
 
 def line_of(path: str, lines: Mapping[str, int]) -> int | None:
-    """The line of an object by its path, or of what is around it."""
+    """Return the line of an object by its path, or of what is around it."""
     return next((lines[each] for each in ObjectPath.of(path).outwards() if each in lines), None)
 
 

@@ -297,7 +297,7 @@ def counted_charts(system: ProgramSystem) -> list[tuple[str, ChartProgram | Grap
 
 
 def _of_kind(system: ProgramSystem, kind: str) -> Iterator[tuple[Key, bool]]:
-    """All of a kind, each with True if it was reached."""
+    """Yield all of a kind, each with True if it was reached."""
     if kind in _OF_TEXTS:
         yield from _OF_TEXTS[kind](system)
         return
@@ -594,7 +594,7 @@ def _plural(kind: str) -> str:
 
 
 def listed(names: Sequence[str]) -> str:
-    """Names, of many only the first ones."""
+    """Return names, of many only the first ones."""
     more = len(names) - _SHOWN
     return ", ".join(names[:_SHOWN]) + (f" and {more} more" if more > 0 else "")
 

@@ -239,7 +239,7 @@ class _Reading:
             self.exposed.add(path)
 
     def _canonical(self, path: Sequence[str]) -> str:
-        """The path of a variable by the names that layouts have for pins."""
+        """Return the path of a variable by the names that layouts have for pins."""
         layout: Layout | None = self.instance.frame.layout
         parts = []
         for name in path:

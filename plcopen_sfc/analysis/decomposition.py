@@ -139,7 +139,7 @@ class NamedEffects:
         return ProgramPart(self.names(reads(node)), written, always=not harmless)
 
     def names(self, paths: Iterable[Path]) -> Names:
-        """Names of variables in parts."""
+        """Return names of variables in parts."""
         found: set[str] = set()
         for path in paths:
             if path == ANYTHING:
@@ -375,7 +375,7 @@ class ChartParts:
                 yield (step.id, kind), around | self._body(action)
 
     def _association(self, association: ActionAssociation) -> ProgramPart:
-        """All associations with an action read what the others do: they share a control."""
+        """Return an association. All with one action read what the others do: they share a control."""
         if association.event is not None or association.interlock or association.kind is not None:
             raise NotDivisibleError("an action is one of S7-GRAPH or GRAFCET")
         if association.qualifier.needs_duration and not association.duration:
@@ -558,7 +558,7 @@ def divide(left: ProgramSystem, right: ProgramSystem, pairs: Sequence[Pair]) -> 
 
 
 def _names_of(path: str) -> set[str]:
-    """All that may be a name in a path, which may be quoted: ``Q``, ``"my block".x``."""
+    """Return all that may be a name in a path, which may be quoted: ``Q``, ``"my block".x``."""
     key = path.casefold()
     return {key, *re.findall(r"\w+", key), *(part.strip('"#') for part in key.split("."))}
 

@@ -80,7 +80,7 @@ class Domain:
         return tuple(Probe(value, self) for value in self._numbers())
 
     def _numbers(self) -> list[int | float]:
-        """One number for each constant, and one below, between and above them where the type has any; or two."""
+        """Return one number for each constant, and one below, between and above them where the type has any; or two."""
         cuts = sorted(self._cuts)
         if not cuts:
             some = (0, self.signal.unit) if self._is_doubled else (0,)

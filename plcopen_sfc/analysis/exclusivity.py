@@ -61,7 +61,10 @@ def condition_of(
     *,
     transitions: Iterable[NamedTransition] = (),
 ) -> NetworkExpression:
-    """The condition of a transition, however it is given. `transitions` are those of the POU (`Pou.transitions`)."""
+    """Return the condition of a transition, however it is given.
+
+    `transitions` are those of the POU (`Pou.transitions`).
+    """
     return condition_expression(chart, transition, dialect, transitions=transitions)
 
 

@@ -289,7 +289,7 @@ class Formula:
     def model(
         self, terms: list[Any], known: Mapping[str, bool | int | float | str | date | None]
     ) -> dict[str, Any] | None:
-        """Values of variables with which all terms are true, or None.
+        """Return values of variables with which all terms are true, or None.
 
         `known` are values that variables have; names of enumerations are texts. Values unknown to the formula may be
         anything, so the returned values are only a guess that has to be tried.

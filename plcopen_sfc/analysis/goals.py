@@ -498,7 +498,7 @@ class Goals:
     def solve(
         self, wanted: Sequence[Goal], unwanted: Sequence[Goal], *, hoping: bool = False, remembering: bool = True
     ) -> dict[str, Value] | None:
-        """Values of inputs with which some conditions are TRUE and others FALSE now; None where there are none.
+        """Return values of inputs with which some conditions are TRUE and others FALSE now; None where there are none.
 
         All but inputs have their present values, or, `hoping`, any. Not `remembering`, what permanent statements keep
         from scan to scan has any value. Only as good as what z3 knows of the conditions.
@@ -657,5 +657,5 @@ def _accepted(signal: Signal, value: Any) -> Value | None:
 
 
 def total(distances: Iterable[float]) -> float:
-    """One measure of several distances."""
+    """Return one measure of several distances."""
     return sum(min(each, _FAR) for each in distances)

@@ -61,7 +61,7 @@ class ExploredMarkings:
     came_from: dict[int, dict[int, int]] | None = None
 
     def before(self, markings: set[int]) -> set[int]:
-        """All markings from which one of these can be reached, themselves included."""
+        """Return all markings from which one of these can be reached, themselves included."""
         found = set(markings)
         frontier = found
         while frontier:

@@ -211,7 +211,7 @@ def _input_keys(left: ProgramSystem, right: ProgramSystem) -> tuple[dict[str, st
 def output_pairs(
     left: ProgramSystem, right: ProgramSystem, names: Mapping[str, str], *, delayed: bool
 ) -> list[tuple[str, Signal, str]]:
-    """All single values that both have and that are no inputs: name and signal on the left, name on the right.
+    """Return all single values that both have and that are no inputs: name and signal on the left, name on the right.
 
     VAR_IN_OUT are both, where one of the two writes them.
     `names`: of variables of the right those in the left, where they differ.

@@ -23,7 +23,7 @@ def stimuli(
     runs: int,
     scans: int,
 ) -> Iterator[list[dict[str, Value]]]:
-    """The inputs of `runs` runs: for each scan a value of every input.
+    """Yield the inputs of `runs` runs: for each scan a value of every input.
 
     All TRUE, all FALSE, alternating, one-scan pulses of one input after the other, random values that are held for
     different times, single pulses in otherwise random inputs (such as an Init that comes in any step), and durations
@@ -51,7 +51,7 @@ def stimuli(
 def patterns(
     signals: Mapping[str, Signal], values: Mapping[str, Sequence[Value]], scans: int
 ) -> Iterator[list[dict[str, Value]]]:
-    """All TRUE, all FALSE, alternating, one-scan pulses of one input after the other."""
+    """Yield runs with inputs all TRUE, all FALSE, alternating, one-scan pulses of one input after the other."""
     count = len(signals) or 1
     patterns: tuple[Callable[[int, int], int], ...] = (
         lambda _scan, _place: -1,

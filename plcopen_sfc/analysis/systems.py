@@ -567,7 +567,7 @@ class ProgramSystem:
         self._observes_calls = True
 
     def _calls(self) -> str:
-        """The calls of the present scan: those of an instance in their order, whatever was called in between."""
+        """Return the calls of the present scan: those of an instance in their order, whatever was called in between."""
         return "; ".join(f"{name}({given})" for name, given in sorted(self.unknown_calls.log, key=itemgetter(0)))
 
     def snapshot(self) -> Any:

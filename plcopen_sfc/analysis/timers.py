@@ -107,7 +107,7 @@ def step_times(subject: Subject, scan_time: int) -> StepTimes:
 def _steps_read(
     charts: Sequence[SfcNetwork], reads: Iterable[str], dialect: Dialect
 ) -> tuple[frozenset[str], frozenset[str]]:
-    """The names of steps whose time is read when they are not active, and of those whose time is read."""
+    """Return the names of steps whose time is read when they are not active, and of those whose time is read."""
     read = Counter(reads)
     own: Counter[str] = Counter()
     if any(_has_wired_times(chart) for chart in charts):
@@ -150,7 +150,7 @@ class _TimeRead:
 
 
 def _reads_of_times(text: BoundText) -> Iterator[_TimeRead]:
-    """The reads of times in a text, each as often as it is there; all its names where it cannot be read."""
+    """Yield the reads of times in a text, each as often as it is there; all its names where it cannot be read."""
     if text.text_site.reading is SiteKind.FOREIGN:
         return
     for tree in _trees(text):

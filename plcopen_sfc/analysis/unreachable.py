@@ -237,7 +237,7 @@ class Unreachable:
         return {name for owner in owners if owner is not None for name in names_in(owner, dialect)}
 
     def _changing_names(self, owner: Model) -> set[str]:
-        """The names in a text, without variables that it only gives their first value."""
+        """Return the names in a text, without variables that it only gives their first value."""
         found: set[str] = set()
         for text in texts_in(owner, self._system.subject.project.dialect):
             kept = {self._kept(node) for tree in text.trees for node in walk(tree)}
@@ -338,7 +338,7 @@ def _entered(net: Net, never: set[int]) -> set[int]:
 
 
 def _variables(tree: Expression) -> Iterator[str]:
-    """The names and paths in a condition."""
+    """Yield the names and paths in a condition."""
     for node in walk(tree):
         if isinstance(node, n.Name | n.Member):
             yield print_node(node)

@@ -72,7 +72,7 @@ def exit_code_for(screen: Screen, findings: Sequence[Diagnostic]) -> int:
 
 
 def finding_data(finding: Diagnostic) -> dict[str, Any]:
-    """A finding as plain data, for JSON."""
+    """Return a finding as plain data, for JSON."""
     data = {
         "code": finding.code,
         "severity": finding.severity.value,
@@ -83,7 +83,7 @@ def finding_data(finding: Diagnostic) -> dict[str, Any]:
 
 
 def error_data(error: SfcError) -> dict[str, Any]:
-    """An error as plain data, for JSON."""
+    """Return an error as plain data, for JSON."""
     data = {"type": type(error).__name__, "message": error.message, **_place(error.location)}
     return data | ({"hint": error.hint} if error.hint else {})
 

@@ -119,7 +119,7 @@ def _places(group: ItemGroup) -> list[str]:
 
 
 def _details(names: list[str], lines: list[int]) -> str:
-    """Names in the items of one place, and the lines of its text that they are about."""
+    """Return names in the items of one place, and the lines of its text that they are about."""
     numbers = [*dict.fromkeys(map(str, lines))]
     told = [*dict.fromkeys(names)]
     told += [f"line{'s' if numbers[1:] else ''} {', '.join(numbers)}"] if numbers else []
@@ -132,14 +132,14 @@ def _listed(places: Sequence[str]) -> str:
 
 
 def _owner(item: Item) -> str:
-    """The chart or the object that an item belongs to: its path up to a step or a transition."""
+    """Return the chart or the object that an item belongs to: its path up to a step or a transition."""
     found = (each for each in ObjectPath.of(item.path).outwards() if each.last.startswith(("step ", "transition ")))
     inside = [*found]
     return inside[-1].around if inside else item.path
 
 
 def _inside(item: Item) -> str:
-    """The step or transition that an item belongs to; empty: it concerns the whole object."""
+    """Return the step or transition that an item belongs to; empty: it concerns the whole object."""
     return ObjectPath.of(item.path).inside(_owner(item)).owner
 
 

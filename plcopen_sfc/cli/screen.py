@@ -104,7 +104,7 @@ class Table:
     total: bool = False
 
     def plain(self) -> list[str]:
-        """The lines of the table as text: columns two blanks apart, nothing cut off."""
+        """Return the lines of the table as text: columns two blanks apart, nothing cut off."""
         texts = [[str(cell) for cell in row] for row in (self.headers, *self.rows)]
         widths = [max(len(row[column]) for row in texts) for column in range(len(self.headers))]
         right = self._numbers()
@@ -117,7 +117,7 @@ class Table:
         ]
 
     def rich(self, width: int) -> RichTable:
-        """The table for a terminal `width` characters wide, without the columns that hold nothing but zeros."""
+        """Return the table for a terminal `width` characters wide, without the columns that hold nothing but zeros."""
         from rich import box  # noqa: PLC0415  # only where somebody looks
         from rich.table import Table as RichTable  # noqa: PLC0415
         from rich.text import Text  # noqa: PLC0415
@@ -272,7 +272,7 @@ class Screen:
 
     @contextmanager
     def searching(self) -> Iterator[Callable[[SearchProgress], None] | None]:
-        """A bar that shows how far comparisons are, on a terminal; else None."""
+        """Yield a bar that shows how far comparisons are, on a terminal; else None."""
         if self.quiet or not is_terminal(sys.stderr):
             yield None
             return

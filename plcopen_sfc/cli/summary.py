@@ -64,7 +64,7 @@ _MARGIN = "  "
 
 
 def outline(chart: SfcNetwork, *, unicode: bool = False, dialect: Dialect = Dialect.IEC) -> list[Line]:
-    """The lines of the outline of `chart`; with `unicode` in line-drawing characters, else in ASCII.
+    """Return the lines of the outline of `chart`; with `unicode` in line-drawing characters, else in ASCII.
 
     `dialect` is that of the names in its networks.
     """
@@ -178,7 +178,7 @@ class _Outline:
                 self._arrow(target, lead)
 
     def _going_on(self, indent: str, path: _Path) -> int | None:
-        """The step or the transition at which branches that were printed meet, to go on with."""
+        """Return the step or the transition at which branches that were printed meet, to go on with."""
         for transition in self.chart.transitions:
             sources = set(transition.sources)
             if len(sources) < 2 or transition.id in self.told_transitions or not sources <= self.told.keys():
@@ -315,7 +315,7 @@ class _Flow:
 
 
 def _common(paths: Iterable[_Path]) -> _Path:
-    """The innermost place that all `paths` lie in."""
+    """Return the innermost place that all `paths` lie in."""
     shared: _Path | None = None
     for path in paths:
         if shared is None:
@@ -390,7 +390,7 @@ class FileSummary:
         return own | {"charts": [chart.as_dict() for chart in self.charts], "totals": self.totals()}
 
     def totals(self) -> dict[str, int]:
-        """The sums over all charts."""
+        """Return the sums over all charts."""
         no_counts = {"name", "pou_kind", "initial_steps", "graph_version"}
         numbers = {each.name: [getattr(chart, each.name) for chart in self.charts] for each in fields(ChartSummary)}
         graph = ("sequences", "interlocks", "supervisions")
@@ -436,7 +436,7 @@ def summarise(file: str, project: Project) -> FileSummary:
 
 
 def _blocks(project: Project) -> list[str]:
-    """The blocks that have a number, by kind and number."""
+    """Return the blocks that have a number, by kind and number."""
     blocks = [(_LETTERS.get(pou.kind, "FB"), pou.number, pou.name) for pou in project.pous]
     blocks += [("DB", block.number, block.name) for block in project.data_blocks]
     numbered = [(letters, number, name) for letters, number, name in blocks if number is not None]
@@ -449,7 +449,7 @@ _LETTERS = {PouKind.ORGANIZATION_BLOCK: "OB", PouKind.FUNCTION_BLOCK: "FB", PouK
 
 
 def _cultures(contents: list[bytes]) -> list[str]:
-    """The languages of the texts in documents of TIA Portal, the most frequent first."""
+    """Return the languages of the texts in documents of TIA Portal, the most frequent first."""
     found: Counter[str] = Counter()
     for content in contents:
         found.update(name.decode("ascii") for name in _CULTURE.findall(content))
@@ -460,7 +460,7 @@ _CULTURE = re.compile(rb"(?:<Culture>|\bLang=[\"'])([A-Za-z]+-[A-Za-z-]+)")
 
 
 def all_charts(project: Project) -> Iterator[tuple[str, str, SfcNetwork]]:
-    """Every chart, those inside of macro-steps and actions too: its name, the kind of its POU, the chart."""
+    """Yield every chart, those inside of macro-steps and actions too: its name, the kind of its POU, the chart."""
     for chart in project.charts():
         yield from _with_inner(chart.name, chart.pou.kind.value, chart.chart)
 

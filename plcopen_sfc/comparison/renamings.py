@@ -64,7 +64,7 @@ def renamed_transitions(left: Part, right: Part) -> Iterator[Renaming]:
 
 
 def renamed_members(projects: tuple[Project, Project], left: Part, right: Part) -> Iterator[Renaming]:
-    """Variables, members of types, actions and named transitions by their types, programs and uses."""
+    """Yield variables, members of types, actions and named transitions by their types, programs and uses."""
     uses: list[dict[int, Counter[str]]] = []
 
     def likeness(one: Part, other: Part) -> float:

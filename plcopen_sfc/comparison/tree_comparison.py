@@ -311,7 +311,7 @@ def _name_of(part: Part, key: Key) -> str:
 
 
 def _ends_of(chart: Part, transition: Key) -> tuple[str, str]:
-    """The names of the steps that a transition leaves and of those it leads to, as their file spells them."""
+    """Return the names of the steps that a transition leaves and of those it leads to, as their file spells them."""
     before, after = (
         "+".join(_name_of(steps[0], Key("step", name)) if (steps := chart.steps_named(name)) else name for name in side)
         for side in ends(transition)

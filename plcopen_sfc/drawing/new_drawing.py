@@ -145,7 +145,7 @@ def _input_pin(source: int, pin: str | None = None) -> InputPin:
 
 
 def consumers_of(symbols: Iterable[Symbol]) -> dict[int, int]:
-    """Number of inputs that are wired to each symbol."""
+    """Return the number of inputs that are wired to each symbol."""
     counts: dict[int, int] = {}
     for symbol in symbols:
         for pin in symbol.inputs:

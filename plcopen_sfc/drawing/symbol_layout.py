@@ -444,7 +444,7 @@ class _Layout:
         return _Box(left + 10, right + 10, row, 0)
 
     def columns(self, numbers: list[int]) -> list[list[int]]:
-        """Elements of logic in columns, the nearest to the transition first."""
+        """Return elements of logic in columns, the nearest to the transition first."""
         if not numbers:
             return []
         inside = set(numbers)

@@ -68,7 +68,7 @@ class Wording:
         return self.told("nowhere -> {}", end) if start == "nowhere" else label
 
     def condition(self, condition: Condition | None) -> str:
-        """A condition; empty where there is none."""
+        """Return a condition; empty where there is none."""
         if condition is None:
             return ""
         if isinstance(condition, Expression):
@@ -84,7 +84,7 @@ class Wording:
         return _negated(pin.expression or self.told("(logic)" if pin.connections else "(not wired)"), condition.negated)
 
     def _drawn(self, condition: BodyCondition | WiredCondition) -> str:
-        """A condition in FBD or LD as an expression; empty where there is none."""
+        """Return a condition in FBD or LD as an expression; empty where there is none."""
         if isinstance(condition, BodyCondition) and not isinstance(condition.body, FbdBody | LdBody):
             return ""
         read = self._read(condition)

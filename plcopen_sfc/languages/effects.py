@@ -179,7 +179,10 @@ def is_standard_call(call: n.Call) -> bool:
 
 
 def writes(tree: Expression | Statement, standard_instances: Set[Path]) -> frozenset[Path]:
-    """The variables that a statement or expression writes. `standard_instances`: those of standard function blocks."""
+    """Return the variables that a statement or expression writes.
+
+    `standard_instances`: those of standard function blocks.
+    """
     found: set[Path] = set()
     for node in walk(tree):
         target = _target(node)

@@ -74,7 +74,7 @@ def by_retention(section: VariableSection) -> Iterator[VariableSection]:
 
 
 def names_in_s7(project: Project) -> dict[str, tuple[str, ...]]:
-    """The names by which S7 knows variables of lists, by those that texts of other tools have, in lower case.
+    """Return the names by which S7 knows variables of lists, by those that texts of other tools have, in lower case.
 
     A variable of a data block that a text names alone, ``x``, is named with its block. A tag, ``GVL.x`` or ``x``, is
     named alone. Names of several lists and of other objects are left out: texts name these with their list.
@@ -195,7 +195,7 @@ def _tag(variable: Variable, types: S7Types, addresses: Dialect) -> Tag | None:
 
 
 def _names_in_tables(project: Project) -> set[str]:
-    """The names, in lower case, of the tags and constants of the project, and of those that others become."""
+    """Return the names, in lower case, of the tags and constants of the project, and of those that others become."""
     found: set[str] = set()
     types = s7_types(project)
     for table in project.tag_tables:
@@ -331,7 +331,7 @@ UNCALLED = "no step has it and no program calls it: nothing executes it in the s
 
 
 def _lists(project: Project) -> Iterator[tuple[str, VariableSection]]:
-    """All lists of global variables, each with the name that texts name its variables with."""
+    """Yield all lists of global variables, each with the name that texts name its variables with."""
     for section in (*project.global_variables, *(s for a in project.applications for s in a.global_variables)):
         yield section.name or "", section
     sections = [s for c in project.configurations for s in c.global_variables]

@@ -113,7 +113,7 @@ class S7Types:
         return self._values.get(text.strip().strip('"').casefold(), text) if self._values else text
 
     def bounds(self, type_: DataType) -> Dimension | None:
-        """The bounds of a subrange or of elements in one, which S7 does not have; None for other types."""
+        """Return the bounds of a subrange or of elements in one, which S7 does not have; None for other types."""
         for _ in range(_DEEPEST):
             declared = self._declared.get(type_.name.casefold()) if isinstance(type_, DerivedType) else None
             inner = type_.base if isinstance(type_, ArrayType) else declared.type if declared is not None else None

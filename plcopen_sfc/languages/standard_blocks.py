@@ -137,7 +137,7 @@ def operator_block(operator: Operator) -> StandardBlock | None:
 
 
 def standard_blocks() -> Iterator[StandardBlock]:
-    """All standard blocks, but for conversions."""
+    """Yield all standard blocks, but for conversions."""
     return iter(_BY_NAME.values())
 
 

@@ -125,7 +125,10 @@ def _place(indices: tuple[int, ...], ranges: list[range]) -> int:
 
 
 def apart(value: Value, type_: DataType | None, types: Types) -> Iterator[tuple[Path, str]]:
-    """The single elements that a value gives start values to. Raises `ValuePathError` where there is no way to them."""
+    """Yield the single elements that a value gives start values to.
+
+    Raises `ValuePathError` where there is no way to them.
+    """
     if isinstance(value, SimpleValue):
         if (value.text or "").strip():
             yield (), value.text or ""

@@ -78,7 +78,7 @@ def embedded_code(project: Project) -> Iterator[str]:
 def syntax_problems(
     project: Project, *, grafcet: bool = False, file: str | None = None, finder: TextFinder | None = None
 ) -> list[Diagnostic]:
-    """Every syntax error, with its line and column in its text and, with a `finder`, in the file as well.
+    """Return every syntax error, with its line and column in its text and, with a `finder`, in the file as well.
 
     `grafcet`: the conditions are those of GRAFCETs, with edges and times (IEC 60848:2013, 4.6).
     """
@@ -118,7 +118,7 @@ def _is_any_size(text_site: TextSite) -> bool:
 
 
 def _statements(text: str, dialect: Dialect) -> Parsed[Any]:
-    """Statements, or the condition that the body of a transition may be."""
+    """Return statements, or the condition that the body of a transition may be."""
     parsed = parse_statements(text, dialect)
     if not parsed.problems:
         return parsed

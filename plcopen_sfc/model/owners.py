@@ -104,7 +104,7 @@ class OwnedName(Owned):
     """An object with a name that program text can use."""
 
     def uses(self) -> list[Use]:
-        """Every place of the project that names it, but for its declaration; see `Project.uses`."""
+        """Return every place of the project that names it, but for its declaration; see `Project.uses`."""
         project = self.project
         return project.uses(self) if project is not None else []
 

@@ -174,7 +174,7 @@ class Pou(ProjectObject):
         return next((a for a in self.actions if a.name.casefold() == wanted), None)
 
     def named_bodies(self) -> Iterator[NamedBody]:
-        """Every body of the POU with the name of what it belongs to: ``Main``, ``Main.Fill`` (of an action)."""
+        """Yield every body of the POU with the name of what it belongs to: ``Main``, ``Main.Fill`` (of an action)."""
         for body in self.bodies:
             yield NamedBody(self.name, self, body)
         parts: list[Action | NamedTransition | Method] = [*self.actions, *self.transitions, *self.methods]

@@ -394,7 +394,7 @@ class Project(Owned, Element):
         return found
 
     def steps(self, where: Callable[[Step], bool] | None = None, **conditions: Any) -> list[Step]:
-        """The steps of all charts, those in macro-steps too, that satisfy the conditions; see `SfcNetwork.find`."""
+        """Return the steps of all charts, those in macro-steps too, that satisfy conditions; see `SfcNetwork.find`."""
         found: list[Step] = provided("find_steps")(self, where, **conditions)
         return found
 
@@ -406,7 +406,7 @@ class Project(Owned, Element):
         return found
 
     def uses(self, what: Declaration | Model | str) -> list[Use]:
-        """Every place that names a thing: a path (``Main.S3``), an object of the model, or what `find` gave.
+        """Return every place that names a thing: a path (``Main.S3``), an object of the model, or what `find` gave.
 
         The place of its declaration is not among them. Raises `ModelError` where the project declares no such thing.
         """
@@ -414,7 +414,7 @@ class Project(Owned, Element):
         return found
 
     def cross_references(self, kind: str | None = "variable") -> list[dict[str, Any]]:
-        """The cross references as a table: a dictionary for each use of each variable, or of each object of `kind`.
+        """Return the cross references as a table: a dictionary for each use of a variable, or of an object of `kind`.
 
         None: of everything. Keys: `name`, `kind`, `place`, `language`, `line`, `column`, `text`.
         """
@@ -441,13 +441,13 @@ class Project(Owned, Element):
             yield from getattr(self, name)
 
     def resources(self) -> Iterator[Resource]:
-        """Every resource: those without a configuration, then those of each configuration."""
+        """Yield every resource: those without a configuration, then those of each configuration."""
         yield from self.applications
         for configuration in self.configurations:
             yield from configuration.resources
 
     def global_sections(self) -> Iterator[VariableSection]:
-        """Every list of global variables: of the project, its resources and its configurations."""
+        """Yield every list of global variables: of the project, its resources and its configurations."""
         yield from self.global_variables
         for application in self.applications:
             yield from application.global_variables
@@ -457,12 +457,12 @@ class Project(Owned, Element):
                 yield from resource.global_variables
 
     def bodies(self) -> Iterator[NamedBody]:
-        """Every body in the project with its name (``Main.Fill``) and POU."""
+        """Yield every body in the project with its name (``Main.Fill``) and POU."""
         for pou in self.pous:
             yield from pou.named_bodies()
 
     def charts(self) -> Iterator[Chart]:
-        """Every chart of the project: of POUs, actions, transitions and methods."""
+        """Yield every chart of the project: of POUs, actions, transitions and methods."""
         for name, pou, body in self.bodies():
             if isinstance(body, SfcBody):
                 yield Chart(name, pou, body.chart)

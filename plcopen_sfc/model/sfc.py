@@ -325,7 +325,10 @@ class SfcNetwork(LateElement):
         raise _not_found("step", key, [step.name for step in self.steps])
 
     def transition(self, key: str | int) -> Transition:
-        """The transition with this name, label (``Wait -> Fill``) or id; case does not matter. Raises `ModelError`."""
+        """Return the transition with this name, label (``Wait -> Fill``) or id; case does not matter.
+
+        Raises `ModelError`.
+        """
         check_argument(key, (str, int), "the name, the label or the id of a transition is needed")
         folded = key.casefold() if isinstance(key, str) else None
         for transition in self.transitions:
@@ -387,7 +390,7 @@ class SfcNetwork(LateElement):
     def find_transitions(
         self, where: Callable[[Transition], bool] | None = None, **conditions: Any
     ) -> list[Transition]:
-        """The transitions that satisfy all conditions: ``chart.find_transitions(reads="*Guard*", leaving="Fill")``.
+        """Return the transitions that satisfy all conditions: ``find_transitions(reads="*Guard*", leaving="Fill")``.
 
         `reads`, `calls`: patterns for what the condition reads and calls, also that of a named transition, as for
         `find`. `condition`: a pattern for its text. `leaving`, `entering`: patterns for the name of a step before or
@@ -398,7 +401,7 @@ class SfcNetwork(LateElement):
         return found
 
     def to_records(self) -> list[dict[str, Any]]:
-        """The chart as a table: a dictionary for each step, with the same keys in all; ``pandas.DataFrame`` takes it.
+        """Return the chart as a table: a dictionary with the same keys for each step; ``pandas.DataFrame`` takes it.
 
         `actions` are as `add_step` takes them, `next` are conditions and where they lead.
         """
@@ -409,7 +412,7 @@ class SfcNetwork(LateElement):
         return [step for step in self.steps if step.id in ids]
 
     def associations(self) -> Iterator[tuple[Step, ActionAssociation]]:
-        """Every action association with its step."""
+        """Yield every action association with its step."""
         for step in self.steps:
             for association in step.actions:
                 yield step, association
@@ -592,7 +595,7 @@ for _model in (BodyCondition, ActionAssociation, Macro, Step, PermanentOperation
 
 
 def step_codes(step: Step, lines: Iterable[str | tuple[str, str | None]]) -> Iterator[tuple[str, str]]:
-    """Statements of the actions of a step by the names of these, from the `lines` that `add_step` got for it."""
+    """Yield statements of the actions of a step by the names of these, from the `lines` that `add_step` got for it."""
     for association, line in zip(step.actions, lines, strict=True):
         if isinstance(line, tuple) and line[1] is not None and association.target:
             yield association.target, line[1]

@@ -56,7 +56,7 @@ class Interface(Element):
     declaration: str | None = None
 
     def variables(self, kind: SectionKind | None = None) -> list[Variable]:
-        """All variables, or those of one kind of section, in the order of their declaration."""
+        """Return all variables, or those of one kind of section, in the order of their declaration."""
         return [v for s in self.sections if kind is None or s.kind is kind for v in s.variables]
 
 

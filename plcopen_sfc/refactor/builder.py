@@ -265,7 +265,7 @@ def declare_named(
 def _wanted(
     steps: Iterable[Step], transitions: Iterable[Transition], names: Names
 ) -> Iterator[tuple[str, str, SectionKind]]:
-    """Names with the types that their places give them, and the sections that they are declared in."""
+    """Yield names with the types that their places give them, and the sections that they are declared in."""
     associations = [association for each in steps for association in each.actions]
     for association in associations:
         if association.value is None:
@@ -282,7 +282,7 @@ _JOINING = n.CONNECTIVES | {n.Operator.NOT}
 
 
 def _operands(text: str | None, names: Names) -> Iterator[str]:
-    """The plain names that a text consists of, or joins by AND, OR, XOR and NOT."""
+    """Yield the plain names that a text consists of, or joins by AND, OR, XOR and NOT."""
     waiting: list[n.Node] = [parse_condition(text, names.dialect).tree] if text else []
     while waiting:
         node = waiting.pop()

@@ -357,7 +357,10 @@ def _topological(start: int, after: dict[int, list[int]], steps: dict[int, Step]
 
 
 def renumber(journal: Journal, chart: SfcNetwork, start: int, increment: int) -> dict[str, int]:
-    """Number the steps along the flow, and the transitions with them. Gives the numbers by the names of the steps."""
+    """Number the steps along the flow, and the transitions with them.
+
+    Gives the numbers by the names of the steps.
+    """
     numbers = {step.name: start + place * increment for place, step in enumerate(along_the_flow(chart))}
     for step in chart.steps:
         journal.put(step, "number", numbers[step.name])

@@ -443,7 +443,7 @@ _ARGUMENTS = (SectionKind.INPUT, SectionKind.IN_OUT)
 
 
 def _names_of_results(project: Project, source: Dialect, target: Dialect) -> Renames:
-    """The new names of functions that cannot keep theirs: their results have the same."""
+    """Return the new names of functions that cannot keep theirs: their results have the same."""
     renames = Renames()
     if source is not Dialect.SCL:
         return renames
@@ -609,7 +609,7 @@ def _drawn(project: Project, dialect: Dialect) -> Iterator[tuple[str, Pou, State
 
 
 def _listed(project: Project, dialect: Dialect) -> Iterator[tuple[str, Pou, Statements]]:
-    """The instruction lists that can be told in statements, as `_drawn`."""
+    """Yield the instruction lists that can be told in statements, as `_drawn`."""
     for name, pou, body in project.bodies():
         tree = instruction_statements(body.text, dialect) if isinstance(body, IlBody) else None
         if tree is not None:
@@ -633,7 +633,7 @@ def _elementary(type_: Type) -> str:
 
 
 def _parts_of(pou: Pou | None) -> list[str]:
-    """The names of the actions and methods of a POU."""
+    """Return the names of the actions and methods of a POU."""
     if pou is None:
         return []
     return [*(action.name for action in pou.actions), *(method.name for method in pou.methods)]

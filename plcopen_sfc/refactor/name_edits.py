@@ -333,7 +333,7 @@ def _project(chart: SfcNetwork) -> Project:
 
 
 def undeclared(names: Names, words: Iterable[str]) -> list[Use]:
-    """The places of some names that mean nothing that the project declares, and where that is certain."""
+    """Return the places of some names that mean nothing that the project declares, and where that is certain."""
     found = (each for each in names.occurrences(*words) if each.reference.role is not Role.OBJECT)
     return [each.use for each in found if each.meaning.declaration is None and not each.meaning.doubt]
 

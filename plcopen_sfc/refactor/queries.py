@@ -72,7 +72,7 @@ def find_transitions(
     entering: str | None = None,
     **fields: Any,
 ) -> list[Transition]:
-    """The transitions of a chart, or of all charts of a project; `SfcNetwork.find_transitions` has the conditions."""
+    """Return the transitions of a chart or of all charts; `SfcNetwork.find_transitions` has the conditions."""
     _check_fields(fields, Transition, "transitions", find_transitions)
     _check_patterns(reads, calls)
     found: list[Transition] = []
@@ -102,7 +102,7 @@ def find_transitions(
 
 
 def charts_of(project: Project) -> Iterator[SfcNetwork]:
-    """Every chart of a project, those of macro-steps and partial charts too."""
+    """Yield every chart of a project, those of macro-steps and partial charts too."""
     for _, _, body in project.bodies():
         yield from charts_inside(body)
 

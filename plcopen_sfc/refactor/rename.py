@@ -57,7 +57,7 @@ def visible_clashes(
 def changed_meanings(
     wanted: Wanted, before: Sequence[Occurrence], after: Sequence[Occurrence]
 ) -> Iterator[tuple[Declaration, str]]:
-    """The names that mean something else after the rename, each with the renamed thing that is to blame.
+    """Yield the names that mean something else after the rename, each with the renamed thing that is to blame.
 
     `before` and `after` are the same places of a project. Those that could not be decided before may be so now, but
     for a renamed thing.
@@ -317,7 +317,7 @@ def _check_name(names: Names, declaration: Declaration, new: str) -> None:
 
 
 def _flags(*names: str) -> Iterator[str]:
-    """The names that charts of CODESYS and TwinCAT know their flags by: with another they are flags no more."""
+    """Yield the names that charts of CODESYS and TwinCAT know their flags by: with another they are flags no more."""
     flags = {flag.variable.casefold() for flag in SfcFlag}
     yield from (f"charts know {name} as their flag" for name in names if name.casefold() in flags)
 
@@ -403,7 +403,7 @@ def edit_markup(markup: str, text: str, edits: Iterable[Edit]) -> str | None:
 
 
 def edit_tokens(markup: str, names: Set[str], new: list[str | None]) -> str | None:
-    """The ``StructuredText`` of TIA Portal with other names at some of the places that have one of `names`.
+    """Return the ``StructuredText`` of TIA Portal with other names at some of the places that have one of `names`.
 
     `names` are in lower case. `new` has an item for each place of the text that has one of them, in their order: None
     where it stays. Gives None if the tokens do not have as many.

@@ -72,7 +72,7 @@ def manner_of(association: ActionAssociation) -> Manner:
 
 
 def operand(text: str, chart: CheckedChart) -> Path:
-    """The names that lead to a variable; empty for what is no variable."""
+    """Return the names that lead to a variable; empty for what is no variable."""
     parsed = parse_condition(text, chart.dialect)
     return path_of(parsed.tree) if not parsed.problems else ()
 

@@ -623,7 +623,7 @@ def is_plain(tree: n.Node) -> bool:
 
 
 def charts_of(around: CheckedProject, pou: Pou, profile: Profile) -> Iterator[CheckedChart]:
-    """Every chart of a POU: its body, those of its actions, and charts inside of steps."""
+    """Yield every chart of a POU: its body, those of its actions, and charts inside of steps."""
     path = f"POU {pou.name}"
     parts: list[tuple[str, Element, Body | None]] = [
         *((f"{path} / action {a.name}", a, a.body) for a in pou.actions),

@@ -61,7 +61,7 @@ def _place(chart: CheckedChart, found: _InText) -> FindingPlace:
 
 
 def _own(chart: CheckedChart, found: Iterable[_T]) -> Iterator[_T]:
-    """Findings in a chart; in the first chart of a POU also those in code of the POU that is in no chart."""
+    """Yield findings in a chart; in the first chart of a POU also those in code of the POU that is in no chart."""
     if chart.pou is None or not chart.pou.name:
         return
     charts = {id(sheet.chart) for sheet in chart.sheets}

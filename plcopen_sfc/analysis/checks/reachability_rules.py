@@ -194,7 +194,7 @@ _LONGEST_WAY = 6
 
 
 def words(names: tuple[str, ...]) -> str:
-    """Names for people: ``A``, ``A and B``, ``A, B and C``."""
+    """Return names for people: ``A``, ``A and B``, ``A, B and C``."""
     return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:]))) or "no step"
 
 

@@ -27,7 +27,7 @@ from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Enu
 
 
 def _selections(chart: CheckedChart) -> Iterator[tuple[CheckedSheet, Step, list[Transition]]]:
-    """Each step with several transitions that leave it, in the order in which they are tried."""
+    """Yield each step with several transitions that leave it, in the order in which they are tried."""
     for sheet in chart.sheets:
         for step in sheet.steps:
             leaving = sheet.leaving.get(step.id, [])
@@ -324,7 +324,7 @@ def _text(chart: CheckedChart, sheet: CheckedSheet, transition: Transition) -> s
 
 
 def _nodes(found: NetworkExpression) -> Iterator[n.Node]:
-    """Every node of a condition and of what is executed before it."""
+    """Yield every node of a condition and of what is executed before it."""
     for statement in found.before:
         yield from walk(statement)
     if found.tree is not None:

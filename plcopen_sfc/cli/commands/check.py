@@ -51,7 +51,7 @@ class Configurations:
         self._of_folder: dict[Path, CheckSettings] = {}
 
     def of(self, file: str) -> CheckSettings:
-        """The configuration for a file or folder. Raises `ConfigurationError`."""
+        """Return the configuration for a file or folder. Raises `ConfigurationError`."""
         path = Path(file).absolute()
         return self._of(path if folder_exists(path) else path.parent)
 
@@ -66,7 +66,7 @@ class Configurations:
 
 
 def _read(path: Path) -> CheckSettings | None:
-    """The table in this file; None where there is no file or no table."""
+    """Return the table in this file; None where there is no file or no table."""
     if not file_exists(path):
         return None
     try:
@@ -119,7 +119,7 @@ _LEVELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: 
 
 
 def sarif(findings: Sequence[Diagnostic], errors: Iterable[SfcError] = ()) -> dict[str, Any]:
-    """One run of `check` as a SARIF log. `errors` are those of files that could not be read."""
+    """Return one run of `check` as a SARIF log. `errors` are those of files that could not be read."""
     places = {rule.code: index for index, rule in enumerate(all_rules())}
     notifications = [_notification(error) for error in errors]
     invocation: dict[str, Any] = {"executionSuccessful": not notifications}
@@ -216,7 +216,7 @@ def _locations(location: Location) -> list[dict[str, Any]]:
 
 
 def _uri(file: str) -> str:
-    """A relative path as a relative reference, an absolute one as a file URI (RFC 3986)."""
+    """Return a relative path as a relative reference, an absolute one as a file URI (RFC 3986)."""
     path = PurePath(file)
     if path.is_absolute():
         return path.as_uri()

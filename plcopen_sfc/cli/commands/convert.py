@@ -172,7 +172,7 @@ def _show_written(screen: Screen, target: str, report: ConversionReport) -> None
 
 
 def _beside(source: Path, format_name: str, kind: Format) -> str:
-    """A name next to `source` that is not its own, even where upper and lower case are the same."""
+    """Return a name next to `source` that is not its own, even where upper and lower case are the same."""
     extension = kind.extensions[0]
     if folder_exists(source):
         place = source.resolve().with_name(f"{source.resolve().name}.{format_name}")
@@ -185,7 +185,7 @@ def _beside(source: Path, format_name: str, kind: Format) -> str:
 
 
 def _folder(name: str) -> str:
-    """The name of a folder for the file or folder `name`."""
+    """Return the name of a folder for the file or folder `name`."""
     return f"{Path(name).with_suffix('')}/"
 
 

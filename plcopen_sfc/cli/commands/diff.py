@@ -82,7 +82,7 @@ def _compare(before: str, after: str, how: DiffOptions, screen: Screen, name: st
 
 
 def _files(folder: str) -> Iterator[str]:
-    """The files in a folder that can be programs, by their paths in it."""
+    """Yield the files in a folder that can be programs, by their paths in it."""
     extensions = {extension for kind in all_formats() for extension in kind.extensions}
     for path in Path(folder).rglob("*"):
         if path.suffix.casefold() in extensions and path.is_file():

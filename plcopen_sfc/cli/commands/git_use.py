@@ -52,7 +52,7 @@ def _known_patterns() -> list[str]:
 
 
 def _settings() -> dict[str, str]:
-    """The drivers and the difftool. A file that is no program of a PLC is shown as plain lines."""
+    """Return the drivers and the difftool. A file that is no program of a PLC is shown as plain lines."""
     program = f"'{Path(sys.executable).as_posix()}' -m plcopen_sfc"
     command = f"{program} diff"
     # what the text does not have is seen by the last line: no change of a file is hidden

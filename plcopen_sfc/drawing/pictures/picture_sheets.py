@@ -217,7 +217,7 @@ def _marks(
         return f'<text class="quiet" x="{x}" y="{y}" text-anchor="{anchor}">{text}</text>'
 
     def numbers(beside: int) -> str:
-        """The sheets of another row that show something above or below this one."""
+        """Return the sheets of another row that show something above or below this one."""
         others = rows[beside] if 0 <= beside < len(rows) else ()
         return ", ".join(str(first[beside] + at) for at, other in enumerate(others) if _overlap(other, sheet))
 

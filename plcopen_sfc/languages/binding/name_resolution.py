@@ -547,7 +547,7 @@ def _named_type(name: str) -> t.DataType:
 
 
 def fitting(found: Sequence[Declaration], role: Role) -> list[Declaration]:
-    """Those of the declarations that a name in this role can mean."""
+    """Return those of the declarations that a name in this role can mean."""
     if role is Role.TYPE:
         return [d for d in found if d.kind in (Kind.POU, Kind.DATA_TYPE)]
     if role is Role.TRANSITION:

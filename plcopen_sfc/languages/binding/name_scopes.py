@@ -420,7 +420,7 @@ def _steps(body: Body | None, path: str, pou: Pou) -> Iterator[Declaration]:
 
 
 def _types(project: Project) -> Iterator[tuple[DataType, str, Pou | None]]:
-    """Every type that is declared in place, with the path and the POU of what it is declared in."""
+    """Yield every type that is declared in place, with the path and the POU of what it is declared in."""
     for declaration in project.data_types:
         yield from _inner(declaration.type, declaration.name, None)
     for pou in project.pous:

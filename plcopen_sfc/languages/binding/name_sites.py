@@ -73,7 +73,7 @@ def moved(found: Iterator[Reference], start: int) -> Iterator[Reference]:
 
 
 def in_tree(node: n.Node, dialect: Dialect, access: str = "") -> Iterator[Reference]:
-    """Every name in a tree. Labels and what GOTO names are none: they belong to their body alone.
+    """Yield every name in a tree. Labels and what GOTO names are none: they belong to their body alone.
 
     `access` is the member of it that is meant.
     """
@@ -122,7 +122,7 @@ def in_tree(node: n.Node, dialect: Dialect, access: str = "") -> Iterator[Refere
 
 
 def _expecting(expected: n.Expression, value: n.Node, dialect: Dialect) -> Iterator[Reference]:
-    """The names in a value; one on its own may be a value of the enumeration that is expected."""
+    """Yield the names in a value; one on its own may be a value of the enumeration that is expected."""
     if isinstance(value, n.Name):
         yield named(value, expected=expected)
     else:
@@ -236,7 +236,7 @@ def unread(text: str, start: int, reason: str, dialect: Dialect | None = None) -
 
 
 def in_declarations(text: str, dialect: Dialect) -> Iterator[Reference]:
-    """Every name in a text of declarations, those that it declares too."""
+    """Yield every name in a text of declarations, those that it declares too."""
     parsed = parse_declarations(text, dialect)
     yield from _in(parsed.tree, dialect, ())
     yield from in_pragmas(parsed)
@@ -331,7 +331,10 @@ def in_kept_texts(markup: str, dialect: Dialect) -> Iterator[Reference]:
 
 
 def in_repeated_list(markup: str, dialect: Dialect) -> Iterator[Reference]:
-    """The names in the parts of a list of global variables. Comments hold none; what else there is cannot be read."""
+    """Yield the names in the parts of a list of global variables.
+
+    Comments hold none; what else there is cannot be read.
+    """
     done = 0
     for found in _SAID.finditer(markup):
         yield from _rest(markup, done, found.start())
@@ -352,7 +355,7 @@ def in_repeated_list(markup: str, dialect: Dialect) -> Iterator[Reference]:
 
 
 def _rest(markup: str, start: int, end: int) -> Iterator[Reference]:
-    """Texts and attributes of elements that are not known here."""
+    """Yield texts and attributes of elements that are not known here."""
     for value in re.finditer(r"=\"([^\"]*)\"|>([^<]*)<", markup[start:end]):
         inner = value.lastindex or 0
         yield from unread(value[inner], start + value.start(inner), "it is in data that only another tool reads")

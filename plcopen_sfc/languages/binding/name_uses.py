@@ -40,7 +40,7 @@ from plcopen_sfc.report import Use
 
 
 def references(text_site: TextSite, dialect: Dialect) -> Iterator[Reference]:
-    """Every name in the text of a text site."""
+    """Yield every name in the text of a text site."""
     text = text_site.text
     if text_site.reading is SiteKind.STATEMENTS:
         yield from in_statements(text, dialect)
@@ -119,7 +119,7 @@ class Names:
         return following
 
     def occurrences(self, *words: str, of: Collection[Declaration] = ()) -> Iterator[Occurrence]:
-        """Every name site of one of `words`, in upper or lower case, with its meaning.
+        """Yield every name site of one of `words`, in upper or lower case, with its meaning.
 
         `of`: only places matter that may mean one of these. Steps and transitions are not looked for where another
         POU has the same word on its own, or nearly every chart would be read for ``Init``.
@@ -135,7 +135,7 @@ class Names:
                         yield Occurrence(text_site, reference, self.resolver.meaning(reference, text_site))
 
     def occurrences_in(self, text_site: TextSite) -> Iterator[Occurrence]:
-        """Every name in one text, with its meaning."""
+        """Yield every name in one text, with its meaning."""
         for reference in self._references(text_site):
             yield Occurrence(text_site, reference, self.resolver.meaning(reference, text_site))
 
@@ -177,7 +177,7 @@ class Names:
         return [each for text_site in self.text_sites() for each in self.occurrences_in(text_site)]
 
     def undeclared(self, pou: Pou | None = None) -> Iterator[Occurrence]:
-        """The names in program text, of all POUs or of `pou`, that are no members and that nothing declares.
+        """Yield the names in program text, of all POUs or of `pou`, that are no members and that nothing declares.
 
         Each where it is first.
         """
@@ -281,7 +281,7 @@ class Names:
         return self._text_sites[key]
 
     def uses(self, declaration: Declaration) -> list[Occurrence]:
-        """Every use of a declaration."""
+        """Return every use of a declaration."""
         found = self.occurrences(declaration.name, of=(declaration,))
         return [each for each in found if each.refers_to(declaration)]
 
@@ -298,7 +298,7 @@ class Names:
                     yield declaration
 
     def levels(self, wanted: Callable[[Pou], bool] = lambda _: True) -> Iterator[Level]:
-        """Every scope of the project, but for those of POUs that are not wanted."""
+        """Yield every scope of the project, but for those of POUs that are not wanted."""
         scopes = self.resolver.scopes
         yield from scopes.every_place()
         for pou in filter(wanted, self.project.pous):
@@ -309,7 +309,7 @@ class Names:
         yield from (scopes.data_block(block) for block in self.project.data_blocks)
 
     def levels_with(self, declaration: Declaration) -> Iterator[Level]:
-        """Every scope that may have `declaration`: for a step or a transition those of its POU."""
+        """Yield every scope that may have `declaration`: for a step or a transition those of its POU."""
         pou = declaration.pou
         if declaration.kind in (Kind.STEP, Kind.TRANSITION) and pou is not None:
             yield self.resolver.scopes.pou(pou)

@@ -217,7 +217,7 @@ def _kept_lines(texts: dict[str, str], indent: str) -> list[str]:
 
 
 def write_interface(interface: Interface, dialect: Dialect = Dialect.IEC, indent: str = "") -> str:
-    """All sections, each on lines of its own. The type of the result is in the head, which is not written."""
+    """Return all sections, each on lines of its own. The type of the result is in the head, which is not written."""
     return "\n".join(write_section(section, dialect, indent) for section in interface.sections)
 
 

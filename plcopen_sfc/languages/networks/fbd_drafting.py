@@ -515,7 +515,7 @@ _FLAT = frozenset({Operator.AND, Operator.OR, Operator.XOR})
 
 
 def _calls(statements: Iterable[Statement]) -> list[n.Call]:
-    """The calls among statements."""
+    """Return the calls among statements."""
     called = (statement.call for statement in statements if isinstance(statement, n.CallStatement))
     return [call for call in called if isinstance(call, n.Call)]
 

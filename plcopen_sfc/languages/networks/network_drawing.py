@@ -332,7 +332,7 @@ class DrawnExpression:
 def draw_fbd(
     statements: Iterable[Statement], rules: DrawingRules | None = None, *, first_id: int = 1, divided: bool = False
 ) -> DrawnFbd:
-    """Statements as a function block diagram.
+    """Return statements as a function block diagram.
 
     `divided`: each rung is a network of its own, as in most tools; else all are on one sheet, as in TC6. The ids of
     elements count from `first_id` and are unique in the body.
@@ -349,7 +349,7 @@ def draw_fbd(
 def draw_ld(
     statements: Iterable[Statement], rules: DrawingRules | None = None, *, first_id: int = 1, divided: bool = False
 ) -> DrawnLd:
-    """Statements as a ladder diagram; see `draw_fbd`."""
+    """Return statements as a ladder diagram; see `draw_fbd`."""
     drafter = LadderDrafter(rules or DrawingRules(), first_id)
     bodies = []
     with collecting_rarely():

@@ -184,7 +184,7 @@ class Graph:
         return None
 
     def execution(self) -> Iterator[Node]:
-        """Every element once, in the order of execution.
+        """Yield every element once, in the order of execution.
 
         Networks one after another; in a network first the elements with an order of execution, then the others from
         top to bottom and from left to right (in the order of the file where nothing has a place). An element that feeds

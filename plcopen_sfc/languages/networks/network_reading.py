@@ -382,7 +382,7 @@ _WORD = re.compile(r"[^\W\d]\w*")
 
 
 def _names(graph: Graph) -> set[str]:
-    """All words in the texts of a network."""
+    """Return all words in the texts of a network."""
     texts: set[str | None] = set()
     for node in graph.nodes.values():
         fields = node.__dict__  # of a model, and without what pydantic does for a field that is missing

@@ -377,7 +377,7 @@ class Wires:
             self._left[source] = uses
 
     def take(self, source: Source) -> Product | None:
-        """The value of an output for one of its uses."""
+        """Return the value of an output for one of its uses."""
         if source not in self._values:
             return self._of_last_cycle(source)
         product = self._values[source]

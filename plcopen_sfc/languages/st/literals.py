@@ -400,7 +400,10 @@ _CODESYS_LACKS = frozenset({"CHAR", "WCHAR", "DTL", "COUNTER", "S5TIME", "POINTE
 
 
 def real_literal(value: float) -> str:
-    """A real number, always with a decimal point. Raises `LiteralError` for infinity and NaN, which have no literal."""
+    """Return a real number, always with a decimal point.
+
+    Raises `LiteralError` for infinity and NaN, which have no literal.
+    """
     if not math.isfinite(value):
         raise LiteralError(f"{value} has no literal")
     text = repr(value)

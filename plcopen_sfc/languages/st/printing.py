@@ -248,7 +248,10 @@ def _remarks_above(statements: Sequence[Statement]) -> tuple[Sequence[Statement]
 
 
 def render(parsed: Parsed[Any], tree: Node) -> str:
-    """The text of `tree`, which was made from `parsed.tree`. Of the unedited tree it is `parsed.text` exactly."""
+    """Return the text of `tree`, which was made from `parsed.tree`.
+
+    Of the unedited tree it is `parsed.text` exactly.
+    """
     return apply_edits(parsed.text, tree_edits(parsed, tree))
 
 

@@ -16,7 +16,7 @@ _PARTS: dict[type[Node], tuple[str, ...]] = {}
 
 
 def parts(kind: type[Node]) -> tuple[str, ...]:
-    """The names of the fields that hold the content of a node: all but its span."""
+    """Return the names of the fields that hold the content of a node: all but its span."""
     names = _PARTS.get(kind)
     if names is None:
         names = _PARTS[kind] = tuple(field.name for field in fields(kind) if field.name != "span")

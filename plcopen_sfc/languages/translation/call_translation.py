@@ -230,7 +230,7 @@ class CallTranslator:
         return name if new.casefold() == name.identifier.casefold() else n.Name(new, span=name.span)
 
     def _by_name(self, node: n.Call, inputs: Sequence[str]) -> tuple[Argument, ...]:
-        """The arguments of a function of the project with the names of its inputs, as S7 wants them."""
+        """Return the arguments of a function of the project with the names of its inputs, as S7 wants them."""
         arguments = self._arguments(node.arguments, self._names.member)
         if any(argument.name is not None for argument in arguments):
             return arguments
