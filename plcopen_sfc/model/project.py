@@ -45,6 +45,19 @@ class FileHeader(Model):
         repeated = self.product and self.version.startswith(self.product)
         return self.version if repeated else f"{self.product} {self.version}".strip()
 
+    @property
+    def is_of_beremiz(self) -> bool:
+        """True if Beremiz or OpenPLC Editor writes such a header.
+
+        They name no tool: the header is the user's. Those of their examples name Beremiz as company or product; a
+        project without a name has the product ``Unnamed``, in the language of the editor, and the version 1.
+        """
+        named = f"{self.company} {self.product}".casefold()
+        return "beremiz" in named or "openplc" in named or (self.product.casefold() in _UNNAMED and self.version == "1")
+
+
+_UNNAMED = {"unnamed", "unbenannt"}
+
 
 class Scaling(Model):
     """Units of the drawings of one language; None where the file has none."""

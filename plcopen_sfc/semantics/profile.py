@@ -427,7 +427,7 @@ def default_profile(project: Project) -> Profile:
     """Return the profile of the tool that a project is for.
 
     The format it was read from decides, of a converted file that keeps its charts that of its origin; then the dialect
-    of its texts. A TC6 file of Beremiz or OpenPLC Editor is one of `_is_of_beremiz`. All others are ``iec``, but for
+    of its texts. A TC6 file of Beremiz or OpenPLC Editor is told by its header. All others are ``iec``, but for
     projects whose charts have partial charts or actions of IEC 60848: those are ``grafcet``.
     """
     found = profile_as(project, project.tool_format)
@@ -444,7 +444,7 @@ def profile_as(project: Project, format: str) -> Profile:
     name = _BY_FORMAT.get(format)
     if name is None and format != project.origin:  # an origin without a tool of its own is none of the dialect
         name = _BY_DIALECT.get(project.dialect)
-    if name is None and format.startswith("plcopen") and _is_of_beremiz(project):
+    if name is None and format.startswith("plcopen") and project.header.is_of_beremiz:
         name = "beremiz"
     if name is None:
         name = "grafcet" if _has_grafcet(project) else "iec"
@@ -464,20 +464,6 @@ def have_equal_rules(one: Profile, other: Profile) -> bool:
 def format_of_profile(name: str) -> str:
     """Return the format whose files have the profile of this name by their format alone; TC6 for what has none."""
     return next((format for format, profile in _BY_FORMAT.items() if profile == name), "plcopen")
-
-
-_UNNAMED = {"unnamed", "unbenannt"}
-
-
-def _is_of_beremiz(project: Project) -> bool:
-    """True if the header is one that Beremiz or OpenPLC Editor writes.
-
-    They name no tool: the header is the user's. Those of their examples name Beremiz as company or product; a project
-    without a name has the product ``Unnamed``, in the language of the editor, and the version 1.
-    """
-    header = project.header
-    named = f"{header.company} {header.product}".casefold()
-    return "beremiz" in named or "openplc" in named or (header.product.casefold() in _UNNAMED and header.version == "1")
 
 
 def _has_grafcet(project: Project) -> bool:

@@ -489,25 +489,47 @@ def variable_names(project: Project) -> Iterator[str]:
         yield from (variable.name.casefold() for variable in pou.variables())
 
 
-def with_quotes(variable: Variable, names: Container[str]) -> Variable:
-    """Return the variable with its value as a literal, if it is a string; a value of `names` is that of a constant."""
+def with_quotes(variable: Variable, names: Container[str], wide: bool | None = None) -> Variable:
+    """Return the variable with its value as a literal, if it is a string; a value of `names` is that of a constant.
+
+    `wide` is that of the type of strings that the type of the variable names.
+    """
     value = variable.initial
-    if not isinstance(variable.type, StringType) or not isinstance(value, SimpleValue) or value.text is None:
+    if isinstance(variable.type, StringType):
+        wide = variable.type.wide
+    if wide is None or not isinstance(value, SimpleValue) or value.text is None:
         return variable
-    quote = '"' if variable.type.wide else "'"
+    quote = '"' if wide else "'"
     text = value.text.strip()
-    if text[:1] in ("'", '"') or "#" in text or text.casefold() in names:
+    if text[:1] in ("'", '"') or _TYPED.match(text) or text.casefold() in names:
         return variable
-    inner = text.replace("$", "$$").replace(quote, f"${quote}")
+    inner = _ESCAPES.sub(lambda found: found[0] if found[0] not in ("$", quote) else f"${found[0]}", text)
     return variable.model_copy(update={"initial": SimpleValue(text=f"{quote}{inner}{quote}")})
 
 
-def quote_strings(project: Project) -> None:
-    """Put the values of all string variables of POUs and structures in quotes."""
-    names = frozenset(variable_names(project))
+_TYPED = re.compile(r"W?STRING(?:\[\d+\])?#", re.IGNORECASE)
+_ESCAPES = re.compile(r"\$(?:[$'\"LlNnPpRrTt]|[0-9A-Fa-f]{2})|[$'\"]")
+"""Escapes of literals, and signs that need one."""
+
+
+def quote_strings(project: Project, names: Container[str]) -> None:
+    """Put the values of all variables and structures whose type is a string in quotes, but for those of `names`."""
+    wide = {
+        declaration.name.casefold(): declaration.type.wide
+        for declaration in project.data_types
+        if isinstance(declaration.type, StringType)
+    }
+
+    def quoted(variable: Variable) -> Variable:
+        named = variable.type.name.casefold() if isinstance(variable.type, DerivedType) else ""
+        return with_quotes(variable, names, wide.get(named))
+
     lists = [pou.interface.sections for pou in project.pous if pou.interface is not None]
-    for section in (section for sections in lists for section in sections):
-        section.variables = [with_quotes(variable, names) for variable in section.variables]
+    for section in (section for sections in (*lists, project.global_sections()) for section in sections):
+        section.variables = [quoted(variable) for variable in section.variables]
     for declaration in project.data_types:
         if isinstance(declaration.type, StructType):
-            declaration.type.members = [with_quotes(member, names) for member in declaration.type.members]
+            declaration.type.members = [quoted(member) for member in declaration.type.members]
+        elif isinstance(declaration.type, StringType):
+            of_type = Variable(name=declaration.name, type=declaration.type, initial=declaration.initial)
+            declaration.initial = with_quotes(of_type, names).initial

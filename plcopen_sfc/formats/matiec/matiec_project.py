@@ -13,6 +13,7 @@ from plcopen_sfc.formats.matiec.matiec_declarations import (
     name_structures,
     note_undeclared,
     quote_strings,
+    variable_names,
 )
 from plcopen_sfc.formats.matiec.matiec_enumerations import number_enumerations
 from plcopen_sfc.formats.matiec.matiec_pou import FittedPou, give_iec_pins
@@ -58,7 +59,7 @@ def fit_project(
     for declaration in project.data_types:
         types.declaration(declaration)
     project.data_types = _types_in_order(project)
-    quote_strings(project)
+    quote_strings(project, frozenset(variable_names(project)))
     functions = _typed_functions(project)
     names = frozenset(declaration.name.casefold() for declaration in project.data_types)
     globals_ = frozenset(v.name.casefold() for section in project.global_sections() for v in section.variables)

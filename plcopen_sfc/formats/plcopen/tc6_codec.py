@@ -19,6 +19,7 @@ from pydantic import ValidationError
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
+from plcopen_sfc.formats.matiec.matiec_declarations import quote_strings
 from plcopen_sfc.formats.matiec.matiec_project import fit_project
 from plcopen_sfc.formats.plcopen.source_marks import is_added_configuration, is_added_pou
 from plcopen_sfc.formats.plcopen.tc6_bodies import read_pou, write_pou
@@ -404,7 +405,10 @@ class Tc6Codec(XmlCodec):
 
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a file of any TC6 version. Raises `FormatError`."""
-        return load_tc6(data, file=file)
+        reading = load_tc6(data, file=file)
+        if reading.project.header.is_of_beremiz:  # which writes the values of strings without quotes, none by a name
+            quote_strings(reading.project, frozenset())
+        return reading
 
     def lines(self, content: bytes, project: Project) -> dict[str, int]:
         """Return the line of each object of `project` in the file `content`, by the path that the report gives it."""

@@ -108,3 +108,25 @@ def test_a_drawn_action_is_not_executed_once_more_after_its_end(language: str) -
         report = sfc.convert(original, "plcopen-2.01", flavour="beremiz").report
         found = [(item.what, item.path) for item in report.losses]
         assert found == [("action", "POU Main / action Count")]
+
+
+def test_values_of_strings_are_texts_in_files_of_beremiz(project: sfc.Project) -> None:
+    """Its converter puts quotes around each value of a string, also around one that is the name of a variable."""
+    project.header.product = "Beremiz"
+    project.data_types = [m.DataTypeDeclaration(name="Text", type=m.StringType())]
+    variables = project.pou("Main").variables()
+    (w,) = (v for v in variables if v.name == "w")
+    w.initial = m.SimpleValue(text="two words")
+    variables[0].type, variables[0].initial = m.DerivedType(name="Text"), m.SimpleValue(text="q")
+    data = sfc.dumps(project, format="plcopen", fresh=True, partial=True)
+    assert b'value="two words"' in data
+    read = sfc.loads(data)
+    values = {v.name: v.initial.text for v in read.pou("Main").variables() if isinstance(v.initial, m.SimpleValue)}
+    assert values == {"a": "'q'", "w": "'two words'"}
+    for target in ("codesys", "codesys-export", "codesys23", "iec-text", "scl", "simaticml"):
+        report = sfc.convert(read, target, partial=True).report
+        assert not [item for item in report.losses if item.what in ("initial value", "undeclared name", "text")], target
+    assert sfc.dumps(read) == data
+    read.rename("Main", "Pump")
+    lines, edited = data.splitlines(), sfc.dumps(read).splitlines()
+    assert [line for line in edited if line not in lines and b"Pump" not in line] == []
