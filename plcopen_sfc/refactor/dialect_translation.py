@@ -666,7 +666,7 @@ def _locals(site: Site) -> list[str]:
 def _charts(site: Site) -> Iterator[SfcNetwork]:
     """The charts whose steps a text can name: those around it, and those of its POU and of the actions of that."""
     yield from site.charts
-    if site.pou is not None and not site.charts and site.transition is None:
+    if site.pou is not None and not site.charts:
         for body in (*site.pou.bodies, *(action.body for action in site.pou.actions)):
             if isinstance(body, SfcBody):
                 yield body.chart

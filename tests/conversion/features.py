@@ -264,9 +264,9 @@ def _negated_condition(rig: FeatureChart) -> None:
     rig.act("Work", "q")
 
 
-def _named(language: str, *, negated: bool = False) -> Callable[[FeatureChart], None]:
+def _named(language: str, text: str = "b AND NOT g", *, negated: bool = False) -> Callable[[FeatureChart], None]:
     def build(rig: FeatureChart) -> None:
-        body: m.Body = m.StBody(text="b AND NOT g")
+        body: m.Body = m.StBody(text=text)
         if language == "IL":
             body = m.IlBody(text="LD b\nANDN g")
         elif language != "ST":
@@ -603,6 +603,7 @@ def _features() -> Iterator[Feature]:
     for language in ("ST", "FBD", "LD", "IL"):
         yield Feature(f"condition: named, {language}", ("codesys", "plcopen"), _named(language))
     yield Feature("condition: named, negated", ("plcopen",), _named("ST", negated=True))
+    yield Feature("condition: named, step time", ("codesys", "plcopen"), _named("ST", "Work.T > T#50ms"))
     yield Feature("condition: wired", ("plcopen",), _wired)
     yield Feature("condition: step flag", _ALL, _condition("Work.X AND b"))
     yield Feature("condition: step time", _ALL, _condition("Work.T > T#50ms"))

@@ -557,3 +557,14 @@ def test_an_edit_of_a_block_with_merged_sections_changes_its_line() -> None:
     assert [(a.strip(), b.strip()) for a, b in zip(before, after, strict=True) if a != b] == [
         (b"<StartValue>7</StartValue>", b"<StartValue>8</StartValue>")
     ]
+
+
+def test_a_named_transition_names_the_steps_of_its_chart() -> None:
+    """They are members of the block in S7, not data blocks."""
+    project = project_with(condition=m.NamedCondition(name="Ready"))
+    body = m.StBody(text="Idle.T > T#1s AND Run.X")
+    project.pou("Seq").transitions = [m.NamedTransition(name="Ready", body=body)]
+    data, report = sfc.convert(project, "simaticml")
+    assert report.losses == []
+    assert b'"GlobalVariable"' not in data
+    assert sfc.loads(data).pou("Seq").transitions[0].body == m.StBody(text="#Idle.T > T#1s AND #Run.X")
