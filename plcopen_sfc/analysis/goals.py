@@ -33,11 +33,12 @@ from plcopen_sfc.languages.st.nodes import Expression, Operator
 from plcopen_sfc.languages.st.walking import with_children
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
-from plcopen_sfc.semantics.net import Net, NetTransition
-from plcopen_sfc.semantics.programs.marks import bounds
+from plcopen_sfc.semantics.net import NetTransition
+from plcopen_sfc.semantics.programs.marks import bounds, divisors
 from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.runtime_types import Family, ScalarType
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
@@ -55,6 +56,7 @@ _FAR = 1e15
 _STORED = frozenset({Qualifier.S, Qualifier.SD, Qualifier.DS, Qualifier.SL})
 _ELAPSED = frozenset({"T", "ET"})
 _MOST_BRANCHES = 600
+_MOST_CALLS = 8
 
 
 @dataclass(eq=False)
@@ -115,7 +117,7 @@ class Goals:
         self._project = system.subject.project
         self._knowledge = ProjectKnowledge(self._project)
         self._library = system.instance.controller.library
-        found = [each for each in system.instance.charts() if isinstance(each[1], ChartProgram | GraphProgram)]
+        found = [each for each in system.instance.called_charts() if isinstance(each[1], ChartProgram | GraphProgram)]
         self.charts = [(chart, frame) for _, chart, frame in found if isinstance(chart, ChartProgram | GraphProgram)]
         called = {id(chart): name for name, chart in counted_charts(system)}
         self._own = [chart for _, chart in system.instance.unit.charts]
@@ -132,7 +134,8 @@ class Goals:
                     continue
                 name, _, action = called[id(chart)].partition(".")
                 pou = self._project.pou(name)
-                seen_as = self._outside(found[number][0].removesuffix(f".{action}"), pou, chart.net)
+                steps = [step.step.name for step in chart.net.steps]
+                seen_as = self._outside(found[number][0].removesuffix(f".{action}"), pou, steps)
             self.transitions[number] = [
                 self._of_transition(number, each, pou, seen_as) for each in chart.net.transitions
             ]
@@ -163,36 +166,64 @@ class Goals:
             self._measure(goal)
         return goal
 
-    def _outside(self, path: str, pou: Pou, net: Net) -> Callable[[Expression], Expression]:
-        """Return how texts of an instance of a called block are texts of the compared POU.
+    def _outside(self, path: str, pou: Pou, steps: Iterable[str] = ()) -> Callable[[Expression], Expression]:
+        """Return how texts of the POU of an instance, which has `steps`, are texts of the compared POU.
 
-        Its inputs are what a statement of the body passes, its other variables and steps members of the instance.
+        Its inputs are what statements of its caller pass or assign, of several calls any; its other variables and steps
+        members of the instance. The caller may be an instance itself.
         """
+        above, _, name = path.rpartition(".")
+        caller = self._pou_of(above) if above else None
+        inner = self._passed(name if caller is not None else path, pou, steps, caller or self.system.subject.pou)
+        if caller is None:
+            return inner
+        outer = self._outside(above, caller)
+        return lambda tree: outer(inner(tree))
+
+    def _pou_of(self, path: str) -> Pou | None:
+        """Return the POU of an instance or a program that the compared POU names; None where that is not known."""
+        found: Pou | None = self.system.subject.pou
+        for number, name in enumerate(path.casefold().split(".")):
+            variables = found.variables() if found is not None else ()
+            kinds = [v.type.name for v in variables if v.name.casefold() == name and isinstance(v.type, DerivedType)]
+            wanted = kinds[0].casefold() if kinds else name if not number else ""
+            found = next((each for each in self._project.pous if each.name.casefold() == wanted), None)
+        return found
+
+    def _passed(self, path: str, pou: Pou, steps: Iterable[str], caller: Pou) -> Callable[[Expression], Expression]:
         external = {variable.name for variable in pou.variables(SectionKind.EXTERNAL)}
         own = {variable.name.casefold() for variable in pou.variables() if variable.name not in external}
-        own |= {step.step.name.casefold() for step in net.steps}
+        own |= {step.casefold() for step in steps}
         members = {name: parse_expression(f"{path}.{name}", self._project.dialect).tree for name in own}
-        given: dict[str, Expression] = {}
-        for body in self.system.subject.pou.bodies:
-            for statement in bind(body, self._project.dialect).statements:
-                call = statement.call if isinstance(statement, n.CallStatement) else None
-                if isinstance(call, n.Call) and print_node(call.callee).casefold() == path.casefold():
-                    for each in call.arguments:
-                        if each.name is not None and each.value is not None and not each.output:
-                            given[each.name.identifier.casefold()] = n.Parenthesized(each.value)
+        calls: dict[str, dict[str, Expression]] = {}
+        assigned: dict[str, Expression] = {}
+        for _, _, body in caller.named_bodies():
+            for node in chain.from_iterable(map(walk, bind(body, self._project.dialect).statements)):
+                match node:
+                    case n.Call(callee) if print_node(callee).casefold() == path.casefold():
+                        given = _arguments(node)
+                        calls.setdefault(str({name: print_node(value) for name, value in given.items()}), given)
+                    case n.Assignment(n.Member(base, name), value) if print_node(base).casefold() == path.casefold():
+                        assigned[name.identifier.casefold()] = n.Parenthesized(value)
 
-        def changed(node: n.Node) -> n.Node:
+        def changed(node: n.Node, given: Mapping[str, Expression]) -> n.Node:
             match node:
                 case n.Name(identifier):
                     key = identifier.casefold()
                     return given.get(key) or members.get(key) or node
                 case n.Member(base, _):
-                    return replace(node, base=cast("Expression", changed(base)))
+                    return replace(node, base=cast("Expression", changed(base, given)))
                 case n.Call():
                     return node
-            return with_children(node, changed)
+            return with_children(node, lambda inner: changed(inner, given))
 
-        return lambda tree: cast("Expression", changed(tree))
+        ways = [assigned | given for given in [*calls.values()][:_MOST_CALLS]] or [assigned]
+
+        def seen_from_outside(tree: Expression) -> Expression:
+            found = {print_node(each): each for each in (cast("Expression", changed(tree, way)) for way in ways)}
+            return joined(Operator.OR, [*found.values()])
+
+        return seen_from_outside
 
     def _find_branches(self, look: Callable[[int], str]) -> None:
         marks = self.system.marks
@@ -266,7 +297,8 @@ class Goals:
         return goal
 
     def _of_bounds(self) -> Iterator[Goal]:
-        """Return the goals that make both sides of a comparison equal where it matters, and one more or less."""
+        """Yield the goals that make a divisor 0, or both sides of a comparison equal where it matters, or one off."""
+        yield from self._of_zeros()
         seen: set[tuple[int, int, str]] = set()
         for goal in chain(chain.from_iterable(self.transitions), self.branches, self.outcomes):
             for comparison, around in bounds(goal.tree) if goal.tree is not None else ():
@@ -280,6 +312,21 @@ class Goals:
                     if key not in seen and self._reads_inputs(tree):
                         seen.add(key)
                         yield Goal(goal.name, tree, goal.chart, goal.bit, goal.sources)
+
+    def _of_zeros(self) -> Iterator[Goal]:
+        marks, own = self.system.marks, self.system.subject.pou.name
+        for number, guards in marks.zeros:
+            owner = marks.branches[number].owner
+            if owner == own or owner.startswith((f"{own}.", f"{own} ")):
+                tree = _inlined(normal_form(joined(Operator.AND, guards)), self._assigned)
+                if self._reads_inputs(tree):
+                    yield Goal(print_node(guards[-1]), tree, branch=number)
+        for goal in chain.from_iterable(self.transitions):
+            for divisor in divisors(goal.tree) if goal.tree is not None else ():
+                is_zero = n.Operation(Operator.EQUAL, (n.Parenthesized(divisor), n.Literal("0")))
+                tree = _inlined(normal_form(is_zero), self._assigned)
+                if self._reads_inputs(tree):
+                    yield Goal(goal.name, tree, goal.chart, goal.bit, goal.sources)
 
     def _reads_inputs(self, tree: Expression) -> bool:
         paths = (node for node in walk(tree) if isinstance(node, n.Name | n.Member | n.Index | n.Address))
@@ -600,6 +647,15 @@ class Goals:
         if names and isinstance(value, int) and not isinstance(value, bool):
             return next((name for name, number in names.items() if number == value), None)
         return value
+
+
+def _arguments(call: n.Call) -> dict[str, Expression]:
+    """Return what a call passes to the inputs of a block, by their names in lower case."""
+    return {
+        each.name.identifier.casefold(): n.Parenthesized(each.value)
+        for each in call.arguments
+        if each.name is not None and each.value is not None and not each.output
+    }
 
 
 def _inlined(tree: Expression, assigned: Mapping[str, Expression]) -> Expression:

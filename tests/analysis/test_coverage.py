@@ -637,3 +637,50 @@ def test_what_only_a_search_with_terms_enters_of_a_called_program_does_not_count
     sides = [sfc.loads(body.format(last=last).encode(), format="iec-text") for last in ("odd(N);", "odd(N); done(N);")]
     verdict = equivalent(*(side.pou("PLC_PRG") for side in sides), "codesys", cap=2000, runs=1, scans=20)
     assert verdict.different or verdict.coverage[0].counts["step"] < (4, 4), str(verdict)
+
+
+SOLVED = """FUNCTION_BLOCK Sub
+VAR_INPUT go : BOOL; k : DINT; END_VAR VAR_OUTPUT q : BOOL; END_VAR
+INITIAL_STEP Idle: END_STEP
+TRANSITION FROM Idle TO Work := go AND k * k = 152399025; END_TRANSITION
+STEP Work: q({qualifier}); END_STEP
+TRANSITION FROM Work TO Idle := NOT go; END_TRANSITION
+END_FUNCTION_BLOCK
+FUNCTION_BLOCK Machine
+VAR_INPUT go : BOOL; k : DINT; END_VAR VAR_OUTPUT q : BOOL; END_VAR VAR s : Sub; END_VAR
+s(go := go, k := k + 3); q := s.q;
+END_FUNCTION_BLOCK
+VAR_GLOBAL shared : Sub; END_VAR
+PROGRAM PLC_PRG
+VAR_INPUT a, b : BOOL; x, y : DINT; END_VAR VAR_OUTPUT q : BOOL; END_VAR VAR s : Sub; m : Machine; END_VAR
+VAR_EXTERNAL shared : Sub; END_VAR
+"""
+STEPS = "INITIAL_STEP I: Call(N); END_STEP STEP J: END_STEP TRANSITION FROM I TO J := s.q; END_TRANSITION "
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "IF a THEN s(go := b, k := x - 7); ELSE s(go := a, k := y); END_IF; q := s.q;",
+        "s.k := x + 9; s(go := a); q := s.q;",
+        "m(go := a, k := 2 * x); q := m.q;",
+        "shared(go := a, k := x + 1); q := shared.q;",
+        f"{STEPS}TRANSITION FROM J TO I := b; END_TRANSITION ACTION Call: s(go := a, k := x + 1); q := s.q; END_ACTION",
+    ],
+    ids=["two calls", "an assigned input", "a block in a block", "a global instance", "a call in an action"],
+)
+def test_conditions_of_called_charts_are_solved_for_inputs_of_their_callers(body: str) -> None:
+    texts = [f"{SOLVED.format(qualifier=qualifier)}{body}\nEND_PROGRAM\n" for qualifier in "NP"]
+    sides = [sfc.loads(text.encode(), format="iec-text").pou("PLC_PRG") for text in texts]
+    verdict = equivalent(*sides, "iec", cap=10, runs=20, scans=100)
+    assert verdict.different, str(verdict)
+
+
+def test_conditions_of_called_programs_are_solved_for_inputs_of_their_callers() -> None:
+    text = SOLVED.replace("FUNCTION_BLOCK Sub", "PROGRAM Line").replace("END_FUNCTION_BLOCK", "END_PROGRAM", 1)
+    text = text[: text.index("FUNCTION_BLOCK Machine")] + "PROGRAM PLC_PRG\nVAR_INPUT a : BOOL; x : DINT; END_VAR\n"
+    text += "VAR_OUTPUT q : BOOL; END_VAR\nLine(go := a, k := x - 5); q := Line.q;\nEND_PROGRAM\n"
+    texts = [text.format(qualifier=qualifier) for qualifier in "NP"]
+    sides = [sfc.loads(each.encode(), format="iec-text").pou("PLC_PRG") for each in texts]
+    verdict = equivalent(*sides, "codesys", cap=10, runs=20, scans=100)
+    assert verdict.different, str(verdict)

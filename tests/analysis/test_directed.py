@@ -254,12 +254,21 @@ def test_what_was_not_reached_is_not_called_equal() -> None:
     assert sfc.lower(STUCK, "bits", accept_untested=True).proof is not None
 
 
-@pytest.mark.parametrize("body", ["s := s + 1; q := 10 / (2 - s);", "q := 10 / n;", "IF c THEN q := 10 / n; END_IF;"])
+@pytest.mark.parametrize(
+    "body",
+    [
+        "s := s + 1; q := 10 / (2 - s);",
+        "q := 10 / n;",
+        "IF c THEN q := 10 / n; END_IF;",
+        "q := 10 / (n - 2345);",
+        "s := 3 * n; IF c THEN q := 10 MOD (s - 7035); END_IF;",
+    ],
+)
 @pytest.mark.parametrize("cap", [2000, 1])
 def test_errors_of_both_are_no_proof(body: str, cap: int) -> None:
     text = "PROGRAM Main\nVAR_INPUT c : BOOL; n : INT; END_VAR\nVAR_OUTPUT q : INT; END_VAR\nVAR s : INT; END_VAR\n"
     programs = [sfc.loads(f"{text}{body}\nEND_PROGRAM\n".encode(), format="iec-text") for _ in range(2)]
-    verdict = equivalent(*programs, "iec", cap=cap, runs=1)
+    verdict = equivalent(*programs, "iec", cap=cap, runs=20)
     assert (verdict.kind, verdict.equal) == (VerdictKind.UNTESTED, False), str(verdict)
     assert "both end with an error: division by zero" in verdict.reason
     assert str(verdict).startswith("not all was compared")

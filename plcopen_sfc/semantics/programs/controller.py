@@ -517,6 +517,15 @@ class Instance:
         """Return the charts of the instance and of instances in it: path, chart, and the frame that it works on."""
         return list(self._charts(self.frame, ""))
 
+    def called_charts(self) -> list[tuple[str, CompiledChart, Frame]]:
+        """Return the charts of `charts`, and those of programs and global instances that texts name."""
+        found = self.charts()
+        for field in self._library.globals.fields:
+            inner = self._library.frame.v[field.slot] if field.slot < len(self._library.frame.v) else None
+            if isinstance(inner, Frame) and inner is not self.frame and not field.hidden:
+                found += self._charts(inner, f"{field.name}.")
+        return found
+
     def _charts(self, frame: Frame, path: str) -> Iterator[tuple[str, CompiledChart, Frame]]:
         unit = self._library.unit_of_layout(frame.layout)
         while unit is not None:

@@ -119,6 +119,13 @@ def _bare(tree: Expression) -> Expression:
     return tree
 
 
+def divisors(node: n.Node) -> Iterator[Expression]:
+    """Yield the divisors in a statement or expression that are no literals."""
+    for each in walk(node):
+        if isinstance(each, n.Operation) and each.operator in (Operator.DIVIDE, Operator.MODULO):
+            yield from (operand for operand in each.operands[1:] if not isinstance(_bare(operand), n.Literal))
+
+
 def compares(node: n.Node) -> bool:
     """Return True for comparisons of numbers and times, or of what may be some."""
     if not isinstance(node, n.Operation) or node.operator not in n.COMPARISONS:
@@ -173,12 +180,14 @@ class Marks:
     """The branches of all texts of a controller; `reached` tells by their numbers which were executed.
 
     `watched` tells by their numbers which groups of conditions are looked at, which costs time: none before `watch`.
+    `zeros`: what is TRUE where a divisor is 0, and the branch that divides.
     """
 
     def __init__(self) -> None:
         self.branches: list[MarkedBranch] = []
         self.reached: list[bool] = []
         self.watched: list[bool] = []
+        self.zeros: list[tuple[int, tuple[Expression, ...]]] = []
         self.is_watching = False
 
     def watch(self) -> None:
@@ -207,6 +216,12 @@ class Marks:
             noted.outcome, noted.inside = (assignment, outcome), around.condition
             last = self._noted(noted)
         return last - 1
+
+    def divides(self, branch: int, node: n.Node, guards: Sequence[Expression]) -> None:
+        """Note the divisors in a statement or condition of a branch."""
+        for divisor in divisors(node):
+            is_zero = n.Operation(Operator.EQUAL, (Parenthesized(divisor), n.Literal("0")))
+            self.zeros.append((branch, (*guards, is_zero)))
 
     def decision(self, branch: int, condition: str, part: str, value: bool | None, guards: Sequence[Expression]) -> int:
         """Note an outcome of a condition, or without `value` that a part of it has decided it; its number."""

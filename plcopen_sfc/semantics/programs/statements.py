@@ -389,6 +389,8 @@ class StatementTranslator:
         found: list[tuple[str, Iterable[Decision]]] = []
         before: list[n.Expression] = []
         for number, condition in enumerate(conditions):
+            if self._marks is not None:
+                self._marks.divides(self._branch, condition, (*self._guards.holding, *before))
             assigns = any(isinstance(each, n.Assignment) for each in (inside[number] if inside else ()))
             found.append((print_node(condition), list(decisions(condition, before))[assigns:]))
             found += [(print_node(each), list(decisions(each, before))) for each in decided_arguments(condition)]
@@ -399,6 +401,8 @@ class StatementTranslator:
 
     def _watch_arguments(self, node: n.Node) -> None:
         """Look at the arguments of calls that compare, and at indexes that are inputs."""
+        if self._marks is not None:
+            self._marks.divides(self._branch, node, self._guards.holding)
         found = [(print_node(each), decisions(each)) for each in decided_arguments(node)]
         self._watch([*found, *self._indexes(node)] if self._marks is not None else ())
 
