@@ -176,7 +176,7 @@ def code_meaning(body: Body | None, dialect: Dialect, named: Renaming) -> Meanin
         if not any(network.nodes for network in body.networks):
             return None
         return Meaning(
-            lambda: f"a body in {body.language}",
+            lambda: _network_shown(body, dialect),
             plain(body),
             lambda: _network_form(body, dialect, named),
             text=lambda: print_node(body_statements(body, dialect).tree),
@@ -201,6 +201,16 @@ def _text_meaning(text: str, dialect: Dialect, named: Renaming) -> Meaning:
         return program_form(parsed.tree, named)
 
     return Meaning(lambda: " ".join(text.split()), text, _Once(form), text=lambda: text)
+
+
+UNREAD_NETWORK = "a network that cannot be executed: "
+
+
+def _network_shown(body: FbdBody | LdBody, dialect: Dialect) -> str:
+    """A network as its statements, or what is in the way of these."""
+    found = body_statements(body, dialect)
+    obstacles = _obstacles(found)
+    return f"{UNREAD_NETWORK}{obstacles[0]}" if obstacles else " ".join(print_node(found.tree).split())
 
 
 def _network_form(body: FbdBody | LdBody, dialect: Dialect, named: Renaming) -> Hashable:

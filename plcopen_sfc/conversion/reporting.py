@@ -21,7 +21,7 @@ from plcopen_sfc.conversion.executed_parts import (
     UNUSED_INPUT,
 )
 from plcopen_sfc.conversion.execution_differences import OF_LIBRARY, ExecutionDifference
-from plcopen_sfc.conversion.meaning import UNREAD_CONDITION
+from plcopen_sfc.conversion.meaning import UNREAD_CONDITION, UNREAD_NETWORK
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import (
@@ -80,7 +80,7 @@ def report_execution(
     for difference in found:
         what = difference.aspect or difference.kind
         place = difference.path
-        names = {(_unnumbered(place), each) for each in (what, *_ALSO_CALLED.get(what, ()))}
+        names = {(_unnumbered(place), each) for each in (what, *_ALSO_CALLED.get(_NUMBERED.sub("code", what), ()))}
         names |= {(_unnumbered(place), each) for each in OPERATING_KINDS if what in OPERATING_KINDS}
         if difference.kind == "chart" and place in refused:
             continue
@@ -245,6 +245,7 @@ def _is_superseded(item: Item, told: set[tuple[str, str]]) -> bool:
     return any(what == item.what and ObjectPath.of(path).is_in(item.path) for path, what in told)
 
 
+_NUMBERED = re.compile(r"^code \d+$")
 _ALSO_CALLED = {
     "step": ("exclude",),
     "transition": ("exclude",),
@@ -415,6 +416,8 @@ def _why(difference: ExecutionDifference, tool: str) -> str:
         return f"{aspect} `{right}` in {tool}, none in the source"
     if left == UNREAD_CONDITION:
         return f"the condition is in a form of its tool that is not read: {tool} does not execute it"
+    if difference.left == difference.right and (difference.left or "").startswith(UNREAD_NETWORK):
+        return f"it is not known whether the {aspect} does the same in {tool}: {difference.left}"
     if left == right:
         return f"the {aspect} does something else in {tool}: `{left}`"
     if right is None:
@@ -501,7 +504,7 @@ _MISSING = {
     "constant": "`{name}` is no constant in {tool}",
     SHOWN_STATE: "nothing sets these outputs in {tool}: {left}",
     PLAIN_VARIABLES: "variables of this name operate the sequence or show its state in {tool}: {left}",
-    "code": "the {kind} has no program in {tool}",
+    "code": "the program of the {kind}, `{left}`, is NOT executed in {tool}",
     "drawn logic": "what is drawn beside the steps is NOT executed in {tool}: `{left}`",
     "extends": "the {kind} does not extend `{left}` in {tool}: nothing of that is in it",
     "implements": "the {kind} does not implement `{left}` in {tool}",

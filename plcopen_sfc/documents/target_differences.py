@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from plcopen_sfc.formats.format_interface import Format, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_statements import note_loops
+from plcopen_sfc.formats.registry import TIA_FORMAT
 from plcopen_sfc.languages.binding import told_step_actions
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.text_sites import Site
@@ -45,6 +46,7 @@ def note_differences(
     _note_wider_arithmetic(project, kind, dialect, report)
     _note_operands(project, kind, options, report)
     _note_sections(project, kind, report)
+    _note_bodies(project, kind, options, report)
     if project.tool_format == EXPORTS != kind.name and dialect is not Dialect.SCL:
         _note_bits_of_words(project, kind, report)
     _note_falling_edges(project, kind, dialect, report)
@@ -52,6 +54,20 @@ def note_differences(
         is_text = dialect is None and not options.flavour
         target = PROFILES[options.flavour] if options.flavour else profile_of_format(kind.name)
         _note_step_actions(project, profile_as(project, kind.name) if is_text else target, report)
+
+
+def _note_bodies(project: Project, kind: Format, options: WriteOptions, report: ConversionReport) -> None:
+    """Report all bodies of a POU but the first, where a POU has one: several are those of worksheets of TC6.
+
+    In TIA Portal networks and text of several bodies are networks of one block, but not beside a sequencer.
+    """
+    if options.flavour or (kind.name.startswith("plcopen") and options.version != "1.01"):
+        return
+    for pou in project.pous:
+        if len(pou.bodies) > 1 and (kind.name != TIA_FORMAT or pou.chart is not None):
+            languages = ", ".join(body.language for body in pou.bodies[1:])
+            why = f"a POU has one body in {kind.tool}: what is in the others ({languages}) is NOT executed"
+            report.add(Outcome.NOT_EXECUTED, "body", pou.report_path, why)
 
 
 def _note_step_actions(project: Project, target: Profile, report: ConversionReport) -> None:

@@ -182,6 +182,7 @@ _KINDS = {
 
 _PARTS = {
     "a body in {}": "ein Rumpf in {}",
+    "a network that cannot be executed: {}": "ein Netzwerk, das nicht ausgeführt werden kann: {}",
     "acknowledge_errors_required": "Quittierpflicht bei Fehlern",
     "active transitions only": "nur aktive Transitionen",
     "association": "Zuordnung",
@@ -307,6 +308,9 @@ _NOT_EXECUTED = {
     "{+} is `{+}` in {+} instead of `{+}`": "{0} ist in {2} `{1}` statt `{3}`",
     "the {+} of {+} `{}` is `{+}` in {+} instead of `{+}`": "{0} von {1} `{2}` ist in {4} `{3}` statt `{5}`",
     "the {+} does something else in {+}: `{+}`": "{} hat in {} eine andere Wirkung: `{}`",
+    "it is not known whether the {+} does the same in {+}: {+}": (
+        "es ist nicht bekannt, ob {} in {} dasselbe bewirkt: {}"
+    ),
     "the undeclared name {} is in its place, and the block does not compile: {+}": (
         "an ihrer Stelle steht der nicht deklarierte Name {}, und der Baustein lässt sich nicht übersetzen: {}"
     ),
@@ -449,7 +453,10 @@ _NOT_EXECUTED = {
     "variables of this name operate the sequence or show its state in {+}: {}": (
         "Variablen dieses Namens bedienen in {} die Kette oder zeigen ihren Zustand: {}"
     ),
-    "the {+} has no program in {+}": "{} hat in {} keinen Programmcode",
+    "the program of the {+}, `{}`, is NOT executed in {+}": "das Programm von {}, `{}`, wird in {} NICHT ausgeführt",
+    "a POU has one body in {+}: what is in the others ({}) is NOT executed": (
+        "ein Baustein hat in {} einen Rumpf: was in den anderen ist ({}), wird NICHT ausgeführt"
+    ),
     "the {+} does not extend `{}` in {+}: nothing of that is in it": (
         "{0} erweitert in {2} `{1}` nicht: nichts davon ist enthalten"
     ),

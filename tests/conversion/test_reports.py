@@ -8,7 +8,9 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.pages.report_words import german
 from plcopen_sfc.report import Item, Outcome, grouped
+from tests.conversion.features import drawn
 from tests.samples import FIXTURES
 
 CHART = """{declared}FUNCTION_BLOCK Main
@@ -217,3 +219,25 @@ def test_a_name_in_place_of_what_matiec_lacks_is_no_item_of_its_own() -> None:
     data, report = sfc.convert(source, "iec-text", flavour="matiec", partial=True)
     assert b"NOT_EXECUTED_" in data
     assert [item.path for item in report.losses if "NOT_EXECUTED" in item.why] == []
+
+
+@pytest.mark.parametrize("target", ["codesys", "codesys-export", "codesys23", "iec-text", "plcopen-1.01", "simaticml"])
+def test_all_bodies_but_the_first_are_told_where_a_pou_has_one(target: str) -> None:
+    """Several are worksheets of TC6 2.01. One beside a chart was left out without a word for CoDeSys 2.3."""
+    source = project(PAIR.format(condition="a", actions="q(N);"))
+    source.pou("Main").bodies.append(drawn("r := b AND NOT c;", "LD"))
+    (item,) = losses(source, target)
+    assert (item.outcome, item.path) == (Outcome.NOT_EXECUTED, "POU Main")
+    assert "(LD) is NOT executed" in item.why or "`r := b AND NOT c;`, is NOT executed in" in item.why, item.why
+    assert german(item.why).endswith("NICHT ausgeführt")
+
+
+@pytest.mark.slow
+def test_of_a_network_that_no_tool_executes_nothing_is_known() -> None:
+    source = sfc.load("fixtures/plcopen/every_element_2.01.xml")
+    (item,) = (item for item in losses(source, "codesys") if item.path == "POU Mixer" and item.what == "code")
+    assert item.why == (
+        "it is not known whether the code does the same in CODESYS: a network that cannot be executed: "
+        "an input cannot set anything"
+    )
+    assert german(item.why).startswith("es ist nicht bekannt, ob ")

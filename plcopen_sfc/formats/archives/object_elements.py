@@ -323,8 +323,6 @@ class _PouWriter:
             placed.append((place, self._part(part, source)))
         written.extend(element for _, element in sorted(placed, key=lambda each: each[0]))
         self._settings(written, pou.body)
-        if len(pou.bodies) > 1:
-            self._report.add(Outcome.NOT_EXECUTED, "body", pou.report_path, "a POU of CODESYS and TwinCAT has one body")
         self._report_properties()
         return written
 
