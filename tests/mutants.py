@@ -201,7 +201,7 @@ def systematic_mutants(root: etree._Element) -> Iterator[tuple[str, etree._Eleme
 
 def _structural(root: etree._Element, element: etree._Element, where: str) -> Iterator[tuple[str, etree._Element]]:
     parent, place = element.getparent(), element.getparent().index(element)
-    # lxml moves the text behind an element with it; nothing but blanks stands there.
+    # lxml moves the text behind an element with it; nothing but blanks is there.
     parent.remove(element)
     yield f"{where} removed", root
     for number in sorted({0, max(0, place - 1), min(place + 1, len(parent)), len(parent)} - {place}):

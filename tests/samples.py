@@ -150,7 +150,7 @@ def variants(data: bytes) -> dict[str, bytes]:
 
 @dataclass
 class Span:
-    """An element of a file and the lines (from 0) in which it stands."""
+    """An element of a file and the lines (from 0) in which it is."""
 
     tag: str
     attributes: dict[str, str]
@@ -289,7 +289,7 @@ def assert_only_names_changed(
     rewritten = any('rewritten"' in line for line in old_lines)
     changed = {i for i in changed if 'rewritten"' not in old_lines[i] and 'added"' not in old_lines[i]}
     pattern = re.compile(re.escape(escape(old)), re.IGNORECASE)
-    # an element may go on over several lines: the name stands in the first that has it
+    # an element may go on over several lines: the name is in the first that has it
     naming = {next(i for i in range(place.start, len(old_lines)) if pattern.search(old_lines[i])) for place in places}
     assert changed >= naming, note
     assert bool(changed - naming) <= bool(uses or rewritten), note

@@ -86,10 +86,10 @@ def step(number: int, name: str, *sources: int, initial: bool = False, more: str
 
 
 def transition(number: int, *sources: int, condition: str | None = "TRUE", more: str = "", attributes: str = "") -> str:
-    said = "" if condition is None else f"<condition>{inline(condition)}</condition>"
+    markup = "" if condition is None else f"<condition>{inline(condition)}</condition>"
     return (
         f'<transition localId="{number}"{attributes}><position x="0" y="0"/>{source(*sources)}'
-        f"<connectionPointOut/>{said}{more}</transition>"
+        f"<connectionPointOut/>{markup}{more}</transition>"
     )
 
 

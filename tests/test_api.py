@@ -1,4 +1,4 @@
-"""The public functions: names that can be guessed, the same options everywhere, errors of ours for wrong arguments."""
+"""The public functions: names that can be guessed, the same options everywhere, own errors for wrong arguments."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ def name_of(page: Path) -> str:
 
 
 def agrees(expected: str, found: str) -> bool:
-    """Whether the output is as shown; a line ``...`` stands for any lines."""
+    """True if the output is as shown; a line ``...`` stands for any lines."""
     parts = re.split(r"^\.\.\.\n", expected, flags=re.MULTILINE)
     pattern = "(?:.*\n)*?".join(re.escape(part) for part in parts)
     return re.fullmatch(pattern, found) is not None

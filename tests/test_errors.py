@@ -501,14 +501,14 @@ def test_wrong_charts_are_loaded_and_say_so(run, case):
     assert [(each.code, each.location.line, each.location.path) for each in found] == [(code, line, path)]
     assert words in found[0].message
     assert found[0].location.file == str(file)
-    said = f"{file}:{line} ({path}): error {code}: "
+    line = f"{file}:{line} ({path}): error {code}: "
     exit_code, out, err = run("info", file)
     assert exit_code == 1
-    assert said in err
+    assert line in err
     assert "StirTank" in out
     exit_code, out, err = run("validate", file)
     assert exit_code == 1
-    assert said in out
+    assert line in out
     assert err == ""
 
 

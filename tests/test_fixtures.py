@@ -192,8 +192,8 @@ def test_umlauts_survive_in_three_encodings(name: str, encoding: str) -> None:
 def hoist(root: etree._Element) -> int:
     """Move POUs and data types from a vendor's addData to where the schema can see them."""
     ns, moved = namespace(root), 0
-    for tag, home in (("dataType", "dataTypes"), ("pou", "pous")):
-        target = root.find(f"{{{ns}}}types/{{{ns}}}{home}")
+    for tag, parent in (("dataType", "dataTypes"), ("pou", "pous")):
+        target = root.find(f"{{{ns}}}types/{{{ns}}}{parent}")
         assert target is not None
         for element in list(root.iter(f"{{{ns}}}{tag}")):
             if element.getparent() is not target:
@@ -328,7 +328,7 @@ def test_sound_charts_are_sound(name: str) -> None:
 
 @pytest.mark.parametrize("name", SOUND)
 def test_sound_charts_can_run(name: str) -> None:
-    """Steps and transitions alternate: a selection stands below a step, and every transition leads somewhere."""
+    """Steps and transitions alternate: a selection is below a step, and every transition leads somewhere."""
     project = sfc.load(FIXTURES / name)
     for chart, _, network in all_charts(project):
         loose = [t.id for t in network.transitions if not t.sources or not t.targets]

@@ -41,7 +41,7 @@ class Flow:
         return [t for t in range(transition) if sources & set(self.transitions[t][0])]
 
     def single(self) -> bool:
-        """Whether one step is active at any time."""
+        """True if one step is active at any time."""
         return all(len(sources) == len(targets) == 1 for sources, targets in self.transitions)
 
 

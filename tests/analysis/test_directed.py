@@ -99,7 +99,7 @@ def test_every_step_of_a_chart_of_a_plant_is_entered() -> None:
     assert [counts[kind] for kind in ("step", "transition", "action")] == [(25, 25), (27, 27), (29, 29)], str(verdict)
 
 
-DRAFT = {"Eject_ACT_Eject_Draft"}  # not finished: a jump stands behind a step, and nothing calls it
+DRAFT = {"Eject_ACT_Eject_Draft"}  # not finished: a jump is behind a step, and nothing calls it
 NOT_ENTERED = {
     "twincat/press_station.xml: FB_Press.ACT_Eject_Draft": DRAFT,
     "twincat/press_station.xml: FB_Press": {

@@ -560,7 +560,7 @@ def test_flags_are_recognised_by_the_numbers_of_steps_where_these_are_clear() ->
         equivalent(chart, program(["X1 := c0;"], ["c0"], ["X1 : BOOL"]), "iec")
 
 
-def test_what_cannot_be_compared_is_said() -> None:
+def test_what_cannot_be_compared_is_told() -> None:
     with pytest.raises(ModelError, match="nothing in common"):
         equivalent(chart_of(ring(2)), program(["y := c0;"], ["c0"], ["y : BOOL"]), "iec")
     with pytest.raises(ModelError, match="no step 'S7'"):

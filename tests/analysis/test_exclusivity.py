@@ -1,4 +1,4 @@
-"""Whether conditions exclude each other: against evaluation of every situation, and case by case."""
+"""True if conditions exclude each other: against evaluation of every situation, and case by case."""
 
 from __future__ import annotations
 

@@ -60,11 +60,11 @@ def test_search_agrees_with_simulation(net: tuple[int, tuple[int, ...], Arcs], t
     assert {s.index for s in graph.unreachable_steps} == set(range(steps)) - {s for active in expected for s in active}
     assert {as_set(m) for m in graph.deadlocks} == {active for active, after in expected.items() if not after}
     start = frozenset(initial)
-    home = {start}
-    while grown := {a for a, after in expected.items() if after & home} - home:
-        home |= grown
-    assert graph.way_home is (Answer.YES if home == set(expected) else Answer.NO)
-    assert (graph.stranded is None) == (home == set(expected))
+    recurrent = {start}
+    while grown := {a for a, after in expected.items() if after & recurrent} - recurrent:
+        recurrent |= grown
+    assert graph.way_home is (Answer.YES if recurrent == set(expected) else Answer.NO)
+    assert (graph.stranded is None) == (recurrent == set(expected))
     assert graph.concurrency is not None
     for a in range(steps):
         beside = {s for active in expected if a in active for s in active} - {a}

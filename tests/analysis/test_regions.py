@@ -41,7 +41,7 @@ def _blocks(found: Regions, region: int) -> tuple[int, ...]:
 
 
 def _runs(found: Regions, block: int, active: set[int]) -> bool:
-    """Whether a block is under way: one of its branches is active, or a block forked from it is."""
+    """True if a block is under way: one of its branches is active, or a block forked from it is."""
     branches = found.blocks[block].branches
     return any(i in active or any(_runs(found, b, active) for b in _blocks(found, i)) for i in branches)
 

@@ -196,7 +196,7 @@ class TestConfiguration:
             "[tool]\nplcopen_sfc = 1\n",
         ],
     )
-    def test_what_is_wrong_in_it_is_said(self, cli, place, text):
+    def test_what_is_wrong_in_it_is_told(self, cli, place, text):
         (place / "pyproject.toml").write_text(text, encoding="utf-8")
         outcome = cli("check", "wrong.xml")
         assert outcome.code == 2

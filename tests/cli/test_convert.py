@@ -243,7 +243,7 @@ class TestStrict:
 
 
 def test_items_with_one_reason_are_in_one_place(cli, tmp_path):
-    """The refusal repeated what stands above it; a machine that reads the errors alone still gets it."""
+    """The refusal repeated what is above it; a machine that reads the errors alone still gets it."""
     source = tmp_path / "pointers.st"
     block = "FUNCTION_BLOCK {}\nVAR p, q : POINTER TO DWORD; r : POINTER TO INT; END_VAR\nEND_FUNCTION_BLOCK\n"
     source.write_text(block.format("A") + block.format("B"), encoding="utf-8")

@@ -147,7 +147,7 @@ def test_scl_has_no_networks(cli: Cli, plant: Path) -> None:
     assert not (plant / "out.scl").exists()
 
 
-def test_what_is_wrong_with_the_chart_is_said(cli: Cli, tmp_path: Path, fixtures: Path) -> None:
+def test_what_is_wrong_with_the_chart_is_told(cli: Cli, tmp_path: Path, fixtures: Path) -> None:
     done = cli("lower", fixtures / "broken" / "jump_to_nowhere.xml", tmp_path / "out.xml", "--to", "plcopen")
     assert done.code == 1
     assert "SFC103" in done.err

@@ -83,7 +83,7 @@ def test_options(cli: Cli, plant: Path) -> None:
         (["--scans", "-1"], "--scans"),
     ],
 )
-def test_what_is_wrong_is_said(cli: Cli, plant: Path, arguments: list[str], message: str) -> None:
+def test_what_is_wrong_is_told(cli: Cli, plant: Path, arguments: list[str], message: str) -> None:
     done = cli("simulate", "plant.st", *arguments)
     assert done.code == 2
     assert message in done.err

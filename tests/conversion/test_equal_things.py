@@ -37,16 +37,16 @@ def losses(project: m.Project, target: str) -> list[Item]:
 
 
 @pytest.mark.parametrize(
-    ("said", "meant"), [("PT0S", "T#0ms"), ("PT0.05S", "T#50ms"), ("PT1M", "T#1m"), ("10ms", "T#10ms")]
+    ("spelled", "meant"), [("PT0S", "T#0ms"), ("PT0.05S", "T#50ms"), ("PT1M", "T#1m"), ("10ms", "T#10ms")]
 )
-def test_intervals_are_equal_however_they_are_spelled(said: str, meant: str) -> None:
+def test_intervals_are_equal_however_they_are_spelled(spelled: str, meant: str) -> None:
     project = ring(
         "PROGRAM Main\nEND_PROGRAM\nCONFIGURATION C RESOURCE R ON PLC TASK T(INTERVAL := T#9ms, PRIORITY := 1);"
         " END_RESOURCE END_CONFIGURATION",
         "plcopen",
     )
     task = project.configurations[0].resources[0].tasks[0]
-    task.interval = said
+    task.interval = spelled
     data, report = sfc.convert(project, "iec-text", partial=True)
     assert meant in data.decode()
     assert [item for item in report.losses if item.what == "interval"] == []

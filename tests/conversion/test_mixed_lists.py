@@ -25,7 +25,7 @@ def sections(project: m.Project) -> Iterator[m.VariableSection]:
 
 
 def attributes(project: m.Project, name: str) -> tuple[bool, bool]:
-    """Whether a variable is retained, and whether it is constant."""
+    """True if a variable is retained, and whether it is constant."""
     if any(constant.name == name for table in project.tag_tables for constant in table.constants):
         return False, True
     ((section, variable),) = [(s, v) for s in sections(project) for v in s.variables if v.name == name]

@@ -44,11 +44,11 @@ def test_elements_are_executed_by_codesys_in_the_order_of_the_source(
     first, second = (f' executionOrderId="{order}"' if order else "" for order in orders)
     drawn = wired(1, tops[0], first, "a", "q") + wired(3, tops[1], second, "q", "q2")
     source = (HEAD + drawn + TAIL).encode()
-    said = statements(source)
-    assert said in ("q := a; q2 := q;", "q2 := q; q := a;")
+    written = statements(source)
+    assert written in ("q := a; q2 := q;", "q2 := q; q := a;")
     data, report = sfc.convert(sfc.loads(source), "codesys")
     assert not report.losses
     placeless = re.sub(rb'<position x="[^"]*" y="[^"]*"', b'<position x="0" y="0"', data)
-    assert statements(placeless, as_tool=True) == said
+    assert statements(placeless, as_tool=True) == written
     unnumbered = re.sub(rb' executionOrderId="[^"]*"', b"", placeless)
-    assert statements(unnumbered, as_tool=True) == said
+    assert statements(unnumbered, as_tool=True) == written

@@ -105,12 +105,12 @@ def assert_runs_the_same(source: Project, target: str, *, own: str = "s7graph") 
 def assert_comes_back(source: Project, target: str) -> None:
     there, report = sfc.convert(source, target, partial=True)
     assert report.with_outcome(Outcome.DROPPED) == []
-    home = "simaticml" if source.dialect is Dialect.SCL else "codesys"
+    own = "simaticml" if source.dialect is Dialect.SCL else "codesys"
     assert (
         list(
             differences(
-                sfc.loads(sfc.dumps(source, format=home, partial=True)),
-                sfc.loads(sfc.dumps(sfc.loads(there), format=home, partial=True)),
+                sfc.loads(sfc.dumps(source, format=own, partial=True)),
+                sfc.loads(sfc.dumps(sfc.loads(there), format=own, partial=True)),
             )
         )
         == []

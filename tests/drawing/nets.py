@@ -81,17 +81,17 @@ def nested_net(draw: st.DrawFn, *, jumps: bool = True) -> SfcNetwork:
                 after = new()
                 edges.append(([now], [after]))
             else:
-                legs = draw(st.integers(2, 3))
+                branches = draw(st.integers(2, 3))
                 if kind == "selection":
                     ends = []
-                    for _ in range(legs):
+                    for _ in range(branches):
                         first = new()
                         edges.append(([now], [first]))
                         ends.append(sequence(first, depth - 1))
                     after = new()
                     edges.extend(([end], [after]) for end in ends)
                 else:
-                    firsts = [new() for _ in range(legs)]
+                    firsts = [new() for _ in range(branches)]
                     edges.append(([now], firsts))
                     ends = [sequence(first, depth - 1) for first in firsts]
                     after = new()

@@ -28,7 +28,7 @@ def seen(content: bytes, target: str) -> bytes:
 
 
 def has_ours(content: bytes) -> bool:
-    """Whether there are carriers in a file in which no text mentions them."""
+    """True if there are carriers in a file in which no text mentions them."""
     text = content.decode("utf-8-sig")
     for head in ("{plcopen_sfc format", "{plcopen_sfc project.dialect"):
         text = text.replace(head, "")

@@ -46,7 +46,7 @@ def assert_valid_and_there_and_back(path: Path, targets: Sequence[str] = (*TC6, 
             assert_valid(there, target)
         back, _ = sfc.convert(accepting(sfc.loads(there)), own, partial=True)
         found = differences(project, sfc.loads(back))
-        # other formats write text that stands in <ST> itself as their tools do
+        # other formats write text that is in <ST> itself as their tools do
         assert [d for d in found if not (d.path.endswith("markup") and "<" not in d.left)] == [], f"{target} and back"
     if is_valid and "json" in targets:
         written, _ = sfc.convert(project, "plcopen", flavour="beremiz", partial=True)

@@ -96,7 +96,7 @@ def facts(data: bytes) -> Counter[Fact]:
 
 
 class Written:
-    """A file, and the one that is written anew from its model."""
+    """A file, and the one that is written from its model alone."""
 
     def __init__(self, path: Path) -> None:
         self.path = path

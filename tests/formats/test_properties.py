@@ -45,7 +45,7 @@ def meaning(project: m.Project, *, codesys: bool = False) -> Any:
 
 
 def net(chart: m.SfcNetwork, *, codesys: bool) -> Any:
-    said = [{s.id: s.name for s in chart.steps}]
+    names = [{s.id: s.name for s in chart.steps}]
 
     def plain(thing: m.Model) -> Any:
         return thing.model_dump(
@@ -59,13 +59,13 @@ def net(chart: m.SfcNetwork, *, codesys: bool) -> Any:
     transitions = []
     for one in chart.transitions:
         content = plain(one)
-        content["sources"] = sorted(said[0][i] for i in one.sources)
-        content["targets"] = sorted(said[0][i] for i in one.targets)
+        content["sources"] = sorted(names[0][i] for i in one.sources)
+        content["targets"] = sorted(names[0][i] for i in one.targets)
         # priorities are written where the order of the document cannot be that of competing transitions; CODESYS, which
         # has none, reports such an order
         content.pop("priority", None)
         if not codesys:
-            content["order"] = sorted([said[0][i], place_in(chart, i, one)] for i in one.sources)
+            content["order"] = sorted([names[0][i], place_in(chart, i, one)] for i in one.sources)
         transitions.append(content)
     # competing transitions keep their order; transitions of different steps have none among them
     return steps, sorted(transitions, key=lambda t: t["sources"])

@@ -382,7 +382,7 @@ def test_an_edit_of_the_structure_stays_in_its_chart(path: Path, edit: Edit) -> 
     for mine, theirs in zip(subject.project.charts(), again.charts(), strict=True):
         assert net(mine.chart) == net(theirs.chart)
         assert fits(theirs.chart)
-    # what does not concern the edit is where it was: no element is moved or written anew
+    # what does not concern the edit is where it was: no element is moved or written again
     moved = re.compile(r"localId|refLocalId|/?connection|addData|[pP]osition ")
     removed = [line for hunk in hunks for line in hunk.old if not moved.search(line)]
     inserted = [line for hunk in hunks for line in hunk.new if not moved.search(line)]

@@ -72,7 +72,7 @@ class CompiledProgram:
     ) -> list[dict[str, Value]]:
         """Run as many scans as `scans` has items, and return what is watched after each.
 
-        An item has the variables that are set before its scan; the others keep what they have. The clock stands at 0
+        An item has the variables that are set before its scan; the others keep what they have. The clock is at 0
         in the first scan. `period` is the time of a scan in nanoseconds where it shall not be that of the task.
         """
         index = {name: number for number, name in enumerate(self.variables)}

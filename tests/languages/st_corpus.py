@@ -1,4 +1,4 @@
-"""Every piece of structured text in the corpus, with the kind of text it is, its dialect and where it stands."""
+"""Every piece of structured text in the corpus, with the kind of text it is, its dialect and where it is."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ def _of_project(path: Path) -> Iterator[Found]:
 
 
 def _is_condition(text: str, owner: str) -> bool:
-    """Whether a body is the condition of a transition, which may also be an assignment to the transition."""
+    """True if a body is the condition of a transition, which may also be an assignment to the transition."""
     last = owner.rpartition("/")[2]
     return last.startswith(("BodyCondition", "NamedTransition")) and ":=" not in text.strip().removeprefix(":=")
 

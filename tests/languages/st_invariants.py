@@ -43,7 +43,7 @@ def _assert_says_what_stands_there(node: n.Node, there: str) -> None:
 
 
 def _assert_children_in_order(node: n.Node) -> None:
-    # an argument's value stands behind its name, and the condition of REPEAT behind its statements
+    # an argument's value is behind its name, and the condition of REPEAT behind its statements
     inside = sorted(child.span or (0, 0) for child in children(node))
     for span in inside:
         assert node.span is not None
@@ -53,7 +53,7 @@ def _assert_children_in_order(node: n.Node) -> None:
 
 
 def _assert_all_covered(parsed: Parsed[Any]) -> None:
-    """Whatever stands outside of the statements or declarations is blank or a comment.
+    """Whatever is outside of the statements or declarations is blank or a comment.
 
     Semicolons between declarations mean nothing and are in no node.
     """

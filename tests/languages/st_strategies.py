@@ -227,7 +227,7 @@ def laid_out(draw: Draw, text: str, dialect: Dialect) -> str:
         gap = text[end:following] or following > len(text)
         if gap:
             new = draw(_gaps)
-            # what stands behind REGION in its line is its title; a slash before // would be part of the comment
+            # what is behind REGION in its line is its title; a slash before // would be part of the comment
             apart = {"REGION": "\n", "/": " "}.get(token.type if token.type == "REGION" else token.value, "")
             pieces.append(apart + new)
     return "".join(pieces)

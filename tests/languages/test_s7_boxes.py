@@ -86,7 +86,7 @@ def test_boxes_without_a_counterpart_are_not_executed(name: str, target: str) ->
     assert [item.what for item in report.with_outcome(Outcome.NOT_EXECUTED)] == ["box"]
 
 
-def test_what_rounds_otherwise_is_said() -> None:
+def test_what_rounds_otherwise_is_told() -> None:
     source = block("Round", (("in", "r"),), "out", {"SrcType": "Real", "DestType": "Int"}, "Int")
     report = convert(sfc.loads(source), "codesys")[1]
     assert "2.5 is 3 in CODESYS" in report.with_outcome(Outcome.APPROXIMATED)[0].why

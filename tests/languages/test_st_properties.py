@@ -117,7 +117,7 @@ def test_an_edited_tree_is_written_as_it_is_and_loses_no_comment(
     text = data.draw(laid_out(print_node(tree), dialect))
     parsed = parse_statements(text, dialect)
     body = list(parsed.tree.statements)
-    # a semicolon on its own in front would be read as the end of what stands before it
+    # a semicolon on its own in front would be read as the end of what is before it
     new = tuple(each for each in data.draw(statements(dialect)).statements if not isinstance(each, n.Empty))
     at = data.draw(st.integers(0, len(body)))
     kind = data.draw(st.sampled_from(["insert", "replace", "condition"]))

@@ -104,7 +104,7 @@ class SweepResult:
 
     @property
     def is_fault(self) -> bool:
-        """Whether the package did something wrong."""
+        """True if the package did something wrong."""
         return self.outcome in ("different", "invalid", "error")
 
 

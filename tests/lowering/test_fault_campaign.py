@@ -60,7 +60,7 @@ def chart_of(pou: m.Pou) -> m.SfcNetwork:
 
 
 def is_possible(fault: Fault, net: Net, *, initialised: bool) -> bool:
-    """Whether the chart has what the fault needs, and the code an input that starts it anew."""
+    """True if the chart has what the fault needs, and the code an input that starts it again."""
     following = [{s for t in leaving for s in net.transitions[t].targets} for leaving in net.leaving]
     index = {step.path: step.index for step in net.steps}
     steps = [index[name] for name in fault.place if name in index]

@@ -19,7 +19,7 @@ from tests.lowering.charts import act, pou_with, training_chain
 
 FLIP_FLOPS = [FaultKind.OVERLAP, FaultKind.RUN_THROUGH]
 USUAL = [*FLIP_FLOPS, FaultKind.INIT_EMPTIES]
-"""Of a chain with an input that starts it anew."""
+"""Of a chain with an input that starts it again."""
 
 
 def lowered(pou: m.Pou, construction: str, **options: str) -> LoweredPou:
@@ -61,7 +61,7 @@ def test_the_training_chain_as_flip_flops_overlaps_and_runs_through() -> None:
     assert list(found) == USUAL
     overlap, through, empties = found.values()
     assert (overlap.place, overlap.shortest) == (("S1", "S2"), True)
-    assert overlap.others == (("S2", "S3"), ("S3", "S4"))  # S4 stands behind S1, which resets it in the same scan
+    assert overlap.others == (("S2", "S3"), ("S3", "S4"))  # S4 is behind S1, which resets it in the same scan
     assert table(overlap) == [HEADER, "1 | B1 | S2 | S1 S2"]
     assert (through.place, through.shortest) == (("S1", "S2", "S3"), True)
     assert table(through) == [HEADER, "1 | B1 B2 | S2 | S1 S2 S3"]

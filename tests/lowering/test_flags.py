@@ -228,7 +228,7 @@ def test_flags_that_are_local_are_tried_in_the_proof(declared: bool) -> None:
 
 
 def with_table(*, declared: bool) -> m.Pou:
-    """A chart that uses the table of the analysis, and shows what stands in it."""
+    """A chart that uses the table of the analysis, and shows what is in it."""
     outputs = ("SFCError", "First", "Second", "Value", "Empty")
     pou = chain_with("SFCQuitError", "SFCInit", outputs=outputs)
     chart = pou.sfc

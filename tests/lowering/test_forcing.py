@@ -1,4 +1,4 @@
-"""Charts that force others, in the order of their hierarchy, together with what starts a chain anew and with blocks."""
+"""Charts that force others, in the order of their hierarchy, together with a restart and with blocks."""
 
 from __future__ import annotations
 

@@ -458,8 +458,8 @@ def test_a_comment_that_is_lost_has_the_line_of_its_chart() -> None:
     lost = [item for item in lowered.losses if item.what == "comment"]
     assert lost
     for item in lost:
-        said = item.why.removeprefix("not in the code: ")
-        assert said in lines[(item.line or 0) - 1], item
+        text = item.why.removeprefix("not in the code: ")
+        assert text in lines[(item.line or 0) - 1], item
 
 
 @pytest.mark.parametrize("kind", ["onDeactivation", "onEvent"])

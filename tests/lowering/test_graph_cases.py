@@ -320,11 +320,11 @@ def test_inputs_that_act_together_are_proven_together() -> None:
     chart = chain("S1", "S2", conditions="#c1 #c2")
     lowered = sfc.lower(block(chart, STANDARD_INPUTS, "S_NO:INT"), "bits", profile="s7graph")
     assert lowered.proof is not None
-    said = lowered.proof.reason
-    assert "S_OFF, T_PUSH are FALSE it is proven: " in said
-    assert "only these of them are operated: OFF_SQ and INIT_SQ (" in said
-    assert "; ACK_EF (" in said
-    assert "; SW_AUTO and SW_TAP and T_PUSH (" in said
+    reason = lowered.proof.reason
+    assert "S_OFF, T_PUSH are FALSE it is proven: " in reason
+    assert "only these of them are operated: OFF_SQ and INIT_SQ (" in reason
+    assert "; ACK_EF (" in reason
+    assert "; SW_AUTO and SW_TAP and T_PUSH (" in reason
     alone = sfc.lower(block(chart, "INIT_SQ OFF_SQ", "S_NO:INT"), profile="s7graph")
     assert alone.proof is not None
     assert alone.proof.proven

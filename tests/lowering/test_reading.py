@@ -87,11 +87,11 @@ def test_qualifiers_that_nothing_defines_are_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("declared", "said"),
+    ("declared", "shown"),
     [("INT", "INT"), ("STRING", "string"), ("Colour", "enum"), ("Number", "WORD"), ("Rate", "subrange")],
 )
 @pytest.mark.parametrize("profile", ["iec", "codesys", "grafcet"])
-def test_an_action_is_a_boolean_variable(declared: str, said: str, profile: str) -> None:
+def test_an_action_is_a_boolean_variable(declared: str, shown: str, profile: str) -> None:
     types: dict[str, m.EnumType | m.ElementaryType | m.SubrangeType] = {
         "Colour": m.EnumType(values=[m.EnumValue(name="Red")]),
         "Number": m.ElementaryType(name=m.Elementary.WORD),
@@ -100,7 +100,9 @@ def test_an_action_is_a_boolean_variable(declared: str, said: str, profile: str)
     pou = training_chain()
     project = m.Project(pous=[pou], data_types=[m.DataTypeDeclaration(name=n, type=t) for n, t in types.items()])
     next(v for v in pou.variables() if v.name == "Q3").type = m.Variable(name="v", type=declared).type
-    with pytest.raises(LoweringError, match=f"Q3 is of type {said}: only a Boolean variable can be an action") as found:
+    with pytest.raises(
+        LoweringError, match=f"Q3 is of type {shown}: only a Boolean variable can be an action"
+    ) as found:
         lower(project, profile=profile, verify=False)
     assert str(found.value.location) == "POU Ablauf / step S3 / action Q3"
 

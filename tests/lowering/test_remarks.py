@@ -26,7 +26,7 @@ def commented() -> m.Pou:
     return pou
 
 
-def said(lowered: LoweredPou) -> str:
+def text_of(lowered: LoweredPou) -> str:
     """All comments of the code."""
     body = lowered.pou.body
     if isinstance(body, m.StBody):
@@ -48,11 +48,11 @@ FORMS = [
 @pytest.mark.parametrize(("construction", "language", "style"), FORMS)
 def test_comments_of_steps_and_transitions_stand_in_the_code(construction: str, language: str, style: str) -> None:
     lowered = lower(commented(), construction, style=style, language=language, profile="iec", verify=False)
-    assert [text for text in TEXTS if text not in said(lowered)] == [], said(lowered)
+    assert [text for text in TEXTS if text not in text_of(lowered)] == [], text_of(lowered)
 
 
 def test_a_title_in_several_languages_is_said_in_that_of_the_code() -> None:
-    german = said(lower(commented(), "case", profile="iec", lang="de", verify=False))
+    german = text_of(lower(commented(), "case", profile="iec", lang="de", verify=False))
     assert "Tank im Keller" in german
     assert TEXTS[1] not in german
 

@@ -1,4 +1,4 @@
-"""Starting anew: an input, a general reset condition, and what becomes of stored actions."""
+"""Starting again: an input, a general reset condition, and what becomes of stored actions."""
 
 from __future__ import annotations
 

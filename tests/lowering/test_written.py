@@ -94,14 +94,14 @@ def test_actions_that_call_themselves_stay_calls() -> None:
 
 @pytest.mark.parametrize("style", ["exact", "classic"])
 def test_what_only_we_read_proves_nothing(style: str) -> None:
-    """The file says one thing, a comment of ours another: the chart is that of the comment."""
+    """The file says one thing, a comment of this package another: the chart is that of the comment."""
     project = m.Project(name="Plant", pous=[training_chain()])
     lowered = lower(project, "case", style=style, target="iec-text", verify=False)
-    said = lowered.project.model_copy(deep=True)
-    body = said.pous[0].body
+    changed = lowered.project.model_copy(deep=True)
+    body = changed.pous[0].body
     assert isinstance(body, m.StBody)
     body.text = body.text.replace("B3", "NOT B3")
-    text = sfc.dumps(said, format="iec-text").decode()
+    text = sfc.dumps(changed, format="iec-text").decode()
     meant = lowered.pou.body
     assert isinstance(meant, m.StBody)
     pragma = "{plcopen_sfc body.text := '" + meant.text.replace("\n", "$N") + "'}"

@@ -1,4 +1,4 @@
-"""The model stands on nothing above it, and its methods that need more find it."""
+"""The model needs nothing above it, and its methods that need more find it."""
 
 from __future__ import annotations
 

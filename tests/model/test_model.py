@@ -116,7 +116,7 @@ def test_new_ids_are_not_those_of_step_actions_that_are_drawn() -> None:
 def links(
     kinds: str, wires: dict[int, list[int]], jumps: dict[int, int | None] | None = None
 ) -> tuple[object, list[str]]:
-    """`kinds`: a letter for each symbol: s(tep) m(acro) t(ransition) j(ump), < > of a selection, { } of both legs."""
+    """`kinds`: a letter for each symbol: s(tep) m(acro) t(ransition) j(ump), < > of a selection, { } of branches."""
     letters = {
         "s": K.STEP,
         "m": K.MACRO_STEP,
@@ -156,9 +156,9 @@ def test_alternatives_before_a_simultaneous_convergence_multiply() -> None:
 
 
 def test_a_jump_wired_into_a_convergence_leads_nowhere_else() -> None:
-    found, said = links("sttj>s", {1: [0], 2: [0], 3: [2], 4: [1, 3], 5: [4]}, {3: 0})
+    found, codes = links("sttj>s", {1: [0], 2: [0], 3: [2], 4: [1, 3], 5: [4]}, {3: 0})
     assert found == {1: [Link((0,), (5,))], 2: [Link((0,), (0,))]}
-    assert said == []
+    assert codes == []
 
 
 def test_a_jump_to_a_divergence_leads_to_all_its_steps() -> None:
@@ -166,7 +166,7 @@ def test_a_jump_to_a_divergence_leads_to_all_its_steps() -> None:
     assert found == {1: [Link((0,), (3, 4))], 5: [Link((3,), (3, 4))]}
 
 
-def test_what_is_wrong_is_said() -> None:
+def test_what_is_wrong_is_told() -> None:
     assert links("t", {}) == ({0: [Link((), ())]}, ["SFC104"])
     assert links("ss", {1: [0]})[1] == ["SFC106"]
     assert links("stj", {1: [0], 2: [1]}, {2: None})[0] == {1: [Link((0,), ())]}

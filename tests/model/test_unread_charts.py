@@ -1,4 +1,4 @@
-"""Charts are read when they are first looked at, and nobody notices."""
+"""Charts are read when they are first looked at, which no script sees."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ def sample(made: m.Project, number: int, kinds: Sequence[Kind]) -> list[int]:
 
 
 def allowed(names: Names, what: Declaration) -> bool:
-    """Whether it is no flag of charts, and nothing beside it has its name: then it cannot be said which is meant."""
+    """True if it is no flag of charts, and nothing beside it has its name: then it cannot be said which is meant."""
     if what.name in {flag.variable for flag in m.SfcFlag}:
         return False
     for level in names.levels():
@@ -113,7 +113,7 @@ def check_renames(path: Path, most: int, *, lines: bool = True) -> None:
 
 
 def is_reformatted(made: m.Project) -> bool:
-    """Whether blanks stand around names in the file, which are put in anew where a name changes."""
+    """True if blanks stand around names in the file, which are put in again where a name changes."""
     charts = [chart.chart for chart in made.charts()]
     return any(
         t.extension_data is not None and t.extension_data.data for c in charts for t in (*c.steps, *c.transitions)
@@ -166,7 +166,7 @@ def assert_nothing_is_left(made: m.Project, old: str, result: RenameResult, note
 
 
 def is_label(text: str, word: str) -> bool:
-    """Whether a text has a label of this name, which belongs to it alone."""
+    """True if a text has a label of this name, which belongs to it alone."""
     return (
         re.search(rf"(?:(?:JMP\w*|GOTO)\s+{word}\b|^\s*{word}\s*:(?!=))", text, re.IGNORECASE | re.MULTILINE)
         is not None

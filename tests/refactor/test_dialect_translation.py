@@ -127,10 +127,10 @@ def test_real_projects_go_to_scl_and_back(path: Path) -> None:
     translate_project(project, dialect)
     after = [(text_site.path, text_site.text) for text_site in text_sites(project) if text_site.is_program_text]
     # a STRING without a length has 80 characters in CODESYS; SCL has to say so, and it stays said
-    said = len([text for path, text in after if path.endswith(" / length") and text == "80"])
+    told = len([text for path, text in after if path.endswith(" / length") and text == "80"])
     after = [(path, text) for path, text in after if not (path.endswith(" / length") and text == "80")]
     before = [(path, text) for path, text in before if not (path.endswith(" / length") and text == "80")]
-    assert said == 0 or dialect is Dialect.CODESYS
+    assert told == 0 or dialect is Dialect.CODESYS
     pairs = list(zip(before, after, strict=True))
     assert unread == UNREADABLE.get(path.name, [])
     ends = re.compile(r"(?i)\b(END_(?:IF|CASE|FOR|WHILE|REPEAT))\s*;")

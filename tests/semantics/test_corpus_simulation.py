@@ -1,4 +1,4 @@
-"""Real charts run: many random scans under the profile of their own tool, without an error of ours."""
+"""Real charts run: many random scans under the profile of their own tool, without an error of this package."""
 
 from __future__ import annotations
 

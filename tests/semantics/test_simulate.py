@@ -128,7 +128,7 @@ def test_a_program_without_a_chart() -> None:
     assert "active" not in str(trace)
 
 
-def test_what_a_program_does_wrong_is_said() -> None:
+def test_what_a_program_does_wrong_is_told() -> None:
     with pytest.raises(SimulationError, match=r"(?i)zero") as error:
         sfc.simulate(project(SUM), inputs=lambda scan, _: {"A": 1, "B": 3 - scan}, scans=9)
     assert "Adding" in str(error.value)

@@ -66,7 +66,7 @@ def test_questions() -> None:
     assert "Missing" not in trace
 
 
-def test_what_was_not_recorded_is_said() -> None:
+def test_what_was_not_recorded_is_told() -> None:
     trace = trace_of(ROWS)
     with pytest.raises(ModelError, match="'Missing' was not recorded") as error:
         trace["Missing"]

@@ -24,7 +24,7 @@ def network(*elements: str) -> tuple[m.SfcNetwork, list[str]]:
 
 
 def test_1_legs_that_end_in_a_jump_are_wired_into_the_convergence_and_end_there() -> None:
-    found, said = network(
+    found, codes = network(
         step(0, "A", initial=True),
         bar("selectionDivergence", 1, 0, outputs=2),
         transition(2, 1, condition="x"),
@@ -38,11 +38,11 @@ def test_1_legs_that_end_in_a_jump_are_wired_into_the_convergence_and_end_there(
         jump(10, "A", 9),
     )
     assert links(found) == [(["A"], ["B"]), (["B"], ["C"]), (["A"], ["A"]), (["C"], ["A"])]
-    assert said == []
+    assert codes == []
 
 
 def test_2_what_follows_a_convergence_of_jumps_only_is_never_reached() -> None:
-    found, said = network(
+    found, codes = network(
         step(0, "A", initial=True),
         bar("selectionDivergence", 1, 0, outputs=2),
         transition(2, 1, condition="x"),
@@ -56,7 +56,7 @@ def test_2_what_follows_a_convergence_of_jumps_only_is_never_reached() -> None:
     )
     assert links(found) == [(["A"], ["A"]), (["A"], ["A"]), (["Dead"], ["A"])]
     assert found.incoming(found.step("Dead")) == []
-    assert said == []
+    assert codes == []
 
 
 def test_3_simultaneous_leg_that_ends_in_a_jump_is_not_waited_for() -> None:
@@ -96,7 +96,7 @@ def test_4_nested_branches_are_flattened() -> None:
 
 
 def test_5_legs_that_end_with_steps_share_one_transition_symbol() -> None:
-    found, said = network(
+    found, codes = network(
         step(0, "A", initial=True),
         bar("selectionDivergence", 1, 0, outputs=2),
         transition(2, 1, condition="x"),
@@ -112,7 +112,7 @@ def test_5_legs_that_end_with_steps_share_one_transition_symbol() -> None:
     assert found.drawing is not None
     symbol = next(s for s in found.drawing.symbols if s.id == 7)
     assert symbol.transitions == [t.id for t in found.transitions[2:]]
-    assert said == []
+    assert codes == []
 
 
 def test_5_an_edit_of_the_shared_condition_is_one_edit_in_the_file() -> None:
@@ -131,13 +131,13 @@ def test_5_an_edit_of_the_shared_condition_is_one_edit_in_the_file() -> None:
 
 
 def test_6_jump_behind_a_step_is_an_error_that_can_be_looked_at() -> None:
-    found, said = network(step(0, "A", initial=True), transition(1, 0), step(2, "B", 1), jump(3, "A", 2))
+    found, codes = network(step(0, "A", initial=True), transition(1, 0), step(2, "B", 1), jump(3, "A", 2))
     assert links(found) == [(["A"], ["B"])]
-    assert said == ["SFC106"]
+    assert codes == ["SFC106"]
 
 
 def test_7_jump_behind_a_convergence() -> None:
-    found, said = network(
+    found, codes = network(
         step(0, "A", initial=True),
         bar("selectionDivergence", 1, 0, outputs=2),
         transition(2, 1, condition="x"),
@@ -146,7 +146,7 @@ def test_7_jump_behind_a_convergence() -> None:
         jump(5, "A", 4),
     )
     assert links(found) == [(["A"], ["A"])] * 2
-    assert said == []
+    assert codes == []
 
 
 @pytest.mark.parametrize("name", ALL)

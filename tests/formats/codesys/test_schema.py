@@ -1,4 +1,4 @@
-"""Validation of CODESYS and TwinCAT files: what hides in foreign data is checked where it stands."""
+"""Validation of CODESYS and TwinCAT files: what hides in foreign data is checked where it is."""
 
 from __future__ import annotations
 

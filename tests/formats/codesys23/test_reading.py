@@ -260,7 +260,7 @@ def test_a_guessed_code_page_says_how_sure_it_is() -> None:
 def test_damaged_files_are_read_and_come_back(number: int) -> None:
     """A file that ends early, lacks a line, or has one twice: never an error of Python, and no byte is lost.
 
-    `partial`, as an edit may not fit into such a text, and a transition that leads nowhere is not written anew.
+    `partial`, as an edit may not fit into such a text, and a transition that leads nowhere is not written again.
     """
     data = BELT.read_bytes()
     lines = data.splitlines(keepends=True)

@@ -1,4 +1,4 @@
-"""Whatever happens to a text, it is read or refused with an error of ours, and what was read comes back."""
+"""Whatever happens to a text, it is read or refused with an error of this package, and what was read comes back."""
 
 from __future__ import annotations
 

@@ -278,7 +278,7 @@ def test_a_block_that_feeds_two_conditions_is_called_once() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("path", [p for p in FILES if WHOLE or p.name in SAMPLE], ids=lambda path: path.name)
 def test_fixtures_compile_but_where_they_cannot(path: Path, tmp_path: Path) -> None:
-    """The report on a text that is refused tells what stands in it for nothing, or is declared nowhere."""
+    """The report on a text that is refused tells what is in it for nothing, or is declared nowhere."""
     matiec = require_matiec()
     data, report = sfc.convert(accepting(sfc.load(path)), "iec-text", flavour="matiec", partial=True)
     text = data.decode()

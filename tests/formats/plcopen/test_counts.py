@@ -25,7 +25,7 @@ GUIDS = {
 
 
 def objects(thing: object) -> Iterator[BaseModel]:
-    """Every object of a model, wherever it stands."""
+    """Every object of a model, wherever it is."""
     if isinstance(thing, BaseModel):
         yield thing
         for name in type(thing).model_fields:
@@ -141,8 +141,8 @@ def test_as_many_objects_as_elements(path: Path) -> None:
     # what CODESYS says of steps
     steps = [one for one in found if isinstance(one, m.Step)]
     for name, guid in GUIDS.items():
-        said = count(f"p:step//attribute[@guid='{guid}'][normalize-space()]")
-        assert sum(getattr(step, name) is not None for step in steps) == said, name
+        counted = count(f"p:step//attribute[@guid='{guid}'][normalize-space()]")
+        assert sum(getattr(step, name) is not None for step in steps) == counted, name
 
 
 @pytest.mark.parametrize("path", params(1))

@@ -1,4 +1,4 @@
-"""Program text that stands in ``<ST>`` itself, as old versions of Beremiz write it."""
+"""Program text that is in ``<ST>`` itself, as old versions of Beremiz write it."""
 
 from __future__ import annotations
 

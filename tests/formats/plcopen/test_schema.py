@@ -25,7 +25,7 @@ SFC = '/project/types/pous/pou[@name="Main"]/body/SFC'
 
 
 def document(body: str = "", *, version: str = "2.01", interface: str = "", end: str = "", pou: str = "") -> bytes:
-    """A small project; `interface` stands in line 10, `body` in line 12, `pou` in line 14 and `end` in line 18."""
+    """A small project; `interface` is in line 10, `body` in line 12, `pou` in line 14 and `end` in line 18."""
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <project xmlns="{NAMESPACES[version]}">
 <fileHeader companyName="" productName="" productVersion="" creationDateTime="2024-01-31T08:30:00"/>

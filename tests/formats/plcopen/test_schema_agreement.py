@@ -49,8 +49,8 @@ def version_name(root: etree._Element) -> str | None:
 def hoist(root: etree._Element) -> etree._Element:
     """Move POUs and data types out of foreign data to where TC6 wants them: a schema looks at them only there."""
     space = f"{{{etree.QName(root).namespace}}}"
-    for tag, home in (("pou", "pous"), ("dataType", "dataTypes")):
-        place = root.find(f"{space}types/{space}{home}")
+    for tag, parent in (("pou", "pous"), ("dataType", "dataTypes")):
+        place = root.find(f"{space}types/{space}{parent}")
         for data in list(root.iter(f"{space}data")) if place is not None else ():
             for hidden in data.findall(f"{space}{tag}"):
                 data.getparent().remove(data)

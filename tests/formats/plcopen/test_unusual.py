@@ -17,7 +17,7 @@ DEVICE = """<data name="http://www.3s-software.com/plcopenxml/device" handleUnkn
 
 
 def test_descriptions_of_devices_are_no_errors() -> None:
-    """They are data of the vendor: a schema of ours can only warn."""
+    """They are data of the vendor: a schema of this package can only warn."""
     text = (FIXTURES / "codesys" / "device_export.xml").read_bytes().decode("utf-8-sig")
     place = text.index("<addData>", text.index("<resource")) + len("<addData>")
     data = (text[:place] + DEVICE + text[place:]).encode()

@@ -90,11 +90,11 @@ def test_fixtures_come_back_byte_for_byte_and_anew_as_an_equal_model(path: Path)
     assert project.source is not None
     assert project.source.format == "scl"
     assert sfc.dumps(project) == path.read_bytes()
-    anew = sfc.dumps(project, fresh=True)
-    assert b"plcopen_sfc" not in anew
-    back = sfc.loads(anew)
+    fresh = sfc.dumps(project, fresh=True)
+    assert b"plcopen_sfc" not in fresh
+    back = sfc.loads(fresh)
     assert back == in_order_of(project, back)  # what a block names comes before it
-    assert sfc.dumps(sfc.loads(anew), fresh=True) == anew
+    assert sfc.dumps(sfc.loads(fresh), fresh=True) == fresh
 
 
 @pytest.mark.corpus
@@ -108,9 +108,9 @@ def test_the_sources_of_the_corpus_come_back() -> None:
         assert len(project.pous) == 1, path
         assert sfc.check_syntax(project) == [], path
         assert sfc.dumps(project) == path.read_bytes(), path
-        anew = sfc.dumps(project, fresh=True)
-        assert b"plcopen_sfc" not in anew, path
-        assert sfc.loads(anew) == project, path
+        fresh = sfc.dumps(project, fresh=True)
+        assert b"plcopen_sfc" not in fresh, path
+        assert sfc.loads(fresh) == project, path
 
 
 @pytest.mark.parametrize(
@@ -178,10 +178,10 @@ def test_what_cannot_be_read_is_kept_and_reported() -> None:
     ]
     assert [pou.name for pou in project.pous] == ["a", "b"]
     assert sfc.dumps(project) == BROKEN
-    anew = sfc.loads(sfc.dumps(project, fresh=True, partial=True))
+    fresh = sfc.loads(sfc.dumps(project, fresh=True, partial=True))
     for text in ("y ! Int;", "what is this?", "METHOD m"):
         assert text in sfc.dumps(project, fresh=True, partial=True).decode("utf-8-sig")
-    assert [pou.name for pou in anew.pous] == ["a", "b"]
+    assert [pou.name for pou in fresh.pous] == ["a", "b"]
 
 
 @pytest.mark.parametrize("count", range(1, 60))
@@ -213,8 +213,8 @@ def test_whatever_a_source_holds_it_is_kept(what: str) -> None:
     project = sfc.loads(data, format="scl")
     assert (project.diagnostics == ()) is (what == "one long line")
     assert sfc.dumps(project) == data
-    anew = sfc.dumps(project, fresh=True)
-    assert sfc.loads(anew, format="scl") == project
+    fresh = sfc.dumps(project, fresh=True)
+    assert sfc.loads(fresh, format="scl") == project
 
 
 ORDERED = """PROGRAM Main

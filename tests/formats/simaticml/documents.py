@@ -22,7 +22,7 @@ def real_documents() -> tuple[Path, ...]:
 
 
 def is_document(path: Path) -> bool:
-    """Whether a file is a whole document."""
+    """True if a file is a whole document."""
     try:
         return bool(parsed(path.read_bytes()).tag == "Document")
     except etree.XMLSyntaxError:

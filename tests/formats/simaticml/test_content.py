@@ -38,17 +38,17 @@ CASES = (
 )
 
 
-@pytest.mark.parametrize(("code", "data", "old", "new", "said"), CASES)
-def test_a_contradiction_is_said_and_kept(code: str, data: bytes, old: str, new: str, said: str) -> None:
+@pytest.mark.parametrize(("code", "data", "old", "new", "message"), CASES)
+def test_a_contradiction_is_said_and_kept(code: str, data: bytes, old: str, new: str, message: str) -> None:
     changed = damaged(data, old, new)
     project = sfc.loads(changed, format="simaticml")
     project.read_all()
     found = [d for d in project.diagnostics if d.code == code]
     assert found
-    assert any(said in d.message for d in found)
+    assert any(message in d.message for d in found)
     assert all(d.location is not None and d.location.line for d in found)
     assert sfc.dumps(project) == changed
-    if code != "SFC101":  # one of the two gets another number in a document that is written anew
+    if code != "SFC101":  # one of the two gets another number in a document that is written again
         assert not lost(changed, sfc.dumps(project, fresh=True))
 
 

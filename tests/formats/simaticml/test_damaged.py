@@ -50,7 +50,7 @@ def mutants(data: bytes, count: int, seed: int) -> list[bytes]:
 def lost(data: bytes, fresh: bytes) -> Counter[tuple[str, str]]:
     """Names of elements with what they say, but for running numbers and what is empty, that are no longer there."""
 
-    def said(content: bytes) -> Counter[tuple[str, str]]:
+    def findings(content: bytes) -> Counter[tuple[str, str]]:
         found: Counter[tuple[str, str]] = Counter()
         for element in parsed(content).iter(etree.Element):
             name = etree.QName(element).localname
@@ -60,7 +60,7 @@ def lost(data: bytes, fresh: bytes) -> Counter[tuple[str, str]]:
                 found[name, " ".join([*marks, text])] += 1
         return found
 
-    return said(data) - said(fresh)
+    return findings(data) - findings(fresh)
 
 
 @pytest.mark.slow
@@ -76,7 +76,7 @@ def test_mutants_are_read_or_refused(path: Path) -> None:
         loaded += 1
         assert sfc.dumps(project) == data
         if any(d.code == "SFC101" for d in project.diagnostics):
-            continue  # two of one number: a document that is written anew gives one of them another
+            continue  # two of one number: a document that is written again gives one of them another
         fresh = sfc.dumps(project, fresh=True)
         again = sfc.loads(fresh)
         assert sfc.dumps(again, fresh=True) == fresh

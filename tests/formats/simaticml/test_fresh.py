@@ -76,7 +76,7 @@ def last(fact: Fact) -> str:
 
 
 class WrittenDocument:
-    """A document, and the one that is written anew from its model."""
+    """A document, and the one that is written again from its model."""
 
     def __init__(self, path: Path) -> None:
         self.path = path

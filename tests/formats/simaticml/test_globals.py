@@ -61,8 +61,8 @@ def test_lists_of_global_variables_are_data_blocks(target: str) -> None:
     assert value(seen) == value(project) == 42
     back = sfc.loads(content, format=target)
     assert back.data_blocks == []
-    home = sfc.loads(sfc.dumps(back, format="codesys"))
-    assert list(differences(home.applications, project.applications)) == []
+    there = sfc.loads(sfc.dumps(back, format="codesys"))
+    assert list(differences(there.applications, project.applications)) == []
 
 
 def test_others_are_tags_and_constants() -> None:

@@ -98,7 +98,7 @@ def test_renaming_a_variable_changes_one_line(path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("path", those_with(rb'<Part Name="Contact"'))
 def test_the_operand_of_a_contact(path: Path) -> None:
-    """In a network that we write as TIA Portal does, the edit is the operand; any other is written anew."""
+    """In a network that we write as TIA Portal does, the edit is the operand; any other is written again."""
     data = path.read_bytes()
     project = sfc.loads(data)
     bodies = [body for _, _, body in project.bodies() if isinstance(body, LdBody | FbdBody)]

@@ -1,4 +1,4 @@
-"""Objects of a document are read when somebody looks at them, and nobody notices."""
+"""Objects of a document are read when a script first looks at them, and no script sees that."""
 
 from __future__ import annotations
 

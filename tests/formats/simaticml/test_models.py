@@ -160,7 +160,7 @@ def projects(draw: st.DrawFn) -> Project:
     )
 
 
-def said(project: Project) -> dict[str, object]:
+def content_of(project: Project) -> dict[str, object]:
     """The content of a project, but for ids, drawings and additions of the format."""
     block = project.pou("Ablauf")
     chart = block.sfc
@@ -199,9 +199,9 @@ def said(project: Project) -> dict[str, object]:
 @settings(deadline=None, max_examples=8)
 @given(project=projects())
 def test_a_random_model_comes_back(project: Project) -> None:
-    wanted = said(project)
+    wanted = content_of(project)
     again = sfc.loads(sfc.dumps(project, format="simaticml", tia="V21"))
-    found = said(again)
+    found = content_of(again)
     for part, value in wanted.items():
         assert found[part] == value, part
     assert sfc.loads(sfc.dumps(again, fresh=True)) == again

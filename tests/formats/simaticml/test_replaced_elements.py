@@ -267,7 +267,7 @@ class TestExcludedSteps:
 
 
 @pytest.mark.parametrize(
-    ("pattern", "new", "said"),
+    ("pattern", "new", "message"),
     [
         (
             '<Component Name="a" />',
@@ -277,9 +277,9 @@ class TestExcludedSteps:
         ('Text="#q" />', 'Text="#r" />', "step S1: what a comment keeps of the actions"),
     ],
 )
-def test_a_warning_says_what_a_comment_keeps_in_vain(pattern: str, new: str, said: str) -> None:
+def test_a_warning_says_what_a_comment_keeps_in_vain(pattern: str, new: str, message: str) -> None:
     assert outdated(converted()) == []
-    assert outdated(converted().replace(pattern, new)) == [f"FB Main / {said}"]
+    assert outdated(converted().replace(pattern, new)) == [f"FB Main / {message}"]
 
 
 ENUMERATIONS = """TYPE Mode : (Off, Auto, Manual) := Auto; END_TYPE

@@ -49,10 +49,10 @@ def test_tia_portal_sees_the_result_and_its_type() -> None:
     assert back.pous[0].interface.return_type == m.ElementaryType(name=m.Elementary.REAL)
     assert [s.kind for s in back.pous[0].interface.sections] == [m.SectionKind.INPUT]
     assert "#Scale := " in back.pous[0].bodies[0].text  # type: ignore[union-attr]
-    home = sfc.loads(sfc.dumps(back, format="codesys"))
+    there = sfc.loads(sfc.dumps(back, format="codesys"))
     texts = [pou.bodies[0].text for pou in project.pous]  # type: ignore[union-attr]
     named = [text.replace("Scale(w, 30.0)", "Scale(raw := w, top := 30.0)") for text in texts]  # as S7 wants it
-    assert [pou.bodies[0].text for pou in home.pous] == named  # type: ignore[union-attr]
+    assert [pou.bodies[0].text for pou in there.pous] == named  # type: ignore[union-attr]
 
 
 def box_of_scale() -> m.FbdBody:

@@ -70,7 +70,7 @@ def test_the_line_is_that_of_the_file_also_inside_of_a_part() -> None:
     assert "/Graph/Sequence" in (finding.location.path or "")
 
 
-def test_a_part_without_its_namespace_is_said() -> None:
+def test_a_part_without_its_namespace_is_told() -> None:
     text = (FIXTURES / "FC_Release.xml").read_text(encoding="utf-8-sig")
     bare = text.replace(' xmlns="http://www.siemens.com/automation/Openness/SW/NetworkSource/FlgNet/v5"', "")
     assert bare != text

@@ -65,8 +65,8 @@ def test_start_values_of_elements_come_back(array: tuple[str, Values]) -> None:
 def test_runs_are_repeated_and_gaps_have_no_value() -> None:
     variable = read(member("Array[0..1, 1..3] of Int", {(0, 1): "7", (0, 2): "7", (1, 3): "9"}))
     assert isinstance(variable.initial, ArrayValue)
-    said = [(item.repetitions, item.value.text) for item in variable.initial.items if item.value.kind == "simple"]
-    assert said == [("2", "7"), ("3", None), (None, "9")]
+    items = [(item.repetitions, item.value.text) for item in variable.initial.items if item.value.kind == "simple"]
+    assert items == [("2", "7"), ("3", None), (None, "9")]
 
 
 @pytest.mark.parametrize(

@@ -75,7 +75,7 @@ def test_instances_of_user_blocks_are_called_by_their_block() -> None:
 @pytest.mark.slow
 @pytest.mark.corpus
 def test_texts_of_the_corpus() -> None:
-    """As another reader reads them; written anew they are the same text, most of them in the same tokens."""
+    """As another reader reads them; written again they are the same text, most of them in the same tokens."""
     outcomes: Counter[str] = Counter()
     for path in real_documents():
         for element in parsed(path.read_bytes()).iter("{*}StructuredText"):

@@ -117,7 +117,7 @@ def test_a_step_that_is_put_in_changes_no_other_element(path: Path) -> None:
     transition.targets = [free]
     data = sfc.dumps(project)
     gone = [line for line in changed(path.read_bytes(), data) if line.startswith("-")]
-    assert len(gone) <= 9, gone  # a jump may be drawn anew: it has the numbers of four elements
+    assert len(gone) <= 9, gone  # a jump may be drawn again: it has the numbers of four elements
     back = next(iter(sfc.loads(data).charts())).chart
     assert {step.name for step in back.steps} == {step.name for step in chart.steps}
     assert sorted(back.labels().values()) == sorted(chart.labels().values())

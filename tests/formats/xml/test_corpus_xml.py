@@ -49,7 +49,7 @@ def _roots(sources: list[tuple[Path, bytes]]) -> list[tuple[Path, bytes, etree._
 
 
 def _is_cut_out(small: str, large: str) -> bool:
-    """Whether one piece cut out of `large` leaves `small`."""
+    """True if one piece cut out of `large` leaves `small`."""
     (change,) = text_edits(small.replace("\n", " "), large.replace("\n", " "))
     return change.start == change.end
 

@@ -1,4 +1,4 @@
-"""Markup of TC6 in SimaticML files and the reverse: put away, and taken out again on the way home."""
+"""Markup of TC6 in SimaticML files and the reverse: kept as data, and markup again in a file of its format."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ def holds_text(annotation: Any) -> bool:
 
 
 def is_text(annotation: Any) -> bool:
-    """Whether a field holds a text, or a list or table of texts."""
+    """True if a field holds a text, or a list or table of texts."""
     return holds_text(annotation) and "Literal" not in str(annotation)
 
 

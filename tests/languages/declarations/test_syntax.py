@@ -1,4 +1,4 @@
-"""The grammar of declarations: what stands at the outermost level, words that are names, and errors."""
+"""The grammar of declarations: what is at the outermost level, words that are names, and errors."""
 
 from __future__ import annotations
 

@@ -88,6 +88,6 @@ def lines(result: NetworkStatements, dialect: Dialect = Dialect.IEC) -> list[str
     return print_node(result.tree).splitlines()
 
 
-def said(result: NetworkStatements) -> list[str]:
+def told(result: NetworkStatements) -> list[str]:
     """The problems, each with its severity and element."""
     return [str(problem) for problem in result.problems]

@@ -115,7 +115,7 @@ comparisons = st.one_of(
     st.builds(lambda a, b, c: call("GT", a, b, c), number_variables, numbers, number_variables),
 )
 booleans = st.recursive(boolean_variables | boolean_variables | truths | comparisons, _booleans, max_leaves=12)
-"""Boolean expressions with everything that stands in conditions."""
+"""Boolean expressions with everything that is in conditions."""
 
 pure_booleans = st.recursive(
     st.sampled_from([name(text) for text in "abcde"]) | truths,

@@ -125,7 +125,7 @@ def test_nothing_is_lost_silently(network: LogicNetwork) -> None:
     excused: dict[int, bool] = {}
 
     def is_there(node: Node) -> bool:
-        """Whether the text names the element, a problem does, or one of all that take its value."""
+        """True if the text names the element, a problem does, or one of all that take its value."""
         if node.id in told or f"n{node.id}" in words or isinstance(node, LeftPowerRail | RightPowerRail):
             return True
         if node.id not in excused:

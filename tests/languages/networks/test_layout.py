@@ -58,7 +58,7 @@ def absolute(node: Node, pin: InputPin | OutputPin) -> Point:
 
 
 def crosses(a: Point, b: Point, area: Box) -> bool:
-    """Whether a level or upright line goes through the inside of a box."""
+    """True if a level or upright line goes through the inside of a box."""
     left, right = sorted((a[0], b[0]))
     top, bottom = sorted((a[1], b[1]))
     return left < area[2] and right > area[0] and top < area[3] and bottom > area[1]

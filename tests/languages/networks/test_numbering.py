@@ -1,10 +1,10 @@
-"""Networks of one body in which ids start anew, as TIA Portal writes them."""
+"""Networks of one body in which ids start again, as TIA Portal writes them."""
 
 from __future__ import annotations
 
 from plcopen_sfc.languages.networks.network_reading import network_statements
 from plcopen_sfc.model import LogicNetwork
-from tests.languages.networks.build import coil, contact, lines, rail, said
+from tests.languages.networks.build import coil, contact, lines, rail, told
 
 
 def rung(result: str, condition: str, source: int = 22) -> LogicNetwork:
@@ -16,7 +16,7 @@ def test_each_network_has_ids_of_its_own() -> None:
     before = [network.model_copy(deep=True) for network in networks]
     result = network_statements(networks)
     assert lines(result) == ["x := a;", "y := b;"]
-    assert said(result) == []
+    assert told(result) == []
     assert networks == before
 
 

@@ -27,7 +27,7 @@ from plcopen_sfc.model.network import (
     Storage,
     VendorElement,
 )
-from tests.languages.networks.build import block, coil, contact, lines, output, pin, rail, read, said, variable
+from tests.languages.networks.build import block, coil, contact, lines, output, pin, rail, read, told, variable
 
 CODESYS = Dialect.CODESYS
 
@@ -122,7 +122,7 @@ def test_helpers_are_locals_in_scl() -> None:
 def test_negated_and_edge_together_is_an_assumption() -> None:
     result = read(rail(), contact(1, "a", 0, negated=True, edge=Edge.RISING), coil(2, "x", 1))
     assert lines(result) == ["edge_1(CLK := NOT a);", "x := edge_1.Q;"]
-    assert said(result) == [
+    assert told(result) == [
         "warning: element 1: it is negated and watches for an edge: taken as the edge of the negated value"
     ]
 
@@ -202,7 +202,7 @@ def test_feedback_through_nothing_that_keeps_a_value_needs_a_helper() -> None:
     result = read(variable(1, "a"), block(2, "OR", {"IN1": 1, "IN2": (2, "OUT")}, "OUT"), output(3, "x", (2, "OUT")))
     assert lines(result) == ["last_2 := a OR last_2;", "x := last_2;"]
     assert result.helpers == (Helper("last_2", None, True),)
-    assert said(result) == [
+    assert told(result) == [
         "warning: element 2: its value feeds what it depends on; last_2 keeps it from the last cycle"
     ]
 
@@ -252,13 +252,13 @@ def test_calls_of_function_blocks() -> None:
         "Counter(CU := Timers.First.Q, RESET := a);",
     ]
     assert result.instances == {"Timers.First": "TON", "Counter": "CTU"}
-    assert said(result) == ["info: element 6: its input 'PV' is not connected and keeps its value"]
+    assert told(result) == ["info: element 6: its input 'PV' is not connected and keeps its value"]
 
 
 def test_a_function_block_without_an_instance_gets_one() -> None:
     result = read(variable(1, "a"), block(2, "R_TRIG", {"CLK": 1}, "Q"), output(3, "x", 2))
     assert lines(result) == ["r_trig_2(CLK := a);", "x := r_trig_2.Q;"]
-    assert said(result) == ["warning: element 2: R_TRIG has no instance here; r_trig_2 is one"]
+    assert told(result) == ["warning: element 2: R_TRIG has no instance here; r_trig_2 is one"]
 
 
 def test_parameters_that_go_in_and_out() -> None:
@@ -323,7 +323,7 @@ def test_a_negation_at_the_contact_and_at_the_pin_is_suspicious() -> None:
     box.parameters.inputs[0].negated = True
     result = read(rail(), contact(1, "a", 0, negated=True), box)
     assert lines(result) == ["IF a THEN", "    Stop();", "END_IF;"]
-    assert said(result) == [
+    assert told(result) == [
         "warning: element 2: its input 'EN' is negated, and so is contact 1 before it; both are counted"
     ]
 
@@ -484,13 +484,13 @@ def test_unknown_blocks_are_a_problem_where_the_project_is_known() -> None:
     nodes = [variable(1, "a"), block(2, "Foo", {"IN": 1}, "OUT"), output(3, "x", (2, "OUT"))]
     assert not read(*nodes).problems
     assert not read(*nodes, known={"foo"}).problems
-    assert said(read(*nodes, known=set())) == [
+    assert told(read(*nodes, known=set())) == [
         "error: element 2: the block 'Foo' is neither of the project nor standard"
     ]
 
 
 def test_ids_that_are_used_twice_are_a_problem() -> None:
-    assert "error: element 1: another element has this id too" in said(read(variable(1, "a"), output(1, "x", 1)))
+    assert "error: element 1: another element has this id too" in told(read(variable(1, "a"), output(1, "x", 1)))
 
 
 def test_comments_and_titles_are_kept() -> None:
@@ -508,14 +508,14 @@ def test_comments_and_titles_are_kept() -> None:
 
 def test_the_right_power_rail_does_nothing() -> None:
     result = read(rail(), contact(1, "a", 0), RightPowerRail(id=2, inputs=[pin(1)]))
-    assert said(result) == ["error: element 1: its value leads nowhere"]
+    assert told(result) == ["error: element 1: its value leads nowhere"]
     assert result.open_ends[0][0] == 1
 
 
 def test_an_output_that_a_block_does_not_have() -> None:
     result = read(variable(1, "a"), block(2, "TON", {"IN": 1}, "Q", "ET", instance="t"), output(3, "x", (2, "x")))
     assert lines(result) == ["t(IN := a);", "x := t.Q;"]
-    assert said(result) == [
+    assert told(result) == [
         "warning: element 3: a wire starts at the output 'x' of element 2, which TON does not have; taken as 'Q'"
     ]
 
@@ -525,7 +525,7 @@ def test_flip_flops_of_s7_keep_their_state_in_a_variable() -> None:
     parts = [variable(1, "a"), variable(2, "b"), variable(3, "m"), output(9, "y", (4, "Q1"))]
     result = read(*parts, block(4, "RS", inputs, "Q1"))
     assert lines(result) == ["m := (a OR m) AND NOT b;", "y := m;"]
-    assert said(result) == []
+    assert told(result) == []
     sets_win = {"S1": 1, "R": 2, "operand": 3}
     assert lines(read(*parts, block(4, "SR", sets_win, "Q1"))) == ["m := a OR m AND NOT b;", "y := m;"]
     only_set = {"S": 1, "R1": None, "operand": 3}
@@ -549,7 +549,7 @@ def test_edge_contacts_of_s7_watch_their_operand_whether_power_reaches_them_or_n
     assert lines(falling) == ["value_4 := NOT a AND m;", "m := a;", "y := go AND value_4;"]
     at_rail = read(*parts, block(4, "PContact", {**pins, "pre": 0}, "out"))
     assert lines(at_rail)[-1] == "y := value_4;"
-    assert said(rising) == said(falling) == []
+    assert told(rising) == told(falling) == []
 
 
 def test_edge_coils_of_s7_pass_on_what_comes_to_them() -> None:
@@ -559,19 +559,19 @@ def test_edge_coils_of_s7_pass_on_what_comes_to_them() -> None:
     assert lines(rising) == ["value_4 := go AND NOT m;", "m := go;", "pulse := value_4;", "y := go;"]
     falling = read(*parts[:4], block(4, "NCoil", pins, "out"))
     assert lines(falling) == ["value_4 := NOT go AND m;", "m := go;", "pulse := value_4;"]
-    assert said(rising) == said(falling) == []
+    assert told(rising) == told(falling) == []
 
 
 def test_an_edge_element_of_s7_without_its_memory_is_a_problem() -> None:
     result = read(rail(), variable(2, "a"), block(4, "PContact", {"pre": 0, "operand": 2}, "out"))
-    assert "error: element 4: PContact has no operand, or none for its edge" in said(result)
+    assert "error: element 4: PContact has no operand, or none for its edge" in told(result)
 
 
 def test_inc_and_dec_of_s7_change_their_operand() -> None:
     parts = [rail(), contact(1, "go", 0), variable(2, "n"), coil(9, "y", (4, "ENO"))]
     result = read(*parts, block(4, "Inc", {"EN": 1, "operand": 2}, "ENO"))
     assert lines(result) == ["IF go THEN", "    n := n + 1;", "END_IF;", "y := go;"]
-    assert said(result) == []
+    assert told(result) == []
     always = read(variable(2, "n"), block(4, "Dec", {"operand": 2}))
     assert lines(always) == ["n := n - 1;"]
 
@@ -581,7 +581,7 @@ def test_a_comparison_in_a_ladder_of_s7_is_a_contact() -> None:
     compare = block(5, "EQ", {"pre": 2, "in1": 3, "in2": 4}, "out")
     result = read(rail(), power, left, right, compare, coil(6, "y", (5, "out")), dialect=Dialect.SCL)
     assert lines(result, Dialect.SCL) == ["y := go AND x = 5;"]
-    assert said(result) == []
+    assert told(result) == []
     at_rail = block(5, "EQ", {"pre": 0, "in1": 3, "in2": 4}, "out")
     assert lines(read(rail(), left, right, at_rail, coil(6, "y", (5, "out")))) == ["y := x = 5;"]
 
@@ -589,5 +589,5 @@ def test_a_comparison_in_a_ladder_of_s7_is_a_contact() -> None:
 def test_a_pin_that_a_standard_block_does_not_have_is_a_problem() -> None:
     parts = [variable(1, "a"), variable(2, "b"), variable(3, "c"), output(9, "y", (4, "OUT"))]
     result = read(*parts, block(4, "EQ", {"IN1": 1, "IN2": 2, "gate": 3}, "OUT"))
-    assert "error: element 4: EQ has no input 'gate'" in said(result)
+    assert "error: element 4: EQ has no input 'gate'" in told(result)
     assert not result.complete

@@ -52,9 +52,9 @@ def test_values_come_back(value: Any) -> None:
 @pytest.mark.slow
 @many
 @given(fields, fields)
-def test_changes_lead_from_what_is_said_to_what_is_meant(said: dict[str, Any], meant: dict[str, Any]) -> None:
-    result = copy.deepcopy(said)
-    for change in changes(said, meant):
+def test_changes_lead_from_what_is_said_to_what_is_meant(written: dict[str, Any], meant: dict[str, Any]) -> None:
+    result = copy.deepcopy(written)
+    for change in changes(written, meant):
         again = parse_change(str(change))
         assert again == change
         apply(result, again)
@@ -93,7 +93,7 @@ def test_what_is_no_value_is_an_error_with_its_place(text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "meant", "lines"),
+    ("written", "meant", "lines"),
     [
         ({}, {"max_time": "T#5s"}, ["max_time := 'T#5s'"]),
         ({"negated": False}, {"negated": True}, ["negated := TRUE FOR FALSE"]),
@@ -124,8 +124,8 @@ def test_what_is_no_value_is_an_error_with_its_place(text: str) -> None:
         ),
     ],
 )
-def test_one_line_for_each_thing_left_unsaid(said: Any, meant: Any, lines: list[str]) -> None:
-    assert [str(change) for change in changes(said, meant)] == lines
+def test_one_line_for_each_thing_left_unsaid(written: Any, meant: Any, lines: list[str]) -> None:
+    assert [str(change) for change in changes(written, meant)] == lines
 
 
 def test_a_change_for_another_text_is_stale() -> None:

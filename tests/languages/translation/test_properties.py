@@ -135,7 +135,7 @@ def _in_dialect(node: Node, dialect: Dialect) -> Node:
             return node
 
 
-def said(tree: Node) -> Node:
+def meaning_of(tree: Node) -> Node:
     """A program without parentheses; a power is one, however it is written."""
     return without_parentheses(transform(tree, _power))
 
@@ -156,7 +156,7 @@ def test_a_program_says_the_same_in_any_dialect(pair: tuple[Dialect, Dialect], t
     found = translate_tree(in_dialect(tree, source), source, target, CONTEXT)
     assert found.notes == ()
     assert found.parsed.problems == ()
-    assert said(found.parsed.tree) == said(in_dialect(tree, target)), found.text
+    assert meaning_of(found.parsed.tree) == meaning_of(in_dialect(tree, target)), found.text
 
 
 @pytest.mark.slow

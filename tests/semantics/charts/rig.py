@@ -55,7 +55,7 @@ class Rig:
         self._scans = 0
 
     def scan(self, times: int = 1, **values: Any) -> Rig:
-        """Set variables and run some scans; the clock stands at 0 in the first."""
+        """Set variables and run some scans; the clock is at 0 in the first."""
         for name, value in values.items():
             self[name.replace("__", ".")] = value
         for _ in range(times):
@@ -88,7 +88,7 @@ class Rig:
 
 
 def _split(variables: str) -> list[tuple[str, str]]:
-    """``"a b:INT"``: BOOL where no type stands."""
+    """``"a b:INT"``: BOOL without a type."""
     return [(name, type_) for name, _, type_ in (word.partition(":") for word in variables.split())]
 
 

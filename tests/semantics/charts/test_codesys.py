@@ -258,7 +258,7 @@ def test_a_second_timeout_waits_until_the_first_is_quitted() -> None:
     bench.scan(3, SFCQuitError=True)
     assert (bench["SFCError"], bench["SFCErrorStep"]) == (False, "")
     bench.scan(SFCQuitError=False)
-    assert bench["B.t"] == 0, "the times of active steps start anew"
+    assert bench["B.t"] == 0, "the times of active steps start again"
     assert bench["SFCError"] is False
     assert bench.scan(2)["SFCError"] is True
 

@@ -1,4 +1,4 @@
-"""Programs of real projects: every body is translated or refused with a reason, and runs without an error of ours."""
+"""Programs of real projects: every body is translated or refused with a reason, and runs without an own error."""
 
 from __future__ import annotations
 
