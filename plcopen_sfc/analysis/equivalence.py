@@ -310,7 +310,7 @@ class _Compared:
             return False
         if profile.grafcet_terms:
             return True
-        if first.chart is None or second.chart is None or profile.initial_situation_held:
+        if first.chart is None or second.chart is None:
             return False
         names = {step.name.casefold(): step.initial for step in first.chart.steps}
         entered = second.chart.outgoing(second.chart.initial_steps[0])[0].targets
@@ -404,7 +404,9 @@ class _Compared:
 
     def _delay(self, left: ProgramSystem, right: ProgramSystem, delay: Delay) -> None:
         """Have both sides begin and be compared as a delay has it."""
-        later_start = int(self.passes_start and right.profile.order is not ScanOrder.TRANSITIONS_FIRST)
+        # without retiming, a first that tests no transition in its first scan is in step already
+        is_late = delay.retimed or not self.profiles[0].initial_situation_held
+        later_start = int(is_late and self.passes_start and right.profile.order is not ScanOrder.TRANSITIONS_FIRST)
         earlier, later = (left, right) if delay.queued > 0 else (right, left)
         count = abs(delay.queued)
         if delay.retimed:
@@ -616,7 +618,7 @@ class _Attempt:
 def _has_start(pou: Pou) -> bool:
     """True if a chart begins with a step that does nothing but lead to several others at once.
 
-    Actions that one of these stores, too, are no matter: they are executed in every scan, as the logic of a chart is.
+    Actions that it stores are no matter: they are executed in every scan, as the logic of a chart is.
     """
     initial = pou.chart.initial_steps if pou.chart is not None else []
     if pou.chart is None or len(initial) != 1:
@@ -624,9 +626,7 @@ def _has_start(pou: Pou) -> bool:
     leaving = pou.chart.outgoing(initial[0])
     if len(leaving) != 1 or len(leaving[0].targets) < 2 or pou.chart.incoming(initial[0]):
         return False
-    after = [each for step in pou.chart.steps if step.id in leaving[0].targets for each in step.actions]
-    stored = {each.target for each in after if each.qualifier is Qualifier.S}
-    if any(each.qualifier is not Qualifier.S or each.target not in stored for each in initial[0].actions):
+    if any(each.qualifier is not Qualifier.S for each in initial[0].actions):
         return False
     condition = leaving[0].condition
     return isinstance(condition, Expression) and condition.text.strip().upper() == "TRUE" and not condition.negated

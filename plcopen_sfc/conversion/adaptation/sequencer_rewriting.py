@@ -161,9 +161,10 @@ class PermanentRewriter:
 
     @property
     def _first(self) -> Step | None:
-        """The step that is active from the start in the source."""
+        """The step that is active from the start: of the source, or the one that several of them begin with."""
+        own = next((step for step in self._chart.steps if step.initial), None)
         initial = next((step for step in self._rewriting.source.steps if step.initial), None)
-        return next((step for step in self._chart.steps if initial is not None and step.id == initial.id), None)
+        return own or next((step for step in self._chart.steps if initial is not None and step.id == initial.id), None)
 
     def rewrite(self) -> None:
         """Change the chart; what is not executed, or at another time, is in the report."""
@@ -191,7 +192,7 @@ class PermanentRewriter:
 
     def _edges(self, body: StBody) -> None:
         """Let the edges of inputs be computed before the actions of the steps, which read them."""
-        initial = next((step for step in self._chart.steps if step.initial), None) or self._first
+        initial = self._first
         if initial is None:
             return  # nothing is ever executed
         own = self._effects(body)
