@@ -110,7 +110,7 @@ def judged(path: Path, target: str, *, limit: float) -> Judged | None:
 def _seen(report: ConversionReport, chart: str) -> tuple[str, str]:
     """Return the column of a chart that was run, and why it is there."""
     told, verdict = report.compared.get(chart, ""), verdict_of(report, chart)
-    if verdict is ChartVerdict.DIFFERENT:
+    if verdict in (ChartVerdict.DIFFERENT, ChartVerdict.SHIFTED):
         items = [item.why for item in report.losses if (item.what, item.path) == ("chart", chart)]
         why = items[0] if items else told
         unknown = "; look at " in why and not _OTHER_RULES.search(told)

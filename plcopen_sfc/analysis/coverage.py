@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -16,9 +16,11 @@ from plcopen_sfc.analysis.unreachable import Unreachable
 from plcopen_sfc.languages.st import parse_condition, print_node
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model import conditions
-from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.actions import ActionEvent, Qualifier
+from plcopen_sfc.model.sfc import ActionAssociation
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
-from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
+from plcopen_sfc.semantics.charts.graph.graph_parameters import OPERATING
+from plcopen_sfc.semantics.charts.graph.graph_program import SWITCHES, GraphProgram
 from plcopen_sfc.semantics.charts.step_state import ActionOrigin
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.programs.marks import MarkedBranch
@@ -32,6 +34,11 @@ _DELAYED = (Qualifier.D, Qualifier.SD, Qualifier.DS)
 _LIMITED = (Qualifier.L, Qualifier.SL)
 
 _UNDECIDED = ("can never decide it", "never decided it")
+
+_REGISTERING = frozenset({"reg_ef", "reg_s"})
+_NO_EVENT = "the event R1, which nothing registers (proven)"
+_SWITCHING = frozenset(name.casefold() for name in OPERATING) - {"ack_ef"} - _REGISTERING
+"""Operating inputs of S7-GRAPH that switch steps, or have something else than conditions switch them."""
 
 Key = tuple[str, str, int, str]
 """A part that can be reached: the chart or text that it is in, its name, a number where names are not unique, and the
@@ -371,15 +378,30 @@ def unreachable_in(
     never: Sequence[Expression] = (),
     is_late: Callable[[], bool] = lambda: False,
 ) -> Unreachable:
-    """Return the unreachable parts; of sequencers of S7-GRAPH and charts with forcing orders that is not known.
+    """Return the unreachable parts; where other things than transitions switch steps, none are known.
 
-    Of code that does the same as a chart see `Tally.coverage`.
+    These are forcing orders, and in S7-GRAPH actions and operating inputs that do not rest. Of code that does the same
+    as a chart see `Tally.coverage`.
     """
     charts = _charts(system)
     fired = {name: chart.reached.transitions for name, chart in charts}
-    known = not any(isinstance(each, GraphProgram) or each.net.hierarchy for _, each in charts)
+    known = not any(each.net.hierarchy or _is_operated(system, each) for _, each in charts)
     nets = {name: each.net for name, each in charts} if known else {}
     return Unreachable(system, nets, fired, chart, never, is_late=is_late)
+
+
+def _is_operated(system: ProgramSystem, chart: ChartProgram | GraphProgram) -> bool:
+    """True if inputs or actions of a sequencer may switch its steps."""
+    if not isinstance(chart, GraphProgram):
+        return False
+    rows = (row for step in chart.net.steps for row in step.step.actions)
+    return _are_operated(system, _SWITCHING) or any(row.qualifier in SWITCHES for row in rows)
+
+
+def _are_operated(system: ProgramSystem, names: Set[str]) -> bool:
+    """True if a block declares one of some operating inputs (lower case), and it does not rest."""
+    declared = {variable.name.casefold() for variable in system.subject.pou.variables()}
+    return not declared & names <= {name for name, value in system.fixed.items() if not value}
 
 
 class _Reasons:
@@ -413,6 +435,8 @@ class _Reasons:
             never = self._never_true(ASSIGNMENT, key)
             if never:
                 return Unreached(kind, shown, f"needs {never}, never TRUE (proven)", impossible=True)
+            if self._waits_for_nothing(name, label):
+                return Unreached(kind, shown, f"needs {_NO_EVENT}", impossible=True)
             why = f"needs {_quoted(condition)}, never reached" if condition else "the code around it was not executed"
             return Unreached(kind, shown, why, impossible=self._complete, follows=not condition and self._has_unentered)
         net = self._nets[name]
@@ -482,6 +506,8 @@ class _Reasons:
             return f"needs step {step}, never entered", False
         if association is None:
             return f"step {step} never executed it", False
+        if self._never_comes(association):
+            return f"needs {_NO_EVENT}", True
         condition = association_condition(association, self._system.subject.project.dialect)
         if condition is not None and self._unreachable.is_impossible([condition], self._system.subject.pou.chart):
             return f"needs {_quoted(print_node(condition))}, never TRUE (proven)", True
@@ -501,6 +527,18 @@ class _Reasons:
         if association.event is not None:
             needs.append(f"the event {association.event}")
         return f"step {step} never executed it" + (f", needs {' and '.join(needs)}" if needs else ""), False
+
+    def _never_comes(self, association: ActionAssociation) -> bool:
+        """True if an action depends on an event that only inputs make which nothing operates."""
+        return association.event is ActionEvent.R1 and not _are_operated(self._system, _REGISTERING)
+
+    def _waits_for_nothing(self, owner: str, assignment: str) -> bool:
+        """True if an assignment is the value of actions of a step, and their events never come."""
+        steps = (
+            step for name, net in self._nets.items() for step in net.steps if owner == f"{name} / step {step.path}"
+        )
+        rows = [row for step in steps for row in step.step.actions if f"{row.target} := {row.value};" == assignment]
+        return bool(rows) and all(map(self._never_comes, rows))
 
     def _never_true(self, kind: str, key: Key) -> str:
         """Return the condition that is needed and never TRUE, in words; empty: that is not proven."""

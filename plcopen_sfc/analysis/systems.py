@@ -552,6 +552,11 @@ class ProgramSystem:
         return (*self._observe(), self._calls()) if self._observes_calls else self._observe()
 
     @property
+    def fixed(self) -> Mapping[str, Value]:
+        """The inputs that keep a value, by their names in lower case."""
+        return self._fixed
+
+    @property
     def unknown(self) -> tuple[str, ...]:
         """The functions and blocks that are called, and that the project does not have."""
         blocks = self._controller.library.unknown

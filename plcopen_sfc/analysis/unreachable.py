@@ -8,15 +8,17 @@ transitions are looked at in turn until nothing more is found to be possible.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from datetime import date
 from functools import cached_property
 
 from plcopen_sfc.analysis.exclusivity import condition_of
 from plcopen_sfc.analysis.formulas import Formula, JudgedCondition
-from plcopen_sfc.analysis.knowledge import ProjectKnowledge
+from plcopen_sfc.analysis.knowledge import ProjectKnowledge, constant_of
 from plcopen_sfc.analysis.marking import MarkingGraph
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.languages.binding import bind, names_in, texts_in
+from plcopen_sfc.languages.binding.name_scopes import parameters_of
 from plcopen_sfc.languages.binding.symbols import inside
 from plcopen_sfc.languages.networks.wires import inverted
 from plcopen_sfc.languages.st import nodes as n
@@ -24,6 +26,8 @@ from plcopen_sfc.languages.st import parse_condition, print_node, walk
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.chart_settings import SfcFlag
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
 from plcopen_sfc.model.types import PointerType
 from plcopen_sfc.model.variables import SectionKind
@@ -66,6 +70,7 @@ class Unreachable:
         self._fixed: set[str] = set()
         self._graphs: dict[str, MarkingGraph] = {}
         self._never_said: set[str] = set()
+        self._inputs_given: dict[str, Mapping[str, bool | int | float | str | date]] = {}
         main = [body for body in self._pou.bodies if isinstance(body, SfcBody)]
         if nets and len(main) == len(self._pou.bodies) == 1:
             self._find()
@@ -109,8 +114,34 @@ class Unreachable:
             return False
         if called is None:
             return self._is_impossible(trees, chart, self._fixed)
-        formula = Formula(self._system.subject.project.dialect, self._knowledge.at(self._system.called_pous()[called]))
-        return formula.is_impossible(formula.terms([JudgedCondition(tree) for tree in trees]), {})
+        pou = self._system.called_pous()[called]
+        formula = Formula(self._system.subject.project.dialect, self._knowledge.at(pou))
+        terms = formula.terms([JudgedCondition(tree) for tree in trees])
+        given = self._given(pou) if pou.kind is PouKind.FUNCTION else {}
+        return formula.is_impossible(terms, {text: given.get(text.lstrip("#").casefold()) for text in formula.names()})
+
+    def _given(self, function: Pou) -> Mapping[str, bool | int | float | str | date]:
+        """Return the inputs (lower case) to which all calls of a function give the same literal, with their values."""
+        if function.name not in self._inputs_given:
+            self._inputs_given[function.name] = self._constant_inputs(function)
+        return self._inputs_given[function.name]
+
+    def _constant_inputs(self, function: Pou) -> dict[str, bool | int | float | str | date]:
+        project, name = self._system.subject.project, function.name.casefold()
+        texts = [text for pou in project.pous if pou is not function for text in texts_in(pou, project.dialect)]
+        nodes = [node for text in texts for tree in text.trees for node in walk(tree)]
+        calls = [node for node in nodes if isinstance(node, n.Call) and _variable(node.callee) == name]
+        if len(calls) != sum(use.name.casefold() == name for text in texts for use in text.uses):
+            return {}  # a box calls it, too, or a text that cannot be read
+        changed = [path for body in function.bodies for path in bind(body, project.dialect).effects.writes]
+        order = [variable.name.casefold() for variable in parameters_of(function.interface)]
+        found = {}
+        for variable in function.variables(SectionKind.INPUT):
+            key = variable.name.casefold()
+            given = {_given_value(call, key, order.index(key), project.dialect) for call in calls}
+            if len(given) == 1 and not any(not path or path[0].casefold() == key for path in changed):
+                found[key] = given.pop()
+        return {key: value for key, value in found.items() if value is not None}
 
     def is_never_tested(self, name: str, transition: NetTransition, tree: Expression) -> bool:
         """True if `tree` is FALSE wherever a chart of this name tests the condition of a transition."""
@@ -198,7 +229,7 @@ class Unreachable:
         possible: dict[str, set[int]] = {name: set() for name in self._nets}
         never: dict[str, set[int]] = {name: set() for name in self._nets}
         executed = {""}
-        said: set[str] = set()
+        said = self._always_said()
         # Each round only adds: an action that is executed names further ones and writes further variables, so fewer are
         # fixed and fewer conditions are never TRUE. It starts with nothing executed: two actions that only call each
         # other must not keep each other alive.
@@ -231,6 +262,15 @@ class Unreachable:
                 dead |= {step.index for step in self._graph(name).unreachable_steps or ()}
             self.steps[name] = dead
             self.transitions[name] = never[name] | {t.index for t in net.transitions if set(t.sources) & dead}
+
+    def _always_said(self) -> set[str]:
+        """The names in what every scan may execute: permanent instructions, and conditions that do something."""
+        chart = self._pou.chart
+        owners: list[Model] = [*chart.permanent_pre, *chart.permanent_post] if chart is not None else []
+        for net in self._nets.values():
+            owners += [each.transition for each in net.transitions if self._condition(each) is None]
+        owners += self._pou.transitions if owners else []
+        return set().union(*map(self._changing_names, owners))
 
     def _names(self, *owners: Model | None) -> set[str]:
         dialect = self._system.subject.project.dialect
@@ -335,6 +375,20 @@ def _entered(net: Net, never: set[int]) -> set[int]:
                 possible.update(transition.targets)
         growing = len(possible) > before
     return possible
+
+
+def _variable(tree: n.Expression) -> str | None:
+    """Return the name (lower case) that an expression is."""
+    return tree.identifier.casefold() if isinstance(tree, n.Name) else None
+
+
+def _given_value(call: n.Call, name: str, place: int, dialect: Dialect) -> bool | int | float | str | date | None:
+    """Return the value of the literal that a call gives an input; None: it gives something else, or nothing."""
+    named = [each.value for each in call.arguments if each.name is not None and each.name.identifier.casefold() == name]
+    by_place = [each.value for each in call.arguments if each.name is None][place : place + 1]
+    value = next(iter(named or by_place), None)
+    constant = constant_of(value, dialect, None) if value is not None else None
+    return constant.value if constant is not None else None
 
 
 def _variables(tree: Expression) -> Iterator[str]:

@@ -249,11 +249,10 @@ def _read_inputs(example: Counterexample, chart: Chart) -> Iterator[str]:
 
 def told_apart(example: Counterexample, profiles: tuple[Profile, Profile], tool: str) -> str:
     """Return why tools differ that are equal with actions that see earlier inputs, and a first scan at rest."""
-    held = _told_held(profiles, tool)
-    if held and len(example.inputs) <= _FIRST_SCANS:  # actions that see other inputs need a step that was entered
-        return held
-    early = _acting_early(profiles, tool)
-    return f"; {early}" if early else held
+    held, early = _told_held(profiles, tool), _acting_early(profiles, tool)
+    if len(example.inputs) > _FIRST_SCANS and early:  # actions that see other inputs need a step that was entered
+        held = ""
+    return held + (f"; {early}" if early else "")
 
 
 def _acting_early(profiles: tuple[Profile, Profile], tool: str) -> str:

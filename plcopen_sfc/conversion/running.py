@@ -58,6 +58,10 @@ _CAP, _RUNS, _SCANS = 2_000, 10, 100
 _LONGER = 10
 """Times the runs of a second comparison, where the first one has not reached all and time is left."""
 
+_IN_IT = "; what the report names as approximated is in it"
+SHIFTED = "the same but for the inputs that actions see, and the first scan"
+"""Begin of the verdict on a chart that does the same in both tools if its actions get the same inputs."""
+
 _APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, FIRST_SCAN, CHART_OF_ACTION, ORDER_OF_ACTIONS, FALLING_EDGE}
 _APART |= {SELECTION, ARITHMETIC, BOOLEAN_ACTIONS, "retain", "address", "interval", "max time", "maximum time"}
 """Losses beside which a run shows more: what operates a chart rests, nothing looks at addresses or times of tasks, and
@@ -122,10 +126,11 @@ def report_running(
         if run is None:
             continue
         held = "" if run.verdict.equal else _told_while_held(compared, run, losses if named else report.losses, end)
-        if named:
+        if run.verdict.kind is VerdictKind.UNTESTED:
+            seen, *unreached = str(run.verdict).splitlines()
+            _note_untested(report, there.report_path, seen + (_IN_IT if named else ""), *unreached)
+        elif named:
             report.compared[there.report_path] = run.told_with(losses, held)
-        elif run.verdict.kind is VerdictKind.UNTESTED:
-            _note_untested(report, there.report_path, *str(run.verdict).splitlines())
         else:
             _report_run(report, run, held)
         if run.as_run.counterexample is not None:
@@ -240,14 +245,23 @@ class _Run(NamedTuple):
     profiles: tuple[Profile, Profile]
     tool: str
 
+    @property
+    def seen(self) -> str:
+        """The verdict in one line."""
+        line = str(self.as_run).splitlines()[0]
+        if self.as_run.equal or not self.verdict.equal:
+            return line
+        return f"{SHIFTED}: {str(self.verdict).splitlines()[0]}; else {line}"
+
     def told_with(self, losses: Sequence[Item], held: str) -> str:
         """Return the verdict on a chart in which the report names something as approximated; see `_told_while_held`."""
         example = self.as_run.counterexample
-        told = str(self.as_run).splitlines()[0]
+        told = self.seen
         if example is not None:
-            rule = told_apart(example, self.profiles, self.tool) if self.verdict.equal else held
-            told = self.told(example, losses, rule)
-        return f"{told}; what the report names as approximated is in it"
+            is_shifted = self.verdict.equal
+            rule = told_apart(example, self.profiles, self.tool) if is_shifted else ""
+            told = f"{told}{rule}" if is_shifted else self.told(example, losses, held)
+        return told + _IN_IT
 
     def told(self, example: Counterexample, losses: Sequence[Item], rule: str = "") -> str:
         """Return a difference in words, with its cause, which is the `rule` of a tool where one is given."""
@@ -257,9 +271,7 @@ class _Run(NamedTuple):
 def _report_run(report: ConversionReport, run: _Run, held: str) -> None:
     """Report the verdict on a chart of which the report names no loss; `held`: see `_told_while_held`."""
     verdict, as_run, path = run.verdict, run.as_run, run.place.report_path
-    report.compared[path] = str(as_run).splitlines()[0]
-    if not as_run.equal and verdict.equal:
-        report.compared[path] += "; the same but for the inputs that actions see, and the first scan"
+    report.compared[path] = run.seen
     if verdict.proven:
         usual = 1 if run.profiles[1].order is ScanOrder.ACTIONS_FIRST else 0  # a later result passed other situations
         if abs(verdict.delay.scans) <= usual:

@@ -7,6 +7,7 @@ from datetime import date
 from enum import StrEnum
 from hashlib import sha256
 
+from plcopen_sfc.conversion.running import SHIFTED
 from plcopen_sfc.documents.sources import FileSource, FolderSource
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import Project
@@ -24,6 +25,7 @@ class ChartVerdict(StrEnum):
 
     SAME = "the same"
     DELAYED = "the same, a scan later"
+    SHIFTED = "the same but for the scan of inputs"
     DIFFERENT = "differs"
     UNTESTED = "not all was reached"
     NOT_RUN = "not compared"
@@ -41,6 +43,8 @@ def verdict_of(report: ConversionReport, path: str) -> ChartVerdict:
     found = report.compared.get(path)
     if found is None or found.startswith(("not run", "not compared")):
         return ChartVerdict.NOT_RUN
+    if found.startswith(SHIFTED):
+        return ChartVerdict.SHIFTED
     if found.startswith(("different", "it does something else")):
         return ChartVerdict.DIFFERENT
     if path in report.untested or not found.startswith("equal"):

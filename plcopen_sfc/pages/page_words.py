@@ -99,6 +99,7 @@ _GERMAN = {
     "charts": "Ablaufketten",
     "condition missing": "Bedingung fehlt",
     "delayed": "verz\u00f6gert",
+    "the same but for the scan of inputs": "gleich bis auf den Zyklus der Eingänge",
     "differs": "verschieden",
     "dropped": "weggelassen",
     "enclosed": "eingeschlossen",

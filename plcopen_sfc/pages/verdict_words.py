@@ -92,9 +92,10 @@ _HEADS = {
     ),
     "not run: {}": "nicht ausgeführt: {}",
     "what the report names as approximated is in it": "was der Bericht angenähert nennt, ist darin enthalten",
-    "the same but for the inputs that actions see, and the first scan": (
-        "dasselbe bis auf die Eingänge, die Aktionen sehen, und den ersten Zyklus"
+    "the same but for the inputs that actions see, and the first scan: {+}": (
+        "dasselbe bis auf die Eingänge, die Aktionen sehen, und den ersten Zyklus: {}"
     ),
+    "else {+}": "sonst {}",
     "it is not known to do the same": "ob es dasselbe tut, ist nicht bekannt",
     "only if something outside writes {}": "nur wenn etwas außerhalb {} schreibt",
     "while they keep their start values, both do the same": "solange sie ihre Startwerte behalten, tun beide dasselbe",
@@ -225,6 +226,7 @@ _COVERAGE = {
     "needs {&}, never TRUE": "braucht {}, nie TRUE",
     "needs step {}, never entered": "braucht Schritt {}, nie aktiviert",
     "needs step {}, unreachable": "braucht Schritt {}, nicht erreichbar",
+    "needs the event R1, which nothing registers": "braucht das Ereignis R1, das nichts registriert",
     "step {} only resets it": "Schritt {} setzt sie nur zurück",
     "step {} never executed it": "Schritt {} hat sie nie ausgeführt",
     "step {} never executed it, needs {+}": "Schritt {} hat sie nie ausgeführt, braucht {}",

@@ -11,7 +11,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.lowering.proof import prove
-from plcopen_sfc.model import Project, StBody, conditions
+from plcopen_sfc.model import ActionAssociation, ActionEvent, Project, Qualifier, StBody, conditions
 from plcopen_sfc.semantics.subjects import resolve
 
 
@@ -500,6 +500,63 @@ def test_what_a_transition_with_priority_excludes_is_not_demanded(condition: str
     text = text.replace("FROM S2 TO S3 := b;", "FROM S2 TO S1 := b;")
     found = equivalent(*[sfc.loads(text.encode(), format="iec-text")] * 2, "iec", cap=20, runs=20, scans=40)
     assert never.items() <= {each.name: each.why for each in found.coverage[0].unreached if each.impossible}.items()
+
+
+GUARDED = """FUNCTION_BLOCK Main VAR_INPUT a, b : BOOL; {} END_VAR VAR_OUTPUT n : INT; END_VAR
+INITIAL_STEP S1: END_STEP STEP S2: END_STEP STEP S3: END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION (PRIORITY := 1) FROM S2 TO S1 := NOT b; END_TRANSITION
+TRANSITION (PRIORITY := 2) FROM S2 TO S3 := NOT b AND a; END_TRANSITION
+TRANSITION FROM S3 TO S1 := a; END_TRANSITION
+END_FUNCTION_BLOCK"""
+
+
+@pytest.mark.parametrize(
+    ("declared", "switches", "is_proven"),
+    [("", False, True), ("ACK_EF : BOOL;", False, True), ("S_ON : BOOL;", False, False), ("", True, False)],
+)
+def test_what_nothing_reaches_in_a_sequencer_is_not_demanded(declared: str, switches: bool, is_proven: bool) -> None:
+    """It was not known of any sequencer of S7-GRAPH, though only some have steps that other things switch."""
+    main = sfc.loads(GUARDED.format(declared).encode(), format="iec-text").pou("Main")
+    assert main.chart is not None
+    if switches:
+        row = ActionAssociation(id=99, qualifier=Qualifier.ON, target="S3", event=ActionEvent.S1)
+        main.chart.step("S1").actions.append(row)
+    found = equivalent(main, main, "s7graph", cap=2, runs=2, scans=10)
+    told = {each.name: each.why for each in found.coverage[0].unreached if each.impossible}
+    assert ("S3" in told) is is_proven, str(found)
+
+
+@pytest.mark.parametrize(("declared", "is_proven"), [("", True), ("REG_S : BOOL;", False)])
+def test_what_an_event_does_that_nothing_makes_is_not_demanded(declared: str, is_proven: bool) -> None:
+    main = sfc.loads(GUARDED.format(declared).encode(), format="iec-text").pou("Main")
+    assert main.chart is not None
+    row = ActionAssociation(id=99, qualifier=Qualifier.N, target="n", value="3", event=ActionEvent.R1)
+    main.chart.step("S2").actions.append(row)
+    found = equivalent(main, main, "s7graph", cap=2, runs=2, scans=10)
+    told = [each.why for each in found.coverage[0].unreached if each.kind in ("action", "assignment")]
+    assert (told == ["needs the event R1, which nothing registers (proven)"] * 2) is is_proven, str(found)
+
+
+@pytest.mark.parametrize(
+    ("calls", "is_proven"),
+    [
+        ("q := Chosen(k := 1); p := Chosen(1);", True),
+        ("q := Chosen(k := 1); p := Chosen(k := n);", False),
+        ("q := Chosen(k := 1); p := Chosen(k := 2);", False),
+    ],
+)
+def test_what_all_calls_of_a_function_exclude_is_not_demanded(calls: str, is_proven: bool) -> None:
+    text = f"""FUNCTION Chosen : BOOL VAR_INPUT k : INT; END_VAR
+    IF k = 7 THEN Chosen := FALSE; ELSE Chosen := TRUE; END_IF; END_FUNCTION
+    PROGRAM Main VAR_INPUT n : INT; END_VAR VAR_OUTPUT q, p : BOOL; END_VAR {calls} END_PROGRAM"""
+    swapped = text.replace(
+        "k = 7 THEN Chosen := FALSE; ELSE Chosen := TRUE", "k <> 7 THEN Chosen := TRUE; ELSE Chosen := FALSE"
+    )
+    one, other = (sfc.loads(each.encode(), format="iec-text").pou("Main") for each in (text, swapped))
+    found = equivalent(one, other, "iec", cap=1, runs=2, scans=5)
+    told = {each.name: each.why for each in found.coverage[0].unreached if each.impossible}
+    assert (told.get("Chosen: Chosen := FALSE;") == "needs `k = 7`, never TRUE (proven)") is is_proven, str(found)
 
 
 @pytest.mark.parametrize(

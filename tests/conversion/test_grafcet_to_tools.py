@@ -262,12 +262,13 @@ EXCLUSIVE = {
 
 EQUAL, LATER, FIRST = "equal (proof", "equal, second 1 scan later (proof", {FIRST_SCAN}
 DIFFERENT, REFUSED, UNPROVEN = "different", "not compared", "equal in "
+SHIFTED = "the same but for the inputs that actions see, and the first scan: equal"
 TEXTBOOK: dict[tuple[str, bool], dict[str, tuple[str, set[str]]]] = {
     ("four_steps", False): dict.fromkeys(["plcopen", "codesys", "codesys23"], (DIFFERENT, {STABILITY}))
     | {"simaticml": (DIFFERENT, {STABILITY, FIRST_SCAN}), "beremiz": (DIFFERENT, {STABILITY})},
     ("four_steps", True): {
         **dict.fromkeys(["plcopen", "iec-text", "beremiz"], (EQUAL, set())),
-        **dict.fromkeys(["codesys", "codesys-export", "twincat", "codesys23"], (DIFFERENT, set())),
+        **dict.fromkeys(["codesys", "codesys-export", "twincat", "codesys23"], (SHIFTED, set())),
         "simaticml": (EQUAL, FIRST),
     },
     ("two_cylinders", False): dict.fromkeys(
@@ -298,13 +299,13 @@ TEXTBOOK: dict[tuple[str, bool], dict[str, tuple[str, set[str]]]] = {
     },
     ("belt", False): {
         **dict.fromkeys(["plcopen", "beremiz"], (UNPROVEN, {STABILITY})),
-        "codesys": (DIFFERENT, {STABILITY}),
-        "simaticml": (DIFFERENT, {STABILITY, FIRST_SCAN}),
+        "codesys": (SHIFTED, {STABILITY}),
+        "simaticml": (SHIFTED, {STABILITY, FIRST_SCAN}),
     },
 }
 """Verdicts on the charts of the books in each tool: as the page on the format has it. True: with conditions that
 exclude each other; with those of the book the machine passes steps."""
-ALIKE = {"selection", "press", "belt"}
+ALIKE = {"selection", "press"}
 """Charts that differ by the search for stability alone."""
 SAMPLE = ("plcopen", "codesys", "simaticml", "beremiz")
 
@@ -338,7 +339,7 @@ def test_textbook_charts_in_every_tool(name: str, exclusive: bool, form: str) ->
     assert lost >= told
     if verdict in (EQUAL, LATER):
         assert lost == told
-    elif verdict == DIFFERENT:  # told with what shows it
+    elif verdict in (DIFFERENT, SHIFTED):  # told with what shows it
         assert "chart" in lost
 
 

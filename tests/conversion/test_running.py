@@ -11,7 +11,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.conversion.running import report_running
+from plcopen_sfc.conversion.running import SHIFTED, report_running
 from plcopen_sfc.errors import LossError, SfcError
 from plcopen_sfc.pages.conversion_overview import ChartVerdict, verdict_of
 from plcopen_sfc.pages.report_words import german
@@ -95,7 +95,7 @@ def test_inputs_of_the_entry_and_of_the_first_scan_are_no_constant_delay(
     (item,) = [item for item in report.losses if item.what == "chart"]
     assert item.outcome is Outcome.APPROXIMATED
     assert why in item.why
-    assert report.compared["POU Main"].startswith("different")  # a proof beside that would say the opposite
+    assert report.compared["POU Main"].startswith(SHIFTED)  # a proof alone would say the opposite
     assert german(item.why).startswith("es tut nach ")
 
 
@@ -150,7 +150,7 @@ END_FUNCTION_BLOCK
 def test_an_input_that_a_called_block_reads_is_no_constant_delay(call: str, value: str, reads_input: bool) -> None:
     project = sfc.loads(CALLED.format(call=call, value=value).encode(), format="iec-text")
     report = saved(project, "codesys")
-    assert report.compared["POU Main"].startswith("different" if reads_input else "equal, second 1 scan later")
+    assert report.compared["POU Main"].startswith(SHIFTED if reads_input else "equal, second 1 scan later")
     assert ["CODESYS executes the actions before" in item.why for item in report.losses] == [True] * reads_input
 
 

@@ -9,6 +9,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.conversion.running import SHIFTED
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.report import Outcome
 from tests.conversion.features import FEATURES, Feature, FeatureChart, drawn, feature_project
@@ -158,6 +159,32 @@ def test_events_and_acknowledgements_run_as_in_the_source(number: int, fields: d
         assert verdict is not None
         assert verdict.proven, verdict
         assert list(differences(source, as_file(sfc.loads(data, format=target)))) == []
+
+
+@pytest.mark.parametrize("target", ["codesys", pytest.param("plcopen-2.01", marks=pytest.mark.slow)])
+def test_several_sequences_do_the_same_behind_the_step_that_begins_them(target: str) -> None:
+    """What is executed in every scan begins with the step Start: no chart with it was compared from there on."""
+
+    def build(rig: FeatureChart) -> None:
+        rig.chart.permanent_pre.append(m.PermanentOperation(body=drawn("#r := NOT #g;", "LD", m.Dialect.SCL)))
+        rig.act("Work", "q")
+        rig.chart.step("Work").supervision = m.Supervised(condition=m.Expression(text="#g"))
+        rig.chart.graph_settings = m.GraphSettings(acknowledge_errors_required=True)
+        rig.declare(m.SectionKind.INPUT, m.Variable.model_validate({"name": "ACK_EF", "type": "BOOL"}))
+        rig.chart.add_step("Dark", initial=True)
+        rig.chart.add_step("Bright")
+        rig.chart.add_transition("Dark", "Bright", "#b")
+        rig.chart.add_transition("Bright", "Dark", "NOT #b")
+
+    source = as_file(feature_project(Feature("sequences", ("simaticml",), build), "simaticml"))
+    data, report = sfc.convert(source, target, limit=20)
+    chart = sfc.loads(data, format=target, as_tool=True).pou("Main").chart
+    assert chart is not None
+    initial = chart.initial_steps[0]
+    if target == "codesys":
+        assert {row.target for row in initial.actions} == {"A_edges_of_inputs", "before_sequence"}
+    (verdict,) = report.compared.values()
+    assert verdict.removeprefix(f"{SHIFTED}: ").startswith("equal"), verdict
 
 
 @pytest.mark.parametrize("target", TARGETS)

@@ -28,7 +28,8 @@ LINES = (
     "different after 2 scans (shortest input trace, scan time T#250ms)",
     "different after 2 scans (an input trace, compared with the first 1 scan later, scan time T#250ms); "
     "what the report names as approximated is in it",
-    "equal (proof: 5 states, all inputs); the same but for the inputs that actions see, and the first scan",
+    "the same but for the inputs that actions see, and the first scan: equal, second 1 scan later (proof: 5 states, "
+    "all inputs); else different after 2 scans (shortest input trace)",
     "not reached: step Release: needs `xQuit or b and c; d`, never reached",
     "not reached: steps A, B and 3 more: no transition leads to it from what was reached",
     "not reached: assignment F.x: y := 1: needs `a: b` and `c`, never TRUE (proven)",
@@ -42,6 +43,7 @@ LINES = (
     "covered on both sides: 5 of 6 steps, 4 of 6 transitions, 1 of 1 actions",
     "covered: 5 of 6 steps; 3 of 3 assignments, 4 of 4 outcomes of comparisons",
     "unreachable (proven)",
+    "needs the event R1, which nothing registers (proven)",
     "needs `a AND b`, never reached (proven)",
     "needs `a`, never reached or needs the condition of T1, never reached",
     "it does something else after 3 scans: M is TRUE in the source and FALSE in CODESYS; A, B and 3 more "
