@@ -61,7 +61,7 @@ class _Start:
         return self.literal is not None or bool(self.parts)
 
     def shown(self, path: str = "") -> Iterator[str]:
-        """The values as people read them."""
+        """Yield the values as people read them."""
         if self.literal is not None:
             yield f"{path} = {self.text}" if path else self.text
         for name, part in self.parts:
@@ -89,12 +89,12 @@ class StartValues:
         return Meaning.of(found, ", ".join(found.shown())) if found else None
 
     def of_value(self, value: Value | None) -> Meaning | None:
-        """A value that counts instead of another, so that the usual one is one too."""
+        """Return a value that counts instead of another, so that the usual one is one too."""
         found = _Start() if value is None else self._plain(value, named=True)
         return Meaning.of(found, ", ".join(found.shown())) if found else None
 
     def _of(self, type_: DataType, given: Sequence[Value], depth: int) -> _Start:
-        """The start of something of a type, of which the declarations say this much, the nearest first."""
+        """Return the start of something of a type, of which the declarations say this much, the nearest first."""
         given = [value for value in given if not (isinstance(value, SimpleValue) and not (value.text or "").strip())]
         if depth > _DEEPEST:
             return _Start()
@@ -173,7 +173,7 @@ class StartValues:
         return _Start(parts=tuple(parts))
 
     def _plain(self, value: Value, *, named: bool = False) -> _Start:
-        """A value as it is written; `named`: of a type that nothing declares, whose usual value is unknown."""
+        """Return a value as it is written; `named`: of a type that nothing declares, whose usual value is unknown."""
         if isinstance(value, StructValue):
             members = sorted(value.members, key=lambda each: each.member.casefold())
             parts = tuple((each.member.casefold(), self._plain(each.value, named=True)) for each in members)
@@ -195,7 +195,10 @@ def _members(given: Sequence[Value], name: str) -> list[Value]:
 
 
 def _runs(value: Value) -> Iterator[tuple[int, int, Value]]:
-    """The values of an array: the place of the first, how many, and the value. One value is for the first element."""
+    """Yield the values of an array: the place of the first, how many, and the value.
+
+    One value is for the first element.
+    """
     place = 0
     for item in value.items if isinstance(value, ArrayValue) else ():
         count = number_of(item.repetitions) if item.repetitions is not None else 1
@@ -289,7 +292,7 @@ def add_kept(whole: Part, project: Project, text_sites: Iterable[TextSite], tool
 
 
 def _units(extension_data: ExtensionData | None) -> Iterator[list[tuple[str, str]]]:
-    """Declarations of each unit that is kept as text: the unit first, then what is in it, by keyword and name."""
+    """Yield declarations of each unit that is kept as text: the unit first, then what is in it, by keyword and name."""
     for data in extension_data.data if extension_data is not None else ():
         place, text = unwrapped(data.content) or ("", "")
         if place == "unit":
@@ -297,7 +300,7 @@ def _units(extension_data: ExtensionData | None) -> Iterator[list[tuple[str, str
 
 
 def _bases(project: Project) -> Iterator[tuple[str, str]]:
-    """The names behind EXTENDS and IMPLEMENTS, with where they stand."""
+    """Yield the names behind EXTENDS and IMPLEMENTS, with where they are."""
     for declaration in project.data_types:
         if base := kept(declaration.extension_data).get("extends"):
             yield base, declaration.report_path

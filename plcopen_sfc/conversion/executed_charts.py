@@ -69,7 +69,7 @@ class Around(Protocol):
     added_functions: dict[str, Pou]
 
     def named(self, node: n.Node, result: str = "") -> n.Node:
-        """A name as all tools could have it."""
+        """Return a name as all tools could have it."""
 
     def code(self, body: Body | None, result: str = "") -> Meaning | None:
         """Meaning of a body."""
@@ -81,7 +81,7 @@ class Around(Protocol):
         """The kind of an input that operates the chart of a block: whether anything operates it, if not known."""
 
     def flags_at_rest(self, pou: Pou, flags: Iterable[SfcFlag]) -> set[SfcFlag]:
-        """Those flags of the charts of a POU that nothing uses."""
+        """Return those flags of the charts of a POU that nothing uses."""
 
     def tell_comment(self, part: Part, thing: Element) -> None:
         """Note the comment and the title of something, where they are wanted."""
@@ -112,7 +112,7 @@ class ExecutedChartReader:
         self._read_condition = condition_reader(chart, owner.dialect, transitions=pou.transitions)
 
     def condition_of(self, condition: Condition) -> NetworkExpression:
-        """A condition as an expression in which names of lists of global variables are left out."""
+        """Return a condition as an expression in which names of lists of global variables are left out."""
         found = self._read_condition(condition)
         named = self.owner.named
         tree = transform(found.tree, named) if found.tree is not None else None
@@ -210,7 +210,7 @@ class ExecutedChartReader:
         part.tell("code", code)
 
     def _function(self, body: Body | None) -> Pou | None:
-        """The function added for an action that a row does nothing but call, with the variables of the block."""
+        """Return the function added for an action that a row does nothing but call, with the variables of the block."""
         if not isinstance(body, StBody) or not self.owner.added_functions:
             return None
         statements = parse_statements(body.text, self.owner.dialect).tree.statements
@@ -419,7 +419,7 @@ class ExecutedChartReader:
         return isinstance(tree, n.Literal) and tree.text.upper() == "FALSE" and not found.before
 
     def _waiting(self, transition: Transition) -> Meaning | None:
-        """The condition together with the minimum times of the steps that a transition leaves."""
+        """Return the condition together with the minimum times of the steps that a transition leaves."""
         condition = transition.condition
         sources = [step for step in self.timed if step.id in transition.sources]
         if condition is None or not sources:
@@ -524,7 +524,7 @@ def _shown_name(condition: NamedCondition) -> str:
 
 
 def _executed_by(step: Step) -> Iterator[str]:
-    """The names of what a step executes, in every association and step action; assignments share no control."""
+    """Yield the names of what a step executes, in every association and step action; assignments share no control."""
     targets = (row.target for row in step.actions if row.value is None)
     for action in (*targets, step.entry_action, step.main_action, step.exit_action):
         if isinstance(action, str):
@@ -532,7 +532,7 @@ def _executed_by(step: Step) -> Iterator[str]:
 
 
 def _same_name(argument: n.Argument) -> str:
-    """The name of a parameter, in lower case, that gets the variable of the same name; empty for any other."""
+    """Return the name of a parameter, in lower case, that gets the variable of the same name; empty for any other."""
     named, value = argument.name, argument.value
     same = (
         named is not None and isinstance(value, n.Name) and value.identifier.casefold() == named.identifier.casefold()

@@ -117,7 +117,7 @@ class Part:
     _counts: dict[tuple[str, str], int] = field(default_factory=dict, repr=False, compare=False)
 
     def steps_named(self, name: str) -> list[Part]:
-        """The steps of a chart that have a plain name."""
+        """Return the steps of a chart that have a plain name."""
         if self._steps_of != len(self.parts):
             self._steps_of, self._steps = len(self.parts), {}
             for key, part in self.parts.items():
@@ -131,7 +131,7 @@ class Part:
             self.aspects[aspect] = meaning
 
     def add(self, kind: str, name: str, path: str, subject: NamedObject | None = None) -> Part:
-        """A new part inside this one; the name of a transition is made of plain names of steps."""
+        """Return a new part inside this one; the name of a transition is made of plain names of steps."""
         plain = name if kind == "transition" else plain_name(name)
         number = self._counts.get((kind, plain), 0)
         self._counts[kind, plain] = number + 1
@@ -140,12 +140,12 @@ class Part:
 
 
 def plain_name(name: str) -> str:
-    """A name to compare, as all tools could spell it: they know different quotes and signs in names."""
+    """Return a name to compare, as all tools could spell it: they know different quotes and signs in names."""
     return shown_name(name).casefold()
 
 
 def shown_name(name: str) -> str:
-    """The same name with its upper and lower case."""
+    """Return the same name with its upper and lower case."""
     return _SIGNS.sub("_", name.replace('"', "").removeprefix("#"))
 
 
@@ -153,5 +153,5 @@ _SIGNS = re.compile(r"(?:[^\w.]|_)+")
 
 
 def duration_meaning(text: str | None) -> Meaning | None:
-    """A time as it is compared; None where there is none."""
+    """Return a time as it is compared; None where there is none."""
     return literal_meaning(text) if text and text.strip() else None

@@ -252,7 +252,7 @@ class _Reader:
                 part.tell("program", Meaning.of(program.name.casefold(), program.name))
 
     def named(self, node: n.Node, result: str = "") -> n.Node:
-        """A name as all tools could have it: without the list of a global variable; a result is ``Ret_Val``."""
+        """Return a name as all tools could have it: without the list of a global variable; a result is ``Ret_Val``."""
         if self.detail is Detail.WRITTEN:
             return node
         if (
@@ -274,19 +274,19 @@ class _Reader:
         return n.Name(node.identifier) if isinstance(node, n.Name) and node.quoting is not n.Quoting.NONE else node
 
     def _number(self, text: str) -> str:
-        """The number of the value of an enumeration, or of the constant, that `text` names."""
+        """Return the number of the value of an enumeration, or of the constant, that `text` names."""
         alone = self._without_lists(text)
         keys = (each.replace('"', "").replace("#", ".").casefold() for each in (text, alone))
         return next((self.values[key] for key in keys if key in self.values), alone)
 
     def _without_lists(self, text: str) -> str:
-        """A constant expression that names global constants alone: some tools have no lists for them."""
+        """Return a constant expression that names global constants alone: some tools have no lists for them."""
         if "." not in text or _LITERAL.match(text):
             return text
         return _MEMBER.sub(lambda found: found[2] if found[1].casefold() in self.lists else found[0], text)
 
     def _plain_type(self, kind: DataType, depth: int = 0) -> DataType:
-        """A type without other names for types and without initial values."""
+        """Return a type without other names for types and without initial values."""
         if isinstance(kind, DerivedType):
             declared = self.declared.get(kind.name.replace('"', "").casefold())
             stays = declared is None or isinstance(declared, StructType) or depth > _DEEPEST
@@ -312,7 +312,7 @@ class _Reader:
         return kind
 
     def code(self, body: Body | None, result: str = "") -> Meaning | None:
-        """The meaning of a body."""
+        """Return the meaning of a body."""
         if self._is_codesys_file and isinstance(body, FbdBody | LdBody):
             networks = [n.model_copy(update={"nodes": without_places(n.nodes)}) for n in body.networks]
             body = body.model_copy(update={"networks": networks})
@@ -338,7 +338,7 @@ class _Reader:
         return OPERATING_INPUT if is_used else UNUSED_INPUT
 
     def flags_at_rest(self, pou: Pou, flags: Iterable[SfcFlag]) -> set[SfcFlag]:
-        """Those flags of the charts of a POU that nothing uses."""
+        """Return those flags of the charts of a POU that nothing uses."""
         return flags_at_rest(self.project, pou, flags, self._named_flags)
 
     @cached_property
@@ -354,7 +354,7 @@ class _Reader:
         return type_meaning(kind if self.detail is Detail.WRITTEN else self._plain_type(kind), self.dialect)
 
     def target(self, name: str) -> str:
-        """The name of a variable without that of its list, and without the signs of S7."""
+        """Return the name of a variable without that of its list, and without the signs of S7."""
         name = name.replace('"', "").removeprefix("#")
         around, dot, rest = name.partition(".")
         return rest if dot and self.detail is not Detail.WRITTEN and around.casefold() in self.lists else name
@@ -556,7 +556,7 @@ class _Reader:
             self._instance(part, instance, f"task {task.name} / ", shared)
 
     def _source_of_data(self, text: str | None) -> Meaning | None:
-        """The meaning of a literal or of the name of a variable."""
+        """Return the meaning of a literal or of the name of a variable."""
         if text is None or "#" in text:
             return duration_meaning(text)
         return Meaning.of(self.target(text.strip()).casefold(), text)
@@ -652,7 +652,7 @@ def _shown_watchdog(watchdog: TaskWatchdog) -> str:
 
 
 def _called_alone(node: Node) -> str:
-    """The data block, in lower case, that a box calls without parameters; empty for anything else."""
+    """Return the data block, in lower case, that a box calls without parameters; empty for anything else."""
     pins = [pin.input for pin in node.parameters.inputs] if isinstance(node, Block) else []
     if not isinstance(node, Block) or any(pin.connections or pin.expression for pin in pins if pin is not None):
         return ""
@@ -664,7 +664,7 @@ def _kept_elements(variable: Variable) -> list[str]:
 
 
 def _members(variable: Variable, type_: StructType) -> Iterator[Variable]:
-    """The members of a structure as variables, with the values that it gives them."""
+    """Yield the members of a structure as variables, with the values that it gives them."""
     values = variable.initial.members if isinstance(variable.initial, StructValue) else []
     given = {each.member.casefold(): each.value for each in values}
     for member in type_.members:
@@ -672,7 +672,7 @@ def _members(variable: Variable, type_: StructType) -> Iterator[Variable]:
 
 
 def _instance(block: DataBlock) -> Variable:
-    """The variable that an instance data block is, with its start values."""
+    """Return the variable that an instance data block is, with its start values."""
     given = (
         [variable for variable in block.interface.variables() if variable.initial is not None]
         if block.interface is not None
@@ -699,7 +699,7 @@ _LITERAL = re.compile(r"""\s*(?:\w+#)?['"]""")
 
 
 def _values(project: Project, sections: Iterable[VariableSection]) -> dict[str, str]:
-    """The numbers of values of enumerations and of global constants, by their names in lower case."""
+    """Return the numbers of values of enumerations and of global constants, by their names in lower case."""
     found: dict[str, str] = {}
     for declaration in project.data_types:
         number = -1

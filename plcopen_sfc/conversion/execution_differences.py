@@ -59,7 +59,7 @@ _MAY_BE_ADDED = frozenset({SHOWN_STATE, "order of transitions"})
 def compare(
     left: Part, right: Part, *, other_tool: bool = False, has_libraries: bool = False
 ) -> Iterator[ExecutionDifference]:
-    """The differences between two trees of `plcopen_sfc.conversion.executed`, parts before what is in them.
+    """Yield the differences between two trees of `plcopen_sfc.conversion.executed`, parts before what is in them.
 
     `other_tool`: the second is for another tool, which does not have the libraries of the first. `has_libraries`: the
     first is of a tool that has some, so that functions and types which it does not declare may come from there.
@@ -151,14 +151,14 @@ def _variables_of_lists(left: Part, right: Part) -> dict[Key, Key]:
 
 
 def _steps(owner: Part, part: Part, key: Key) -> tuple[str, ...]:
-    """The paths of the step that a part is, or of the steps that a transition leaves."""
+    """Return the paths of the step that a part is, or of the steps that a transition leaves."""
     if key.kind == "step":
         return (part.path,)
     return tuple(step.path for name in part.leaves for step in owner.steps_named(name))
 
 
 def _in_order_of(mine: Meaning | None, theirs: Meaning | None) -> Meaning | None:
-    """The order of those transitions that both have."""
+    """Return the order of those transitions that both have."""
     if mine is None or theirs is None or not isinstance(mine.raw, tuple) or not isinstance(theirs.raw, tuple):
         return theirs
     shared = tuple(each for each in theirs.raw if each in mine.raw)
@@ -214,7 +214,7 @@ _YES = Meaning.of(True)
 
 
 def ends(transition: Key) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The steps that a transition leaves, and those to which it leads, as its key names them."""
+    """Return the steps that a transition leaves, and those to which it leads, as its key names them."""
     sources, _, targets = transition.name.partition(" -> ")
     return tuple(sources.split("+")), tuple(targets.split("+"))
 
@@ -248,7 +248,7 @@ def _rename_transitions(chart: Part, new: dict[Key, tuple[tuple[str, ...], tuple
 
 
 def matched_actions(left: Part, right: Part) -> dict[Key, Key]:
-    """The key that each action of a step has on the other side.
+    """Return the key that each action of a step has on the other side.
 
     Several of one name are found by everything that they do, then by when they act. Others may have the same program
     under another name: one in place may have got a name.
@@ -324,7 +324,7 @@ def alike(left: Part, right: Part, aspects: Iterable[str] | None) -> bool:
 
 
 def _name(part: Part, key: Key) -> str:
-    """The name of a part as its file spells it."""
+    """Return the name of a part as its file spells it."""
     if key.kind in (UNDECLARED, UNDECLARED_TYPE):
         return part.aspects["name"].show()
     last = ObjectPath.of(part.path).last

@@ -50,7 +50,7 @@ class Meaning:
 
     @classmethod
     def of(cls, value: Hashable, shown: str | None = None) -> Meaning:
-        """A plain value."""
+        """Return a plain value."""
         return cls(value.__str__ if shown is None else shown, value)
 
     def show(self) -> str:
@@ -124,7 +124,7 @@ class _Once:
 
 
 def condition_meaning(read: Callable[[], NetworkExpression], raw: Hashable) -> Meaning:
-    """The meaning of a condition that `read` gives as an expression."""
+    """Return the meaning of a condition that `read` gives as an expression."""
 
     def form() -> Hashable:
         found = read()
@@ -167,7 +167,7 @@ def _common_form(tree: N, named: Renaming) -> N:
 
 
 def code_meaning(body: Body | None, dialect: Dialect, named: Renaming) -> Meaning | None:
-    """The meaning of a body that is no chart; None for one that does nothing."""
+    """Return the meaning of a body that is no chart; None for one that does nothing."""
     if body is None or body.language == "SFC":
         return None
     if isinstance(body, StBody):
@@ -207,7 +207,7 @@ UNREAD_NETWORK = "a network that cannot be executed: "
 
 
 def _network_shown(body: FbdBody | LdBody, dialect: Dialect) -> str:
-    """A network as its statements, or what is in the way of these."""
+    """Return a network as its statements, or what is in the way of these."""
     found = body_statements(body, dialect)
     obstacles = _obstacles(found)
     return f"{UNREAD_NETWORK}{obstacles[0]}" if obstacles else " ".join(print_node(found.tree).split())
@@ -250,13 +250,13 @@ def _with_helpers(found: NetworkText, named: Renaming) -> Renaming:
 
 
 def literal_meaning(text: str) -> Meaning:
-    """The meaning of a literal, or of an expression in its place."""
+    """Return the meaning of a literal, or of an expression in its place."""
     text = text.strip()
     return Meaning(lambda: text, text, lambda: literal_form(text))
 
 
 def literal_form(text: str) -> Hashable:
-    """A literal as it is compared: its value, or the expression in its place."""
+    """Return a literal as it is compared: its value, or the expression in its place."""
     try:
         found = literal_value(text)
     except LiteralError:
@@ -266,12 +266,12 @@ def literal_form(text: str) -> Hashable:
 
 
 def type_meaning(type_: DataType | None, dialect: Dialect) -> Meaning | None:
-    """The meaning of a data type."""
+    """Return the meaning of a data type."""
     return None if type_ is None else Meaning(lambda: write_type(type_, dialect), plain(type_), lambda: plain(type_))
 
 
 def address_meaning(address: str | None, dialect: Dialect) -> Meaning | None:
-    """The bits that an address names: ``%MW2`` is byte 2 for S7 and TwinCAT, and word 2 for other tools.
+    """Return the bits that an address names: ``%MW2`` is byte 2 for S7 and TwinCAT, and word 2 for other tools.
 
     S7 has no addresses of 64 bits: one in its files is the text of another tool.
     """
@@ -296,7 +296,7 @@ def address_meaning(address: str | None, dialect: Dialect) -> Meaning | None:
 
 
 def plain(thing: Any) -> Hashable:
-    """A model object without what no machine executes, as nested tuples. Case of names does not matter."""
+    """Return a model object without what no machine executes, as nested tuples. Case of names does not matter."""
     if isinstance(thing, Model):
         names = [name for name in type(thing).model_fields if name not in _NOT_EXECUTED]
         fields = ((name, plain(getattr(thing, name))) for name in names)

@@ -174,7 +174,7 @@ _LACKED = re.compile(
 
 
 def _rewritten_steps(differences: Iterable[ExecutionDifference], settled: Counter[tuple[str, str]]) -> set[str]:
-    """The steps whose actions a writer has rewritten: it accounts for each of them that is not found again."""
+    """Return the steps whose actions a writer has rewritten: it accounts for each of them that is not found again."""
     missing: dict[str, set[str]] = {}
     found = list(differences)
     changed = {(difference.path, difference.aspect) for difference in found}
@@ -191,7 +191,7 @@ def _rewritten_steps(differences: Iterable[ExecutionDifference], settled: Counte
 
 
 def _step_of(path: str) -> str:
-    """The step that something belongs to; the path itself where it is in no step."""
+    """Return the step that something belongs to; the path itself where it is in no step."""
     found = (each for each in reversed([*ObjectPath.of(path).outwards()]) if each.last.startswith("step "))
     return next(found, ObjectPath.of(path))
 
@@ -269,7 +269,7 @@ _ALSO_CALLED = {
 
 
 def _without_repetition(differences: Iterable[ExecutionDifference], said: set[str]) -> Iterator[ExecutionDifference]:
-    """The differences, but of the interlock of a step only the actions that run without it, and lists as a whole.
+    """Yield the differences, but of the interlock of a step only the actions that run without it, and lists as a whole.
 
     `said`: the global variables that a writer has listed already, as lost or with their values in texts.
     """
@@ -301,7 +301,7 @@ def _last(name: str) -> str:
 
 
 def _bare(path: str) -> str:
-    """The path of an action without what not all writers say of it: its kind, and the signs of S7."""
+    """Return the path of an action without what not all writers say of it: its kind, and the signs of S7."""
     parts = ObjectPath.of(path).parts
     bare = (*parts[:1], *(part.removeprefix("action ") for part in parts[1:]))
     return ObjectPath(*(part.replace("#", "").replace('"', "") for part in bare))
@@ -312,7 +312,7 @@ def _a(noun: str) -> str:
 
 
 def in_the_source(path: str, called: Mapping[str, str]) -> str:
-    """The path of something in the source: names may be others in the target."""
+    """Return the path of something in the source: names may be others in the target."""
     whole = ObjectPath.of(path)
     for around in whole.outwards():
         if around in called:
@@ -520,7 +520,7 @@ _MISSING = {
 
 
 def _apart(left: str | None, right: str | None) -> tuple[str | None, str | None]:
-    """Two long texts from a little before the place where they differ."""
+    """Return two long texts from a little before the place where they differ."""
     if left is None or right is None or len(min(left, right, key=len)) <= _SHOWN or left[:_SHOWN] != right[:_SHOWN]:
         return left, right
     same = next((at for at, (a, b) in enumerate(zip(left, right, strict=False)) if a != b), min(len(left), len(right)))

@@ -410,7 +410,7 @@ def _kept_inside(pairs: Sequence[tuple[Chart, Chart | None]], called: Mapping[st
 
 
 def _executed_inputs(report: ConversionReport, chart: Chart) -> dict[str, str]:
-    """The inputs that operate a chart of S7-GRAPH and are executed in the target; all others rest."""
+    """Return the inputs that operate a chart of S7-GRAPH and are executed in the target; all others rest."""
     executed = [item for item in report.with_outcome(Outcome.TRANSLATED) if item.what == OPERATING_INPUT]
     paths = [ObjectPath.of(item.path) for item in executed]
     found = {path.last: path.last for path in paths if path.around == chart.report_path}
@@ -427,7 +427,7 @@ def _note_untested(report: ConversionReport, path: str, found: str, *unreached: 
 
 
 def _pairs(source: Project, result: Project, called: Mapping[str, str]) -> Iterator[tuple[Chart, Chart | None]]:
-    """The charts of the source that are not empty, each with that of the result."""
+    """Yield the charts of the source that are not empty, each with that of the result."""
     found = {in_the_source(chart.report_path, called).casefold(): chart for chart in result.charts()}
     for chart in source.charts():
         if chart.chart.steps or chart.chart.partial_charts:

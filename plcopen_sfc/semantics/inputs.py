@@ -37,7 +37,7 @@ _SIGNS = frozenset({"off_sq", "init_sq"})
 
 
 def system_inputs(pou: Pou, profile: Profile, inputs: Iterable[str]) -> frozenset[str]:
-    """Those of `inputs` that operate the chart of `pou`, as they are written there.
+    """Return those of `inputs` that operate the chart of `pou`, as they are written there.
 
     They are the SFC flags of CODESYS (``SFCInit``, ``SFCPause``), wherever they are declared, and under a profile with
     the parameters of S7-GRAPH those parameters of the block (``OFF_SQ``, ``SW_MAN``, ``T_PUSH``). A chart does its work
@@ -95,7 +95,7 @@ class InputSource(Protocol):
         """Return the inputs for a program with these variables and this scan time in nanoseconds."""
 
     def scans(self, scan_time: int) -> int | None:
-        """Number of scans that the source has values for; None: any number."""
+        """Return the number of scans that the source has values for; None: any number."""
 
 
 # -- files

@@ -166,7 +166,10 @@ class Signal:
         return self._number(word)
 
     def accept(self, value: object) -> Value:
-        """A value that a Python function gave, checked against the type. Texts are parsed. Raises `ModelError`."""
+        """Return a value that a Python function gave, checked against the type.
+
+        Texts are parsed. Raises `ModelError`.
+        """
         if isinstance(value, date):
             value = (value - _EPOCH).days * _DAY
         if isinstance(value, str):

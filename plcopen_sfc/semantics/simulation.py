@@ -174,7 +174,7 @@ class Simulation:
         return _FunctionInputs(function, self)
 
     def accepted(self, values: Mapping[str, object]) -> dict[str, Value]:
-        """Values that a function gave, by the names of variables as they are declared. Raises `InputError`."""
+        """Return values that a function gave, by the names of variables as they are declared. Raises `InputError`."""
         found: dict[str, Value] = {}
         for name, value in values.items():
             declared = self._paths.get(name.casefold()) or self.variables.find(name) or name
@@ -202,7 +202,10 @@ class Simulation:
         return columns
 
     def _signal_at(self, path: str) -> Signal:
-        """The signal of ``Timer.ET``, ``Step1.T``, ``a[3]``. Raises `ModelError` where there is no such value."""
+        """Return the signal of ``Timer.ET``, ``Step1.T``, ``a[3]``.
+
+        Raises `ModelError` where there is no such value.
+        """
         signal = signal_of(self.instance.type_of(path))
         if signal is None:
             raise ModelError(f"{path} is no single value", hint="Name one of its members or elements.")

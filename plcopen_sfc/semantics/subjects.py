@@ -131,7 +131,7 @@ def _watch(found: dict[str, Watched], instance: Instance, path: str, type_: Type
 
 
 def _as_declared(signal: Signal, project: Project) -> Signal:
-    """An enumeration with its names as they are written in the project; programs know them in lower case."""
+    """Return an enumeration with its names as they are written in the project; programs know them in lower case."""
     for declared in project.data_types:
         if isinstance(declared.type, EnumType) and declared.name.casefold() == signal.type.casefold():
             written = {value.name.casefold(): value.name for value in declared.type.values}

@@ -61,7 +61,7 @@ class _Runs(Sequence[_Item]):
         self._scans = scans
 
     def runs(self) -> Iterator[tuple[int, _Item]]:
-        """Every value with the scan from which on it holds."""
+        """Yield every value with the scan from which on it holds."""
         return zip(self._starts, self._values, strict=True)
 
     def __len__(self) -> int:
@@ -200,7 +200,7 @@ class Trace:
         return place * self.scan_time
 
     def changes(self, *names: str) -> list[ValueChange]:
-        """Every change of the variables with these names, or of all, in the order of the scans."""
+        """Return every change of the variables with these names, or of all, in the order of the scans."""
         columns = [self[name] for name in names] if names else self._list
         found = [(scan, i, ValueChange(scan, c.name, value)) for i, c in enumerate(columns) for scan, value in c.runs()]
         return [change for _, _, change in sorted(found, key=lambda each: each[:2])]
@@ -348,7 +348,7 @@ class Trace:
 
 
 def _plain(value: Value) -> Value:
-    """Values that JSON has: no NaN and no infinity."""
+    """Return values that JSON has: no NaN and no infinity."""
     return str(value) if isinstance(value, float) and value - value != 0 else value
 
 
@@ -380,7 +380,10 @@ class _Scope:
 
 
 def dump(name: str, recordings: Iterable[Recording], *, scans: int, scan_time: int) -> str:
-    """The text of a VCD file of `scans` scans, `scan_time` nanoseconds each. It has no date: the same every time."""
+    """Return the text of a VCD file of `scans` scans, `scan_time` nanoseconds each.
+
+    It has no date: the same every time.
+    """
     scale, unit = next(each for each in _SCALES if scan_time % each[0] == 0)
     top = _Scope()
     events: dict[int, list[str]] = defaultdict(list)

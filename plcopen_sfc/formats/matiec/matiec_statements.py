@@ -168,7 +168,7 @@ def _number(node: n.Expression | None) -> int | None:
 
 
 def _obstacle(loop: n.For) -> str:
-    """The reason why a loop cannot be written with WHILE; empty if it can."""
+    """Return the reason why a loop cannot be written with WHILE; empty if it can."""
     inside = [node for statement in loop.statements for node in walk(statement)]
     if any(isinstance(node, n.Continue) for node in inside):
         return "it has CONTINUE"

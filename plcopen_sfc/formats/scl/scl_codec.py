@@ -260,7 +260,7 @@ def _in_order_of_use(units: Sequence[WrittenBlock]) -> list[WrittenBlock]:
 
 
 def _named_in_declarations(project: Project, types: S7Types) -> set[str]:
-    """The names, in lower case, that bounds and start values have in quotation marks when they are written."""
+    """Return the names, in lower case, that bounds and start values have in quotation marks when they are written."""
     interfaces = [*(pou.interface for pou in project.pous), *(block.interface for block in project.data_blocks)]
     variables = [variable for interface in interfaces if interface is not None for variable in interface.variables()]
     declared = [_struct(each, types) for each in project.data_types]

@@ -46,7 +46,7 @@ _HOLDERS = ("Interface", "NetworkSource")
 
 
 def validate(data: bytes, *, file: str | None = None) -> list[Diagnostic]:
-    """Findings in a document by the schemas of its parts; empty for a valid one.
+    """Return findings in a document by the schemas of its parts; empty for a valid one.
 
     Attributes and objects that are not known are warnings: of the frame of a document there is no published schema, and
     newer versions may write more. A valid document may still be wrong in ways that no schema sees, such as a wire to a

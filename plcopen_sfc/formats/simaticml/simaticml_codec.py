@@ -424,7 +424,7 @@ class SimaticmlCodec(FolderCodec):
         return normalize(data, _STYLE)
 
     def validate(self, content: bytes, *, file: str | None = None) -> list[Diagnostic]:
-        """Findings in a file by the schemas of the format."""
+        """Return findings in a file by the schemas of the format."""
         from plcopen_sfc.formats.simaticml.openness_schemas import validate  # noqa: PLC0415  # brings xmlschema
 
         return validate(content, file=file)

@@ -106,7 +106,10 @@ class Steps:
                 self._by_step[index].append(variable)
 
     def _declare(self, scope: Scope, name: str, bits: int, structure: StructureType | None) -> StepName:
-        """The variable of a step. Another chart of the POU may have one of the same name; TIA Portal declares steps."""
+        """Return the variable of a step.
+
+        Another chart of the POU may have one of the same name; TIA Portal declares steps.
+        """
         start = self._start_of(scope, name, bits)
         there = scope.lookup(name)
         if there is not None and there.type == BOOL:

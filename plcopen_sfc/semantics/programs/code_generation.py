@@ -34,7 +34,7 @@ class Writer:
 
     @contextmanager
     def block(self, head: str) -> Iterator[None]:
-        """A head and the lines below it."""
+        """Write a head, and the lines that the body of the `with` writes below it."""
         self.write(head)
         self._depth += 1
         if self._depth > _LINE_LIMIT:

@@ -60,7 +60,10 @@ class Snapshots:
         self._plans: dict[tuple[Layout, frozenset[int]], _Plan] = {}
 
     def store(self, frame: Frame, now: int, limit: int | None, leave_out: frozenset[int] = frozenset()) -> Hashable:
-        """Values that `frame` holds, but for some slots. Times that go on growing are not stored beyond `limit`."""
+        """Return values that `frame` holds, but for some slots.
+
+        Times that go on growing are not stored beyond `limit`.
+        """
         plan = self._plan(frame.layout, leave_out)
         return (plan.store if limit is None else plan.store_limited)(frame.v, now, limit)
 
@@ -268,7 +271,10 @@ class Controller:
         return tuple(self.library.problems)
 
     def instance(self, pou: str | Pou) -> Instance:
-        """A program, or a new instance of a function block or function. Raises `ModelError`, `SimulationError`."""
+        """Return a program, or a new instance of a function block or function.
+
+        Raises `ModelError`, `SimulationError`.
+        """
         found = self.project.pou(pou) if isinstance(pou, str) else pou
         library = self.library
         try:
@@ -483,11 +489,11 @@ class Instance:
         return lambda: tuple([values[index] for values, index in cells])
 
     def inputs(self) -> Mapping[str, t.Type]:
-        """Variables that a user gives a value, by path, with their types: see `VariableUse.given`."""
+        """Return variables that a user gives a value, by path, with their types: see `VariableUse.given`."""
         return {path: type_ for _, path, type_ in self._library.use.given()}
 
     def variables(self) -> Mapping[str, InstanceVariable]:
-        """All variables that a user sees, by path: those of the instance, then global ones that are used."""
+        """Return all variables that a user sees, by path: those of the instance, then global ones that are used."""
         found: dict[str, InstanceVariable] = {}
 
         def add(path: str, field: Field, direction: Direction, cells: list[Any], index: int, *, member: bool) -> None:

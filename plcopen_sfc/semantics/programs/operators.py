@@ -175,7 +175,7 @@ class Operators:
         return Code(text, t.BOOL, 0, 1, acts=left.acts or right.acts)
 
     def _comparable(self, left: Code, right: Code) -> tuple[Code, Code]:
-        """Two values of types whose values can be compared as they are."""
+        """Return two values of types whose values can be compared as they are."""
         one, other = left.type, right.type
         if not isinstance(one, t.ScalarType) or not isinstance(other, t.ScalarType):
             raise SimulationError(f"{one.name} and {other.name} cannot be compared")
@@ -189,7 +189,7 @@ class Operators:
         return self._converter.converted(left, type_), self._converter.converted(right, type_)
 
     def _rounded(self, left: Code, right: Code) -> tuple[Code, Code]:
-        """A literal that is compared with a REAL is one."""
+        """Return two values; a literal that is compared with a REAL is one."""
         for one, other in ((left, right), (right, left)):
             if one.type == t.REAL and other.constant and other.loose:
                 rounded = self._converter.converted(other, t.REAL)

@@ -197,7 +197,10 @@ class PathTranslator(ABC):
         return self._element(base, base.type, codes)
 
     def _character(self, base: Place, string: t.ScalarType, index: Code) -> Code:
-        """A character of a string: in S7 one, counted from 1; in CODESYS its code, counted from 0. To read only."""
+        """Return a character of a string: in S7 one, counted from 1; in CODESYS its code, counted from 0.
+
+        To read only.
+        """
         self.note_read(base)
         if self.library.is_codesys:
             type_ = t.ELEMENTARY["BYTE" if string.bits == 8 else "WORD"]

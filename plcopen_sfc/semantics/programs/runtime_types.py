@@ -315,7 +315,7 @@ def default(type_: ScalarType) -> bool | int | float | str | None:
 
 
 def leaves(frame: Frame, path: str = "") -> Iterator[tuple[str, Field, list[Any], int]]:
-    """Every variable of a frame that a user sees with its path, and where its value is; structures are opened."""
+    """Yield every variable of a frame that a user sees with its path, and where its value is; structures are opened."""
     for variable in frame.layout.fields:
         if variable.hidden or frame.layout.by_name.get(variable.name.casefold()) is not variable:
             continue

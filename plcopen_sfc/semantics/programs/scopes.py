@@ -332,7 +332,7 @@ class Scope:
     # -- names
 
     def outer(self) -> Iterable[Level]:
-        """The levels of global names, the nearest first."""
+        """Return the levels of global names, the nearest first."""
         return self.library.names.outer(self.place)
 
     def resolve(self, name: n.Name, *, called: bool = False) -> Any:

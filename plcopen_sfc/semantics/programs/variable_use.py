@@ -149,7 +149,7 @@ class VariableUse:
         return not (isinstance(type_, t.StructureType) and type_.layout.is_instance)
 
     def given(self) -> Iterator[tuple[str, str, t.ScalarType]]:
-        """Variables with values from outside: single variables, members and elements, by key, with path and type.
+        """Yield variables with values from outside: single variables, members and elements, by key, with path and type.
 
         Each input of what runs that is read, and other variables that nothing writes and whose declaration gives no
         value. The one place that decides it: for proofs, for directed runs, and for simulation.
