@@ -384,9 +384,19 @@ class ExecutedChartReader:
         function = self._function(association.body)
         if not matters or (self.used[name] if function is None else self.calls[function.name]) < 2:
             return _ALONE
+        if association.qualifier is Qualifier.P and not is_code and self._is_plain_but_for(association):
+            return _ALONE  # what is N in other steps neither begins nor hides its pulse
         profile = self.owner.profile
         alone = profile.graph_parameters and profile.action_control is not ActionControl.SEQUENTIAL
         return _ALONE if alone else "one for all"
+
+    def _is_plain_but_for(self, pulse: ActionAssociation) -> bool:
+        """True if all other associations with the variable of a pulse are N."""
+        name = plain_name(pulse.target or "")
+        others = (
+            row for _, row in self.chart.associations() if row is not pulse and plain_name(row.target or "") == name
+        )
+        return all(row.qualifier in (Qualifier.N, Qualifier.NONE) and row.event is None for row in others)
 
     # -- transitions
 

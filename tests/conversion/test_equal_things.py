@@ -206,3 +206,13 @@ def test_operators_of_codesys_in_a_text_are_no_unknown_names_there(target: str) 
     """`ADR` was called declared nowhere, and CODESYS said not to compile it."""
     text = RING.replace("r : BOOL;", "r : BOOL; p : POINTER TO INT;").replace("n := n + 1;", "p := ADR(n);")
     assert [item for item in losses(sfc.loads(text.encode(), format="iec-text"), target) if "ADR" in item.why] == []
+
+
+def test_the_pulse_of_a_variable_that_other_steps_have_as_n_is_executed() -> None:
+    """Only other pulses of one action control could hide it; S7-GRAPH has no such control."""
+    text = "STEP S1: q(P); END_STEP\nTRANSITION FROM S1 TO S2 := b; END_TRANSITION\nSTEP S2: {}; END_STEP\n"
+    text = RING[: RING.index("STEP S1")] + text + "TRANSITION FROM S2 TO S0 := c; END_TRANSITION\nEND_FUNCTION_BLOCK\n"
+    text = text.replace("r : BOOL", "q : BOOL")
+    assert losses(sfc.loads(text.format("q(N)").encode(), format="iec-text"), "simaticml") == []
+    (item,) = losses(sfc.loads(text.format("q(P)").encode(), format="iec-text"), "simaticml")[:1]
+    assert item.why == "action `q` runs as N event S1 in TIA Portal, not as P"
