@@ -38,7 +38,7 @@ from plcopen_sfc.formats.iectext.text_source import unwrapped
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.binding.name_uses import Occurrence
 from plcopen_sfc.languages.binding.text_sites import Role
-from plcopen_sfc.languages.declarations.kept_texts import inheritance, kept
+from plcopen_sfc.languages.declarations.kept_texts import bases_of, kept
 from plcopen_sfc.languages.networks.condition_reading import shown_named_condition
 from plcopen_sfc.languages.networks.network_graph import without_places
 from plcopen_sfc.languages.s7_globals import TABLE, is_retained, local_tags
@@ -216,18 +216,12 @@ class _Reader:
     def _inherited(self, own: Pou) -> set[str]:
         """Names that a POU of the source has from those that it extends: translated declarations do not tell that."""
         pous = {pou.name.casefold(): pou for pou in self.source.pous}
+        source = pous.get(own.name.casefold())
         found: set[str] = set()
-        waiting, seen = [own.name], set[str]()
-        while waiting:
-            pou = pous.get(waiting.pop().rpartition(".")[2].casefold())
-            if pou is None or pou.name in seen:
-                continue
-            seen.add(pou.name)
-            if pou.name != own.name:
-                names = [variable.name for variable in pou.variables()]
-                names += [action.name for action in pou.actions] + [method.name for method in pou.methods]
-                found |= {name.casefold() for name in names}
-            waiting += inheritance(pou.interface).extends
+        for pou in bases_of(source, pous) if source is not None else ():
+            found |= {each.name.casefold() for each in pou.variables()}
+            found |= {action.name.casefold() for action in pou.actions}
+            found |= {method.name.casefold() for method in pou.methods}
         return found
 
     def _calls_of_programs(self, names: Names) -> None:

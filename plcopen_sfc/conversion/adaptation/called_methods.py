@@ -19,7 +19,7 @@ from plcopen_sfc.conversion.adaptation.called_programs import (
 )
 from plcopen_sfc.formats.plcopen.source_marks import pou_digest
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
-from plcopen_sfc.languages.declarations.kept_texts import inheritance, kept
+from plcopen_sfc.languages.declarations.kept_texts import bases_of, kept
 from plcopen_sfc.languages.effects import effects
 from plcopen_sfc.languages.method_calls import IMPLICIT_METHODS, InlinedText, MethodCalls, MethodFunction
 from plcopen_sfc.languages.st import nodes as n
@@ -256,18 +256,7 @@ class _Functions:
         """True if a block that extends `owner`, or extends something that does, has a method of the same name."""
         if not any(each.name.casefold() == method.name.casefold() for each in pou.methods):
             return False
-        pous = {each.name.casefold(): each for each in self.project.pous}
-        seen: set[str] = set()
-        waiting = [pou]
-        while waiting:
-            for base in inheritance(waiting.pop().interface).extends:
-                name = base.rpartition(".")[2].casefold()
-                if name == owner.name.casefold():
-                    return True
-                if name in pous and name not in seen:
-                    seen.add(name)
-                    waiting.append(pous[name])
-        return False
+        return any(each is owner for each in bases_of(pou, {each.name.casefold(): each for each in self.project.pous}))
 
     def _of_itself(self, text: str, own: set[str]) -> str | None:
         """Return the text of a method without ``THIS^.``; None where a variable of the method hides what that names."""

@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 
 from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites, text_sites_in
-from plcopen_sfc.languages.declarations.kept_texts import inheritance
+from plcopen_sfc.languages.declarations.kept_texts import bases_of, inheritance
 from plcopen_sfc.languages.effects import ANYTHING, Effects, Path, effects, path_of
 from plcopen_sfc.languages.library_blocks import library_blocks
 from plcopen_sfc.languages.method_calls import IMPLICIT_METHODS, MethodFunction
@@ -267,26 +267,14 @@ class ActionFunctions:
         )
         return ActionChart(owner, action, block, Variable(name=name, type=DerivedType(name=block.name)))
 
-    def _extends(self, pou: Pou, owner: Pou) -> bool:
-        """True if a block extends `owner`, or one that does."""
-        pending, seen = [pou], {pou.name.casefold()}
-        while pending:
-            for base in _bases(pending.pop()):
-                name = base.rpartition(".")[2].casefold()
-                if name == owner.name.casefold():
-                    return True
-                if name in self._pous and name not in seen:
-                    seen.add(name)
-                    pending.append(self._pous[name])
-        return False
-
     def _make_method(self, owner: Pou, method: Method) -> MethodFunction | str:
         """Make the function for a method, with the parameters of that and the variables of the block that it uses."""
         if self._is_of_folder:
             return "the function for it is a file of its own, which an edit of the folder does not write"
         if method.name.casefold() in IMPLICIT_METHODS:
             return "its tool calls it when an instance is made or goes"
-        heirs = [each.name for each in self._pous.values() if _has_method(each, method) and self._extends(each, owner)]
+        named, key = [each for each in self._pous.values() if _has_method(each, method)], owner.name.casefold()
+        heirs = [pou.name for pou in named if any(b.name.casefold() == key for b in bases_of(pou, self._pous, _bases))]
         if heirs:
             return f"{heirs[0]} has a method {method.name} too, and only the running program tells which one is called"
         text = _text(method.body) if method.body is not None else ""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import NamedTuple
 from xml.sax.saxutils import escape, unescape
 
@@ -13,6 +13,7 @@ from plcopen_sfc.languages.st.parsing import parse_declarations
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.model.base import ExtensionData, ForeignData
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.variables import Interface
 
 KEPT_DATA = "urn:plcopen-sfc:declaration"
@@ -69,6 +70,28 @@ def inheritance(interface: Interface | None) -> Inheritance:
         for head in (item for item in tree.items if isinstance(item, PouHead)):
             return Inheritance(_names(head.extends), _names(head.implements))
     return kept_inheritance(interface.extension_data)
+
+
+def names_of_bases(pou: Pou) -> tuple[str, ...]:
+    """Return the names of the blocks that one extends: one at most."""
+    return inheritance(pou.interface).extends
+
+
+def bases_of(
+    pou: Pou, pous: Mapping[str, Pou], names: Callable[[Pou], Iterable[str]] = names_of_bases
+) -> Iterator[Pou]:
+    """Yield those of `pous`, which are by their names in lower case, that a POU extends, directly or not.
+
+    `names` gives those of the bases of each.
+    """
+    waiting, seen = [pou], {pou.name.casefold()}
+    while waiting:
+        for base in names(waiting.pop()):
+            name = base.rpartition(".")[2].casefold()  # behind that of a library
+            if name in pous and name not in seen:
+                seen.add(name)
+                waiting.append(pous[name])
+                yield pous[name]
 
 
 def kept_inheritance(extension_data: ExtensionData | None) -> Inheritance:
