@@ -81,6 +81,8 @@ class StartValues:
         self._declared = {each.name.casefold(): each for each in project.data_types}
         self._blocks = {pou.name.casefold(): pou for pou in project.pous}
         self._number = number
+        self._usual: dict[str, _Start] = {}  # of each type once: structures in structures have millions of members
+        self._open: set[str] = set()
 
     def meaning(self, variable: Variable) -> Meaning | None:
         """Start value of a variable; None for the usual one, and for members that have no other."""
@@ -113,11 +115,16 @@ class StartValues:
         key = type_.name.replace('"', "").casefold()
         declared = self._declared.get(key)
         if declared is not None:
-            if isinstance(declared.type, StructType | ArrayType | DerivedType):
-                own = () if declared.initial is None else (declared.initial,)
-                return self._of(declared.type, (*given, *own), depth + 1)
-            start = self._types.start(Variable(name="x", type=type_, initial=given[0] if given else None))
-            return self._of(declared.type, () if start is None else (start,), depth + 1)
+            if key in self._open:  # a type that contains itself
+                return _Start()
+            if given or key not in self._usual:
+                self._open.add(key)
+                found = self._of_declared(type_, declared, given, depth)
+                self._open.remove(key)
+                if given:
+                    return found
+                self._usual[key] = found
+            return self._usual[key]
         block = self._blocks.get(key)
         if block is None:
             return self._plain(given[0], named=True) if given else _Start()
@@ -134,6 +141,15 @@ class StartValues:
             if found != self._of(variable.type, usual, depth + 1):
                 parts.append((name, found or _Start(0, "0")))
         return _Start(parts=tuple(parts))
+
+    def _of_declared(
+        self, type_: DerivedType, declared: DataTypeDeclaration, given: Sequence[Value], depth: int
+    ) -> _Start:
+        if isinstance(declared.type, StructType | ArrayType | DerivedType):
+            own = () if declared.initial is None else (declared.initial,)
+            return self._of(declared.type, (*given, *own), depth + 1)
+        start = self._types.start(Variable(name="x", type=type_, initial=given[0] if given else None))
+        return self._of(declared.type, () if start is None else (start,), depth + 1)
 
     def _of_members(self, members: Sequence[Variable], given: Sequence[Value], depth: int) -> _Start:
         whole = next((value for value in given if isinstance(value, SimpleValue)), None)

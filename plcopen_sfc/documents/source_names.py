@@ -82,13 +82,16 @@ def _renamed_variables(project: Project, copy: Project) -> dict[str, str]:
     def old_name(scope: NameScope, name: str) -> str:
         return from_s7.old_name(scope, name) or to_s7.new_name(scope, name) or name
 
-    def paths(variables: Iterable[Variable], scope: NameScope, depth: int = 0) -> Iterator[tuple[str, str]]:
+    def paths(
+        variables: Iterable[Variable], scope: NameScope, inside: tuple[int, ...] = ()
+    ) -> Iterator[tuple[str, str]]:
         for variable in variables:
             before = old_name(scope, variable.name)
             yield variable.name, before
             kind = types.get(variable.type.name.casefold()) if isinstance(variable.type, DerivedType) else variable.type
-            members = kind.members if isinstance(kind, StructType) and depth < _DEEPEST else ()
-            for inner, old in paths(members, NameScope.MEMBER, depth + 1):
+            is_looked_into = len(inside) < _DEEPEST and id(kind) not in inside  # a type may contain itself
+            members = kind.members if isinstance(kind, StructType) and is_looked_into else ()
+            for inner, old in paths(members, NameScope.MEMBER, (*inside, id(kind))):
                 yield f"{variable.name}.{inner}", f"{before}.{old}"
 
     types = {each.name.casefold(): each.type for each in copy.data_types}
@@ -129,7 +132,7 @@ def _renamed_for_matiec(project: Project, copy: Project) -> dict[str, str]:
 
 
 _DEEPEST = 8
-"""Structures in structures that are looked into: a damaged type may contain itself."""
+"""Structures in structures that are looked into."""
 
 
 def _charts_of(pou: Pou) -> list[Chart]:

@@ -308,3 +308,27 @@ def test_calculations_in_scl_are_values_in_simaticml() -> None:
     assert not report.losses
     assert b"<StartValue>7</StartValue>" in data
     assert b"Array[1..3] of Int" in data
+
+
+ENDLESS = """
+TYPE A : STRUCT
+%s
+END_STRUCT; END_TYPE
+TYPE B : STRUCT
+%s
+END_STRUCT; END_TYPE
+PROGRAM Main
+VAR a : A; While1 : BOOL; END_VAR
+While1 := a.b1.a1.on;
+END_PROGRAM
+"""
+
+
+def test_types_that_contain_themselves_are_looked_through_once() -> None:
+    of_a = "\n".join(f"b{number} : B := (on := TRUE);" for number in range(12)) + "on : BOOL;"
+    source = sfc.loads((ENDLESS % (of_a, of_a.replace("b", "a").replace(": B", ": A"))).encode(), format="iec-text")
+    in_s7 = sfc.loads(convert(source, "scl", partial=True)[0], format="scl")
+    in_s7.rename("Main.While1", "Ein Taster")  # a name that other tools do not take
+    for project in (source, in_s7):
+        there = sfc.loads(convert(project, "codesys", partial=True)[0])
+        assert {each.name for each in there.data_types} == {"A", "B"}

@@ -9,6 +9,7 @@ from typing import Protocol, TypeVar
 
 from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedProject, Finding, FindingPlace, Rule
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.binding.name_resolution import circle_text
 from plcopen_sfc.languages.binding.name_uses import Occurrence
 from plcopen_sfc.languages.binding.text_sites import Role, TextSite
 from plcopen_sfc.languages.grafcet_conditions import is_operand
@@ -180,11 +181,8 @@ def _declared_twice(chart: CheckedChart) -> Iterator[Finding]:
 
 def _endless(chart: CheckedChart) -> Iterator[Finding]:
     if next((each for pou in chart.around.project.pous for each in chart.around.charts_of(pou)), None) is chart.chart:
-        for cycle in chart.around.endless_types:
-            head, *others = [(each.report_path, each.name) for each in cycle]
-            through = f" through {', '.join(name for _, name in others)}" if others else ""
-            elements = (cycle[0],)
-            yield Finding(FindingPlace(head[0], elements), f"{head[1]} contains itself{through}")
+        for circle in chart.around.endless_types:
+            yield Finding(FindingPlace(circle[0].report_path, (circle[0],)), circle_text(circle))
 
 
 def _unreadable_names(chart: CheckedChart) -> Iterator[Finding]:

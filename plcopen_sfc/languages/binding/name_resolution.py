@@ -522,6 +522,12 @@ class Resolver:
         return type_
 
 
+def circle_text(circle: Sequence[StoredType]) -> str:
+    """Return what a circle of `Resolver.endless_types` is, for people."""
+    head, *others = [each.name for each in circle]
+    return f"{head} contains itself" + (f" through {', '.join(others)}" if others else "")
+
+
 def _with_an_end_removed(contained: dict[int, list[int]]) -> list[int]:
     """Return the keys of what contains itself, or what does: without all that has an end."""
     holders: dict[int, list[int]] = {}

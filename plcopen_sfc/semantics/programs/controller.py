@@ -13,6 +13,8 @@ from functools import lru_cache
 from typing import Any, TypeAlias
 
 from plcopen_sfc.errors import Location, ModelError, SimulationError
+from plcopen_sfc.languages.binding.name_resolution import Resolver, circle_text
+from plcopen_sfc.languages.binding.name_uses import dialect_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.model.pou import Pou
@@ -286,7 +288,9 @@ class Controller:
             library.give_in_outs(unit, frame)
         except RecursionError:
             where = Location(path=found.name)
-            raise SimulationError("an instance contains itself, or is nested too deeply", location=where) from None
+            circles = Resolver(self.project, dialect_of(self.project)).endless_types()
+            why = next(map(circle_text, circles), "an instance is nested too deeply")
+            raise SimulationError(why, location=where) from None
         self._initialise(frame)
         for value in library.frame.v:
             self._initialise(value)
