@@ -188,7 +188,7 @@ def _rules(screen: Screen, codes: o.Codes = None, markdown: o.Markdown = False) 
 def _convert(
     screen: Screen,
     files: o.Sources,
-    to: o.To = "",
+    to: o.ToFormats = None,
     flavour: o.For = "",
     tia: o.Tia = "",
     partial: o.Partial = False,
@@ -213,7 +213,7 @@ def _convert(
     if page is not None:
         screen.report = None
     saving: SaveOptions = {
-        "format": to,
+        "format": "",
         "flavour": flavour,
         "tia": tia,
         "strict": strict,
@@ -224,7 +224,7 @@ def _convert(
         "at_rest": o.names(at_rest),
     }
     how = convert.ConvertOptions(saving, as_tool, accept_errors, accept_untested, page, lang)
-    return convert.run(screen, files, how, resume)
+    return convert.run(screen, files, how, o.names(to), resume)
 
 
 @_command

@@ -70,6 +70,16 @@ To = Annotated[
         autocompletion=_formats,
     ),
 ]
+ToFormats = Annotated[
+    list[str] | None,
+    _option(
+        "--to",
+        "The format to write, of `plcopen-sfc formats`. Several with commas are written into the folder DST. "
+        "Not needed where the extension of DST tells it.",
+        "FORMAT",
+        autocompletion=_formats,
+    ),
+]
 For = Annotated[
     str, _option("--for", "Write for a tool that reads less: beremiz or matiec.", "TOOL", autocompletion=_flavours)
 ]

@@ -381,6 +381,9 @@ class _Charts:
             self._mine.transitions = [each for each in self._mine.transitions if each is not gone]
             self._changes.append(f"{self._path} / transition {self._shown.label(shown)}: removed")
         above: Transition | None = None
+        is_reordered = any(
+            each.id not in found or each.priority != found[each.id][1].priority for each in self._now.transitions
+        )
         for transition, wanted in zip(self._now.transitions, self._then.transitions, strict=True):
             path = f"{self._path} / transition {self._now.label(transition)}"
             if transition.id not in found:
@@ -388,6 +391,10 @@ class _Charts:
                 self._changes.append(f"{path}: new")
                 continue
             above, shown = found[transition.id]
+            if is_reordered and above.priority is None is not shown.priority and "Priority" in self._columns:
+                above.priority = shown.priority  # the list numbers all that compete with a numbered one
+                if transition.priority == shown.priority:
+                    self._changes.append(f"{path}: priority")
             versions = _Versions(above, shown, transition, wanted)
             self._changes += _put(versions, _TRANSITION_FIELDS, self._columns, path)
             if olds.ends(shown) != news.ends(transition):

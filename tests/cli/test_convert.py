@@ -34,6 +34,19 @@ def test_same_format_is_the_same_file(cli, fixtures, tmp_path):
 
 
 @pytest.mark.slow
+def test_one_command_makes_files_of_several_formats(cli, fixtures, tmp_path):
+    made = ("convert", "steplist/mixer.csv", f"{tmp_path}/out/", "--to", "codesys,simaticml", "--limit", "0")
+    result = json.loads(cli(*made, "--tia", "V17", "--json").out)
+    assert [*result["formats"]] == ["codesys", "simaticml"]
+    assert sorted(path.name for path in Path(tmp_path, "out").iterdir()) == ["mixer.codesys.xml", "mixer.simaticml"]
+    assert sfc.load(tmp_path / "out" / "mixer.simaticml").pou("Mixer").chart.step("Fill").number == 10
+    for several, wrong in (("codesys,scll", "no format 'scll'"), ("codesys,scl", "need a folder")):
+        refused = cli("convert", "steplist/mixer.csv", tmp_path / "one.xml", "--to", several)
+        assert refused.code == 2
+        assert wrong in refused.err
+
+
+@pytest.mark.slow
 def test_inputs_without_effect_are_named_with_the_option(cli, fixtures, tmp_path):
     """Several names go into one option, and then nothing is left."""
     drill = sfc.load(fixtures / "simaticml" / "FB_Drill.xml")

@@ -110,6 +110,45 @@ def test_a_step_with_the_number_of_one_that_is_gone_is_renamed_everywhere() -> N
     assert project.pou("Ablauf").sfc.step("Mischen").number == 2  # type: ignore[union-attr]
 
 
+PARTLY = """
+PROGRAM Main
+VAR x, y, z : BOOL; END_VAR
+INITIAL_STEP A: END_STEP STEP B: END_STEP STEP C: END_STEP
+TRANSITION FROM A TO B := x; END_TRANSITION
+TRANSITION (PRIORITY := 7) FROM A TO C := y; END_TRANSITION
+TRANSITION FROM (A, B) TO C := z; END_TRANSITION
+TRANSITION FROM B TO A := x; END_TRANSITION
+TRANSITION FROM C TO A := x; END_TRANSITION
+END_PROGRAM
+"""
+
+
+def test_priorities_in_part_are_whole_in_a_list() -> None:
+    project = sfc.loads(PARTLY.encode())
+    listed = list_of(project)
+    chart, shown = project.pous[0].sfc, listed.pous[0].sfc
+    assert chart is not None
+    assert shown is not None
+    order = [transition.condition for transition in chart.outgoing(chart.step("A"))]
+    assert {shown.label(t): t.priority for t in shown.transitions} == {
+        "A -> B": 8,
+        "A -> C": 7,
+        "A+B -> C": 9,
+        "B -> A": 10,
+        "C -> A": None,
+    }
+    assert [transition.condition for transition in shown.outgoing(shown.step("A"))] == order
+    assert sfc.merge_list(project, listed) == []
+    shown.transition("A+B -> C").priority = 1
+    changes = sfc.merge_list(project, edited(listed))
+    assert {each.rpartition(": ")[2] for each in changes} == {"priority"}
+    assert (
+        [t.condition for t in chart.outgoing(chart.step("A"))]
+        == [t.condition for t in shown.outgoing(shown.step("A"))]
+        != order
+    )
+
+
 def test_variables_and_actions_follow_their_tables() -> None:
     project = loaded("training-chain/codesys.xml")
     listed = list_of(project)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import date
 from functools import partial
@@ -23,7 +24,7 @@ from plcopen_sfc.documents.storage import SaveOptions
 from plcopen_sfc.errors import InputError, Location, LossError
 from plcopen_sfc.files import folder_exists, refuse_empty, refuse_unwritable, write_atomic
 from plcopen_sfc.formats.format_interface import Format
-from plcopen_sfc.formats.registry import format_named
+from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import FIELD, LOSSES, SEQUENCE, ConversionReport, Outcome
 
@@ -51,44 +52,75 @@ class ConvertOptions:
         return self.saving["format"] or ""
 
 
-def run(screen: Screen, files: ManyFiles, how: ConvertOptions, journal: Path | None = None) -> int:
+def run(
+    screen: Screen, files: ManyFiles, how: ConvertOptions, formats: Sequence[str] = (), journal: Path | None = None
+) -> int:
     """Convert files to the last one that is named (none: next to each, ``-``: standard output).
 
-    From standard input (``-``) none is standard output. Several files are written into a folder. Output
-    without a name is a folder for tools that import one object a file.
+    From standard input (``-``) none is standard output. Several files are written into a folder, and so is a file in
+    several `formats`. Output without a name is a folder for tools that import one object a file.
     """
     if how.page is not None:
         refuse_unwritable(how.page)
+    if len(formats) < 2:
+        screen.result(_in_format(screen, files, how, "".join(formats), journal))
+        return screen.exit_code
+    if journal is not None or how.page is not None or STANDARD_STREAM in files.named:
+        hint = "Leave out --resume, --report FILE.html and -, or name one format."
+        raise InputError("several formats are written of files, one after the other", hint=hint)
+    kinds = {name: format_named(name)[0] for name in formats}
+    results: dict[str, object] = {}
+    for name, kind in kinds.items():
+        own = how if kind.name == TIA_FORMAT else replace(how, saving={**how.saving, "tia": ""})
+        if not screen.as_json and not screen.quiet:
+            screen.line((f"{name}:", "bold"))
+        results[name] = _in_format(screen, files, own, name, None, is_one_of_several=True)
+    screen.result({"formats": results})
+    return screen.exit_code
+
+
+def _in_format(
+    screen: Screen,
+    files: ManyFiles,
+    how: ConvertOptions,
+    name: str,
+    journal: Path | None,
+    *,
+    is_one_of_several: bool = False,
+) -> dict[str, object]:
+    """Convert files to one format; returns the result. One of several has its name in those of the files."""
     sources, target = files.with_target()
-    name = format_of_target(how.format, target if sources.alone else None, how.saving["tia"])
+    name = format_of_target(name, target if sources.alone else None, how.saving["tia"])
     how = replace(how, saving={**how.saving, "format": name})
     kind = format_named(name)[0]
     extension = kind.extensions[0]
-    for name in sources.named:
-        refuse_empty(name)
+    for each in sources.named:
+        refuse_empty(each)
     if sources.alone and journal is None:
         (source,) = sources.named
         if target is None:
             from_stdin = source == STANDARD_STREAM
             target = STANDARD_STREAM if from_stdin else _beside(Path(source), how.format, kind)
+        elif is_one_of_several:
+            target = targets(sources, target, str, lambda _, inner: _beside(Path(inner), how.format, kind))[source]
         _refuse_another_source(source, target, kind.name)
+        if is_one_of_several:
+            Path(target).parent.mkdir(parents=True, exist_ok=True)
         with written_to_stdout(screen, target, extension) as place:
-            report = _convert(how, target, screen, source, place)
-        screen.result(report)
-        return screen.exit_code
+            return _convert(how, target, screen, source, place)
     if how.page is not None:
         raise InputError("a report with charts is about one file", hint="Convert that file alone.")
-    made = targets(
-        sources,
-        target,
-        lambda path: _beside(path, how.format, kind),
-        lambda path, name: _folder(name) if is_folder_in(kind, path) else str(Path(name).with_suffix(extension)),
-    )
+
+    def inside(path: Path, inner: str) -> str:
+        if is_one_of_several:
+            return _beside(Path(inner), how.format, kind)
+        return _folder(inner) if is_folder_in(kind, path) else str(Path(inner).with_suffix(extension))
+
+    made = targets(sources, target, lambda path: _beside(path, how.format, kind), inside)
     work = partial(_convert_one_of_many, how)
     kept = (journal, ["convert", repr(how), target]) if journal is not None else None
     outcomes = for_each(screen, made, work, "Converting", jobs=files.jobs, journal=kept)
-    screen.result({"files": [{"file": each.path, **each.as_dict()} for each in outcomes]})
-    return screen.exit_code
+    return {"files": [{"file": each.path, **each.as_dict()} for each in outcomes]}
 
 
 def _refuse_another_source(source: str, target: str, written: str) -> None:

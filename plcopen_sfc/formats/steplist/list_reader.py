@@ -269,7 +269,18 @@ class _Reader:
                     message = f"no step is below the last one: write the step that follows, or {NOWHERE}"
                     self._wrong("LST108", message, row, "Next")
             program.chart.transitions.append(leaving.transition)
+        self._check_priorities(program)
         program.leaving.clear()
+
+    def _check_priorities(self, program: _Program) -> None:
+        """Note the transitions without a priority that compete with one that has one: they would be tried last."""
+        numbered = {source for each in program.leaving if each.row["Priority"] for source in each.transition.sources}
+        for each in program.leaving:
+            sources = numbered.intersection(each.transition.sources) if not each.row["Priority"] else ()
+            for step in (step for step in program.chart.steps if step.id in sources):
+                message = f"a transition of {step.name} has a priority, and this one has none: each of a step has one"
+                self._wrong("LST111", message, each.row, "Priority")
+                break
 
     # -- other tables
 

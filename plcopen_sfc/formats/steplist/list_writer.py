@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import zip_longest
+from itertools import count, zip_longest
 
 from plcopen_sfc.formats.steplist.list_reader import KINDS, MEMORY, NOWHERE, SECTIONS, STEP_ACTIONS
 from plcopen_sfc.formats.steplist.list_tables import ListTable, TableKind, TableRow
@@ -91,8 +91,10 @@ def _chart_rows(pou: Pou, chart: SfcNetwork, report: ConversionReport) -> Iterat
     """Yield the rows of a chart: beside each step, below each other, its actions and the transitions that leave it."""
     names = {step.id: step.name for step in chart.steps}
     groups = {t.id: str(at) for at, t in enumerate((t for t in chart.transitions if len(t.sources) > 1), 1)}
+    priorities = _priorities(chart)
     texts = {
-        t.id: {**_transition(pou, chart, t, names, report), "Simultaneous": groups.get(t.id, "")}
+        t.id: {**_transition(pou, chart, t, names, report), "Priority": priorities.get(t.id, "")}
+        | {"Simultaneous": groups.get(t.id, "")}
         for t in chart.transitions
     }
     written: set[int] = set()
@@ -159,6 +161,24 @@ def listed_transitions(chart: SfcNetwork) -> list[Transition]:
     return [each for at, each in enumerate(leaving) if not any(each is other for other in leaving[:at])]
 
 
+def _priorities(chart: SfcNetwork) -> dict[int, str]:
+    """Return the priorities of transitions by their ids: of those that compete all have one, or none has.
+
+    Those without come after all others, in their order, as they are tried.
+    """
+    competing = [[t.id for t in chart.transitions if step.id in t.sources] for step in chart.steps]
+    found = {t.id: t.priority for t in chart.transitions if t.priority is not None}
+    wanted = found.keys() | set()
+    more = True
+    while more:
+        partly = [ids for ids in competing if not wanted.isdisjoint(ids) and not wanted.issuperset(ids)]
+        wanted.update(*partly)
+        more = bool(partly)
+    last = count(max(found.values(), default=0) + 1)
+    found |= {t.id: next(last) for t in chart.transitions if t.id in wanted - found.keys()}
+    return {key: str(priority) for key, priority in found.items()}
+
+
 def _done(association: ActionAssociation) -> str:
     """Return the text of an action; empty where it has none that is read as the same."""
     body = association.body
@@ -184,7 +204,6 @@ def _transition(
         "Transition": transition.name,
         "Condition": condition,
         "Next": ", ".join(names[each] for each in transition.targets if each in names) or NOWHERE,
-        "Priority": "" if transition.priority is None else str(transition.priority),
         "Transition comment": plain(transition.comment),
     }
 

@@ -51,7 +51,7 @@ def test_the_template_is_read(name: str) -> None:
     labels = {chart.label(t): (getattr(t.condition, "text", None), t.priority) for t in chart.transitions}
     assert labels == {
         "Idle -> Fill": ("Start AND NOT Fault", None),
-        "Fill -> Heat+Stir": ("Level_High", None),
+        "Fill -> Heat+Stir": ("Level_High", 1),
         "Fill -> Idle": ("Fault", 2),
         "Heat+Stir -> Drain": ("Temp_OK", None),
         "Drain -> Idle": ("NOT Level_Low", None),
@@ -196,6 +196,8 @@ WRONG = {
     "Step|Initial|Action\nA|perhaps|x": ("LST105", 2, 2),
     "Step|Action|Qualifier\nA||N": ("LST106", 2, 2),
     "Step|Next|Condition|Simultaneous\nA|B|x|1\nB|A|y|1": ("LST107", 3, 3),
+    "Step|Next|Condition|Priority\nA|A|x|1\n|A|y|": ("LST111", 3, 4),
+    "Step|Next|Condition|Priority|Simultaneous\nA|A|x||s\nB||||s\n|A|y|1|": ("LST111", 2, 4),
     "Step|Next|Condition\nA|C|x": ("LST108", 2, 2),
     "Step|Next|Condition\nA||x": ("LST108", 2, 2),
     "Variable|Type\nx|ARRAY INT": ("LST109", 2, 2),
