@@ -41,7 +41,7 @@ from plcopen_sfc.languages.binding.text_sites import Role
 from plcopen_sfc.languages.declarations.kept_texts import bases_of, kept
 from plcopen_sfc.languages.networks.condition_reading import shown_named_condition
 from plcopen_sfc.languages.networks.network_graph import without_places
-from plcopen_sfc.languages.s7_globals import TABLE, is_retained, local_tags
+from plcopen_sfc.languages.s7_globals import TABLE, is_retained, local_tags, type_named
 from plcopen_sfc.languages.s7_programs import WITHOUT_TASK, names_of_programs, unused_inputs
 from plcopen_sfc.languages.s7_types import is_system_data
 from plcopen_sfc.languages.sfc_flag_uses import flags_at_rest, named_flags
@@ -381,7 +381,7 @@ class _Reader:
                     self._variable(self.whole, "global variable", variable, section, block.name)
         for table in self.project.tag_tables:
             for tag in table.tags:
-                variable = Variable.model_validate({"name": tag.name, "type": tag.type})
+                variable = Variable(name=tag.name, type=type_named(tag.type) or DerivedType(name=tag.type))
                 part = self._variable(self.whole, "global variable", variable, VariableSection(), "")
                 part.tell("address", address_meaning(tag.address, Dialect.SCL))
             for constant in table.constants:

@@ -15,14 +15,14 @@ from itertools import groupby
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import Kind, Names
 from plcopen_sfc.languages.binding.text_sites import TextSite
-from plcopen_sfc.languages.declarations import write_type
+from plcopen_sfc.languages.declarations import read_declarations, write_type
 from plcopen_sfc.languages.s7_types import S7Types, s7_types
 from plcopen_sfc.languages.translation.literal_translation import is_tag_address, translated_address
 from plcopen_sfc.model.base import ExtensionData, ForeignData
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, PouKind
 from plcopen_sfc.model.project import Project, Tag, TagTable, TreeNode
-from plcopen_sfc.model.types import DerivedType, ElementaryType, SimpleValue, Variable
+from plcopen_sfc.model.types import DataType, DerivedType, ElementaryType, SimpleValue, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 TABLE = "GlobalVariables"
@@ -343,3 +343,9 @@ def _lists(project: Project) -> Iterator[tuple[str, VariableSection]]:
 
 def _is_instance(variable: Variable, blocks: set[str]) -> bool:
     return isinstance(variable.type, DerivedType) and variable.type.name.casefold() in blocks
+
+
+def type_named(text: str) -> DataType | None:
+    """Return a type as tags name it; None where it is none."""
+    section = next(iter(read_declarations(f"VAR x : {text}; END_VAR", Dialect.SCL).sections), None)
+    return section.variables[0].type if section is not None and section.variables else None

@@ -149,3 +149,17 @@ def test_enumerations_that_do_not_count_from_0_are_numbers_for_matiec() -> None:
     written = sfc.loads(data, format="iec-text", as_tool=True)
     assert "CASE l OF 1: l := 5; 5, 9: l := 1; q := SEL(Low = 2, 0, 1); END_CASE;" in data.decode()
     assert equivalent(source.pou("Main"), written.pou("Main"), outputs=["q", "n"]).equal
+
+
+@pytest.mark.parametrize("target", ["codesys", "twincat", "codesys23"])
+@pytest.mark.parametrize("place", ["PROGRAM Main VAR c : {}; END_VAR END_PROGRAM", "TAG"])
+def test_characters_are_told_where_no_type_has_them(place: str, target: str) -> None:
+    """CHAR went to CODESYS as kept, where no declaration with it compiles."""
+    if place == "TAG":
+        tags = [m.Tag(name="c", type="Char", address="%MB3"), m.Tag(name="t", type="Time_Of_Day", address="%MD4")]
+        project = m.Project(tag_tables=[m.TagTable(name="Tags", tags=tags)], dialect=m.Dialect.SCL)
+    else:
+        project = sfc.loads(place.format("ARRAY[0..3] OF CHAR").encode(), format="iec-text")
+    report = sfc.convert(project, target, partial=True)[1]
+    (told,) = report.with_outcome(Outcome.NOT_EXECUTED)
+    assert "has no type C" in told.why

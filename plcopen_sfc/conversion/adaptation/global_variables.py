@@ -25,8 +25,7 @@ from plcopen_sfc.formats.plcopen.source_marks import (
     text_digest,
 )
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
-from plcopen_sfc.languages.declarations import read_declarations
-from plcopen_sfc.languages.s7_globals import is_retained
+from plcopen_sfc.languages.s7_globals import is_retained, type_named
 from plcopen_sfc.languages.s7_programs import is_void
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_statements, print_node
@@ -44,7 +43,17 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, TagTable, Task, TaskSettings
 from plcopen_sfc.model.sfc import SfcBody
-from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, MemberValue, StructType, StructValue, Variable
+from plcopen_sfc.model.types import (
+    ArrayType,
+    DataType,
+    DerivedType,
+    Elementary,
+    ElementaryType,
+    MemberValue,
+    StructType,
+    StructValue,
+    Variable,
+)
 from plcopen_sfc.model.variables import SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -105,12 +114,12 @@ def _cyclic_blocks(project: Project, host: ChartHost, report: ConversionReport) 
 
 
 def report_types(project: Project, host: ChartHost, report: ConversionReport) -> None:
-    """Report the variables whose type only S7 has: their declarations do not compile."""
+    """Report the variables whose type the target does not have: their declarations do not compile."""
     declared = {thing.name.casefold() for thing in (*project.pous, *project.data_types)}
 
     def look_at(variables: Iterable[Variable], path: str) -> None:
         for variable in variables:
-            foreign = is_foreign_type(variable.type)
+            foreign = is_foreign_type(variable.type, host)
             if foreign is not None and foreign.casefold() not in declared:
                 why = f"{host.title} has no type {foreign}: the declaration does not compile"
                 report.add(Outcome.NOT_EXECUTED, "data type", f"{path} / variable {variable.name}", why)
@@ -119,20 +128,24 @@ def report_types(project: Project, host: ChartHost, report: ConversionReport) ->
         for section in pou.interface.sections if pou.interface is not None else ():
             if not is_void(section):
                 look_at(section.variables, pou.report_path)
+    for section in project.global_sections():
+        look_at(section.variables, f"list of global variables {section.name}" if section.name else "global variables")
     for declaration in project.data_types:
         if isinstance(declaration.type, StructType):
             look_at(declaration.type.members, declaration.report_path)
 
 
-def is_foreign_type(kind: DataType) -> str | None:
-    """Return the name of a data type of S7 in `kind` that no other tool has; None where there is none."""
+def is_foreign_type(kind: DataType, host: ChartHost) -> str | None:
+    """Return the name of a data type in `kind` that the target does not have; None where there is none."""
     match kind:
         case DerivedType(name=name) if name.strip('"').upper() in _OF_S7:
             return name
+        case ElementaryType(name=Elementary.CHAR | Elementary.WCHAR as name) if host.is_codesys:
+            return name.value
         case ArrayType(base=base):
-            return is_foreign_type(base)
+            return is_foreign_type(base, host)
         case StructType(members=members):
-            return next((found for member in members if (found := is_foreign_type(member.type))), None)
+            return next((found for member in members if (found := is_foreign_type(member.type, host))), None)
         case _:
             return None
 
@@ -185,9 +198,9 @@ class _Globals:
         counted: list[str] = []
         for tag in table.tags:
             path = f"{table.report_path} / tag {tag.name}"
-            kind = _type_of(tag.type)
+            kind = type_named(tag.type)
             address = translated_address(tag.address or "", Dialect.SCL, self.host.addresses)
-            if kind is None or is_foreign_type(kind):
+            if kind is None or is_foreign_type(kind, self.host):
                 self._note(Outcome.NOT_EXECUTED, "tag", path, f"{self.host.title} has no type {tag.type}")
                 continue
             if tag.address and address.severity is Severity.ERROR:
@@ -266,7 +279,7 @@ class _Globals:
         return Variable(name=name, type=type_, initial=_struct_value(given), comment=block.comment)
 
     def _member(self, variable: Variable, path: str) -> Variable:
-        foreign = is_foreign_type(variable.type)
+        foreign = is_foreign_type(variable.type, self.host)
         if foreign is not None:
             why = f"{self.host.title} has no type {foreign}: it does not compile"
             self._note(Outcome.NOT_EXECUTED, "data type", f"{path} / variable {variable.name}", why)
@@ -276,12 +289,6 @@ class _Globals:
             kind = StructType(members=[self._member(member, path) for member in kind.members])
         initial = None if variable.initial is None else filled(variable.initial, variable.type, self.types)
         return Variable(name=name, type=kind, initial=initial, comment=variable.comment)
-
-
-def _type_of(text: str) -> DataType | None:
-    """Return a type as tags name it."""
-    section = next(iter(read_declarations(f"VAR x : {text}; END_VAR", Dialect.SCL).sections), None)
-    return section.variables[0].type if section is not None and section.variables else None
 
 
 def _struct_value(members: Iterable[Variable]) -> StructValue | None:

@@ -187,7 +187,7 @@ RULES = (
         lambda this: _order_elements(this.project, this.report),
     ),
     AdaptationRule(
-        "a variable of a type that only S7 has, such as `S5TIME`",
+        "a variable of a type that the target does not have, such as `S5TIME`, in CODESYS `CHAR`",
         "all",
         "not executed: the declaration does not compile",
         lambda this: not this.options.same,

@@ -20,9 +20,12 @@ from plcopen_sfc.formats.steplist.list_tables import (
     tables_in,
 )
 from plcopen_sfc.languages.declarations import read_declarations
+from plcopen_sfc.languages.translation.literal_translation import translated_address
+from plcopen_sfc.languages.translation.translation_context import PartText
 from plcopen_sfc.model import times
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, SfcBody, SfcNetwork, Step, Supervised, Transition
@@ -53,12 +56,20 @@ _TIME_FIELDS = {"Min time": "min_time", "Max time": "max_time", "Warning time": 
 _TRUE = {"x", "X", "1", "TRUE", "True", "true", "yes", "ja", "wahr", "WAHR"}
 _FALSE = {"", "0", "FALSE", "False", "false", "no", "nein", "FALSCH"}
 _TRANSITION = ("Transition", "Condition", "Next", "Priority", "Simultaneous", "Transition comment")
+_OF_TRANSITIONS = {
+    "Transition": "name",
+    "Condition": "condition",
+    "Priority": "priority",
+    "Transition comment": "comment",
+}
 _ACTION = ("Qualifier", "Action", "Time", "Event", "Interlocked")
 _VARIABLE = re.compile(r"[^\s:;,]+")
 _NAME = re.compile(r"\w+(?:\.\w+)*")
 _ASSIGNED = re.compile(r"(?P<target>[\w.\[\]]+)\s*:=\s*(?P<value>[^;]+)")
 _QUALIFIERS = {qualifier.value.upper(): qualifier for qualifier in Qualifier}
 _OF_SIEMENS = {"E": "I", "A": "Q"}
+COUNTED = re.compile(r"%[IQM][WD]\d", re.IGNORECASE)
+"""The begin of addresses whose numbers are those of bytes in S7, and of words or double words in IEC 61131-3."""
 
 
 def read_list(sheets: Sequence[Sheet], file: str | None) -> ReadResult:
@@ -76,7 +87,7 @@ class _Leaving:
     """A transition whose steps are found when all steps are known."""
 
     transition: Transition
-    row: TableRow
+    given: dict[str, TableRow] = field(default_factory=dict)
     following: list[tuple[TableRow, str]] = field(default_factory=list)
 
 
@@ -227,23 +238,27 @@ class _Reader:
         group = row["Simultaneous"].casefold()
         known = program.groups.get(group) if group else None
         if known is None:
-            transition = Transition(id=next(program.ids), name=row["Transition"], condition=row["Condition"] or None)
-            transition.priority = self._number(row, "Priority")
-            transition.comment = row.texts.get("Transition comment") or None
-            known = _Leaving(transition, row)
+            known = _Leaving(Transition(id=next(program.ids)))
             program.leaving.append(known)
             if group:
                 program.groups[group] = known
-        else:
-            for heading in ("Transition", "Condition", "Priority", "Transition comment"):
-                if row[heading] and row[heading] != known.row[heading]:
-                    first = self._table.columns[heading]
-                    where = self._cell(known.row.place, first)
-                    message = f"rows of one simultaneous group are one transition: this differs from {where}"
-                    self._wrong("LST107", message, row, heading)
+        self._give(known, row)
         if step.id not in known.transition.sources:
             known.transition.sources.append(step.id)
         known.following.append((row, step.name))
+
+    def _give(self, known: _Leaving, row: TableRow) -> None:
+        """Give a transition what a row tells of it; the rows of a simultaneous group are one transition."""
+        for heading, field_name in _OF_TRANSITIONS.items():
+            first = known.given.setdefault(heading, row) if row[heading] else row
+            if first is not row and row[heading] != first[heading]:
+                where = self._cell(first.place, self._table.columns[heading])
+                message = f"rows of one simultaneous group are one transition: this differs from {where}"
+                self._wrong("LST107", message, row, heading)
+            elif row[heading]:
+                plain = row.texts[heading] if heading == "Transition comment" else row[heading]
+                value = self._number(row, heading) if heading == "Priority" else plain
+                setattr(known.transition, field_name, value)
 
     def _connect(self, program: _Program) -> None:
         steps = program.chart.steps
@@ -274,12 +289,14 @@ class _Reader:
 
     def _check_priorities(self, program: _Program) -> None:
         """Note the transitions without a priority that compete with one that has one: they would be tried last."""
-        numbered = {source for each in program.leaving if each.row["Priority"] for source in each.transition.sources}
+        numbered = {
+            source for each in program.leaving if "Priority" in each.given for source in each.transition.sources
+        }
         for each in program.leaving:
-            sources = numbered.intersection(each.transition.sources) if not each.row["Priority"] else ()
+            sources = numbered.intersection(each.transition.sources) if "Priority" not in each.given else ()
             for step in (step for step in program.chart.steps if step.id in sources):
                 message = f"a transition of {step.name} has a priority, and this one has none: each of a step has one"
-                self._wrong("LST111", message, each.row, "Priority")
+                self._wrong("LST111", message, each.following[0][0], "Priority")
                 break
 
     # -- other tables
@@ -326,7 +343,11 @@ class _Reader:
             near = nearest(first, SECTIONS)
             self._wrong("LST109", f"{row['Section']!r} is no section of variables{near}", row, "Section")
             return None
-        address = _address(row["Address"])
+        found = _address(row["Address"])
+        if found.severity is Severity.ERROR:
+            self._wrong("LST109", f"this address cannot be written for other tools: {found.reason}", row, "Address")
+            return None
+        address = found.text
         if kind is None:
             kind = SectionKind.GLOBAL if address else SectionKind.LOCAL
         at = f" AT {address}" if address else ""
@@ -378,16 +399,20 @@ def _head(section: VariableSection) -> tuple[object, ...]:
     return section.kind, section.name, *(getattr(section, word) for word in MEMORY)
 
 
-def _address(text: str) -> str:
-    """Return an address as IEC 61131-3 has it: ``E0.0`` of Siemens is ``%I0.0``."""
+def _address(text: str) -> PartText:
+    """Return an address as IEC 61131-3 has it.
+
+    Without ``%`` it is one of S7, which counts bytes: ``E0.0`` is ``%I0.0``, ``EW4`` is ``%IW2``.
+    """
     if not text or text.startswith("%"):
-        return text
-    return "%" + _OF_SIEMENS.get(text[0].upper(), text[0].upper()) + text[1:]
+        return PartText(text)
+    address = "%" + _OF_SIEMENS.get(text[0].upper(), text[0].upper()) + text[1:].upper()
+    return translated_address(address, Dialect.SCL, Dialect.IEC) if COUNTED.match(address) else PartText(address)
 
 
 def _is_odd(heading: str, row: TableRow) -> bool:
     """True if this cell alone makes a declaration wrong."""
     kind = row["Type"] or "BOOL" if heading != "Address" else "BOOL"
-    at = f" AT {_address(row['Address'])}" if heading == "Address" and row["Address"] else ""
+    at = f" AT {_address(row['Address']).text}" if heading == "Address" and row["Address"] else ""
     initial = f" := {row['Initial value']}" if heading == "Initial value" and row["Initial value"] else ""
     return bool(read_declarations(f"VAR x{at} : {kind}{initial}; END_VAR").problems)

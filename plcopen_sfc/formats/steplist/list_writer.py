@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import count, zip_longest
 
-from plcopen_sfc.formats.steplist.list_reader import KINDS, MEMORY, NOWHERE, SECTIONS, STEP_ACTIONS
+from plcopen_sfc.formats.steplist.list_reader import COUNTED, KINDS, MEMORY, NOWHERE, SECTIONS, STEP_ACTIONS
 from plcopen_sfc.formats.steplist.list_tables import ListTable, TableKind, TableRow
 from plcopen_sfc.languages.declarations import write_type, write_value
 from plcopen_sfc.languages.networks.condition_reading import shown_condition
@@ -236,4 +236,7 @@ def _section(section: VariableSection, program: str) -> Iterator[TableRow]:
 def _tags(table: TagTable) -> Iterator[TableRow]:
     for tag in table.tags:
         texts = {"Program": table.name, "Variable": tag.name, "Section": "VAR_GLOBAL", "Type": tag.type}
-        yield TableRow({**texts, "Address": tag.address or "", "Comment": plain(tag.comment)})
+        address = tag.address or ""
+        if COUNTED.match(address):  # in bytes: see `list_reader`
+            address = address.removeprefix("%")
+        yield TableRow({**texts, "Address": address, "Comment": plain(tag.comment)})

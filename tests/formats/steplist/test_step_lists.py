@@ -184,6 +184,33 @@ def test_blocks_sections_actions_and_settings_of_s7_graph() -> None:
     assert sfc.diff(project, again).equal
 
 
+def test_what_rows_of_a_simultaneous_group_tell_is_in_any_of_them() -> None:
+    head = "Step|Condition|Next|Simultaneous|Priority\nS|a|A, B||\n"
+    there, below = (
+        sfc.loads(table(f"{head}{rows}")).pous[0].chart for rows in ("A|b|S|j|1\nB|||j|\n", "A||S|j|\nB|b||j|1\n")
+    )
+    assert there == below
+    assert there is not None
+    assert there.transitions[1].priority == 1
+
+
+@pytest.mark.parametrize(
+    ("written", "in_s7", "in_codesys"),
+    [("EW64", "%IW64", "%IW32"), ("%IW64", "%IW128", "%IW64"), ("md8", "%MD8", "%MD2"), ("A4.1", "%Q4.1", "%Q4.1")],
+)
+def test_addresses_of_s7_count_bytes(written: str, in_s7: str, in_codesys: str) -> None:
+    """They went to TIA Portal as words, so that the machine read other terminals."""
+    kind = {"D": "DINT", "W": "INT"}.get(written.strip("%")[1].upper(), "BOOL")
+    project = sfc.loads(table(f"Variable|Type|Address\nx|{kind}|{written}\n"))
+    s7 = sfc.loads(sfc.dumps(project, format="simaticml"), as_tool=True)
+    assert [tag.address for each in s7.tag_tables for tag in each.tags] == [in_s7]
+    codesys = sfc.loads(sfc.dumps(project, format="codesys"), as_tool=True)
+    assert [each.address for section in codesys.global_sections() for each in section.variables] == [in_codesys]
+    symbols = sfc.loads(sfc.dumps(project, format="sdf"))
+    again = sfc.loads(sfc.dumps(symbols, format="csv", partial=True))
+    assert sfc.loads(sfc.dumps(again, format="sdf")).tag_tables == symbols.tag_tables
+
+
 WRONG = {
     "Program|Step|Next|Condition\nBLOCK X|A|A|x": ("LST101", 2, 1),
     "Step|Next|Condition\n|A|x\nA||": ("LST102", 2, 1),
@@ -203,6 +230,7 @@ WRONG = {
     "Variable|Type\nx|ARRAY INT": ("LST109", 2, 2),
     "Variable|Type|Section\nx|INT|VAR_SOMETHING": ("LST109", 2, 3),
     "Variable|Type|Address\nx|INT|over there": ("LST109", 2, 3),
+    "Variable|Type|Address\nx|INT|EW65": ("LST109", 2, 3),
     "Variable|Type\na b|INT": ("LST109", 2, 1),
 }
 
