@@ -225,7 +225,7 @@ def check_import(project: Project, tool: str) -> list[Diagnostic]:
             named.add(Outcome.NOT_EXECUTED, "name", path, why)
         losses += named.items
     if kind == format == "simaticml":
-        from plcopen_sfc.refactor.dialect_translation import compute_constants  # noqa: PLC0415  # here alone
+        from plcopen_sfc.refactor.declaration_translation import compute_constants  # noqa: PLC0415  # here alone
 
         calculated = ConversionReport()
         for place in compute_constants(project.model_copy(deep=True)):

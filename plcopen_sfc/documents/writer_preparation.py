@@ -36,7 +36,7 @@ from plcopen_sfc.semantics.profile import (
 )
 
 if TYPE_CHECKING:
-    from plcopen_sfc.refactor.dialect_translation import TranslatedText
+    from plcopen_sfc.refactor.declaration_translation import TranslatedText
 
 
 class Prepared(NamedTuple):
@@ -148,7 +148,7 @@ def _put_texts_into_words(
         wholly = bool(options.flavour)
         _put_into_dialect(copy, dialect, addresses, report, wholly=wholly, calls_actions=calls_actions)
     if kind.name == TIA_FORMAT and is_scl and not options.same:
-        from plcopen_sfc.refactor.dialect_translation import compute_constants  # noqa: PLC0415  # rarely needed
+        from plcopen_sfc.refactor.declaration_translation import compute_constants  # noqa: PLC0415  # rarely needed
 
         _note_texts(compute_constants(copy), report)
 

@@ -5,7 +5,7 @@
   and `name_edits` are the edits; `step_kinds` switches the charts of CoDeSys 2.3.
 * `rename` gives declarations other names, one or many in one pass, in their declarations and all uses (those that
   `languages.binding` finds), or tells why it does not.
-* `dialect_translation` puts all program text into another dialect, `direct_addresses` addresses into the numbers of
-  another tool.
+* `dialect_translation` puts all program text into another dialect, `declaration_translation` what is declared,
+  `direct_addresses` addresses into the numbers of another tool.
   `il_texts` and `step_kinds` prepare a project for tools without IL and without step flags.
 """

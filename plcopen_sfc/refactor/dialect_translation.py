@@ -9,7 +9,6 @@ from dataclasses import dataclass, field, replace
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding.constant_values import ConstantValues
 from plcopen_sfc.languages.binding.name_resolution import Resolver, Type
-from plcopen_sfc.languages.binding.symbols import inside
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.expression_types import BIT_STRINGS, CALCULATING, ExpressionTypes
 from plcopen_sfc.languages.il import statements as instruction_statements
@@ -19,10 +18,9 @@ from plcopen_sfc.languages.s7_globals import local_tags, names_from_s7, names_in
 from plcopen_sfc.languages.s7_programs import names_of_programs
 from plcopen_sfc.languages.s7_types import S7Types, s7_types
 from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements, render, transform, walk
-from plcopen_sfc.languages.st.literals import INTEGER_RANGES, LiteralError, LiteralKind, literal_value, string_literal
+from plcopen_sfc.languages.st.literals import INTEGER_RANGES
 from plcopen_sfc.languages.st.nodes import Assignment, Call, Expression, Member, Name, Node, Operation, Statements
 from plcopen_sfc.languages.st.printing import print_node
-from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, S7_COUNTERS_OF_CODESYS, S7_INSTANCES, S7_VERSION
 from plcopen_sfc.languages.translation import (
     NameScope,
     Note,
@@ -36,7 +34,7 @@ from plcopen_sfc.languages.translation import (
     translate,
 )
 from plcopen_sfc.languages.translation.arithmetic_translation import ArithmeticTranslator
-from plcopen_sfc.languages.translation.renames import KeptNames, keep_names, kept_renames
+from plcopen_sfc.languages.translation.renames import kept_renames
 from plcopen_sfc.languages.translation.translation_context import TITLES, Notes, family
 from plcopen_sfc.model import (
     ActionAssociation,
@@ -49,40 +47,22 @@ from plcopen_sfc.model import (
     SfcNetwork,
     Step,
     Tag,
-    Variable,
 )
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody
 from plcopen_sfc.model.conditions import WiredCondition
 from plcopen_sfc.model.declaration import Kind
-from plcopen_sfc.model.dialect import STRING_LENGTHS, Dialect
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.sfc import BodyCondition
 from plcopen_sfc.model.types import (
-    ArrayType,
     DerivedType,
     ElementaryType,
     EnumType,
-    SimpleValue,
     StringType,
-    StructType,
     SubrangeType,
 )
-from plcopen_sfc.model.variables import SectionKind, VariableSection
+from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.refactor.declaration_translation import TranslatedText, compute_constants, translate_declarations
 from plcopen_sfc.refactor.direct_addresses import renumber_declared
-from plcopen_sfc.whole_numbers import whole_number
-
-
-@dataclass(frozen=True, slots=True)
-class TranslatedText:
-    """Result of the translation of one text: its path, in the words of reports, and the notes on it.
-
-    `what` it is: a text, a constant expression, or the address of a variable.
-    """
-
-    path: str
-    changed: bool
-    notes: tuple[Note, ...]
-    what: str = "text"
-
 
 _NOTATIONS = {
     Dialect.IEC: StepNotation.IEC,
@@ -139,34 +119,10 @@ def translate_project(
     for text_site in text_sites(project):
         if text_site.reading is SiteKind.DECLARATIONS and not isinstance(text_site.key, int):
             setattr(text_site.holder, text_site.key, None)
-    found += _rename_steps(project, renames, target)
-    _rename_declarations(project, renames, target)
-    if Dialect.SCL in (source, target) and source is not target:
-        keep_names(project, KeptNames.TRANSLATED, renames.rows() if source is Dialect.SCL else ())
-    _rename_instances(project, source, target)
-    _say_lengths(project, source, target)
-    found += _say_starts(project, source, target)
+    found += translate_declarations(project, renames, target)
     for path, severity, why in renumber_declared(project, *counting):
         found.append(TranslatedText(path, True, (Note(severity, why, (0, 0), 1, 1),), "address"))
     project.dialect = target
-    return found
-
-
-def compute_constants(project: Project) -> list[TranslatedText]:
-    """Write the values of calculated start values, bounds and lengths, where S7 takes one literal or constant."""
-    values = ConstantValues(Resolver(project, project.dialect))
-    calculated = [text_site for text_site in text_sites(project) if values.is_calculated(text_site)]
-    literals = [values.literal(text_site) for text_site in calculated]
-    found: list[TranslatedText] = []
-    for text_site, literal in zip(calculated, literals, strict=True):
-        if literal is None:
-            severity = Severity.ERROR
-            why = f"TIA Portal takes a literal or one constant here, and the value of `{text_site.text}` is not known"
-        else:
-            severity, why = Severity.INFO, f"the value of `{text_site.text}`: TIA Portal takes no calculation here"
-            text_site.put(literal)
-        note = Note(severity, why, (0, 0), 1, 1)
-        found.append(TranslatedText(text_site.report_path, literal is not None, (note,), "constant expression"))
     return found
 
 
@@ -206,94 +162,6 @@ def _bit_numbering(values: ConstantValues, resolver: Resolver, site: Site, notes
         return replace(node, name=replace(node.name, identifier=str(number)))
 
     return numbered
-
-
-def _say_lengths(project: Project, source: Dialect, target: Dialect) -> None:
-    """Write the length of strings without one, where the tools of both dialects have different defaults."""
-    length = STRING_LENGTHS.get(source)
-    if length is None or Dialect.SCL not in (source, target) or source is target:
-        return
-    sections = [section for interface in _all_interfaces(project) for section in interface.sections]
-    variables = [variable for section in (*sections, *project.global_sections()) for variable in section.variables]
-    types = [variable.type for variable in variables] + [each.type for each in project.data_types]
-    types += [interface.return_type for interface in _all_interfaces(project) if interface.return_type is not None]
-    while types:
-        for type_ in inside(types.pop()):
-            if isinstance(type_, StringType) and type_.length is None:
-                type_.length = length
-            elif isinstance(type_, StructType):
-                types += [member.type for member in type_.members]
-
-
-def _say_starts(project: Project, source: Dialect, target: Dialect) -> Iterator[TranslatedText]:
-    """Write the start values of dates, which tools have at other days, and cut off texts that S7 does not take."""
-    if (source is Dialect.SCL) is (target is Dialect.SCL):
-        return
-    for path, variable in _kept_variables(project):
-        type_, start = variable.type, variable.initial
-        while isinstance(type_, ArrayType):
-            type_ = type_.base
-        name = type_.name.value if isinstance(type_, ElementaryType) else ""
-        why, severity = "", Severity.INFO
-        if name in _FIRST_DAYS and start is None:
-            if source is Dialect.SCL and not isinstance(variable.type, ArrayType):
-                variable.initial = SimpleValue(text=_FIRST_DAYS[name])
-                why = f"it starts as {_FIRST_DAYS[name]}, as in S7"
-            else:
-                why = f"{name} starts as {_FIRST_DAYS[name]} in S7, and as 1970-01-01 in CODESYS"
-                severity = Severity.WARNING
-        if target is Dialect.SCL and isinstance(type_, StringType) and isinstance(start, SimpleValue):
-            length = whole_number(type_.length or STRING_LENGTHS.get(source))
-            cut = _cut_text(start.text or "", length, target) if length is not None else None
-            if cut is not None:
-                start.text = cut
-                why = f"its first value was cut off to {length} characters, as it is when it is assigned"
-        if why:
-            note = Note(severity, why, (0, 0), 1, 1)
-            yield TranslatedText(f"{path} / {variable.name}", changed=True, notes=(note,))
-
-
-_FIRST_DAYS = {"DATE": "D#1990-01-01", "DT": "DT#1990-01-01-00:00:00"}
-"""The first values of dates in S7; those of LDT and DTL are in 1970 as in CODESYS."""
-
-
-def _kept_variables(project: Project) -> Iterator[tuple[str, Variable]]:
-    """Yield the variables and members that have a first value, with the path of what declares them."""
-    waiting: list[tuple[str, Variable]] = []
-    for pou in project.pous:
-        for section in pou.interface.sections if pou.interface is not None and pou.kind is not PouKind.FUNCTION else ():
-            if section.kind not in (SectionKind.IN_OUT, SectionKind.EXTERNAL, SectionKind.TEMP, SectionKind.RETURN):
-                waiting += [(pou.report_path, variable) for variable in section.variables]
-    for section in project.global_sections():
-        waiting += [("global variables", variable) for variable in section.variables]
-    for block in project.data_blocks:
-        sections = block.interface.sections if block.interface is not None and block.type_name is None else []
-        waiting += [(block.report_path, variable) for section in sections for variable in section.variables]
-    for declared in project.data_types:
-        if isinstance(declared.type, StructType):
-            waiting += [(declared.report_path, member) for member in declared.type.members]
-    while waiting:
-        path, variable = waiting.pop(0)
-        if isinstance(variable.type, StructType):
-            waiting += [(f"{path} / {variable.name}", member) for member in variable.type.members]
-        yield path, variable
-
-
-def _cut_text(text: str, length: int, dialect: Dialect) -> str | None:
-    """Return the literal of a text without what goes beyond `length`; None where it fits, or is no literal."""
-    try:
-        found = literal_value(text, dialect)
-    except LiteralError:
-        return None
-    if found.kind is not LiteralKind.STRING or not isinstance(found.value, str) or len(found.value) <= length:
-        return None
-    return string_literal(found.value[:length], dialect, wide=found.type.startswith("W"))
-
-
-def _all_interfaces(project: Project) -> list[Interface]:
-    found = [pou.interface for pou in project.pous] + [block.interface for block in project.data_blocks]
-    found += [method.interface for pou in project.pous for method in pou.methods]
-    return [interface for interface in found if interface is not None]
 
 
 def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]:
@@ -704,74 +572,3 @@ def _steps(
 def _can_be_disturbed(step: Step) -> bool:
     checks = (each.condition for each in (step.interlock, step.supervision) if each is not None)
     return any(condition is not None and not is_empty_network(condition) for condition in checks)
-
-
-def _renaming(renames: Renames, target: Dialect) -> Callable[[NameScope, str], str | None]:
-    return renames.old_name if target is Dialect.SCL else renames.new_name
-
-
-def _rename_steps(project: Project, renames: Renames, target: Dialect) -> list[TranslatedText]:
-    """Give steps the names that the texts use now; return those that have another."""
-    found: list[TranslatedText] = []
-    renamed = _renaming(renames, target)
-    for chart in project.charts():
-        for step in chart.chart.steps:
-            new = renamed(NameScope.LOCAL, step.name)
-            if new is not None and new != step.name:
-                why = "it was called so before" if target is Dialect.SCL else "the name that it has is none there"
-                note = Note(Severity.INFO, f"the step is called {new}: {why}", (0, 0), 1, 1)
-                found.append(TranslatedText(f"{chart.report_path} / step {step.name}", True, (note,)))
-                step.name = new
-        for _, association in chart.chart.associations():
-            if association.qualifier in (Qualifier.ON, Qualifier.OFF) and association.target is not None:
-                name = association.target
-                association.target = renamed(NameScope.LOCAL, name) or name
-    return found
-
-
-def _rename_instances(project: Project, source: Dialect, target: Dialect) -> None:
-    """Give instances of standard function blocks the types that they have there: TON is TON_TIME in SCL."""
-    if (source is Dialect.SCL) is (target is Dialect.SCL):
-        return
-    counters = S7_COUNTERS_OF_CODESYS if family(source) is Dialect.CODESYS else {}
-    names = S7_INSTANCES | counters if target is Dialect.SCL else BLOCKS_OF_S7
-    declared = {pou.name.upper() for pou in project.pous} | {kind.name.upper() for kind in project.data_types}
-    names = {name: other for name, other in names.items() if name not in declared}
-    interfaces = [each for pou in project.pous for each in (pou.interface, *(m.interface for m in pou.methods))]
-    sections = [section for interface in interfaces if interface is not None for section in interface.sections]
-    sections += project.global_sections()
-    for variable in (variable for section in sections for variable in section.variables):
-        if isinstance(variable.type, DerivedType) and variable.type.name.upper() in names:
-            variable.type = DerivedType(name=names[variable.type.name.upper()])
-            if variable.attributes.get("Version") == S7_VERSION:
-                variable.attributes = {key: text for key, text in variable.attributes.items() if key != "Version"}
-
-
-def _rename_declarations(project: Project, renames: Renames, target: Dialect) -> None:
-    """Give what is declared the names that the texts use now."""
-    if not len(renames):
-        return
-    renamed = _renaming(renames, target)
-
-    def rename(variables: list[Variable], scope: NameScope) -> None:
-        for variable in variables:
-            variable.name = renamed(scope, variable.name) or variable.name
-            if isinstance(variable.type, StructType):
-                rename(variable.type.members, NameScope.MEMBER)
-
-    def rename_sections(sections: list[VariableSection], scope: NameScope) -> None:
-        for section in sections:
-            rename(section.variables, scope)
-
-    for pou in project.pous:
-        pou.name = renamed(NameScope.GLOBAL, pou.name) or pou.name
-        for interface in (pou.interface, *(method.interface for method in pou.methods)):
-            if interface is not None:
-                rename_sections(interface.sections, NameScope.LOCAL)
-    for declaration in project.data_types:
-        if isinstance(declaration.type, StructType):
-            rename(declaration.type.members, NameScope.MEMBER)
-    resources = [*project.resources()]
-    globals_ = [project.global_variables, *(c.global_variables for c in project.configurations)]
-    for sections in (*globals_, *(resource.global_variables for resource in resources)):
-        rename_sections(sections, NameScope.GLOBAL)
