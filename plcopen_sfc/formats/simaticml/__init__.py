@@ -11,7 +11,7 @@ The frame of a document:
 Blocks and what they declare:
 
 * `openness_objects`: blocks, data blocks, data types, tag tables; `compile_units`: their programs
-* `block_interfaces`, `declaration_spelling`: declarations
+* `block_interfaces`, `declaration_spelling`: declarations; `nested_start_values`: those of arrays and structures
 
 Programs:
 

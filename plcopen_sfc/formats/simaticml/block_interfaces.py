@@ -1,19 +1,11 @@
-"""Interfaces of blocks and data types: sections and members with their start values, read and written.
-
-The elements of an array have one ``Subelement`` each by their indices, in the model one value of the array. A member of
-a PLC data type repeats the members of the type in ``Sections``, with the start values of this variable. Of an array of
-structures the members have one ``Subelement`` for each element; its path has the indices of the array, then those of
-the member itself, where it is an array too (seen in exports of V16: ``Path="62,13"``).
-"""
+"""Interfaces of blocks and data types: sections and members. `nested_start_values` has values in members."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Sequence, Set
 from typing import Any
 
 from lxml import etree
-from pydantic import TypeAdapter
 
 from plcopen_sfc.formats.simaticml.added_elements import add_system_parts, is_added, mark_added, write_result
 from plcopen_sfc.formats.simaticml.declaration_spelling import (
@@ -31,8 +23,6 @@ from plcopen_sfc.formats.simaticml.declaration_spelling import (
 from plcopen_sfc.formats.simaticml.element_reader import (
     DocumentReading,
     Fields,
-    N,
-    XmlNode,
     attributes,
     children,
     extension_data,
@@ -44,14 +34,19 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     read_languages,
 )
 from plcopen_sfc.formats.simaticml.element_writer import DocumentWriting, add_element, finish, sub, write_languages
+from plcopen_sfc.formats.simaticml.nested_start_values import (
+    has_nested,
+    read_elements,
+    read_nested,
+    write_elements,
+    write_nested,
+)
 from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, counting_fields, member_digests, warn_of_edit
 from plcopen_sfc.formats.xml.extension_data import legal_text
 from plcopen_sfc.languages.s7_globals import open_address
 from plcopen_sfc.languages.s7_types import NO_START
-from plcopen_sfc.languages.start_values import Path, ValuePathError, apart, assembled
 from plcopen_sfc.model.types import (
     ArrayType,
-    ArrayValue,
     DataType,
     DerivedType,
     ElementaryType,
@@ -59,264 +54,10 @@ from plcopen_sfc.model.types import (
     StringType,
     StructType,
     StructValue,
-    Value,
     Variable,
 )
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import Outcome
-
-_BOUND = re.compile(r"[-+]?\d{1,9}")
-_MOST = 100_000
-"""More elements than that are not written one by one."""
-
-
-def read_elements(type: Fields, elements: list[etree._Element]) -> Fields | None:
-    """Return the value of an array whose elements have these start values; None where they hold more, or do not fit.
-
-    An element without a value of its own has the default of its type: it is a value without text.
-    """
-    ranges = _ranges([(d["lower"], d["upper"]) for d in type["dimensions"]]) if type["kind"] == "array" else None
-    if ranges is None:
-        return None
-    items: list[Fields] = []
-    following = 0
-    for element in elements:
-        place = _place(element.get("Path", ""), ranges)
-        inner = children(element)
-        plain = len(inner) == 1 and local(inner[0]) == "StartValue" and not inner[0].attrib and not len(inner[0])
-        if place is None or place < following or not plain or not inner[0].text or set(element.attrib) != {"Path"}:
-            return None
-        _add(items, None, place - following)
-        _add(items, inner[0].text, 1)
-        following = place + 1
-    return {"kind": "array", "items": items}
-
-
-def _add(items: list[Fields], text: str | None, count: int) -> None:
-    if not count:
-        return
-    # equal neighbours are one item with repetitions, as texts write them: an array may have 10,000 zeros
-    if items and items[-1]["value"]["text"] == text:
-        count += int(items[-1]["repetitions"] or 1)
-        items.pop()
-    value = {"kind": "simple", "text": text}
-    items.append({"value": value, "repetitions": str(count) if count > 1 else None})
-
-
-def write_elements(parent: etree._Element, type: DataType, value: Value) -> bool:
-    """Write the start values of an array; False where they are none that TIA Portal can have."""
-    if not isinstance(type, ArrayType) or not isinstance(value, ArrayValue):
-        return False
-    ranges = _ranges([(dimension.lower, dimension.upper) for dimension in type.dimensions])
-    texts = _texts(value)
-    if ranges is None or texts is None:
-        return False
-    size = 1
-    for lower, upper in ranges:
-        size *= upper - lower + 1
-    written = sum(count for text, count in texts if text is not None)
-    if sum(count for _, count in texts) > size or written > _MOST:
-        return False
-    place = 0
-    for text, count in texts:
-        for number in range(place, place + count) if text is not None else ():
-            element = sub(parent, "Subelement", {"Path": _path(number, ranges)})
-            sub(element, "StartValue").text = legal_text(text or "")
-        place += count
-    return True
-
-
-def _texts(value: ArrayValue) -> list[tuple[str | None, int]] | None:
-    """Return the values of an array, each with its number of repetitions."""
-    found: list[tuple[str | None, int]] = []
-    for item in value.items:
-        repetitions = item.repetitions or "1"
-        if not isinstance(item.value, SimpleValue) or not _BOUND.fullmatch(repetitions) or int(repetitions) < 0:
-            return None
-        if item.value.text == "":
-            return None
-        found.append((item.value.text, int(repetitions)))
-    return found
-
-
-def _ranges(bounds: list[tuple[str, str]]) -> list[tuple[int, int]] | None:
-    """Return the bounds of an array; None where they are not plain numbers."""
-    found = [(int(lower), int(upper)) for lower, upper in bounds if _BOUND.fullmatch(lower) and _BOUND.fullmatch(upper)]
-    return found if len(found) == len(bounds) and all(lower <= upper for lower, upper in found) else None
-
-
-def _place(path: str, ranges: list[tuple[int, int]]) -> int | None:
-    """Return the place of an element among all: the last index counts first."""
-    indices = path.split(",")
-    place = 0
-    if len(indices) != len(ranges):
-        return None
-    for text, (lower, upper) in zip(indices, ranges, strict=True):
-        if not _BOUND.fullmatch(text) or text != str(int(text)) or not lower <= int(text) <= upper:
-            return None
-        place = place * (upper - lower + 1) + int(text) - lower
-    return place
-
-
-def _path(place: int, ranges: list[tuple[int, int]]) -> str:
-    return ",".join(reversed(list(_indices(place, ranges))))
-
-
-def _indices(place: int, ranges: list[tuple[int, int]]) -> Iterator[str]:
-    """Yield the indices of an element, the last first."""
-    for lower, upper in reversed(ranges):
-        place, rest = divmod(place, upper - lower + 1)
-        yield str(lower + rest)
-
-
-_TYPES: TypeAdapter[DataType] = TypeAdapter(DataType)
-_INDICES = re.compile(r"-?\d{1,9}(?:,-?\d{1,9})*")
-
-
-def has_nested(element: XmlNode) -> bool:
-    """True if a member has start values in its parts, which are its own: those of structures belong to their members.
-
-    Types of the system have start values that are of no effect or belong to their blocks.
-    """
-    spelled = element.get("Datatype", "")
-    is_inside = spelled.endswith('"') or spelled.startswith("Array[")
-    has_parts = is_inside and next(_inner(element), None) is not None
-    return has_parts and any(local(each) == "StartValue" for each in element.iter())
-
-
-def read_nested(element: XmlNode) -> Value | None:
-    """Return the value of a member with its parts; None where it has none, or they do not fit."""
-    try:
-        return assembled(_entries(element, ()), _type_of(element), {})
-    except ValuePathError:
-        return None
-
-
-def _inner(element: N) -> Iterator[N]:
-    """Yield the members that a member lists, of its structure or of its type."""
-    for child in children(element):
-        if local(child) == "Member":
-            yield child
-        elif local(child) == "Sections":
-            for section in children(child):
-                yield from (member for member in children(section) if local(member) == "Member")
-
-
-def _type_of(element: XmlNode) -> DataType:
-    """Return the type of a member, with the members that it lists in place of the name of a type."""
-    type_: DataType = _TYPES.validate_python(read_type(element.get("Datatype", "")))
-    members = [Variable(name=each.get("Name", ""), type=_type_of(each)) for each in _inner(element)]
-    return _with_members(type_, members) if members else type_
-
-
-def _with_members(type_: DataType, members: list[Variable]) -> DataType:
-    if isinstance(type_, ArrayType):
-        return ArrayType(dimensions=type_.dimensions, base=_with_members(type_.base, members))
-    return StructType(members=members)
-
-
-def _entries(element: XmlNode, around: tuple[str | int, ...]) -> Iterator[tuple[Path, str]]:
-    """Start values in a member. `around`: names on the way to it, and how many indices the arrays there have."""
-    type_ = read_type(element.get("Datatype", ""))
-    ranks: tuple[int, ...] = ()
-    while type_["kind"] == "array":
-        ranks += (len(type_["dimensions"]),)
-        type_ = type_["base"]
-    way = (*around, *ranks)
-    for child in children(element):
-        if local(child) == "StartValue" and child.text and child.get("Informative") != "true":
-            if any(isinstance(part, int) for part in way):
-                raise ValuePathError("one start value is given to all elements")
-            yield tuple(part for part in way if isinstance(part, str)), child.text
-        elif local(child) == "Subelement":
-            texts = [value.text for value in children(child) if local(value) == "StartValue" and value.text]
-            if len(texts) != 1:
-                raise ValuePathError("an element has no start value, or several")
-            yield _placed(way, child.get("Path", "")), texts[0] or ""
-    for member in _inner(element):
-        yield from _entries(member, (*way, member.get("Name", "")))
-
-
-def _placed(way: tuple[str | int, ...], text: str) -> Path:
-    """Return a way with the indices of a ``Subelement``."""
-    if not _INDICES.fullmatch(text):
-        raise ValuePathError("the path of an element is no list of indices")
-    indices = [int(index) for index in text.split(",")]
-    found: list[str | tuple[int, ...]] = []
-    for part in way:
-        if isinstance(part, str):
-            found.append(part)
-        else:
-            found.append(tuple(indices[:part]))
-            indices = indices[part:]
-    if indices:
-        raise ValuePathError("the path of an element has too many indices")
-    return tuple(found)
-
-
-def write_nested(element: etree._Element, type_: DataType, value: Value | None, types: Mapping[str, DataType]) -> bool:
-    """Give the parts of a member that is written the start values of `value`; False where TIA Portal has none such.
-
-    The members of a PLC data type are added where it is known.
-    """
-    if read_nested(element) == value:
-        return True
-    if next(_inner(element), None) is not None:
-        type_ = _type_of(element)
-    try:
-        entries = [] if value is None else list(apart(value, type_, types))
-        if value != assembled(entries, type_, types):  # what does not come back would be lost without a word
-            return False
-        places = [_find(element, path, types) for path, _ in entries]
-    except ValuePathError:
-        return False
-    for old in list(element.iter("{*}StartValue", "{*}Subelement")):
-        parent = old.getparent()
-        if parent is not None:
-            parent.remove(old)
-    for (member, indices), (_, text) in zip(places, entries, strict=True):
-        holder = sub(member, "Subelement", {"Path": indices}) if indices else member
-        sub(holder, "StartValue").text = legal_text(text)
-    return True
-
-
-def _find(element: etree._Element, path: Path, types: Mapping[str, DataType]) -> tuple[etree._Element, str]:
-    """Return the member at the end of a way, and the indices of its element."""
-    indices: list[str] = []
-    for part in path:
-        if isinstance(part, tuple):
-            indices += map(str, part)
-            continue
-        found = next((m for m in _inner(element) if m.get("Name", "").casefold() == part.casefold()), None)
-        if found is None:
-            _add_members(element, types)
-            found = next((m for m in _inner(element) if m.get("Name", "").casefold() == part.casefold()), None)
-        if found is None:
-            raise ValuePathError(f"there is no member {part}")
-        element = found
-    return element, ",".join(indices)
-
-
-def _add_members(element: etree._Element, types: Mapping[str, DataType]) -> None:
-    """List the members of the PLC data type of a member."""
-    type_: DataType = _TYPES.validate_python(read_type(element.get("Datatype", "")))
-    while isinstance(type_, ArrayType):
-        type_ = type_.base
-    struct = types.get(type_.name.casefold()) if isinstance(type_, DerivedType) else None
-    if any(True for _ in _inner(element)) or not isinstance(struct, StructType):
-        raise ValuePathError("its type is not known")
-    _list_members(sub(sub(element, "Sections"), "Section", {"Name": "None"}), struct)
-
-
-def _list_members(parent: etree._Element, struct: StructType) -> None:
-    for member in struct.members:
-        inner = sub(parent, "Member", {"Name": member.name, "Datatype": write_type(member.type)})
-        base = member.type
-        while isinstance(base, ArrayType):
-            base = base.base
-        if isinstance(base, StructType):
-            _list_members(inner, base)
-
 
 MEMBER_ATTRIBUTES = ("Version", "Remanence", "Accessibility", "Informative")
 """Attributes of ``Member`` itself; all others in `Variable.attributes` are in its ``AttributeList``."""

@@ -12,9 +12,10 @@ from lxml import etree
 
 import plcopen_sfc as sfc
 from plcopen_sfc.formats.format_interface import WriteOptions
-from plcopen_sfc.formats.simaticml.block_interfaces import read_member, write_elements, write_member
+from plcopen_sfc.formats.simaticml.block_interfaces import read_member, write_member
 from plcopen_sfc.formats.simaticml.element_reader import DocumentReading
 from plcopen_sfc.formats.simaticml.element_writer import DocumentWriting
+from plcopen_sfc.formats.simaticml.nested_start_values import write_elements
 from plcopen_sfc.formats.simaticml.tia_versions import DEFAULT
 from plcopen_sfc.model import Project, Variable
 from plcopen_sfc.model.types import ArrayType, ArrayValue
