@@ -254,7 +254,7 @@ _ALSO_CALLED = {
     "permanent instruction before the sequence": ("chart permanent pre", "permanent pre"),
     "permanent instruction after the sequence": ("chart permanent post", "permanent post"),
     "variable": ("section",),
-    "type": ("data type", "length of a string"),
+    "type": ("data type", "length of a string", "instance"),
     "action of the POU": ("body",),
     "initial value": ("data type", "initial"),
     "max time": ("maximum time",),

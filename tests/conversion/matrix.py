@@ -63,7 +63,7 @@ REASONS = {
     },
     "simaticml": {
         "priority of a convergence": "a branch of S7-GRAPH cannot begin where a simultaneous one ends",
-        "macro-step|drawn logic": "S7-GRAPH has no such element",
+        "macro-step": "S7-GRAPH has no such element",
         "SFCQuitError|SFCCurrentStep": (
             "nothing forgets an error there and lets the times of steps begin again; `S_NO` has the number of the "
             "step, and no network the name"

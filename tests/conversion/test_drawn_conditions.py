@@ -15,10 +15,11 @@ HEAD = (
     'productVersion="1" creationDateTime="2024-01-01T00:00:00"/><contentHeader name="p"><coordinateInfo><fbd><scaling '
     'x="1" y="1"/></fbd><ld><scaling x="1" y="1"/></ld><sfc><scaling x="1" y="1"/></sfc></coordinateInfo>'
     '</contentHeader><types><dataTypes/><pous><pou name="Main" pouType="program"><interface><inputVars>'
-    '<variable name="a"><type><BOOL/></type></variable><variable name="b"><type><BOOL/></type></variable></inputVars>'
+    '<variable name="a"><type><BOOL/></type></variable><variable name="b"><type><BOOL/></type></variable>'
+    '<variable name="wait"><type><TIME/></type></variable></inputVars>'
     '<outputVars><variable name="q"><type><BOOL/></type></variable><variable name="r"><type><BOOL/></type></variable>'
-    '</outputVars><localVars><variable name="t1"><type><derived name="TON"/></type></variable></localVars></interface>'
-    "<body><SFC>"
+    '</outputVars><localVars><variable name="t1"><type><derived name="{block}"/></type></variable></localVars>'
+    "</interface><body><SFC>"
 )
 FOOT = "</SFC></body></pou></pous></types><instances><configurations/></instances></project>"
 AT = '<position x="0" y="0"/>'
@@ -35,6 +36,9 @@ EDGE = (
     f'<leftPowerRail localId="20">{AT}<connectionPointOut formalParameter=""/></leftPowerRail>'
     f'<contact localId="21" edge="rising">{AT}<connectionPointIn><connection refLocalId="20"/></connectionPointIn>'
     "<connectionPointOut/><variable>b</variable></contact>"
+)
+FLIP_FLOP = (
+    TIMER.replace("TON", "SR").replace('"IN"', '"S1"').replace('"PT"', '"R"').replace("T#30ms", "b").replace("Q", "Q1")
 )
 LAMP = (
     f'<inVariable localId="40">{AT}<connectionPointOut/><expression>b</expression></inVariable>'
@@ -79,7 +83,8 @@ def chart(logic: str, source: str, *, tool: str = "Vendor") -> Project:
     """S1, left by what `logic` gives at `source`, and S2, left by ``NOT a``."""
     content = step(1, "S1", 9, initial=True) + logic + transition(2, 1, wire(source)) + step(6, "S2", 2) + ACTION
     content += transition(9, 6, text("NOT a"))
-    return sfc.loads((HEAD.format(tool=tool) + content + FOOT).encode())
+    block = "SR" if "SR" in logic else "TON"
+    return sfc.loads((HEAD.format(tool=tool, block=block) + content + FOOT).encode())
 
 
 def branch() -> Project:
@@ -95,7 +100,7 @@ def branch() -> Project:
     content += '</connectionPointIn><connectionPointIn><connection refLocalId="3"/></connectionPointIn>'
     content += "<connectionPointOut/></selectionConvergence>"
     content += step(6, "S2", 51) + ACTION + transition(9, 6, text("NOT a"))
-    return sfc.loads((HEAD.format(tool="Vendor") + content + FOOT).encode())
+    return sfc.loads((HEAD.format(tool="Vendor", block="TON") + content + FOOT).encode())
 
 
 BOXES = {"timer": (TIMER, 'refLocalId="32" formalParameter="Q"'), "edge": (EDGE, 'refLocalId="21"')}
@@ -136,10 +141,36 @@ def test_boxes_before_a_condition_are_permanent_instructions_in_tia_portal(sourc
     assert [each.name for each in back.variables()] == [each.name for each in before.variables()]
 
 
-def test_a_timer_with_a_variable_time_stays_before_its_condition() -> None:
+def test_the_time_of_a_timer_stays_while_nothing_calls_it_in_tia_portal() -> None:
     source = chart(TIMER.replace("T#30ms", "wait"), BOXES["timer"][1])
-    report = sfc.convert(source, "simaticml", partial=True).report
-    assert any("function blocks or edges are in it" in item.why for item in report.with_outcome(Outcome.NOT_EXECUTED))
+    data, report = sfc.convert(source, "simaticml", limit=3)
+    assert not report.losses
+    assert report.compared["POU Main"].startswith("equal")
+    written = sfc.loads(data, as_tool=True).pou("Main").chart.permanent_pre[0].model_dump_json()
+    assert "SEL" in written
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        chart(*BOXES["timer"], tool="Beremiz"),
+        chart(*BOXES["edge"], tool="Beremiz"),
+        chart(FLIP_FLOP, 'refLocalId="32" formalParameter="Q1"', tool="Beremiz"),
+        chart(TIMER + LAMP, BOXES["timer"][1], tool="Beremiz"),
+        chart(LAMP + EDGE, BOXES["edge"][1]),
+    ],
+    ids=["timer", "edge", "flip-flop", "left out", "lamp"],
+)
+def test_what_is_drawn_is_executed_in_permanent_instructions_of_tia_portal(source: Project) -> None:
+    """Beremiz executes boxes in every scan after the transitions, and nothing else that is drawn."""
+    data, report = sfc.convert(source, "simaticml", limit=8)
+    assert not report.losses
+    assert report.compared["POU Main"].startswith("equal")
+    written = sfc.loads(data, as_tool=True).pou("Main").chart
+    assert bool(written.permanent_post) is (source.header.product == "Beremiz")
+    back = sfc.loads(data).pou("Main")
+    assert len(back.chart.logic) == len(source.pou("Main").chart.logic)
+    assert [each.name for each in back.variables()] == [each.name for each in source.pou("Main").variables()]
 
 
 @pytest.mark.slow

@@ -5,6 +5,10 @@ executed in every cycle, and a timer in LAD has no EN. So the box gets its input
 keeps the one that it has otherwise: TON, TOF, TP and edges do then what they do where nothing calls them::
 
     #t(IN := (#Fill.X AND #a) OR (NOT #Fill.X AND #t.IN), PT := T#5s);
+
+Beremiz and OpenPLC execute all boxes in every scan, after the transitions, which read what they gave a scan ago. So
+does a permanent instruction behind the sequence. What is drawn in the chart and feeds no condition is executed before
+the transitions in every scan, but by Beremiz, which leaves it out.
 """
 
 from __future__ import annotations
@@ -15,7 +19,14 @@ from typing import NamedTuple
 from plcopen_sfc.conversion.adaptation.flag_transitions import all_of, step_flag
 from plcopen_sfc.formats.format_interface import SOURCE_CHART_FIELD, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import SourceMarks
-from plcopen_sfc.languages.networks import Helper, condition_reader, draw_ld, feeding_nodes
+from plcopen_sfc.languages.networks import (
+    Helper,
+    chart_statements,
+    condition_reader,
+    draw_ld,
+    feeding_nodes,
+    kept_conditions,
+)
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, declared_rules
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, print_node
@@ -23,16 +34,19 @@ from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.model.body import LdBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.network import Node
+from plcopen_sfc.model.network import Node, OutputVariable
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import PermanentOperation, SfcNetwork, Transition
-from plcopen_sfc.model.types import DataType, DerivedType, Variable
+from plcopen_sfc.model.types import DataType, DerivedType, Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _INPUTS = {"TON": "IN", "TOF": "IN", "TP": "IN", "R_TRIG": "CLK", "F_TRIG": "CLK"}
 """The blocks that do nothing while their input stays, and this input."""
 _WHY = "the boxes drawn before conditions are called there, as if enabled transitions alone called them"
+_WHY_DRAWN = "what is drawn beside the steps is executed there"
+_WHY_LEFT_OUT = "left out, as Beremiz and OpenPLC do not execute it"
+_WHY_AFTER = "the boxes drawn before conditions are executed there in every scan, which conditions see a scan later"
 
 
 class _Moved(NamedTuple):
@@ -49,13 +63,27 @@ class _Moved(NamedTuple):
 
 def has_boxes(project: Project, options: WriteOptions) -> bool:
     """True if `execute_boxes` changes a chart."""
-    is_other = not options.same and not options.of_matiec and not options.of_graph
-    return is_other and any(_moved(chart) for chart in project.charts())
+    if options.same or options.of_graph:
+        return False
+    found = _boxes_after if options.of_matiec else _moved
+    return any(found(chart) or _acting(chart, options) is not None for chart in project.charts())
 
 
-def execute_boxes(project: Project, source: Project, report: ConversionReport, marks: SourceMarks) -> None:
+def execute_boxes(
+    project: Project, source: Project, options: WriteOptions, report: ConversionReport, marks: SourceMarks
+) -> None:
     """Put the boxes before conditions of `project`, a copy of `source` in SCL, into permanent instructions."""
     for chart, before in zip(list(project.charts()), list(source.charts()), strict=True):
+        acting = _acting(chart, options)
+        if acting is not None:
+            _execute_drawn(chart, acting, report)
+            marks.setdefault(id(chart.chart), {})[SOURCE_CHART_FIELD] = before.chart
+        if options.of_matiec:
+            after = _boxes_after(chart)
+            if after is not None:
+                _execute_after(chart, after, report, marks)
+                marks.setdefault(id(chart.chart), {})[SOURCE_CHART_FIELD] = before.chart
+            continue
         found = _moved(chart)
         if not found:
             continue
@@ -73,6 +101,83 @@ def execute_boxes(project: Project, source: Project, report: ConversionReport, m
         marks.setdefault(id(chart.chart), {})[SOURCE_CHART_FIELD] = before.chart
 
 
+def _acting(chart: Chart, options: WriteOptions) -> list[LdBody] | None:
+    """Return networks for what is drawn in a chart and feeds no condition; None where it has nothing, or none do it."""
+    if not chart.chart.logic or chart.chart is not chart.pou.chart:
+        return None
+    found = chart_statements(chart.chart, Dialect.SCL)
+    if not found.tree.statements:
+        return None
+    if options.of_matiec:  # Beremiz does not execute it
+        return []
+    drawn = draw_ld(found.tree.statements, declared_rules(chart.pou.variables(), Dialect.SCL, Tool.S7))
+    is_whole = not (found.obstacles or found.helpers or drawn.problems)
+    nodes = [node for network in drawn.body.networks for node in network.nodes]
+    is_whole = is_whole and not any(isinstance(node, OutputVariable) for node in nodes)  # which is no bit
+    return [drawn.body] if is_whole else None
+
+
+def _execute_drawn(chart: Chart, acting: list[LdBody], report: ConversionReport) -> None:
+    """Let a permanent instruction before the sequence do what is drawn in a chart and feeds no condition."""
+    network, what = chart.chart, "permanent instruction before the sequence"
+    for body in acting:
+        network.permanent_pre.append(PermanentOperation(body=body))
+        report.add(Outcome.TRANSLATED, what, chart.report_path, _WHY_DRAWN)
+    report.add(Outcome.TRANSLATED, "drawn logic", chart.report_path, _WHY_DRAWN if acting else _WHY_LEFT_OUT)
+    fed = {id(node) for each in network.transitions for node in _feeding(network, each)}
+    network.logic = [node for node in network.logic if id(node) in fed]
+
+
+class _BoxesAfter(NamedTuple):
+    """The boxes before all conditions as networks for behind the sequence, and the conditions that read them."""
+
+    networks: LdBody
+    helpers: Sequence[Helper]
+    conditions: dict[int, str]
+
+
+def _boxes_after(chart: Chart) -> _BoxesAfter | None:
+    """Return the boxes of a chart of Beremiz; None where it has none, or they cannot be drawn elsewhere."""
+    network = chart.chart
+    if network is not chart.pou.chart:
+        return None
+    read = condition_reader(network, Dialect.SCL, transitions=chart.pou.transitions)
+    needed: list[Transition] = []
+    for transition in network.transitions:
+        found = read(transition.condition) if transition.condition is not None else None
+        if found is not None and (found.before or found.helpers):
+            needed.append(transition)
+    if not needed:
+        return None
+    taken = {variable.name for variable in chart.pou.variables()} | {step.name for step in network.steps}
+    part = network.model_copy(update={"transitions": needed})
+    kept, trees = kept_conditions(part, Dialect.SCL, transitions=chart.pou.transitions, taken=taken)
+    if len(trees) < len(needed):
+        return None
+    added = [Variable(name=each.name, type=_type(each)) for each in kept.helpers]
+    rules = declared_rules([*chart.pou.variables(), *added], Dialect.SCL, Tool.S7)
+    drawn = draw_ld(kept.tree.statements, rules)
+    conditions = {number: print_node(tree) for number, tree in trees.items()}
+    return _BoxesAfter(drawn.body, kept.helpers, conditions) if not drawn.problems else None
+
+
+def _execute_after(chart: Chart, after: _BoxesAfter, report: ConversionReport, marks: SourceMarks) -> None:
+    """Let a permanent instruction behind the sequence execute the boxes of a chart."""
+    network = chart.chart
+    moved = [each for each in network.transitions if each.id in after.conditions]
+    fed = [id(node) for each in moved for node in _feeding(network, each)]
+    for helper in after.helpers:
+        _declare(chart, helper, marks)
+    for transition in moved:
+        transition.condition = Expression(text=after.conditions[transition.id])
+        place = f"{chart.report_path} / transition {network.label(transition)}"
+        report.add(Outcome.TRANSLATED, "condition", place, _WHY_AFTER)
+    others = {id(node) for each in network.transitions for node in _feeding(network, each)}
+    network.logic = [node for node in network.logic if id(node) not in fed or id(node) in others]
+    network.permanent_post.append(PermanentOperation(body=after.networks))
+    report.add(Outcome.TRANSLATED, "permanent instruction after the sequence", chart.report_path, _WHY_AFTER)
+
+
 def _feeding(chart: SfcNetwork, transition: Transition) -> list[Node]:
     return feeding_nodes(chart, transition.condition, Dialect.SCL)
 
@@ -82,9 +187,14 @@ def _declare(chart: Chart, helper: Helper, marks: SourceMarks) -> None:
     pou = chart.pou
     if pou.interface is None:
         pou.interface = Interface()
-    variable = Variable(name=helper.name, type=DerivedType(name=helper.type_name or "R_TRIG"))
+    variable = Variable(name=helper.name, type=_type(helper))
     pou.interface.sections.append(VariableSection(kind=SectionKind.LOCAL, variables=[variable]))
     marks.setdefault(id(pou), {}).setdefault("variables", []).append(variable)
+
+
+def _type(helper: Helper) -> DataType:
+    known = Elementary.__members__.get((helper.type_name or "BOOL").upper())
+    return ElementaryType(name=known) if known is not None else DerivedType(name=helper.type_name or "")
 
 
 def _moved(chart: Chart) -> list[_Moved]:
@@ -140,8 +250,8 @@ def _networks(before: Sequence[n.Statement], enabled: str, instances: dict[str, 
             pin, value = argument.name.identifier.upper(), print_node(argument.value)
             if pin == held:
                 value = f"({enabled} AND ({value})) OR (NOT ({enabled}) AND {name}.{held})"
-            elif not isinstance(argument.value, n.Literal):
-                return None  # another time would count while nothing calls the timer
+            elif not isinstance(argument.value, n.Literal):  # another time would count while nothing calls the timer
+                value = f"SEL(G := {enabled}, IN0 := {name}.{pin}, IN1 := {value})"
             passed.append(f"{pin} := {value}")
         lines.append(f"{name}({', '.join(passed)});")
     drawn = draw_ld(parse_statements("\n".join(lines), Dialect.SCL).tree.statements, _rules(instances))

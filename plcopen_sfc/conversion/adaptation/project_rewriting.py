@@ -79,7 +79,7 @@ def _in_terms_of_graph(project: Project, options: WriteOptions, report: Conversi
     if flags:
         execute_flags(copy, project, options, report, marks)
     if boxes:
-        execute_boxes(copy, project, report, marks)
+        execute_boxes(copy, project, options, report, marks)
     return copy, marks
 
 

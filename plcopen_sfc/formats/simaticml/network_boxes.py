@@ -199,7 +199,7 @@ def put_operands(project: Project, report: ConversionReport) -> None:
             texts.setdefault(id(text_site.site.pou), []).append(text_site)
     for pou in project.pous:
         _put_flip_flops(project, pou, _instances(pou, flip_flops), texts.get(id(pou), []), report)
-    for _, _, body in project.bodies():
+    for _, body in _drawn(project):
         for block in _blocks(body):
             if block.type_name.upper() in edges and block.instance:
                 block.extension_data = block.extension_data or ExtensionData()
@@ -229,7 +229,7 @@ def _put_flip_flops(
         new = render(found, transform(found.tree, lambda node: _value(node, changed)))
         if new != text_site.text:
             text_site.put(new)
-    for _, owner, body in project.bodies():
+    for owner, body in _drawn(project):
         for block in _blocks(body) if owner is pou else ():
             if _name(block.instance) in changed:
                 operand = InputPin(expression=block.instance)
@@ -244,6 +244,13 @@ def _put_flip_flops(
 def _instances(pou: Pou, types: frozenset[str]) -> dict[str, Variable]:
     derived = ((v, v.type) for v in pou.variables() if isinstance(v.type, DerivedType))
     return {v.name.casefold(): v for v, type_ in derived if type_.name.upper() in types}
+
+
+def _drawn(project: Project) -> Iterator[tuple[Pou, object]]:
+    """Yield the bodies of blocks and of permanent instructions, each with its block."""
+    yield from ((pou, body) for _, pou, body in project.bodies())
+    for chart in project.charts():
+        yield from ((chart.pou, each.body) for each in (*chart.chart.permanent_pre, *chart.chart.permanent_post))
 
 
 def _blocks(body: object) -> Iterator[Block]:
