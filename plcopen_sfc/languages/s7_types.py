@@ -31,6 +31,7 @@ from plcopen_sfc.model.types import (
     Value,
     Variable,
 )
+from plcopen_sfc.whole_numbers import whole_number
 
 NO_START = "parameters of functions and temporary variables have no start value in S7"
 """Why an initial value is not written."""
@@ -240,3 +241,14 @@ def number_of(text: str) -> int | None:
 def s7_types(project: Project, values: Mapping[str, str] | None = None) -> S7Types:
     """Return the types of `project` as S7 has them. `values`: those of constants that nothing declares for the tool."""
     return S7Types(project.data_types, values)
+
+
+_LONGEST_TEXTS = {False: 254, True: 16382}
+
+
+def is_too_long(type_: DataType) -> bool:
+    """True for strings longer than S7 has: 254 characters, of WSTRING 16382 (TIA Portal help, "STRING", "WSTRING")."""
+    while isinstance(type_, ArrayType):
+        type_ = type_.base
+    length = whole_number(type_.length or "") if isinstance(type_, StringType) else None
+    return isinstance(type_, StringType) and length is not None and length > _LONGEST_TEXTS[type_.wide]

@@ -163,3 +163,15 @@ def test_characters_are_told_where_no_type_has_them(place: str, target: str) -> 
     report = sfc.convert(project, target, partial=True)[1]
     (told,) = report.with_outcome(Outcome.NOT_EXECUTED)
     assert "has no type C" in told.why
+
+
+@pytest.mark.parametrize(
+    ("declared", "fits"), [("STRING[254]", True), ("ARRAY[0..1] OF STRING[255]", False), ("WSTRING[300]", True)]
+)
+@pytest.mark.parametrize("target", ["simaticml", "scl"])
+def test_strings_that_are_longer_than_those_of_s7_are_told(declared: str, fits: bool, target: str) -> None:
+    text = f"FUNCTION_BLOCK Main VAR s : {declared}; END_VAR END_FUNCTION_BLOCK"
+    report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), target, partial=True)[1]
+    told = [item.path for item in report.with_outcome(Outcome.NOT_EXECUTED) if "TIA Portal has no type" in item.why]
+    assert len(told) == (not fits)
+    assert all(path.endswith(" s") for path in told)

@@ -54,7 +54,7 @@ from plcopen_sfc.languages.s7_globals import (
     unconnected,
 )
 from plcopen_sfc.languages.s7_programs import is_void, report_program, report_tasks, s7_programs
-from plcopen_sfc.languages.s7_types import NO_START, S7Types, s7_types
+from plcopen_sfc.languages.s7_types import NO_START, S7Types, is_too_long, s7_types
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.text_edits import Edit, apply_edits, without
 from plcopen_sfc.model.base import ExtensionData
@@ -322,7 +322,7 @@ def _note_foreign(project: Project, pou: Pou, types: S7Types, tags: Container[st
                 inner = inner.base
             if isinstance(inner, PointerType):
                 report.add(Outcome.NOT_EXECUTED, "type", path, f"TIA Portal has no type {write_type(inner, _SCL)}")
-            elif isinstance(whole, ArrayType) and isinstance(whole.base, ArrayType):
+            elif is_too_long(whole) or (isinstance(whole, ArrayType) and isinstance(whole.base, ArrayType)):
                 report.add(Outcome.NOT_EXECUTED, "type", path, f"TIA Portal has no type {write_type(whole, _SCL)}")
 
 

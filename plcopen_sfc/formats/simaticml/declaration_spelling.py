@@ -12,6 +12,7 @@ from collections.abc import Container
 from typing import Any
 
 from plcopen_sfc.formats.simaticml.element_reader import Fields
+from plcopen_sfc.languages.s7_types import is_too_long
 from plcopen_sfc.languages.standard_blocks import S7_VERSION
 from plcopen_sfc.model.types import (
     ArrayType,
@@ -125,7 +126,7 @@ def is_tia_type(type: DataType) -> bool:
         type = type.base
     if isinstance(type, ElementaryType):
         return type.name in _SPELLED
-    return isinstance(type, StringType | DerivedType | StructType)
+    return isinstance(type, StringType | DerivedType | StructType) and not is_too_long(type)
 
 
 SECTIONS = {
