@@ -1,8 +1,9 @@
 """Conversion between tools: what the target executes of the source, and the report on it.
 
 `executed_parts`          a project as a tree of what a controller executes, or of all that people look at
-`executed_projects`       reads that tree: declarations, types, tasks, bodies
+`executed_projects`       reads that tree: declarations, types, bodies
 `executed_charts`         reads the charts in it
+`executed_tasks`          reads the tasks in it
 `declared_values`         start values of elementary members, and declarations that the model keeps as text
 `meaning`                 program text, conditions and values in a form that can be compared
 `execution_differences`   differences between two such trees

@@ -7,7 +7,6 @@ where two machines may.
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
 from functools import cached_property
 from typing import cast
@@ -23,18 +22,16 @@ from plcopen_sfc.conversion.executed_parts import (
     Detail,
     Key,
     Part,
-    duration_meaning,
     plain_name,
     shown_name,
 )
+from plcopen_sfc.conversion.executed_tasks import TaskReader
 from plcopen_sfc.conversion.meaning import (
     Meaning,
     address_meaning,
     code_meaning,
-    plain,
     type_meaning,
 )
-from plcopen_sfc.formats.iectext.text_source import unwrapped
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.binding.name_uses import Occurrence
 from plcopen_sfc.languages.binding.text_sites import Role
@@ -42,22 +39,19 @@ from plcopen_sfc.languages.declarations.kept_texts import bases_of, kept
 from plcopen_sfc.languages.networks.condition_reading import shown_named_condition
 from plcopen_sfc.languages.networks.network_graph import without_places
 from plcopen_sfc.languages.s7_globals import TABLE, is_retained, local_tags, type_named
-from plcopen_sfc.languages.s7_programs import WITHOUT_TASK, names_of_programs, unused_inputs
+from plcopen_sfc.languages.s7_programs import names_of_programs, unused_inputs
 from plcopen_sfc.languages.s7_types import is_system_data
 from plcopen_sfc.languages.sfc_flag_uses import flags_at_rest, named_flags
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_statements
-from plcopen_sfc.languages.task_schedules import schedule_of
 from plcopen_sfc.languages.translation.call_translation import has_function
-from plcopen_sfc.languages.words import folded
 from plcopen_sfc.model.base import Element, ForeignData
 from plcopen_sfc.model.body import FbdBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.declaration import NamedObject
 from plcopen_sfc.model.dialect import STRING_LENGTHS, Dialect
-from plcopen_sfc.model.network import Block, Node
+from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, NamedTransition, Pou, PouKind
-from plcopen_sfc.model.project import Configuration, PouInstance, Project, Task, TaskWatchdog
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, Step
 from plcopen_sfc.model.text import MultilingualText
 from plcopen_sfc.model.text import plain as words_of
@@ -184,7 +178,17 @@ class _Reader:
             if not self.detail or declaration.initial is not None:
                 part.tell("initial value", self.starts.meaning(whole))
         self._globals()
-        self._tasks()
+        tasks = TaskReader(
+            self.project,
+            self.source,
+            self.whole,
+            detail=self.detail,
+            programs=self.programs,
+            starts=self.starts,
+            addresses=self.addresses,
+            target=self.target,
+        )
+        tasks.read()
         for pou in self.project.pous:
             self._pou(pou)
         names = self.names
@@ -195,7 +199,7 @@ class _Reader:
             self._lists()
         if self.detail:
             return
-        self._calls_of_programs(names)
+        self._calls_of_programs(names, tasks)
         # a source in another dialect may have operators of CODESYS: its tool does not have them, this one does
         dialect = self.dialect if self.compared_with.parts else Dialect.IEC
         for occurrence in names.undeclared():
@@ -224,11 +228,11 @@ class _Reader:
             found |= {method.name.casefold() for method in pou.methods}
         return found
 
-    def _calls_of_programs(self, names: Names) -> None:
+    def _calls_of_programs(self, names: Names, tasks: TaskReader) -> None:
         """Note where a program is called or its variables are read, as in CODESYS: IEC 61131-3 has no such calls."""
         pous = {pou.name.casefold(): pou for pou in self.project.pous}
         programs = {block: pous[program] for block, program in self.programs.items() if program in pous}
-        if self._is_of_codesys:
+        if self.source.dialect is Dialect.CODESYS:
             programs |= {key: pou for key, pou in pous.items() if pou.kind is PouKind.PROGRAM}
         found: set[tuple[str, str]] = set()
         for occurrence in names.occurrences(*programs) if programs else ():
@@ -238,7 +242,7 @@ class _Reader:
             holder = declaration.holder if declaration is not None else None
             is_block = occurrence.reference.name.casefold() in self.programs
             is_named = (is_block or holder is program) and caller not in (None, program)
-            if caller is not None and caller.kind is PouKind.ORGANIZATION_BLOCK and self._replaces_task(caller):
+            if caller is not None and caller.kind is PouKind.ORGANIZATION_BLOCK and tasks.replaces_task(caller):
                 continue
             if is_named and place not in found and not isinstance(occurrence.text_site.holder, ForeignData):
                 found.add(place)
@@ -307,7 +311,7 @@ class _Reader:
 
     def code(self, body: Body | None, result: str = "") -> Meaning | None:
         """Return the meaning of a body."""
-        if self._is_codesys_file and isinstance(body, FbdBody | LdBody):
+        if self.source.tool_format == "codesys" and isinstance(body, FbdBody | LdBody):
             networks = [n.model_copy(update={"nodes": without_places(n.nodes)}) for n in body.networks]
             body = body.model_copy(update={"networks": networks})
         return code_meaning(body, self.dialect, lambda node: self.named(node, result))
@@ -443,132 +447,6 @@ class _Reader:
                 part.tell("static", Meaning.of(True, "VAR_STAT"))
         return part
 
-    # -- tasks
-
-    def _tasks(self) -> None:
-        called = Counter(self._program(instance) for instance in self._instances())
-        shared = {program for program, count in called.items() if count > 1}
-        for resource in self.source.resources():
-            for task in resource.tasks:
-                self._task(task, shared)
-            for instance in resource.instances if not self._is_of_codesys else ():  # which runs what a task calls
-                self._instance(self.whole, instance, "", shared)
-        self._callers()
-        owners: list[Project | Configuration] = [self.source, *self.source.configurations]
-        if self._is_codesys_file:  # none of its exports has configVars: its importer may not read them
-            owners = []
-        for section in (owner.config_variables for owner in owners):
-            for variable in section.variables if section is not None else ():
-                part = self.whole.add("VAR_CONFIG", variable.path, f"VAR_CONFIG {variable.path}")
-                part.tell("type", type_meaning(variable.type, self.dialect))
-                part.tell("address", address_meaning(variable.address, self.addresses))
-                part.tell("initial value", self.starts.of_value(variable.initial))
-
-    def _callers(self) -> None:
-        """Organization blocks in place of tasks."""
-        callers = {pou.name: self._called_programs(pou) for pou in self.project.pous if self._replaces_task(pou)}
-        calls = Counter(self.programs[block] for blocks in callers.values() for block in blocks)
-        instances = Counter(self.programs.values())
-        for name, blocks in callers.items():
-            is_task = name != WITHOUT_TASK
-            around = f"task {name} / " if is_task else ""
-            owner = self.whole.add("task", name, f"task {name}") if is_task else self.whole
-            for block in blocks:
-                program = self.programs[block]
-                part = owner.add("program instance", program, f"{around}program instance {block}")
-                part.tell("program", Meaning.of(program))
-                if calls[program] > 1:
-                    memory = "its own" if instances[program] > 1 else "shared by all calls"
-                    part.tell("variables", Meaning.of(memory))
-
-    def _replaces_task(self, pou: Pou) -> bool:
-        """True for an organization block that does nothing but call programs of the source."""
-        return pou.kind is PouKind.ORGANIZATION_BLOCK and bool(self._called_programs(pou))
-
-    def _called_programs(self, pou: Pou) -> list[str]:
-        """Instance data blocks of programs that a block calls, in lower case; empty if it does anything else."""
-        body = pou.body
-        if isinstance(body, FbdBody | LdBody) and len(pou.bodies) == 1:
-            boxes = [node for network in body.networks for node in network.nodes]
-            names = [_called_alone(box) for box in boxes]
-            return names if all(name in self.programs for name in names) else []
-        if not isinstance(body, StBody) or len(pou.bodies) > 1:
-            return []
-        found: list[str] = []
-        for statement in parse_statements(body.text, self.dialect).tree.statements:
-            call = statement.call if isinstance(statement, n.CallStatement) else None
-            callee = call.callee if isinstance(call, n.Call) and not call.arguments else None
-            if not isinstance(callee, n.Name) or callee.identifier.casefold() not in self.programs:
-                return []
-            found.append(callee.identifier.casefold())
-        return found
-
-    @property
-    def _is_of_codesys(self) -> bool:
-        return self.source.dialect is Dialect.CODESYS
-
-    @property
-    def _is_codesys_file(self) -> bool:
-        return self.source.tool_format == "codesys"
-
-    def _instances(self) -> Iterator[PouInstance]:
-        for resource in self.source.resources():
-            for task in resource.tasks:
-                yield from task.instances
-            yield from resource.instances
-
-    def _program(self, instance: PouInstance) -> str:
-        """Program that an instance executes. A task of CODESYS calls a program by its name, and has no instances."""
-        is_called = self._is_codesys_file and instance.name.casefold() in self.whole.programs
-        name = instance.name if is_called or not instance.type_name else instance.type_name
-        return plain_name(self._other_names.get(name.casefold(), name))
-
-    @cached_property
-    def _other_names(self) -> dict[str, str]:
-        """The names of POUs that have others in the source, whose tasks name them so, by these in lower case."""
-        own = {pou.name.casefold() for pou in self.project.pous}
-        both = zip(self.source.pous, self.project.pous, strict=False)
-        named = {pou.name.casefold() for pou in self.source.pous}
-        return {
-            old.name.casefold(): new.name
-            for old, new in both
-            if old.name.casefold() not in own and new.name.casefold() not in named
-        }
-
-    def _task(self, task: Task, shared: set[str]) -> None:
-        part = self.whole.add("task", task.name, f"task {task.name}")
-        schedule = schedule_of(task)
-        part.tell("interval", self._source_of_data(schedule.interval))
-        part.tell("trigger", self._source_of_data(schedule.event))
-        if schedule.kind:
-            part.tell("kind of task", Meaning.of(schedule.kind.casefold(), schedule.kind))
-        part.tell("priority", Meaning.of(task.priority))
-        watchdog = task.settings.watchdog if task.settings is not None else None
-        if self.detail is Detail.WRITTEN and watchdog is not None:
-            part.tell("watchdog", Meaning.of(plain(watchdog), _shown_watchdog(watchdog)))
-        for instance in task.instances:
-            self._instance(part, instance, f"task {task.name} / ", shared)
-
-    def _source_of_data(self, text: str | None) -> Meaning | None:
-        """Return the meaning of a literal or of the name of a variable."""
-        if text is None or "#" in text:
-            return duration_meaning(text)
-        return Meaning.of(self.target(text.strip()).casefold(), text)
-
-    def _instance(self, owner: Part, instance: PouInstance, around: str, shared: set[str]) -> None:
-        program = self._program(instance)
-        part = owner.add("program instance", program, f"{around}program instance {instance.name}")
-        part.tell("program", Meaning.of(program, instance.type_name or instance.name))
-        if self.detail is Detail.WRITTEN and instance.type_name and not self._is_codesys_file:
-            part.tell("name", Meaning.of(instance.name.casefold(), instance.name))
-        if program in shared:
-            memory = "shared by all calls" if self._is_of_codesys else "its own"
-            part.tell("variables", Meaning.of(memory))
-        for data in instance.extension_data.data if instance.extension_data is not None else ():
-            place, text = unwrapped(data.content) or ("", "")
-            if place == "arguments":
-                part.tell("arguments", Meaning.of(folded(" ".join(text.split())), text))
-
     # -- POUs
 
     def _pou(self, pou: Pou) -> None:
@@ -637,20 +515,6 @@ class _Reader:
             part.tell(f"code {number + 1}" if number else "code", meaning)
             if self.detail is Detail.WRITTEN and meaning is not None:
                 part.tell(f"language {number + 1}" if number else "language", Meaning.of(body.language))
-
-
-def _shown_watchdog(watchdog: TaskWatchdog) -> str:
-    time = watchdog.time or ""
-    unit = watchdog.time_unit if time and "#" not in time else None
-    return " ".join(filter(None, ("on" if watchdog.enabled else "off", time + (unit or ""), watchdog.sensitivity)))
-
-
-def _called_alone(node: Node) -> str:
-    """Return the data block, in lower case, that a box calls without parameters; empty for anything else."""
-    pins = [pin.input for pin in node.parameters.inputs] if isinstance(node, Block) else []
-    if not isinstance(node, Block) or any(pin.connections or pin.expression for pin in pins if pin is not None):
-        return ""
-    return (node.instance or "").strip('"').casefold()
 
 
 def _kept_elements(variable: Variable) -> list[str]:
