@@ -24,13 +24,9 @@ from plcopen_sfc.conversion.adaptation.flags_in_tc6 import execute_flags_in_tc6
 from plcopen_sfc.conversion.adaptation.operating_inputs import OperatingModes
 from plcopen_sfc.conversion.adaptation.sequence_loops import SequenceRewriter, steps_to_start, undrawable
 from plcopen_sfc.conversion.adaptation.sequencer_rewriting import PermanentRewriter, ShownState
+from plcopen_sfc.conversion.adaptation.special_rows import has_special_rows, shared_step_actions, stays_in_place
 from plcopen_sfc.conversion.adaptation.step_checks import ACKNOWLEDGING, StepChecks
-from plcopen_sfc.conversion.adaptation.step_rewriting import (
-    StepRewriter,
-    has_special_rows,
-    shared_step_actions,
-    stays_in_place,
-)
+from plcopen_sfc.conversion.adaptation.step_rewriting import StepRewriter
 from plcopen_sfc.conversion.executed_parts import told_flag
 from plcopen_sfc.formats.format_interface import ChartHost, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import (

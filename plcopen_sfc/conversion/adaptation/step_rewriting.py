@@ -10,102 +10,52 @@ The rules are those of `plcopen_sfc.semantics.charts.graph`, and the tests compa
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import takewhile
 
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, guarded
+from plcopen_sfc.conversion.adaptation.special_rows import (
+    COILS,
+    KINDS_OF_SFC,
+    PHASES,
+    QUALIFIERS_OF_GRAPH,
+    is_coil,
+    is_special,
+    mixed_operands,
+    overwritten_rows,
+    row_key,
+    shared_step_actions,
+    stays_in_place,
+    step_action_rows,
+    timed_operands,
+)
 from plcopen_sfc.conversion.adaptation.step_checks import COMPUTED, StepChecks
-from plcopen_sfc.formats.format_interface import ChartHost
 from plcopen_sfc.formats.plcopen.source_marks import STEP_FIELDS, added_part, changed_element, rewritten_step
 from plcopen_sfc.languages.binding import STORING, Row, SharedScans, told_orders
 from plcopen_sfc.languages.networks import shown_body
-from plcopen_sfc.model.actions import ActionEvent, ActionKind, Qualifier
+from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.pou import Action
-from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, SfcNetwork, Step
+from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, Step
 from plcopen_sfc.report import ORDER_OF_ACTIONS, Outcome
 
-_COILS = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.D, Qualifier.L})
 _SWITCHES = frozenset({Qualifier.ON, Qualifier.OFF})
 _STORING = {Qualifier.S: "TRUE", Qualifier.R: "FALSE"}
 _PULSES = {ActionEvent.S1: Qualifier.P1, ActionEvent.S0: Qualifier.P0}
-_OF_GRAPH = frozenset("CALL ON OFF CS CU CD CR TL TD TR TF".split())
-_KINDS = (None, ActionKind.CONTINUOUS, ActionKind.CONDITIONAL)
 _MEANT = {
     Qualifier.P1: "the statements of the step that are executed once when it becomes active",
     Qualifier.N: "the statements of the step that are executed while it is active",
     Qualifier.P: "the statements of the step that are executed at its start, after other rows have written",
     Qualifier.P0: "the statements of the step that are executed once when it was left",
 }
-_PHASES = {"entry": Qualifier.P1, "main": Qualifier.N, "exit": Qualifier.P0}
 _ORDER = (Qualifier.P0, Qualifier.P1, Qualifier.N)
 """Exit, entry and main actions as CODESYS executes them in a scan, before the actions of associations."""
 _KEPT_ONLY = ("max_time", "warning_time", "interlock", "supervision")
 """Fields of a step that are extension data only: they come back as in the source."""
 _NO_TEXT = "its network cannot be written as an expression"
-
-
-def has_special_rows(chart: SfcNetwork) -> bool:
-    """True if a row needs more than a qualifier and a time: an event, an interlock, a condition or a value."""
-    return any(_is_special(row) for _, row in chart.associations())
-
-
-def stays_in_place(main: Body | str | None, step: Step, host: ChartHost) -> bool:
-    """True for the main action of a step that the tool has as a text in the step."""
-    return host.keeps_bodies and not step.actions and isinstance(main, StBody | IlBody)
-
-
-def mixed_operands(chart: SfcNetwork) -> set[str]:
-    """Return the operands that some rows drive and others set or reset: S7-GRAPH writes them one after the other.
-
-    Action control of IEC 61131-3 has one input for each qualifier instead, and what is set stays.
-    """
-    rows = [row for _, row in chart.associations() if row.target is not None]
-    return {_key(row) for row in rows if _is_coil(row)} & {_key(row) for row in rows if not _is_coil(row)}
-
-
-def timed_operands(chart: SfcNetwork) -> set[str]:
-    """Return the operands that several rows drive, one of them for a time: IEC 61131-3 has one time for all of them."""
-    coils = [row for _, row in chart.associations() if row.target is not None and _is_coil(row)]
-    counts = Counter(map(_key, coils))
-    return {_key(row) for row in coils if row.duration is not None and counts[_key(row)] > 1}
-
-
-def shared_step_actions(chart: SfcNetwork) -> set[str]:
-    """Return the names, in lower case, of entry and exit actions that are used more than once in a chart."""
-    acting = [*chart.associations(), *_step_actions(chart)]
-    counts = Counter(_key(row) for _, row in acting if row.target is not None)
-    pulses = (Qualifier.P1, Qualifier.P0)
-    return {_key(row) for _, row in acting if row.qualifier in pulses and row.target and counts[_key(row)] > 1}
-
-
-def overwritten_rows(step: Step) -> list[ActionAssociation]:
-    """Return the rows R of a step whose operand a later row S of it sets: S7-GRAPH executes rows in their order.
-
-    Rows before one that calls or assigns something are left alone: it may read the operand in between.
-    """
-    found: list[ActionAssociation] = []
-    set_later: set[str] = set()
-    for row in reversed(step.actions):
-        if row.body is not None or row.value is not None or row.condition is not None:
-            break
-        if _is_special(row) or row.exclude or row.negated or row.duration is not None:
-            continue
-        if row.qualifier is Qualifier.S:
-            set_later.add(_key(row))
-        elif row.qualifier in (Qualifier.R, Qualifier.R0) and _key(row) in set_later:
-            found.append(row)
-    return found
-
-
-def _is_special(row: ActionAssociation) -> bool:
-    if row.event is not None or row.interlock or row.value is not None or row.condition is not None:
-        return True
-    return row.qualifier in _OF_GRAPH or row.forcing is not None or row.kind not in _KINDS
 
 
 @dataclass(slots=True)
@@ -133,11 +83,11 @@ class StepRewriter:
         self._chart = rewriting.chart.chart
         self._pou = rewriting.chart.pou
         self._rows = [(step, row) for step in self._chart.steps for row in step.actions]
-        self._stated = {_key(row) for _, row in self._rows if self._writes_operand(row)}
+        self._stated = {row_key(row) for _, row in self._rows if self._writes_operand(row)}
         self._mixed = mixed_operands(self._chart) if rewriting.options.of_graph else set()
         if rewriting.options.of_graph:
             self._stated |= self._mixed | timed_operands(self._chart)
-        self._acting = [*self._rows, *_step_actions(self._chart)]
+        self._acting = [*self._rows, *step_action_rows(self._chart)]
         self._shared = shared_step_actions(self._chart)
         self._moved: dict[int, Qualifier] = {}
         self.pulses: dict[str, str] = {}
@@ -155,8 +105,8 @@ class StepRewriter:
         """True if a row writes a Boolean operand in a way that associations cannot: other rows with it must follow."""
         return (
             row.target is not None
-            and row.qualifier in _COILS | _STORING.keys()
-            and _is_special(row)
+            and row.qualifier in COILS | _STORING.keys()
+            and is_special(row)
             and not self._is_pulse(row)
         )
 
@@ -360,14 +310,14 @@ class StepRewriter:
         if kind == "main" and isinstance(action.body, SfcBody):
             return row
         setattr(step, f"{kind}_action", row.target)
-        self._moved[number] = _PHASES[kind]
+        self._moved[number] = PHASES[kind]
         self._note_action(Outcome.TRANSLATED, step, row.target, f"`{_called(row)}` is the {kind} action of the step")
         return None
 
     def _pulses_at_exit(self, step: Step, row: ActionAssociation, uses: list[str]) -> bool:
         """Let the exit action of a step tell `pulses` to set a variable, which nothing else of the chart drives."""
         source = self._rewriting.source
-        rows = [each for _, each in source.associations() if each.target and _key(each) == _key(row)]
+        rows = [each for _, each in source.associations() if each.target and row_key(each) == row_key(row)]
         others = any(each.qualifier is not Qualifier.P0 or each.negated or each.exclude for each in rows)
         before = step.exit_action
         is_pulse = row.qualifier is Qualifier.P0 and row.target and self._pou.find_action(row.target) is None
@@ -397,7 +347,7 @@ class StepRewriter:
             return False
         if self._rewriting.options.final_scan or row not in self._rewriting.source_steps[step.id].actions:
             return False
-        return row.target is None or sum(_key(other) == _key(row) for _, other in self._rows) == 1
+        return row.target is None or sum(row_key(other) == row_key(row) for _, other in self._rows) == 1
 
     def report_order(self) -> None:
         """Report entry, main and exit actions that CODESYS executes before others that precede them in the source."""
@@ -429,9 +379,9 @@ class StepRewriter:
     def _precedes(self, one: ActionAssociation, other: ActionAssociation) -> bool:
         """True if the source executes one action before another one that is active too."""
         if self._rewriting.options.of_codesys:
-            return _key(one) < _key(other)
-        used = [_key(row) if row.target else str(id(row)) for _, row in self._acting]
-        return used.index(_key(one) or str(id(one))) < used.index(_key(other) or str(id(other)))
+            return row_key(one) < row_key(other)
+        used = [row_key(row) if row.target else str(id(row)) for _, row in self._acting]
+        return used.index(row_key(one) or str(id(one))) < used.index(row_key(other) or str(id(other)))
 
     def _own_step_actions(self, step: Step) -> None:
         """Give a step the statements of entry and exit actions that others have too: IEC has one control for them.
@@ -479,18 +429,18 @@ class StepRewriter:
             row = row.model_copy(update={"qualifier": Qualifier.R})
             self._note_action(Outcome.TRANSLATED, step, row.target, "R0 is another name for R")
         event = None if row.event is ActionEvent.C else row.event
-        if event in COMPUTED and not self._checks.happens(step, event) and not _is_coil(row):
+        if event in COMPUTED and not self._checks.happens(step, event) and not is_coil(row):
             why = f"`{_called(row)}` is left out: the event {event} never happens in this step"
             self._note_action(Outcome.TRANSLATED, step, row.target, why)
             return
-        stated = row.target is not None and _key(row) in self._stated
+        stated = row.target is not None and row_key(row) in self._stated
         if row.negated and self._host.is_codesys:
             self._leave_out(step, row, "CODESYS has no action that acts while its step is not active")
             return
         if row.qualifier is Qualifier.DL and self._host.is_codesys:
             self._leave_out(step, row, "CODESYS has no qualifier DL, and no standard tells what it does")
             return
-        if not _is_special(row) and not stated:
+        if not is_special(row) and not stated:
             rows.kept.append(row)
             return
         if self._is_pulse(row) and not stated and event is not None:
@@ -504,12 +454,12 @@ class StepRewriter:
             return
         needed = self._needed(step, row) or "TRUE"
         where = "while the step is active"
-        if _is_coil(row):
+        if is_coil(row):
             driven = f"{row.target} := {self._driven(row)};"
             rows.coils += [driven] if driven not in rows.coils else []
         else:
             lines = guarded(needed, self._statements(step, row))
-            late = self._host.is_codesys and _key(row) in self._mixed  # its entry and exit actions precede coils
+            late = self._host.is_codesys and row_key(row) in self._mixed  # its entry and exit actions precede coils
             if event is ActionEvent.S1:
                 (rows.first if late else rows.entry).extend(lines)
                 where = "once when the step becomes active"
@@ -528,16 +478,16 @@ class StepRewriter:
             why = f"`{_called(row)}` (event S0) is executed after the next step has written {row.target}"
             self._note_action(Outcome.APPROXIMATED, step, row.target, f"{why}; S7-GRAPH executes it before that")
             return
-        if event is ActionEvent.S1 and not _is_coil(row) and self._overtakes(step, row):
+        if event is ActionEvent.S1 and not is_coil(row) and self._overtakes(step, row):
             why = f"`{_called(row)}` (event S1) is executed before rows above it that write {row.target}"
             self._note_action(Outcome.APPROXIMATED, step, row.target, f"{why}; S7-GRAPH executes it after them")
             return
-        driver = self._driven_after(step, row) if not _is_coil(row) else None
+        driver = self._driven_after(step, row) if not is_coil(row) else None
         if driver is not None:
             why = f"`{_called(row)}` is executed before the step {driver.name}, active too, drives {row.target}"
             self._note_action(Outcome.APPROXIMATED, step, row.target, f"{why}; S7-GRAPH executes it after that")
             return
-        driver = self._driven_beside(step, row) if not _is_coil(row) else None
+        driver = self._driven_beside(step, row) if not is_coil(row) else None
         if driver is not None:
             why = f"`{_called(row)}` and the step {driver.name}, active too, write {row.target} at other times than in"
             self._note_action(Outcome.APPROXIMATED, step, row.target, f"{why} S7-GRAPH")
@@ -551,12 +501,12 @@ class StepRewriter:
         locked = row.interlock or row.event is ActionEvent.C
         if event in COMPUTED and self._event(step, row) is None:
             return f"it depends on a condition of the step, and {_NO_TEXT}"
-        if row.forcing is not None or row.kind not in _KINDS:
+        if row.forcing is not None or row.kind not in KINDS_OF_SFC:
             return f"{title} has no such action of IEC 60848"
         if row.qualifier in _SWITCHES and (event is None or not self._checks.switched_by(row, step)):
             return "it has no event" if event is None else "there is no such step"
-        if row.qualifier not in _COILS | _STORING.keys() | _SWITCHES | {Qualifier.CALL}:
-            of_s5 = ", which acts on counters and timers of S5" if row.qualifier.value in _OF_GRAPH else ""
+        if row.qualifier not in COILS | _STORING.keys() | _SWITCHES | {Qualifier.CALL}:
+            of_s5 = ", which acts on counters and timers of S5" if row.qualifier.value in QUALIFIERS_OF_GRAPH else ""
             return f"{title} has no action {row.qualifier.value}{of_s5}"
         if row.negated:
             return "it acts while its step is not active"
@@ -569,12 +519,12 @@ class StepRewriter:
         if self._needed(step, row) is None:
             return f"it needs a condition, and {_NO_TEXT}"
         again = row.value is not None or row.body is not None or self._needed(step, row) != "TRUE"
-        late = event is ActionEvent.S1 and _key(row) in self._mixed and self._host.is_codesys
-        if late and again and not _is_coil(row):
+        late = event is ActionEvent.S1 and row_key(row) in self._mixed and self._host.is_codesys
+        if late and again and not is_coil(row):
             return f"another row drives {row.target}, and {title} executes it after entry actions"
         if row.qualifier in (Qualifier.D, Qualifier.L) and (not row.duration or row.condition is not None):
             return "its time depends on its condition" if row.duration else "it has no time"
-        if _is_coil(row):
+        if is_coil(row):
             if event is ActionEvent.S0:
                 return f"{title} has no action that is TRUE in the scan after its step only"
             if event is not None and row.duration is not None:
@@ -585,14 +535,14 @@ class StepRewriter:
 
     def _is_driven_next(self, step: Step, row: ActionAssociation) -> bool:
         """True if a following step may drive the operand of a row otherwise in the cycle in which its step is left."""
-        coils = [r for _, r in self._next_rows(step, row) if _is_coil(r)]
+        coils = [r for _, r in self._next_rows(step, row) if is_coil(r)]
         return any(row.qualifier is not Qualifier.S or r.duration is not None or r.interlock for r in coils)
 
     def _overtakes(self, step: Step, row: ActionAssociation) -> bool:
         """True if rows above one that is executed once write its operand in every cycle."""
         above = takewhile(lambda each: each.id != row.id, step.actions)
-        lasting = [each for each in above if each.event is None and each.target and not _is_coil(each)]
-        return any(_key(each) == _key(row) for each in lasting)
+        lasting = [each for each in above if each.event is None and each.target and not is_coil(each)]
+        return any(row_key(each) == row_key(row) for each in lasting)
 
     def _is_written_before(self, step: Step, row: ActionAssociation) -> bool:
         """True if a following step writes the operand of a row in an action that comes before those of its step.
@@ -602,14 +552,14 @@ class StepRewriter:
         if self._host.is_codesys:
             return False
         order = [each.id for each in self._chart.steps]
-        others = [s for s, r in self._next_rows(step, row) if not _is_coil(r)]
+        others = [s for s, r in self._next_rows(step, row) if not is_coil(r)]
         return any(order.index(other.id) < order.index(step.id) for other in others)
 
     def _driven_after(self, step: Step, row: ActionAssociation) -> Step | None:
         """Return a step, active together with `step`, that drives the operand of a row in a later action."""
         order = [each.id for each in self._chart.steps]
         for other, coil in self._rows:
-            if other is step or not coil.target or not _is_coil(coil) or _key(coil) != _key(row):
+            if other is step or not coil.target or not is_coil(coil) or row_key(coil) != row_key(row):
                 continue
             here, there = step.name.casefold(), other.name.casefold()
             late = here < there if self._host.is_codesys else order.index(step.id) < order.index(other.id)
@@ -623,9 +573,9 @@ class StepRewriter:
         An action with P has a final scan. Where rows switch steps, it is not known when which of them begin.
         """
         twice = row.event is ActionEvent.S1 or self._scans.are_switched
-        if not self._host.is_codesys or _key(row) not in self._mixed or not twice:
+        if not self._host.is_codesys or row_key(row) not in self._mixed or not twice:
             return None
-        coils = (s for s, each in self._rows if s is not step and _is_coil(each) and _key(each) == _key(row))
+        coils = (s for s, each in self._rows if s is not step and is_coil(each) and row_key(each) == row_key(row))
         return next((each for each in coils if self._scans.are_together(step, each)), None)
 
     @cached_property
@@ -635,7 +585,7 @@ class StepRewriter:
     def _next_rows(self, step: Step, row: ActionAssociation) -> Iterator[tuple[Step, ActionAssociation]]:
         """Yield the rows of following steps that have the operand of a row."""
         following = {i for t in self._rewriting.source.transitions if step.id in t.sources for i in t.targets}
-        yield from ((s, r) for s, r in self._rows if s.id in following and r.target and _key(r) == _key(row))
+        yield from ((s, r) for s, r in self._rows if s.id in following and r.target and row_key(r) == row_key(row))
 
     def _needed(self, step: Step, row: ActionAssociation) -> str | None:
         """Return the condition of a row besides its active step; None where it is no expression."""
@@ -651,7 +601,7 @@ class StepRewriter:
         event = row.event
         if event is None or event not in COMPUTED or not self._checks.happens(step, event):
             return "TRUE"
-        if event is ActionEvent.S1 and not _is_coil(row):
+        if event is ActionEvent.S1 and not is_coil(row):
             return "TRUE"
         return self._checks.variable(step, event.value) if self._checks.can_tell(step, event) else None
 
@@ -660,7 +610,7 @@ class StepRewriter:
         # One statement for all rows with the operand: of several the last would win, even while its step is not active.
         terms: list[str] = []
         for step, row in self._rows:
-            if row.target is None or _key(row) != _key(coil) or not _is_coil(row):
+            if row.target is None or row_key(row) != row_key(coil) or not is_coil(row):
                 continue
             if row.event is ActionEvent.S0 or (row.event in COMPUTED and not self._checks.happens(step, row.event)):
                 continue  # it is left out, and reported, or never TRUE
@@ -686,26 +636,8 @@ class StepRewriter:
         self._note_action(Outcome.NOT_EXECUTED, step, row.target, text)
 
 
-def _step_actions(chart: SfcNetwork) -> Iterator[Row]:
-    """Yield the entry, main and exit actions of the steps as associations."""
-    for step in chart.steps:
-        for kind, qualifier in _PHASES.items():
-            code = getattr(step, f"{kind}_action")
-            if code is not None:
-                target, body = (code, None) if isinstance(code, str) else (None, code)
-                yield step, ActionAssociation(id=0, qualifier=qualifier, target=target, body=body)
-
-
-def _is_coil(row: ActionAssociation) -> bool:
-    return row.qualifier in _COILS and row.value is None and row.body is None
-
-
 def _ids(step: Step) -> set[int]:
     return {row.id for row in step.actions}
-
-
-def _key(row: ActionAssociation) -> str:
-    return (row.target or "").casefold()
 
 
 def _plain_statements(row: ActionAssociation) -> list[str]:
