@@ -7,13 +7,14 @@ A method has parameters and variables of its own, and sees those of its block. A
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import zip_longest
 
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.name_sites import named
 from plcopen_sfc.languages.binding.text_sites import Site
+from plcopen_sfc.languages.declarations.kept_texts import bases_of, names_of_bases
 from plcopen_sfc.languages.s7_programs import names_of_programs
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, walk
@@ -23,8 +24,10 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Method, Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import SimpleValue, Variable
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
-IMPLICIT_METHODS = frozenset({"fb_init", "fb_reinit", "fb_exit"})
+PARAMETERS = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT)
+_IMPLICIT = frozenset({"fb_init", "fb_reinit", "fb_exit"})
 """Methods that CODESYS calls by itself."""
 _NO_FUNCTIONS = "it is no function here"
 _ITSELF = frozenset({"this^", "super^"})
@@ -39,6 +42,41 @@ class MethodFunction:
     parameters: list[Variable]
     outputs: frozenset[str]
     around: list[str]
+
+
+def without_function(
+    owner: Pou, method: Method, pous: Mapping[str, Pou], names: Callable[[Pou], Iterable[str]] = names_of_bases
+) -> str:
+    """Return why no function can be called in the place of a method of `owner`, whatever it does; empty: one may.
+
+    `pous` and `names` are those of `bases_of`.
+    """
+    if method.name.casefold() in _IMPLICIT:
+        return "its tool calls it when an instance is made or goes"
+    key, around = method.name.casefold(), owner.name.casefold()
+    for pou in pous.values():
+        has_one = any(each.name.casefold() == key for each in pou.methods)
+        if has_one and any(base.name.casefold() == around for base in bases_of(pou, pous, names)):
+            return f"{pou.name} has a method {method.name} too, and only the running program tells which one is called"
+    return ""
+
+
+def function_of_method(
+    name: str, method: Method, around: Sequence[VariableSection]
+) -> tuple[Interface, MethodFunction]:
+    """Return the interface of the function `name` for a method, and what calls of it pass.
+
+    It has the sections `around`, with the variables of its block that it uses, before those of the method.
+    """
+    interface = method.interface or Interface()
+    sections = [section.model_copy(deep=True) for section in interface.sections if section.variables]
+    parameters = [v for s in interface.sections if s.kind in PARAMETERS for v in s.variables]
+    for variable in (v for section in sections if section.kind in PARAMETERS for v in section.variables):
+        variable.initial = None  # each call passes it
+    outputs = frozenset(v.name.casefold() for s in sections if s.kind is SectionKind.OUTPUT for v in s.variables)
+    passed = [v.name for section in around if section.kind in PARAMETERS for v in section.variables]
+    filled = Interface(sections=[*around, *sections], return_type=interface.return_type)
+    return filled, MethodFunction(name, parameters, outputs, passed)
 
 
 class NoStatementsError(Exception):

@@ -19,16 +19,22 @@ from plcopen_sfc.conversion.adaptation.called_programs import (
 )
 from plcopen_sfc.formats.plcopen.source_marks import pou_digest
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
-from plcopen_sfc.languages.declarations.kept_texts import bases_of, kept
+from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.effects import effects
-from plcopen_sfc.languages.method_calls import IMPLICIT_METHODS, InlinedText, MethodCalls, MethodFunction
+from plcopen_sfc.languages.method_calls import (
+    InlinedText,
+    MethodCalls,
+    MethodFunction,
+    function_of_method,
+    without_function,
+)
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, render, transform, walk
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.renames import KeptNames, keep_names, kept_names
 from plcopen_sfc.languages.translation.translation_context import family
-from plcopen_sfc.languages.words import free_name
+from plcopen_sfc.languages.words import take_name
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import BlockVariable
@@ -39,7 +45,6 @@ from plcopen_sfc.model.types import DataType, DerivedType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
-_PARAMETERS = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT)
 _KEPT_INSIDE = frozenset({"VAR_INST", "VAR_STAT"})
 """Sections of a method whose variables keep their values."""
 
@@ -160,11 +165,8 @@ class _Functions:
         return self._found[id(method)]
 
     def _make(self, owner: Pou, method: Method) -> _Made | str:
-        if method.name.casefold() in IMPLICIT_METHODS:
-            return "its tool calls it when an instance is made or goes"
-        heirs = [each.name for each in self.project.pous if each is not owner and self._overrides(each, owner, method)]
-        if heirs:
-            return f"{heirs[0]} has a method {method.name} too, and only the running program tells which one is called"
+        if why_not := without_function(owner, method, {each.name.casefold(): each for each in self.project.pous}):
+            return why_not
         if not isinstance(method.body, StBody | None):
             return "its body is no list of statements"
         interface = method.interface or Interface()
@@ -189,22 +191,14 @@ class _Functions:
         around = self._around(owner, used, written)
         if isinstance(around, str):
             return around
-        name = free_name(f"{owner.name}_{method.name}", self._taken)
-        self._taken.add(name.casefold())
-        sections = [section.model_copy(deep=True) for section in interface.sections if section.variables]
-        parameters = [v for s in interface.sections if s.kind in _PARAMETERS for v in s.variables]
-        for variable in (v for section in sections if section.kind in _PARAMETERS for v in section.variables):
-            variable.initial = None  # each call passes it
-        filled = Interface(sections=[*around, *sections], return_type=interface.return_type)
+        name = take_name(f"{owner.name}_{method.name}", self._taken)
+        filled, call = function_of_method(name, method, around)
         block = Pou(
             name=name,
             kind=PouKind.FUNCTION,
             interface=filled,
             bodies=[StBody(text=_renamed(found.text, method.name, name, self.project.dialect))],
         )
-        outputs = frozenset(v.name.casefold() for s in sections if s.kind is SectionKind.OUTPUT for v in s.variables)
-        passed = [v.name for section in around if section.kind in _PARAMETERS for v in section.variables]
-        call = MethodFunction(name, parameters, outputs, passed)
         return _Made(block, owner, method, call, frozenset(written & used))
 
     def _around(self, owner: Pou, used: set[str], written: set[str]) -> list[VariableSection] | str:
@@ -251,12 +245,6 @@ class _Functions:
                 is_changed = argument.name is None or argument.name.identifier.casefold() in names
                 if is_changed and argument.value is not None:
                     yield from (path[0] for path in effects([argument.value]).reads if path)
-
-    def _overrides(self, pou: Pou, owner: Pou, method: Method) -> bool:
-        """True if a block that extends `owner`, or extends something that does, has a method of the same name."""
-        if not any(each.name.casefold() == method.name.casefold() for each in pou.methods):
-            return False
-        return any(each is owner for each in bases_of(pou, {each.name.casefold(): each for each in self.project.pous}))
 
     def _of_itself(self, text: str, own: set[str]) -> str | None:
         """Return the text of a method without ``THIS^.``; None where a variable of the method hides what that names."""

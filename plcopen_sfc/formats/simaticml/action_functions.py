@@ -20,10 +20,10 @@ from dataclasses import dataclass, field
 
 from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites, text_sites_in
-from plcopen_sfc.languages.declarations.kept_texts import bases_of, inheritance
+from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.languages.effects import ANYTHING, Effects, Path, effects, path_of
 from plcopen_sfc.languages.library_blocks import library_blocks
-from plcopen_sfc.languages.method_calls import IMPLICIT_METHODS, MethodFunction
+from plcopen_sfc.languages.method_calls import PARAMETERS, MethodFunction, function_of_method, without_function
 from plcopen_sfc.languages.networks import Helper, body_statements
 from plcopen_sfc.languages.s7_actions import ActionCalls
 from plcopen_sfc.languages.s7_globals import global_names
@@ -58,7 +58,6 @@ _LONGEST = 120
 """Most characters of a name: TIA Portal takes 125, and a number may follow."""
 _LOCAL = (n.Quoting.LOCAL, n.Quoting.LOCAL_QUOTED)
 _NO_TEXT = "its network is no list of statements"
-_PARAMETERS = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT)
 _STEP_DATA = {"X": Elementary.BOOL, "T": Elementary.TIME}
 """The data of steps that calls pass, with their types."""
 
@@ -178,7 +177,7 @@ class ActionFunctions:
 
     def arguments(self, called: Pou) -> dict[str, str]:
         """Return the arguments of a call of a function, or of the block for a chart, by their names."""
-        parameters = [v for section in _sections(called) if section.kind in _PARAMETERS for v in section.variables]
+        parameters = [v for section in _sections(called) if section.kind in PARAMETERS for v in section.variables]
         passed = {variable.name: f"#{variable.name}" for variable in parameters}
         return passed | self._step_data.get(called.name, {})
 
@@ -271,12 +270,8 @@ class ActionFunctions:
         """Make the function for a method, with the parameters of that and the variables of the block that it uses."""
         if self._is_of_folder:
             return "the function for it is a file of its own, which an edit of the folder does not write"
-        if method.name.casefold() in IMPLICIT_METHODS:
-            return "its tool calls it when an instance is made or goes"
-        named, key = [each for each in self._pous.values() if _has_method(each, method)], owner.name.casefold()
-        heirs = [pou.name for pou in named if any(b.name.casefold() == key for b in bases_of(pou, self._pous, _bases))]
-        if heirs:
-            return f"{heirs[0]} has a method {method.name} too, and only the running program tells which one is called"
+        if why_not := without_function(owner, method, self._pous, _bases):
+            return why_not
         text = _text(method.body) if method.body is not None else ""
         if text is None:
             return "its body is no list of statements"
@@ -298,17 +293,10 @@ class ActionFunctions:
         if isinstance(filled, str):
             return filled
         name = take_name(f"{owner.name}_{method.name}"[:_LONGEST], self._taken)
-        around = [variable.name for variable in filled.variables()]
         text = renamed_local(calls.text, method.name, name)
-        sections = [section.model_copy(deep=True) for section in interface.sections if section.variables]
-        parameters = [v for s in interface.sections if s.kind in _PARAMETERS for v in s.variables]
-        for variable in (v for section in sections if section.kind in _PARAMETERS for v in section.variables):
-            variable.initial = None  # each call passes it
-        filled.sections += sections
-        filled.return_type = interface.return_type
-        self.made.append(Pou(name=name, kind=PouKind.FUNCTION, interface=filled, bodies=[StBody(text=text)]))
-        outputs = frozenset(v.name.casefold() for s in sections if s.kind is SectionKind.OUTPUT for v in s.variables)
-        return MethodFunction(name, parameters, outputs, around)
+        interface, call = function_of_method(name, method, filled.sections)
+        self.made.append(Pou(name=name, kind=PouKind.FUNCTION, interface=interface, bodies=[StBody(text=text)]))
+        return call
 
     def _parameters(self, pou: Pou, used: Set[str], written: Set[str]) -> Interface | str:
         """Return the parameters of a block that uses variables of `pou`; a reason where they cannot be parameters."""
@@ -558,10 +546,6 @@ def _bases(pou: Pou) -> Sequence[str]:
     if interface is not None:
         exchange_markup(interface, Markup.SIMATICML, Markup.TC6)
     return inheritance(interface).extends
-
-
-def _has_method(pou: Pou, method: Method) -> bool:
-    return any(each.name.casefold() == method.name.casefold() for each in pou.methods)
 
 
 def _passed_inputs(project: Project) -> Iterator[str]:
