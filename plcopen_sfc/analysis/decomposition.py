@@ -30,7 +30,7 @@ from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.sfc import ActionAssociation, Body, Condition, SfcBody, SfcNetwork, Step
+from plcopen_sfc.model.sfc import ActionAssociation, Body, Condition, SfcBody, SfcNetwork, Step, connected_parts
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.programs.addresses import address_of
 from plcopen_sfc.semantics.programs.controller import Instance
@@ -323,13 +323,8 @@ class ChartParts:
 
     def _find_nets(self) -> list[frozenset[int]]:
         """Return the ids of steps that transitions connect, in the order of the chart."""
-        net_of = {step.id: {step.id} for step in self._chart.steps}
-        for transition in self._chart.transitions:
-            ends = [*transition.sources, *transition.targets]
-            joined = set().union(*(net_of[each] for each in ends))
-            for each in joined:
-                net_of[each] = joined
-        return list(dict.fromkeys(frozenset(net) for net in net_of.values()))
+        parts = connected_parts(self._chart.steps, self._chart.transitions)
+        return [frozenset(step.id for step in part) for part in parts]
 
     def _net(self, steps: Set[int]) -> ProgramPart:
         found = NOTHING

@@ -78,3 +78,11 @@ class OpaqueBody(BodyBase):
     language: Literal["opaque"] = "opaque"
     source: str
     content: str
+
+
+def has_program(body: BodyBase | None) -> bool:
+    """True unless a body is empty, as those of permanent instructions without a program."""
+    if isinstance(body, FbdBody | LdBody):
+        return any(network.nodes for network in body.networks)
+    # a body of any other kind has no text: a chart, or what no reader understands, which is executed all the same
+    return body is not None and bool(getattr(body, "text", "?").strip())

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Set
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Set
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeAlias
 
@@ -592,6 +592,25 @@ Body = Annotated[StBody | IlBody | FbdBody | LdBody | SfcBody | OpaqueBody, Fiel
 # A body holds charts, a chart holds bodies: so these types are in one module, and are completed when all of them exist.
 for _model in (BodyCondition, ActionAssociation, Macro, Step, PermanentOperation, PartialChart, SfcNetwork, SfcBody):
     _model.model_rebuild()
+
+
+def connected_parts(steps: Collection[Step], transitions: Iterable[Transition]) -> list[list[Step]]:
+    """Return the steps of each part that no transition connects with another, in their order."""
+    above = {step.id: step.id for step in steps}
+
+    def root(number: int) -> int:
+        while above[number] != number:
+            above[number] = number = above[above[number]]
+        return number
+
+    for transition in transitions:
+        ends = [root(i) for i in (*transition.sources, *transition.targets) if i in above]  # a damaged chart lacks some
+        for end in ends[1:]:
+            above[root(end)] = root(ends[0])
+    parts: dict[int, list[Step]] = {}
+    for step in steps:
+        parts.setdefault(root(step.id), []).append(step)
+    return list(parts.values())
 
 
 def step_codes(step: Step, lines: Iterable[str | tuple[str, str | None]]) -> Iterator[tuple[str, str]]:

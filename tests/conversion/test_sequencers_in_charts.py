@@ -86,6 +86,16 @@ def test_permanent_instructions_run_as_reported(fields: dict[str, Any], exact: t
 
 
 @pytest.mark.parametrize("target", TARGETS)
+def test_permanent_instructions_that_nothing_reads_are_told(target: str) -> None:
+    """They were taken for empty ones, and left out without a word."""
+    project = sequencer(before="#r := #g;")
+    project.pou("Main").chart.permanent_pre[0].body = m.OpaqueBody(source="STL", content="<Statement/>")
+    report = sfc.convert(project, target, partial=True)[1]
+    [told] = [item for item in report.items if item.what == "permanent instruction before the sequence"]
+    assert told.outcome is Outcome.NOT_EXECUTED
+
+
+@pytest.mark.parametrize("target", TARGETS)
 def test_permanent_instructions_are_executed_once_after_an_edit_of_the_actions(target: str) -> None:
     data, _ = sfc.convert(sequencer(before="#r := #g;", after="#n := #n + 1;"), target)
     edited = data.replace(b"n + 1", b"n + 2")  # by a tool that keeps the extension data

@@ -12,7 +12,7 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.model.drawing import STEPS, Drawing, Symbol, SymbolKind
-from plcopen_sfc.model.sfc import PartialChartKind, Step, Transition
+from plcopen_sfc.model.sfc import PartialChartKind, Step, Transition, connected_parts
 from plcopen_sfc.model.types import DerivedType
 
 _ENDS = STEPS | {SymbolKind.TRANSITION}
@@ -346,25 +346,6 @@ def _start_by_themselves(chart: CheckedChart) -> Iterator[CheckedSheet]:
                 yield sheet
 
 
-def _connected(sheet: CheckedSheet) -> list[list[Step]]:
-    """Return the steps of a network, by the parts of it that no transition joins."""
-    above: dict[int, int] = {step.id: step.id for step in sheet.steps}
-
-    def root(number: int) -> int:
-        while above[number] != number:
-            above[number] = number = above[above[number]]
-        return number
-
-    for transition in sheet.transitions:
-        beside = [root(i) for i in (*transition.sources, *transition.targets) if i in above]
-        for other in beside[1:]:
-            above[root(other)] = root(beside[0])
-    parts: dict[int, list[Step]] = {}
-    for step in sheet.steps:
-        parts.setdefault(root(step.id), []).append(step)
-    return list(parts.values())
-
-
 def _none(chart: CheckedChart) -> Iterator[Finding]:
     for sheet in _start_by_themselves(chart):
         if not any(step.initial for step in sheet.steps):
@@ -380,7 +361,7 @@ def _none(chart: CheckedChart) -> Iterator[Finding]:
 
 def _several(chart: CheckedChart) -> Iterator[Finding]:
     for sheet in chart.sheets:
-        for steps in _connected(sheet):
+        for steps in connected_parts(sheet.steps, sheet.transitions):
             initial = [step for step in steps if step.initial]
             for step in initial[1:]:
                 message = f"a second initial step in one connected chart, besides {initial[0].name}"

@@ -13,7 +13,7 @@ from plcopen_sfc.lowering.code.lowered_code import names_of
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import Body, BodyCondition, Condition, SfcNetwork, Step
+from plcopen_sfc.model.sfc import BodyCondition, Condition, SfcNetwork, Step
 from plcopen_sfc.model.types import DataType, Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -109,13 +109,6 @@ def taken_names(project: Project, chart: Chart) -> set[str]:
 def is_network(condition: Condition | None) -> bool:
     """True if a condition is drawn in place, in FBD or LD."""
     return isinstance(condition, BodyCondition) and isinstance(condition.body, FbdBody | LdBody)
-
-
-def does_something(body: Body | None) -> bool:
-    """True unless a body is empty, as those of permanent instructions without a program."""
-    if isinstance(body, FbdBody | LdBody):
-        return any(network.nodes for network in body.networks)
-    return body is not None and bool(getattr(body, "text", " ").strip())
 
 
 def is_supervised(step: Step) -> bool:

@@ -14,7 +14,6 @@ from plcopen_sfc.conversion.adaptation.chart_rewriting import (
     ChartRewriting,
     as_term,
     conjunction,
-    does_something,
     guarded,
     is_network,
     is_supervised,
@@ -47,7 +46,7 @@ from plcopen_sfc.languages.sfc_flag_uses import WATCHING_FLAGS, flags_at_rest, n
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, transform
 from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody, has_program
 from plcopen_sfc.model.chart_settings import FlagUse, SfcFlag, SfcSettings
 from plcopen_sfc.model.conditions import Expression, WiredCondition
 from plcopen_sfc.model.network import Node
@@ -66,7 +65,7 @@ def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> boo
         return True
     if steps_to_start(chart, host, options) or undrawable(chart, host, options):
         return True
-    if any(does_something(operation.body) for operation in (*chart.permanent_pre, *chart.permanent_post)):
+    if any(has_program(operation.body) for operation in (*chart.permanent_pre, *chart.permanent_post)):
         return True
     if any(row.qualifier is Qualifier.R0 for _, row in chart.associations()):
         return True

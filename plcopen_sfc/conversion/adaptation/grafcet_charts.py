@@ -19,7 +19,6 @@ from plcopen_sfc.conversion.adaptation.grafcet_hierarchy import (
     FlatChart,
     HierarchyError,
     Rules,
-    sequences_of,
     step_flag,
 )
 from plcopen_sfc.conversion.executed_parts import FIRST_SCAN, SELECTION, STABILITY, START
@@ -37,7 +36,15 @@ from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import ActionAssociation, Condition, PermanentOperation, SfcNetwork, Step, Supervised
+from plcopen_sfc.model.sfc import (
+    ActionAssociation,
+    Condition,
+    PermanentOperation,
+    SfcNetwork,
+    Step,
+    Supervised,
+    connected_parts,
+)
 from plcopen_sfc.model.sfc import Sequence as GraphSequence
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
@@ -258,7 +265,7 @@ class _Chart:
         self._note(Outcome.APPROXIMATED, START, f"{path} / step {first.name}", why)
 
     def _sequences(self) -> None:
-        parts = sequences_of(self._chart)
+        parts = connected_parts(self._chart.steps, self._chart.transitions)
         if len(parts) > 1 and not self._chart.sequences:
             self._chart.sequences = [GraphSequence(steps=[step.id for step in steps]) for steps in parts]
 
@@ -501,7 +508,8 @@ class _Chart:
         steps = {step.id for step, _ in uses}
         follow = any(steps & {*t.sources} and steps & {*t.targets} for t in self._chart.transitions)
         follow |= any(step.name in self._forced for step, _ in uses)
-        parts = [part for each in sequences_of(self._chart) if steps & (part := {step.id for step in each})]
+        connected = connected_parts(self._chart.steps, self._chart.transitions)
+        parts = [part for each in connected if steps & (part := {step.id for step in each})]
         branched = any(len(t.targets) > 1 and parts[0] & {*t.targets} for t in self._chart.transitions)
         return follow or branched or len(parts) > 1 or len({each.duration for _, each in uses}) > 1
 

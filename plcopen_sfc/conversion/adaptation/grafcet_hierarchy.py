@@ -403,24 +403,6 @@ class Rules:
         return found if sum(each.initial for each in self._chart.steps if each.id in found) == 1 else None
 
 
-def sequences_of(chart: SfcNetwork) -> list[list[Step]]:
-    """Return the steps of the parts that no transition connects, in the order of the chart."""
-    part = {step.id: step.id for step in chart.steps}
-
-    def root(step: int) -> int:
-        while part.setdefault(step, step) != step:  # a damaged chart has transitions from steps that it lacks
-            step = part[step]
-        return step
-
-    for transition in chart.transitions:
-        joined = [root(step) for step in (*transition.sources, *transition.targets)]
-        part |= dict.fromkeys(joined, min(joined, default=0))
-    found: dict[int, list[Step]] = {}
-    for step in chart.steps:  # in the order of the chart
-        found.setdefault(root(step.id), []).append(step)
-    return list(found.values())
-
-
 def step_flag(step: Step) -> Tree:
     """Return ``Step.X``."""
     return n.Member(n.Name(step.name), n.Name("X"))

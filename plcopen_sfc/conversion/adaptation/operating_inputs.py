@@ -11,14 +11,13 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, conjunction
-from plcopen_sfc.conversion.adaptation.grafcet_hierarchy import sequences_of
 from plcopen_sfc.conversion.adaptation.step_checks import StepChecks
 from plcopen_sfc.formats.plcopen.source_marks import OF_ENDS, REWRITTEN_FIELD, added_element, rewritten_transition
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.s7_programs import unused_inputs
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.drawing import SymbolKind
-from plcopen_sfc.model.sfc import Step, Transition
+from plcopen_sfc.model.sfc import Step, Transition, connected_parts
 from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import Outcome
@@ -273,7 +272,7 @@ class OperatingInputs:
 
     def _ends(self) -> None:
         """Let what ends a sequence lead to a step that does nothing: charts of CODESYS have no end."""
-        for steps in sequences_of(self._rewriting.source):
+        for steps in connected_parts(self._rewriting.source.steps, self._rewriting.source.transitions):
             ids = {step.id for step in steps}
             own = [each for each in self._chart.transitions if not ids.isdisjoint(each.sources)]
             ends = [each for each in own if not each.targets]

@@ -18,7 +18,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term
-from plcopen_sfc.conversion.adaptation.grafcet_hierarchy import sequences_of
 from plcopen_sfc.conversion.adaptation.operating_inputs import (
     INIT,
     OFF,
@@ -35,7 +34,7 @@ from plcopen_sfc.formats.plcopen.source_marks import OF_BRANCHES, replaced_seque
 from plcopen_sfc.formats.provenance import is_replaced
 from plcopen_sfc.languages.st import parse_expression, print_node
 from plcopen_sfc.lowering.code.boolean_logic import reduced
-from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition, connected_parts
 from plcopen_sfc.report import SEQUENCE, Outcome
 from plcopen_sfc.semantics.net import Net
 
@@ -61,7 +60,7 @@ class SequenceRewriter:
     def rewrite(self) -> None:
         """Change the chart; what it does otherwise is in the report."""
         added = AddedElements(self._rewriting, self._checks)
-        parts = sequences_of(self._chart)
+        parts = connected_parts(self._chart.steps, self._chart.transitions)
         self._undrawable = undrawable(self._chart, self._host, self._rewriting.options)
         irregular = [part for part in parts if self._is_irregular(part)]
         operators = [name for part in parts if part not in irregular for name in self._operators(part)]
@@ -117,7 +116,8 @@ class SequenceRewriter:
     def _is_crowded(self) -> bool:
         """True if a transition may lead to a step that is active already."""
         is_switched = bool(self._checks.switched) or bool(self._modes.switches_of_steps)
-        return is_switched or len(self._initial) > len(sequences_of(self._rewriting.source))
+        source = self._rewriting.source
+        return is_switched or len(self._initial) > len(connected_parts(source.steps, source.transitions))
 
     # -- one sequence for each step
 
@@ -256,7 +256,7 @@ def steps_to_start(chart: SfcNetwork, host: ChartHost, options: WriteOptions) ->
         return []
     if host.is_codesys:
         return initial
-    parts = [[step for step in part if step.initial] for part in sequences_of(chart)]
+    parts = [[step for step in part if step.initial] for part in connected_parts(chart.steps, chart.transitions)]
     return next((part for part in parts if len(part) > 1), [])
 
 

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, does_something
+from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term
 from plcopen_sfc.conversion.adaptation.operating_inputs import OperatingModes
 from plcopen_sfc.conversion.adaptation.step_checks import StepChecks
 from plcopen_sfc.conversion.adaptation.step_rewriting import StepRewriter
@@ -28,7 +28,7 @@ from plcopen_sfc.languages.networks import body_statements
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.model.body import FbdBody, LdBody, StBody
+from plcopen_sfc.model.body import FbdBody, LdBody, StBody, has_program
 from plcopen_sfc.model.sfc import Body, PermanentOperation, Step
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.model.variables import SectionKind
@@ -174,7 +174,7 @@ class PermanentRewriter:
             body = StBody(text="\n".join(self._shown.lines))
             self._steps.store(initial, self.name("shown"), body, first=False, instead_of=None)
         for when, operations in (("after", chart.permanent_post), ("before", chart.permanent_pre)):
-            found = [operation for operation in operations if does_something(operation.body)]
+            found = [operation for operation in operations if has_program(operation.body)]
             if found:
                 self._operations(when, found)
         if self._steps.pulses and initial is not None:

@@ -296,7 +296,7 @@ def _data_type(declaration: DataTypeDeclaration) -> WrittenBlock:
 def _global_lists(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]:
     """Yield the lists: sections of one name that follow each other are one list."""
     lists: list[list[VariableSection]] = []
-    for section in _global_sections(project):
+    for section in project.global_sections():
         same = lists and lists[-1][0].name == section.name and "header" not in kept(section.extension_data)
         if same and (section.name or "unlisted" in kept(lists[-1][0].extension_data)):
             lists[-1].append(section)
@@ -312,17 +312,6 @@ def _global_lists(project: Project, report: ConversionReport) -> Iterator[Writte
         if footer:
             blocks.append(WrittenBlock(("footer", ""), footer, apart="footer" not in texts))
         yield WrittenBlock(("global variables", name), blocks=numbered_blocks(blocks), apart=True)
-
-
-def _global_sections(project: Project) -> Iterator[VariableSection]:
-    """Yield all sections of global variables: a project of CoDeSys 2.3 has one controller."""
-    yield from project.global_variables
-    for configuration in project.configurations:
-        yield from configuration.global_variables
-        for resource in configuration.resources:
-            yield from resource.global_variables
-    for application in project.applications:
-        yield from application.global_variables
 
 
 def _pou(pou: Pou, report: ConversionReport) -> Iterator[WrittenBlock]:

@@ -9,7 +9,7 @@ from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.networks import is_empty_network
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, print_node, transform
-from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.body import has_program
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou
@@ -63,7 +63,7 @@ def report_unexpressed(project: Project, report: ConversionReport) -> None:
         for flag in sorted({name for owner, name in named if owner is pou} | _declared(pou, flags)):
             why = "a GRAFCET has no flags that operate or watch it"
             report.add(Outcome.NOT_EXECUTED, "SFC flag", f"{pou.report_path} / {flag}", why)
-        if any(_does_something(each.body) for each in (*chart.permanent_pre, *chart.permanent_post)):
+        if any(has_program(each.body) for each in (*chart.permanent_pre, *chart.permanent_post)):
             why = "IEC 60848 has no instructions that are always executed"
             report.add(Outcome.NOT_EXECUTED, "permanent instruction", pou.report_path, why)
         for step in _competing(chart):
@@ -132,10 +132,3 @@ def _competing(chart: SfcNetwork) -> Iterator[Step]:
     for step in chart.steps:
         if len(chart.outgoing(step)) > 1:
             yield step
-
-
-def _does_something(body: object) -> bool:
-    if isinstance(body, FbdBody | LdBody):
-        return any(network.nodes for network in body.networks)
-    # a body of any other kind has no text: a chart, or what no reader understands, which is executed all the same
-    return body is not None and bool(getattr(body, "text", "?").strip())

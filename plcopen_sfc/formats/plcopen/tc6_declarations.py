@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from itertools import groupby
 
 from lxml import etree
@@ -104,14 +104,29 @@ def _read_array(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
 
 
 def _read_struct(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
-    fields: Fields = {"kind": "struct", "members": []}
+    fields: Fields = {"kind": "struct"}
+    fields["members"] = _read_list(ctx, fields, element, "variable", read_variable, what="struct")
+    return fields
+
+
+def _read_list(
+    ctx: Tc6ReadContext,
+    fields: Fields,
+    element: etree._Element,
+    name: str,
+    read: Callable[[Tc6ReadContext, etree._Element], Fields],
+    *,
+    what: str,
+) -> list[Fields]:
+    """Return the elements `name` of a list; `fields` get what else is in it."""
+    found: list[Fields] = []
     for child in element:
         local = ctx.tags.get(child.tag)
-        if local == "variable":
-            fields["members"].append(read_variable(ctx, child))
+        if local == name:
+            found.append(read(ctx, child))
         else:
-            read_common(ctx, fields, child, local, "struct")
-    return fields
+            read_common(ctx, fields, child, local, what)
+    return found
 
 
 def _read_enum(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
@@ -350,18 +365,13 @@ _FLAGS = ("constant", "retain", "nonretain", "persistent", "nonpersistent")
 def read_section(ctx: Tc6ReadContext, element: etree._Element, kind: str) -> Fields:
     """Read a list of variables (``inputVars``, ``globalVars`` ..)."""
     left = attributes(element)
-    fields: Fields = {"kind": kind, "variables": []}
+    fields: Fields = {"kind": kind}
     if "name" in left:
         fields["name"] = left.pop("name")
-    for flag in ("constant", "retain", "nonretain", "persistent", "nonpersistent"):
+    for flag in _FLAGS:
         if left and take_flag(ctx, element, left, flag):
             fields[flag] = True
-    for child in element:
-        local = ctx.tags.get(child.tag)
-        if local == "variable":
-            fields["variables"].append(read_variable(ctx, child))
-        else:
-            read_common(ctx, fields, child, local, "globalVars")
+    fields["variables"] = _read_list(ctx, fields, element, "variable", read_variable, what="globalVars")
     keep_attributes(fields, left)
     return fields
 
@@ -442,13 +452,8 @@ def write_interface(ctx: Tc6WriteContext, parent: etree._Element, interface: Int
 
 def read_access_section(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
     """Read ``accessVars`` of a configuration."""
-    fields: Fields = {"variables": []}
-    for child in element:
-        local = ctx.tags.get(child.tag)
-        if local == "accessVariable":
-            fields["variables"].append(_read_access_variable(ctx, child))
-        else:
-            read_common(ctx, fields, child, local, "accessVars")
+    fields: Fields = {}
+    fields["variables"] = _read_list(ctx, fields, element, "accessVariable", _read_access_variable, what="accessVars")
     return fields
 
 
@@ -485,13 +490,8 @@ def write_access_section(ctx: Tc6WriteContext, parent: etree._Element, section: 
 
 def read_config_section(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
     """Read ``configVars`` of a configuration."""
-    fields: Fields = {"variables": []}
-    for child in element:
-        local = ctx.tags.get(child.tag)
-        if local == "configVariable":
-            fields["variables"].append(_read_config_variable(ctx, child))
-        else:
-            read_common(ctx, fields, child, local, "configVars")
+    fields: Fields = {}
+    fields["variables"] = _read_list(ctx, fields, element, "configVariable", _read_config_variable, what="configVars")
     return fields
 
 

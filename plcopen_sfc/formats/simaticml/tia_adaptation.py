@@ -21,7 +21,15 @@ from plcopen_sfc.model.conditions import WiredCondition
 from plcopen_sfc.model.network import Connection, LogicNetwork
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou
 from plcopen_sfc.model.project import Project, Tag, TagTable
-from plcopen_sfc.model.sfc import PermanentOperation, Sequence, SfcNetwork, Step, Supervised, Transition
+from plcopen_sfc.model.sfc import (
+    PermanentOperation,
+    Sequence,
+    SfcNetwork,
+    Step,
+    Supervised,
+    Transition,
+    connected_parts,
+)
 from plcopen_sfc.model.text import MultilingualText
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -181,7 +189,8 @@ def _numbers(chart: SfcNetwork, place: str, variables: set[str], report: Convers
             why = "it got a name, as S7-GRAPH requires"
             report.add(Outcome.TRANSLATED, "name", f"{place} / transition {transition.name}", why)
     if not chart.sequences and chart.steps:
-        chart.sequences = [Sequence(steps=steps) for steps in _connected(chart)]
+        parts = connected_parts(chart.steps, chart.transitions)
+        chart.sequences = [Sequence(steps=[step.id for step in part]) for part in parts]
     _limits(chart, place, report)
     competing: dict[tuple[int, ...], list[Transition]] = {}
     for transition in chart.transitions:
@@ -203,26 +212,6 @@ def _report_names(chart: SfcNetwork, place: str, variables: set[str], report: Co
             why = f"a {other} is called {thing.name} too: TIA Portal does not compile it"
             report.add(Outcome.NOT_EXECUTED, kind, f"{place} / {kind} {thing.name}", why)
         called.setdefault(thing.name.casefold(), kind)
-
-
-def _connected(chart: SfcNetwork) -> list[list[int]]:
-    """Return the steps that are connected with each other, each group in the order of the chart."""
-    group = {step.id: step.id for step in chart.steps}
-
-    def root(step: int) -> int:
-        while group[step] != step:
-            group[step] = group[group[step]]
-            step = group[step]
-        return step
-
-    for transition in chart.transitions:
-        ends = [step for step in (*transition.sources, *transition.targets) if step in group]
-        for step in ends[1:]:
-            group[root(step)] = root(ends[0])
-    found: dict[int, list[int]] = {}
-    for number in group:
-        found.setdefault(root(number), []).append(number)
-    return list(found.values())
 
 
 def _limits(chart: SfcNetwork, place: str, report: ConversionReport) -> None:

@@ -407,12 +407,15 @@ class _Reader:
             yield Found(variable, node, span)
 
     def _access(self, node: d.AccessSectionNode) -> Found:
+        return self._list(AccessSection, node, node.paths, self._access_path)
+
+    def _list(self, kind: type[AccessSection | ConfigSection], node: Node, entries: Sequence[Node], read: Any) -> Found:
         start, end = _span(node)
         before = self._comments.take(0, start)
-        parts = tuple(self._members(node.paths, self._access_path))
+        parts = tuple(self._members(entries, read))
         comment = said([*before, *self._comments.take(0, end)])
         variables = [part.thing for part in parts if part.thing is not None]
-        section = AccessSection(variables=variables, comment=comment, extension_data=keep(_unreadable(parts)))
+        section = kind(variables=variables, comment=comment, extension_data=keep(_unreadable(parts)))
         return Found(section, node, (start, end), parts)
 
     def _access_path(self, node: d.AccessPath) -> Iterator[Found]:
@@ -426,13 +429,7 @@ class _Reader:
         yield Found(variable, node, _span(node))
 
     def _config(self, node: d.ConfigSectionNode) -> Found:
-        start, end = _span(node)
-        before = self._comments.take(0, start)
-        parts = tuple(self._members(node.entries, self._config_entry))
-        comment = said([*before, *self._comments.take(0, end)])
-        variables = [part.thing for part in parts if part.thing is not None]
-        section = ConfigSection(variables=variables, comment=comment, extension_data=keep(_unreadable(parts)))
-        return Found(section, node, (start, end), parts)
+        return self._list(ConfigSection, node, node.entries, self._config_entry)
 
     def _config_entry(self, node: d.ConfigEntry) -> Iterator[Found]:
         variable = ConfigVariable(
