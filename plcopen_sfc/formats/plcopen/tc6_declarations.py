@@ -104,29 +104,28 @@ def _read_array(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
 
 
 def _read_struct(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
-    fields: Fields = {"kind": "struct"}
-    fields["members"] = _read_list(ctx, fields, element, "variable", read_variable, what="struct")
+    fields: Fields = {"kind": "struct", "members": []}
+    _read_list(ctx, fields["members"], element, "variable", read_variable, fields=fields, what="struct")
     return fields
 
 
 def _read_list(
     ctx: Tc6ReadContext,
-    fields: Fields,
+    entries: list[Fields],
     element: etree._Element,
     name: str,
     read: Callable[[Tc6ReadContext, etree._Element], Fields],
     *,
+    fields: Fields,
     what: str,
-) -> list[Fields]:
-    """Return the elements `name` of a list; `fields` get what else is in it."""
-    found: list[Fields] = []
+) -> None:
+    """Add the elements `name` of a list to `entries`; `fields` get what else is in it."""
     for child in element:
         local = ctx.tags.get(child.tag)
         if local == name:
-            found.append(read(ctx, child))
+            entries.append(read(ctx, child))
         else:
             read_common(ctx, fields, child, local, what)
-    return found
 
 
 def _read_enum(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
@@ -365,13 +364,13 @@ _FLAGS = ("constant", "retain", "nonretain", "persistent", "nonpersistent")
 def read_section(ctx: Tc6ReadContext, element: etree._Element, kind: str) -> Fields:
     """Read a list of variables (``inputVars``, ``globalVars`` ..)."""
     left = attributes(element)
-    fields: Fields = {"kind": kind}
+    fields: Fields = {"kind": kind, "variables": []}
     if "name" in left:
         fields["name"] = left.pop("name")
     for flag in _FLAGS:
         if left and take_flag(ctx, element, left, flag):
             fields[flag] = True
-    fields["variables"] = _read_list(ctx, fields, element, "variable", read_variable, what="globalVars")
+    _read_list(ctx, fields["variables"], element, "variable", read_variable, fields=fields, what="globalVars")
     keep_attributes(fields, left)
     return fields
 
@@ -452,8 +451,10 @@ def write_interface(ctx: Tc6WriteContext, parent: etree._Element, interface: Int
 
 def read_access_section(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
     """Read ``accessVars`` of a configuration."""
-    fields: Fields = {}
-    fields["variables"] = _read_list(ctx, fields, element, "accessVariable", _read_access_variable, what="accessVars")
+    fields: Fields = {"variables": []}
+    _read_list(
+        ctx, fields["variables"], element, "accessVariable", _read_access_variable, fields=fields, what="accessVars"
+    )
     return fields
 
 
@@ -490,8 +491,10 @@ def write_access_section(ctx: Tc6WriteContext, parent: etree._Element, section: 
 
 def read_config_section(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
     """Read ``configVars`` of a configuration."""
-    fields: Fields = {}
-    fields["variables"] = _read_list(ctx, fields, element, "configVariable", _read_config_variable, what="configVars")
+    fields: Fields = {"variables": []}
+    _read_list(
+        ctx, fields["variables"], element, "configVariable", _read_config_variable, fields=fields, what="configVars"
+    )
     return fields
 
 

@@ -18,14 +18,14 @@ from plcopen_sfc.languages.declarations import (
     write_section,
     write_value,
 )
-from plcopen_sfc.languages.declarations.type_names import is_identifier
+from plcopen_sfc.languages.declarations.type_names import is_unreserved
 from plcopen_sfc.model.dialect import Dialect
 from tests import strategies as random_model
 from tests.sweeps import examples
 
 # -- what a text can say ----------------------------------------------------------------------------------------------
 
-names = random_model.names.filter(is_identifier)
+names = random_model.names.filter(is_unreserved)
 lines = st.text("aäöZ09 .,:;'\"(){}<>&%$#-", min_size=1, max_size=9).map(str.strip).filter(bool)
 comments = st.lists(lines, min_size=1, max_size=3).map("\n".join)
 literals = st.sampled_from(["1", "-2.5", "16#FF", "T#5s", "'it$'s'", "TRUE", "MAX", "A.b", "N * 2 + 1"])
