@@ -190,9 +190,11 @@ class _Merging:
             if TableKind.ACTIONS in self._columns:
                 self._actions(pou)
             if TableKind.VARIABLES in self._columns:
-                mine.interface = mine.interface or Interface()
-                own = mine.interface.sections
-                self._variables(_Versions(own, *map(_sections, (shown, now, then))), mine.report_path, _name(now))
+                interface = mine.interface or Interface()
+                versions = _Versions(interface.sections, *map(_sections, (shown, now, then)))
+                self._variables(versions, mine.report_path, _name(now))
+                if interface.sections:
+                    mine.interface = interface
         if TableKind.VARIABLES in self._columns:
             holders = [*self._project.global_sections(), *self._project.tag_tables]
             lists = (list(each.global_sections()) for each in (self._before, self._edited, self._after))

@@ -56,6 +56,18 @@ def test_a_list_without_edits_changes_nothing(name: str, form: str) -> None:
     assert sfc.dumps(project) == Path("fixtures", name).read_bytes()
 
 
+@pytest.mark.parametrize("form", ["simaticml", "codesys", "plcopen-2.01"])
+def test_a_list_without_edits_changes_nothing_in_a_file_made_of_a_list(form: str) -> None:
+    """A program without variables got an interface of its own, so that a line of TIA Portal was written anew."""
+    table = "Step;Action;Condition;Next\nIdle;Lamp;Weight > 5;Run\nRun;;Weight <= 5;Idle\n\n"
+    table += "Variable;Type;Address\nLamp;BOOL;A4.1\nWeight;INT;EW64\n"
+    data = sfc.dumps(sfc.loads(table.encode(), format="csv"), format=form)
+    project = sfc.loads(data)
+    listed = sfc.loads(sfc.dumps(project, format="csv", partial=True, fresh=True))
+    assert sfc.merge_list(project, listed) == []
+    assert sfc.dumps(project) == data
+
+
 @pytest.mark.parametrize("name", FILES)
 def test_edits_of_a_chart_are_in_the_file_and_in_its_list(name: str) -> None:
     project = loaded(name)
