@@ -180,24 +180,20 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
     ]:
         if family(target) is Dialect.IEC:
             found += _only_of_codesys(text_site, project.dialect, resolver)
-        named = enumerations and "#" in text_site.text
-        if family(target) is Dialect.CODESYS and "**" not in text_site.text and not named:
+        is_statements = text_site.reading is SiteKind.STATEMENTS
+        is_own = not is_foreign(text_site.text, is_statements, project.dialect, target, enumerations)
+        if family(target) is Dialect.CODESYS and is_own:
             narrower = _without_widening(text_site, project.dialect, target, resolver) if of_codesys else None
             if narrower is not None:
                 found.append(TranslatedText(text_site.report_path, changed=True, notes=()))
                 text_site.put(narrower)
             continue  # all else that IEC 61131-3 has is left to CODESYS, whose files often are in TC6
         is_wider = family(target) is Dialect.IEC and _calculates_otherwise(text_site, project.dialect, target, resolver)
-        site_known = replace(known, resolver=resolver) if is_wider else known
+        has_types = is_wider or (family(target) is Dialect.CODESYS and "TRUNC" in text_site.text.upper())
+        site_known = replace(known, resolver=resolver) if has_types else known
         result = _translated(text_site, target, Renames(), project, site_known)
         is_lost = any(note.severity is not Severity.INFO for note in result.notes)
-        if (
-            is_wider
-            or is_lost
-            or is_foreign(
-                text_site.text, text_site.reading is SiteKind.STATEMENTS, project.dialect, target, enumerations
-            )
-        ):
+        if is_wider or is_lost or not is_own:
             found.append(TranslatedText(text_site.report_path, result.text != text_site.text, result.notes))
             text_site.put(result.text)
     return found

@@ -223,3 +223,29 @@ def test_ways_that_leave_a_result_for_what_follows_are_statements(target: str) -
         block.scan()
         found.append(block["value"])
     assert found == [1, 2, 0, 1, 2, 3, 0]
+
+
+@pytest.mark.parametrize(
+    ("statement", "written"),
+    [
+        ("t := ADD_TIME(t, T#1s);", "t := t + T#1s;"),
+        ("s := CONCAT(s, u, s);", "s := CONCAT(CONCAT(s, u), s);"),
+        ("s := MID(IN := s, L := 2, P := 3);", "s := MID(s, 2, 3);"),
+        ("i := TRUNC(r);", "i := TRUNC_INT(r);"),
+        ("d := TRUNC(r);", "d := TRUNC(r);"),
+        ("b := TRUNC(r);", "b := DINT_TO_SINT(TRUNC(r));"),
+        ("i := REAL_TRUNC_INT(r);", "i := TRUNC_INT(r);"),
+        ("d := MAX(d, 3);", "d := MAX(d, 3);"),
+        ("i := CONCATENATED(s, u, s);", "i := CONCATENATED(s, u, s);"),
+    ],
+)
+def test_functions_that_codesys_writes_otherwise_are_put_into_its_words(statement: str, written: str) -> None:
+    """They were kept, and did not compile: it reads most of what IEC 61131-3 has."""
+    text = f"""FUNCTION CONCATENATED : INT VAR_INPUT a, b, c : STRING; END_VAR CONCATENATED := 1; END_FUNCTION
+    PROGRAM Main VAR r : REAL; i : INT; d : DINT; b : SINT; t : TIME; s, u : STRING; END_VAR {statement} END_PROGRAM"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    data, report = sfc.convert(project, "codesys")
+    assert report.losses == []
+    body = sfc.loads(data, as_tool=True).pou("Main").body
+    assert isinstance(body, m.StBody)
+    assert body.text.strip() == written

@@ -71,6 +71,19 @@ def operator_of(block: StandardBlock, target: Dialect) -> Operator | None:
     return None if block.name in lacked else _TIME_OPERATORS[found[1]]
 
 
+def is_called_otherwise(call: n.Call, target: Dialect) -> bool:
+    """True for a call of a standard function of IEC 61131-3 that `target` writes otherwise, or lacks."""
+    name = call.callee.identifier.upper() if isinstance(call.callee, n.Name) else ""
+    block = standard_block(name)
+    if name == "TRUNC" or translated_truncation(name, target, "REAL") is not None:
+        return True
+    if block is None or block.stateful:
+        return False
+    is_long = name == "CONCAT" and len(call.arguments) > 2
+    is_named = any(each.name is not None for each in call.arguments)
+    return is_long or is_named or operator_of(block, target) is not None or is_lacking(name, target)
+
+
 def is_lacking(name: str, target: Dialect) -> bool:
     """True if `target` is not known to have the standard function or block `name`."""
     return name in {Dialect.SCL: LACKED_BY_SCL, Dialect.CODESYS: LACKED_BY_CODESYS}.get(target, frozenset())

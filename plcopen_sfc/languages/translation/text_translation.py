@@ -17,6 +17,7 @@ from plcopen_sfc.languages.st.printing import print_node, render, tree_edits
 from plcopen_sfc.languages.st.walking import transform, walk
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.arithmetic_translation import ArithmeticTranslator
+from plcopen_sfc.languages.translation.call_translation import is_called_otherwise
 from plcopen_sfc.languages.translation.translation_context import (
     TITLES,
     Note,
@@ -273,6 +274,8 @@ def _is_foreign(node: Node, target: Dialect, enumerations: Collection[str]) -> b
             return target is Dialect.CODESYS
         case n.Operation(operator=Operator.POWER):
             return target is Dialect.CODESYS
+        case n.Call():
+            return target is Dialect.CODESYS and is_called_otherwise(node, target)
         case n.Operation(operator=Operator.AND_THEN | Operator.OR_ELSE) | n.AssignmentExpression():
             return target is Dialect.IEC
         case n.Assignment(kind=kind):

@@ -138,8 +138,8 @@ class TreeTranslator:
         self._source, self._target = source, target
         self._notes = notes
         self._names = NameTranslator(tree, source, target, context, notes)
-        types = ExpressionTypes(source, context.type_of)
-        self._calls = CallTranslator(source, target, self._names, notes, self._expression, types=types)
+        self._types = ExpressionTypes(source, context.type_of)
+        self._calls = CallTranslator(source, target, self._names, notes, self._expression, types=self._types)
         self._steps = StepTranslator(context.steps, notes) if context.steps is not None else None
         self._addresses = context.addresses or (source, target)
         self._enumerations = {name.casefold() for name in context.enumerations}
@@ -191,7 +191,7 @@ class TreeTranslator:
         changes = self._target is not self._source
         match node:
             case n.Assignment():
-                return self._assignment(node)
+                return self._assignment(self._with_truncation(node) if changes else node)
             case n.CallStatement(call) if changes and self._source is Dialect.CODESYS and not isinstance(call, n.Call):
                 return replace(node, call=self._calls.action(call))
             case n.Goto(_, keyword) if changes:
@@ -323,6 +323,17 @@ class TreeTranslator:
         return node
 
     # -- assignments --------------------------------------------------------------------------------------------------
+
+    def _with_truncation(self, node: n.Assignment) -> n.Assignment:
+        """Name the result of TRUNC, which is any integer in IEC 61131-3 and a DINT in other tools."""
+        call, kind = n.bare(node.value), self._types.value(node.target).type
+        if self._source is not Dialect.IEC or not kind.endswith("INT") or not isinstance(call, n.Call):
+            return node
+        if not isinstance(call.callee, n.Name) or call.callee.identifier.upper() != "TRUNC":
+            return node
+        if self._target is Dialect.CODESYS and kind not in ("INT", "DINT"):
+            return replace(node, value=n.Call(n.Name(f"DINT_TO_{kind}"), (n.Argument(call),)))
+        return replace(node, value=replace(call, callee=replace(call.callee, identifier=f"REAL_TRUNC_{kind}")))
 
     def _assignment(self, node: n.Assignment) -> Statement:
         if self._target is self._source or node.kind is AssignmentKind.ASSIGN:
