@@ -317,7 +317,6 @@ def test_findings_in_the_source(cli, fixtures, tmp_path):
         (["codesys", BELT, "--to", "json"], f"{BELT}: several files need a folder to be written into"),
         ([BELT, "--to", "word"], "there is no format 'word'"),
         ([BELT, "nowhere/x.json", "--to", "json"], "nowhere/x.json: the folder to write into does not exist"),
-        ([BELT, "codesys", "--to", "json"], "codesys: the target is a folder, not a file"),
     ],
 )
 def test_wrong_usage(cli, fixtures, arguments, message):
@@ -325,6 +324,20 @@ def test_wrong_usage(cli, fixtures, arguments, message):
     assert outcome.code == 2
     assert outcome.err.startswith(f"error: {message}")
     assert outcome.out == ""
+
+
+@pytest.mark.parametrize("target", ["there", "there/", "new/"])
+def test_a_file_is_written_into_a_folder_by_its_name(cli, fixtures, tmp_path, target):
+    (tmp_path / "there").mkdir()
+    source = fixtures / "steplist" / "mixer.csv"
+    outcome = cli("convert", source, f"{tmp_path}/{target}", "--to", "json", "--json")
+    assert outcome.code == 0
+    (written,) = tmp_path.glob("*/*.json")
+    assert written == tmp_path / target / "mixer.json"
+    assert json.loads(outcome.out)["written"] == [str(written)]
+    again = cli("convert", written, f"{tmp_path}/{target}", "--to", "json")
+    assert again.code == 2
+    assert "which is read too" in again.err
 
 
 @pytest.mark.slow

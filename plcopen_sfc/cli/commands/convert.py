@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import date
@@ -58,7 +59,8 @@ def run(
     """Convert files to the last one that is named (none: next to each, ``-``: standard output).
 
     From standard input (``-``) none is standard output. Several files are written into a folder, and so is a file in
-    several `formats`. Output without a name is a folder for tools that import one object a file.
+    several `formats`, or one whose target is a folder: by the name of the source. Output without a name is a folder for
+    tools that import one object a file.
     """
     if how.page is not None:
         refuse_unwritable(how.page)
@@ -96,31 +98,35 @@ def _in_format(
     extension = kind.extensions[0]
     for each in sources.named:
         refuse_empty(each)
-    if sources.alone and journal is None:
-        (source,) = sources.named
-        if target is None:
-            from_stdin = source == STANDARD_STREAM
-            target = STANDARD_STREAM if from_stdin else _beside(Path(source), how.format, kind)
-        elif is_one_of_several:
-            target = targets(sources, target, str, lambda _, inner: _beside(Path(inner), how.format, kind))[source]
-        _refuse_another_source(source, target, kind.name)
-        if is_one_of_several:
-            Path(target).parent.mkdir(parents=True, exist_ok=True)
-        with written_to_stdout(screen, target, extension) as place:
-            return _convert(how, target, screen, source, place)
-    if how.page is not None:
-        raise InputError("a report with charts is about one file", hint="Convert that file alone.")
 
     def inside(path: Path, inner: str) -> str:
         if is_one_of_several:
             return _beside(Path(inner), how.format, kind)
         return _folder(inner) if is_folder_in(kind, path) else str(Path(inner).with_suffix(extension))
 
+    if sources.alone and journal is None:
+        (source,) = sources.named
+        if target is None:
+            from_stdin = source == STANDARD_STREAM
+            target = STANDARD_STREAM if from_stdin else _beside(Path(source), how.format, kind)
+        elif is_one_of_several or (source != STANDARD_STREAM and _is_folder_for_files(target, kind)):
+            target = targets(sources, target, str, inside)[source]
+            Path(target).parent.mkdir(parents=True, exist_ok=True)
+        _refuse_another_source(source, target, kind.name)
+        with written_to_stdout(screen, target, extension) as place:
+            return _convert(how, target, screen, source, place)
+    if how.page is not None:
+        raise InputError("a report with charts is about one file", hint="Convert that file alone.")
     made = targets(sources, target, lambda path: _beside(path, how.format, kind), inside)
     work = partial(_convert_one_of_many, how)
     kept = (journal, ["convert", repr(how), target]) if journal is not None else None
     outcomes = for_each(screen, made, work, "Converting", jobs=files.jobs, journal=kept)
     return {"files": [{"file": each.path, **each.as_dict()} for each in outcomes]}
+
+
+def _is_folder_for_files(target: str, kind: Format) -> bool:
+    """True for a folder into which files of a format go; one of a format with folders is a project itself."""
+    return not kind.folders and (target.endswith((os.sep, "/")) or folder_exists(target))
 
 
 def _refuse_another_source(source: str, target: str, written: str) -> None:
