@@ -231,6 +231,7 @@ def test_branches_that_do_not_nest_are_told_in_a_file_of_the_tool_too(*, again: 
     [
         ("codesys", "codesys", "Füllen", "takes letters without accents"),
         ("codesys", "twincat", "1 Fill", "takes letters without accents"),
+        ("codesys", "codesys", "Fill__Up", "takes letters without accents, digits and single underscores"),
         ("codesys", "codesys", "IF", "is a keyword"),
         ("codesys", "codesys", "a", "a variable of the POU has its name"),
         ("simaticml", "tia", "a", "a variable of the POU has its name"),

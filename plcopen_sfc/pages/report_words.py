@@ -647,8 +647,8 @@ _NOT_EXECUTED = {
     "a {+} is called {} too: TIA Portal does not compile it": (
         "{} mit demselben Namen {}: TIA Portal übersetzt das nicht"
     ),
-    "{} in {+}: {+} takes letters without accents, digits and underscores": (
-        "{} in {}: {} nimmt Buchstaben ohne Akzente, Ziffern und Unterstriche"
+    "{} in {+}: {+} takes letters without accents, digits and single underscores": (
+        "{} in {}: {} nimmt Buchstaben ohne Akzente, Ziffern und einzelne Unterstriche"
     ),
     "{} in {+}: {+} takes names of {} characters": "{} in {}: {} nimmt Namen von {} Zeichen",
     "{} in {}: a variable of the POU has its name": "{} in {}: eine Variable des Bausteins heißt so",
