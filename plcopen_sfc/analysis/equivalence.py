@@ -264,6 +264,12 @@ class _Tries(NamedTuple):
     """The limit of all comparisons; `limit` is what is left of it."""
 
 
+def _written_there(system: ProgramSystem, other: ProgramSystem) -> list[str]:
+    """Return the inputs of a system that the other has as variables, and not as inputs."""
+    variables = other.variables
+    return [name for name in system.inputs if name in variables and not variables[name].is_input]
+
+
 @dataclass(frozen=True)
 class _Compared:
     """Subject of a comparison, but for the delay; see `equivalent`."""
@@ -379,12 +385,12 @@ class _Compared:
         if self.passes_start and profiles[1].order is ScanOrder.TRANSITIONS_FIRST:
             profiles[0] = replace(profiles[0], initial_situation_held=True)
 
-        def system(side: int, told: Mapping[str, Type]) -> ProgramSystem:
+        def system(side: int, told: Mapping[str, Type], written: Iterable[str] = ()) -> ProgramSystem:
             return ProgramSystem(
                 *(self.subjects[side], profiles[side], self.clock),
                 functions=self.functions,
                 free_inputs=self.free_inputs,
-                not_free=self._flags[side],
+                not_free=[*self._flags[side], *written],
                 times=self._times[side],
                 known_types=told,
             )
@@ -395,6 +401,11 @@ class _Compared:
         if left.needs_types(right.told_types):
             left = system(0, right.told_types)
             right = system(1, left.told_types)
+        # what one side writes is no input of the other, of which a part that writes it may be a unit of its own
+        if written := _written_there(right, left) if self.free_inputs else []:
+            right = system(1, left.told_types, written)
+        if written := _written_there(left, right) if self.free_inputs else []:
+            left = system(0, right.told_types, written)
         self.spans.append(spent() - start)
         if self.left_out is not None:
             right.leave_out(self.left_out)

@@ -102,3 +102,18 @@ def test_an_instance_is_a_parameter_in_tc6() -> None:
     assert not told_methods(report, Outcome.NOT_EXECUTED)
     function = sfc.loads(data, as_tool=True).pou("Motor_Toggle")
     assert [each.name for each in function.variables(m.SectionKind.IN_OUT)] == ["run", "timer"]
+
+
+@pytest.mark.parametrize(("target", "flavour"), [*TARGETS, ("simaticml", "")])
+def test_what_a_method_writes_that_nothing_calls_is_no_input_in_the_proof(target: str, flavour: str) -> None:
+    """It was one of the target alone, where the function writes a parameter."""
+
+    def build(rig: FeatureChart) -> None:
+        rig.declare(m.SectionKind.LOCAL, variable("held"))
+        rig.pou.methods = [method("Hold", "held := TRUE;")]
+        rig.action("Look", m.StBody(text="q := held;"))
+        rig.act("Work", "Look")
+
+    report = sfc.convert(project_of(build), target, flavour=flavour, limit=6).report
+    assert report.losses == []
+    assert report.compared["POU Main"].startswith("equal")

@@ -184,7 +184,12 @@ END_PROGRAM
 @pytest.mark.slow
 @pytest.mark.parametrize("target", ["codesys", "twincat", "codesys23"])
 @pytest.mark.parametrize(
-    ("between", "more"), [("Pause", "STEP Pause: END_STEP"), ("(Up, Down)", "STEP Up: END_STEP STEP Down: END_STEP")]
+    ("between", "more"),
+    [
+        ("Pause", "STEP Pause: END_STEP"),
+        ("Pause", "STEP Pause: END_STEP TRANSITION FROM Left TO Init := c; END_TRANSITION"),  # Right is entered again
+        ("(Up, Down)", "STEP Up: END_STEP STEP Down: END_STEP"),
+    ],
 )
 def test_branches_that_do_not_end_together_become_loops(between: str, more: str, target: str, tmp_path: Path) -> None:
     """They were not executed in CODESYS, which knows nested branches only (SFC130)."""

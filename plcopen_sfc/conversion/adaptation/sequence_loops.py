@@ -16,7 +16,10 @@ tool, a step `Start` leads to them all. So it is in TC6 with several initial ste
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import cached_property
 
+from plcopen_sfc.analysis.marking import marking_graph
+from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term
 from plcopen_sfc.conversion.adaptation.operating_inputs import (
     INIT,
@@ -38,6 +41,7 @@ from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition, connected_parts
 from plcopen_sfc.report import SEQUENCE, Outcome
 from plcopen_sfc.semantics.net import Net
 
+_MOST_SITUATIONS = 1000
 _TOGETHER = ".sequences"
 """A name in all marks: an edit of one loop counts for all of them."""
 
@@ -112,12 +116,14 @@ class SequenceRewriter:
         is_plain = one_at_a_time and not ids.isdisjoint(self._initial)
         return [*self._modes.switches_of_steps, *(() if is_plain else self._wanted.values())]
 
-    @property
+    @cached_property
     def _is_crowded(self) -> bool:
         """True if a transition may lead to a step that is active already."""
         is_switched = bool(self._checks.switched) or bool(self._modes.switches_of_steps)
         source = self._rewriting.source
-        return is_switched or len(self._initial) > len(connected_parts(source.steps, source.transitions))
+        if is_switched or len(self._initial) > len(connected_parts(source.steps, source.transitions)):
+            return True
+        return not self._rewriting.of_graph and marking_graph(self._chart, cap=_MOST_SITUATIONS).safe is not Answer.YES
 
     # -- one sequence for each step
 
