@@ -28,11 +28,13 @@ from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.subjects import Subject
 
 _TEXTS = ("title", "comment", "content", "alternative_text", "alarm")
+_ATOMS = frozenset({int, float, bool, str})
 
 
 @cache
-def _texts_of(kind: type[NodeBase]) -> tuple[str, ...]:
-    return tuple(name for name in _TEXTS if name in kind.model_fields)
+def _texts_of(kind: type) -> tuple[str, ...] | None:
+    """Return the fields of a kind of nodes that hold texts for people; None for what is no node."""
+    return tuple(name for name in _TEXTS if name in kind.model_fields) if issubclass(kind, NodeBase) else None
 
 
 class Caption(NamedTuple):
@@ -50,13 +52,16 @@ def captions(thing: Any, path: str, dialect: Dialect | None) -> Iterator[Caption
     if isinstance(thing, list | tuple):
         for each in thing:
             # there are many nodes, and nothing in their pins is for people: no call for each of them
-            if isinstance(each, NodeBase):
-                values = vars(each)
-                if values.get("code") is not None:
-                    yield from _inside(values["code"], path, dialect)
-                yield from [Caption(path, values[name]) for name in _texts_of(type(each)) if values[name] is not None]
-            else:
+            texts = _texts_of(each.__class__)
+            if texts is None:
                 yield from captions(each, path, dialect)
+                continue
+            values = vars(each)
+            if values.get("code") is not None:
+                yield from _inside(values["code"], path, dialect)
+            for name in texts:
+                if values[name] is not None:
+                    yield Caption(path, values[name])
     if not isinstance(thing, Model) or isinstance(thing, ExtensionData | SfcSettings):
         return
     if isinstance(thing, Step):
@@ -66,7 +71,8 @@ def captions(thing: Any, path: str, dialect: Dialect | None) -> Iterator[Caption
     elif isinstance(thing, ActionAssociation) and thing.target is not None:
         path = f"{path} / action {thing.target}"
     for name, value in vars(thing).items():
-        if value is None:
+        # most fields are none of these: to ask if they are an object of the model takes longer
+        if value is None or value == [] or (type(value) in _ATOMS and name not in _TEXTS):
             continue
         if name in _TEXTS and isinstance(value, (str, MarkupText, MultilingualText)):
             yield Caption(path, value)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from itertools import count
 from typing import NamedTuple
 
@@ -41,6 +42,7 @@ FIRST_PIN = 30
 _LETTER = 8
 
 
+@lru_cache(maxsize=4096)  # names of variables are at many elements
 def text_width(text: str, least: int = 40) -> int:
     """Return how wide an element is that shows a text."""
     longest = max((len(line) for line in text.splitlines()), default=0)
