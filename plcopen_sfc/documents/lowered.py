@@ -139,7 +139,9 @@ def lower_to_file(
     refused: dict[str, LoweringError] = {}
     with tempfile.TemporaryDirectory() as folder:
         while True:
-            lowered = lower_project(project, construction, pou=pou, without=refused, target=name, **options)
+            lowered = lower_project(
+                project, construction, pou=pou, without=refused, target=name, flavour=flavour, **options
+            )
             refused |= lowered.refused
             if not lowered.pous:
                 return LoweredFile(None, (), refused, ConversionReport())
@@ -185,11 +187,12 @@ class _Draft:
         """Raise `LossError` where the target does not execute something, unless `partial`.
 
         Code that the target does not compile is refused with its chart. Names that the file does not declare may be in
-        the project that it is for: they are only listed.
+        the project that it is for: they are only listed. Compilers of text (`flavour`) have nothing but the file.
         """
         own = {each.pou.report_path for each in lowered if uncompiled(self.report, each)}
         found = [item for item in self.report.items if ObjectPath.of(item.path).owner not in own]
-        items = [item for item in found if item.what not in _DECLARED_ELSEWHERE]
+        whole = {UNDECLARED, UNDECLARED_TYPE} if self._options.get("flavour") else set()
+        items = [item for item in found if item.what in whole or item.what not in _DECLARED_ELSEWHERE]
         rest = replace(self.report, items=items)
         try:
             refuse_losses(rest, strict=False, partial=partial)
@@ -294,9 +297,11 @@ def _asked_for(project: Project, pou: str | None) -> tuple[Project, list[Pou]]:
         section.variables = [each for each in section.variables if each.name.replace('"', "").casefold() in needed]
     for resource in copy.resources():
         resource.instances = _instances_of(needed, resource.instances)
-        for task in resource.tasks:
+        running = [task for task in resource.tasks if task.instances]
+        for task in running:
             task.instances = _instances_of(needed, task.instances)
-        resource.tasks = [task for task in resource.tasks if task.instances]
+        # a task without instances of its own may be what those of the resource are run by
+        resource.tasks = [t for t in resource.tasks if t.instances or (t not in running and resource.instances)]
     copy.global_variables = [each for each in copy.global_variables if each.variables]
     return copy, left_out
 

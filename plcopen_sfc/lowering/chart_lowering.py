@@ -133,6 +133,7 @@ def lower(
     *,
     pou: str | None = None,
     target: str | None = None,
+    flavour: str = "",
     verify: bool = True,
     accept_untested: bool = False,
     **options: Unpack[_LowerOptions],
@@ -140,9 +141,9 @@ def lower(
     """Make program code of a chart: flip-flops (``flipflop``, ``fup``), a ``case``, step ``bits``, or what fits best.
 
     `subject` and `pou` as in `simulate`. `target`: the format that the code is for; None: that of the project.
-    `verify`: compare the code with the chart under the profile, all inputs that were added being inactive.
-    `accept_untested`: take code of which not all was reached when it was compared. `options` are those of
-    `LoweringOptions`, such as ``style="classic"``, and of the search (`equivalent`).
+    `flavour`: the family of its readers, as in `save`. `verify`: compare the code with the chart under the profile, all
+    inputs that were added being inactive. `accept_untested`: take code of which not all was reached when it was
+    compared. `options` are those of `LoweringOptions`, such as ``style="classic"``, and of the search (`equivalent`).
 
     Nothing is changed in `subject`. Raises `LoweringError` for what the target cannot express, and where exact code is
     found to be different; `UntestedError` where it is equal, but steps or transitions were not reached that may be
@@ -155,7 +156,7 @@ def lower(
     searching = cast(Searching, {name: value for name, value in options.items() if name not in code})
     own = cast(LoweringOptions, {name: value for name, value in options.items() if name in code})
     found = resolve(subject, pou)
-    rules = checked(found.project, construction, target, own)
+    rules = checked(found.project, own, construction=construction, target=target, flavour=flavour)
     return _lowered(found, rules, ProofOptions(accept_untested, searching) if verify else None)
 
 
@@ -202,8 +203,10 @@ def _constructed(chart: Subject, rules: LoweringRules) -> tuple[Constructed, Sub
         rules = replace(rules, stop=rules.stop or pressed, init=rules.init or "", flags=flags)
     made = construct(meant.pou, _chart_of(meant), dialect, rules, meant.project)
     made = with_actions(made, dialect, rules, chart.project)
-    if rules.target is not None and tool_of(rules.target, dialect) is Tool.S7:
-        pou = without_external_declarations(with_actions_inside(made.pou, dialect), meant.project)
+    is_for_s7 = rules.target is not None and tool_of(rules.target, dialect) is Tool.S7
+    if is_for_s7 or rules.flavour:  # S7 has no actions, and compilers of IEC 61131-3 have those of charts only
+        pou = with_actions_inside(made.pou, dialect)
+        pou = without_external_declarations(pou, meant.project) if is_for_s7 else pou
         pou = without_uncalled_actions(pou, meant.project) if chart.name == chart.pou.name else pou
         made = replace(made, pou=pou)
     if chart.name == chart.pou.name:
@@ -316,9 +319,12 @@ def lower_project(
     pou: str | None = None,
     without: Collection[str] = (),
     target: str | None = None,
+    flavour: str = "",
     **options: Unpack[LoweringOptions],
 ) -> LoweredProject:
     """Lower all charts of a project, or the one called `pou`, but for those `without`; nothing is proven yet.
+
+    `target` and `flavour` as in `lower`.
 
     Raises `LoweringError` where there is no chart, or an option is wrong for all of them.
     """
@@ -327,7 +333,7 @@ def lower_project(
     if not names:
         raise LoweringError("there is no chart to be lowered")
     _refuse_unknown(options, LoweringOptions.__annotations__)
-    rules = checked(project, construction, target, options)
+    rules = checked(project, options, construction=construction, target=target, flavour=flavour)
     left = set(names) - set(without)
     found: list[LoweredPou] = []
     refused: dict[str, LoweringError] = {}

@@ -126,8 +126,9 @@ class LoweringRules:
     """Rules that a lowering keeps: the options of a user, checked (`checked`), and what was chosen without one.
 
     `texts` are in the language of `lang`, with `flag_names`. `target`: the format that the code is for, without its
-    version. `part`: the action that the chart is in, for the names of its state variables; empty for that of the POU
-    itself. All others are those of `LoweringOptions`.
+    version. `flavour`: the family of readers of that format that it is for (``matiec``); empty: all. `part`: the action
+    that the chart is in, for the names of its state variables; empty for that of the POU itself. All others are those
+    of `LoweringOptions`.
     """
 
     profile: Profile
@@ -144,6 +145,7 @@ class LoweringRules:
     modes: frozenset[OperatingMode] = frozenset()
     target: str | None = None
     at_rest: frozenset[str] = frozenset()
+    flavour: str = ""
     part: str = ""
 
     @property
@@ -153,7 +155,12 @@ class LoweringRules:
 
 
 def checked(
-    project: Project, construction: Construction | str, target: str | None, options: LoweringOptions
+    project: Project,
+    options: LoweringOptions,
+    *,
+    construction: Construction | str,
+    target: str | None,
+    flavour: str = "",
 ) -> LoweringRules:
     """Return the rules for the charts of a project that a user asks for.
 
@@ -180,6 +187,7 @@ def checked(
         frozenset(_chosen(OperatingMode, mode) for mode in modes),
         format_named(target)[0].name if target is not None else None,
         frozenset(listed_names(options.get("at_rest", ()), "inputs at rest are named by texts")),
+        flavour,
     )
 
 

@@ -242,7 +242,7 @@ def without_external_declarations(pou: Pou, project: Project) -> Pou:
 
 
 def without_uncalled_actions(pou: Pou, project: Project) -> Pou:
-    """Return `pou` without the actions that nothing in `project` names: S7 has none, so they would only be comments."""
+    """Return `pou` without the actions that nothing in `project` names: the target has none, they would be comments."""
     others = (each for each in project.pous if each.name != pou.name)
     named = {name for each in others for _, _, body in each.named_bodies() for name in names_in(body, project.dialect)}
     named |= _actions_called(pou, project.dialect).keys()

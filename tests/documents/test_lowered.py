@@ -272,6 +272,56 @@ END_FUNCTION_BLOCK
     assert [item.path for item in made.report.with_outcome(Outcome.NOT_EXECUTED)] == ["POU Other"]
 
 
+@pytest.mark.parametrize("form", ["iec-text", "plcopen"])
+def test_actions_are_where_they_are_called_for_compilers_that_have_those_of_charts_only(
+    form: str, tmp_path: Path
+) -> None:
+    flavour = {"iec-text": "matiec", "plcopen": "beremiz"}[form]
+    project, path = with_action("Q5 := NOT NOT B2; // twice"), tmp_path / "main"
+    made = sfc.lower_to_file(project, str(path), "case", format=form, flavour=flavour)
+    assert made.pous[0].proof is not None
+    assert made.pous[0].proof.proven
+    (pou,) = sfc.load(path, format=form).pous
+    assert pou.actions == []
+    assert isinstance(pou.body, m.StBody)
+    assert "Q5 := NOT (NOT B2);" in pou.body.text
+
+
+def test_names_that_nothing_declares_are_refused_for_compilers_of_a_text(tmp_path: Path) -> None:
+    """Other tools may declare them in the project that the code is for."""
+    project, path = with_action("Blinks := Blinks + 1;"), tmp_path / "main.st"
+    with pytest.raises(LossError, match="nothing in the project declares `Blinks`"):
+        sfc.lower_to_file(project, str(path), "case", flavour="matiec", verify=False)
+    assert not path.exists()
+    made = sfc.lower_to_file(project, str(path), "case", flavour="matiec", verify=False, partial=True)
+    assert [item.what for item in made.report.losses if "Blinks" in item.why] == ["undeclared name"]
+    assert sfc.lower_to_file(project, str(path), "case", verify=False).path is not None
+
+
+@pytest.mark.parametrize("task", ["", "TASK Fast(INTERVAL := T#100ms, PRIORITY := 0);"])
+def test_a_program_that_no_task_names_is_run_in_matiec_as_before(task: str, tmp_path: Path) -> None:
+    text = f"""PROGRAM Main
+VAR_OUTPUT Lamp : BOOL; END_VAR
+INITIAL_STEP Wait: END_STEP
+STEP Run: Lamp(N); END_STEP
+TRANSITION FROM Wait TO Run := TRUE; END_TRANSITION
+TRANSITION FROM Run TO Wait := TRUE; END_TRANSITION
+END_PROGRAM
+CONFIGURATION Config
+RESOURCE Res ON PLC
+    {task}
+    PROGRAM Inst : Main;
+END_RESOURCE
+END_CONFIGURATION
+"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    _, report = sfc.convert(project, "iec-text", flavour="matiec")
+    made = sfc.lower_to_file(project, str(tmp_path / "main.st"), pou="Main", flavour="matiec", verify=False)
+    for each in (report, made.report):
+        assert not each.with_outcome(Outcome.NOT_EXECUTED)
+        assert [item.what for item in each.with_outcome(Outcome.TRANSLATED)].count("task") == (not task)
+
+
 def test_a_case_without_branches_is_not_compiled() -> None:
     lowered = sfc.lower(plant("Ablauf"), "case")
     assert isinstance(lowered.pou.body, m.StBody)

@@ -258,10 +258,9 @@ def _configure(project: Project, report: ConversionReport, lists: frozenset[str]
             project.configurations[0].resources.append(found)
         _add_task(found, Task(name="Task0", interval="T#20ms", instances=instances), report)
     elif programs and not any(resource.tasks for one in project.configurations for resource in one.resources):
-        # instances without a task run as often as they can, and matiec wants to know how often that is
+        # instances without a task run as often as they can, and matiec takes the time of that from the tasks there are
         resource = next(each for one in project.configurations for each in one.resources if each.instances)
-        _add_task(resource, Task(name="Task0", interval="T#20ms", instances=resource.instances), report)
-        resource.instances = []
+        _add_task(resource, Task(name="Task0", interval="T#20ms"), report)
     used = {pou.name.casefold() for pou in project.pous} | {one.name.casefold() for one in project.data_types}
     for configuration in project.configurations:
         configuration.name = _free(configuration.name, used, f"configuration {configuration.name}", report)

@@ -309,6 +309,8 @@ class _ExpressionFitter:
             self.missing.append(("address", f"matiec takes {node.text} in declarations only"))
         if isinstance(node, n.Operation):
             return self.converter.operation(node)
+        if isinstance(node, n.Unary) and isinstance(node.operand, n.Unary):
+            return replace(node, operand=n.Parenthesized(node.operand))  # IEC 61131-3 ed. 2, B.3.1: one sign or NOT
         if isinstance(node, n.Assignment):
             return self.converter.assignment(node)
         if isinstance(node, n.Member) and _BIT.fullmatch(node.name.identifier):
