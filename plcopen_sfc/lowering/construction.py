@@ -88,7 +88,11 @@ def choose(source: ChartSource, rules: LoweringRules) -> tuple[Construction, Lan
     if isinstance(source, GraphSource):
         _check_options_of_sequencer(rules, place)
     elif {name.upper() for name in rules.at_rest} - {"ALL"}:  # all of no inputs is nothing
-        raise LoweringError("only blocks of S7-GRAPH have parameters that could be inactive inputs", location=place)
+        raise LoweringError(
+            "only blocks of S7-GRAPH have parameters that could be inactive inputs",
+            location=place,
+            hint="Leave out at_rest, --at-rest.",
+        )
     chosen, why = _choice(source, rules)
     language = rules.language
     if language is None:
@@ -105,9 +109,17 @@ def choose(source: ChartSource, rules: LoweringRules) -> tuple[Construction, Lan
             hint="Flip-flops can be written as structured text too: language ST.",
         )
     if language.is_drawn and chosen is not Construction.FLIPFLOP:
-        raise LoweringError(f"{chosen} is structured text, it cannot be drawn in {language}", location=place)
+        raise LoweringError(
+            f"{chosen} is structured text, it cannot be drawn in {language}",
+            location=place,
+            hint="Take flip-flops, or --language ST.",
+        )
     if language is Language.IL and chosen not in (Construction.FLIPFLOP, Construction.BITS):
-        raise LoweringError(f"{chosen} is structured text, it cannot be in instruction list", location=place)
+        raise LoweringError(
+            f"{chosen} is structured text, it cannot be in instruction list",
+            location=place,
+            hint="Take flip-flops or bits, or --language ST.",
+        )
     if rules.states not in (None, States.NUMBERS) and chosen not in (Construction.CASE, Construction.REGIONS):
         raise LoweringError(
             f"{chosen} has no states that could be written as {rules.states}",
@@ -115,9 +127,17 @@ def choose(source: ChartSource, rules: LoweringRules) -> tuple[Construction, Lan
             hint=f"It was taken for this reason: {why}.",
         )
     if rules.actions is ActionPlace.BLOCK and rules.is_classic and chosen is Construction.CASE:
-        raise LoweringError("actions cannot be in a block of their own where they are a part of a CASE", location=place)
+        raise LoweringError(
+            "actions cannot be in a block of their own where they are a part of a CASE",
+            location=place,
+            hint="Leave actions inline, or take flip-flops.",
+        )
     if rules.flags != LOCAL and chosen not in (Construction.FLIPFLOP, Construction.BITS):
-        raise LoweringError("only flip-flops and step bits have flags that could be put elsewhere", location=place)
+        raise LoweringError(
+            "only flip-flops and step bits have flags that could be put elsewhere",
+            location=place,
+            hint="Take --as flipflop or bits.",
+        )
     return chosen, language, why
 
 
@@ -291,7 +311,7 @@ def _filled(
     encoding = _ENCODINGS[chosen](source, code, memory, rules, surroundings)
     if rules.is_classic:
         if isinstance(source, GraphSource) or not isinstance(encoding, FlipFlopEncoding | CaseEncoding):
-            raise LoweringError(f"{chosen} has no classic style")
+            raise LoweringError(f"{chosen} has no classic style", hint="Take flip-flops or case, or the exact style.")
         encoding.classic()
     elif isinstance(source, GraphSource):
         GraphCycle(encoding, source).append()

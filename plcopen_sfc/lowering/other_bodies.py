@@ -90,6 +90,7 @@ class _Replacing:
                 raise LoweringError(
                     f"{step.value}.{asked.value} is not lowered yet: the code does not keep it",
                     location=Location(path=self._path),
+                    hint="Take the time of a TON that the step starts.",
                 )
             # a comparison such as ``step_number = 2`` needs parentheses among other operators
             alone = _OPERAND.fullmatch(flag) is not None or len(tokens) == 3

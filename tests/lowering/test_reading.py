@@ -222,3 +222,24 @@ def test_a_condition_that_jumps_with_a_value_is_refused_with_the_reason() -> Non
     chart.transitions[0].condition = m.BodyCondition(body=m.IlBody(text="LD B1\nJMPC m\nLD B2\nm: AND B3"))
     with pytest.raises(LoweringError, match="a value is loaded behind each label"):
         lower(pou, "case", profile="iec")
+
+
+@pytest.mark.parametrize(
+    ("action", "condition", "hint"),
+    [
+        (m.ActionAssociation(id=90, target="n"), "TRUE", "Let an action assign it: n := .."),
+        (m.ActionAssociation(id=90, target="Q1", qualifier="D"), "TRUE", "Give the action one, such as T#5s."),
+        (m.ActionAssociation(id=90, target="Q1", qualifier="D", duration="10 s"), "TRUE", "Repair it in its tool"),
+        (m.ActionAssociation(id=90, target="Q1"), "n", "Compare it: n <> .."),
+    ],
+)
+def test_a_refusal_of_a_text_tells_what_to_do(action: m.ActionAssociation, condition: str, hint: str) -> None:
+    pou = training_chain()
+    assert pou.sfc is not None
+    assert pou.interface is not None
+    pou.interface.sections[1].variables.append(m.Variable(name="n", type=m.ElementaryType(name=m.Elementary.INT)))
+    pou.sfc.steps[1].actions = [action]
+    pou.sfc.transitions[0].condition = m.Expression(text=condition)
+    with pytest.raises(LoweringError) as refused:
+        lower(m.Project(pous=[pou]), verify=False)
+    assert refused.value.hint.startswith(hint)

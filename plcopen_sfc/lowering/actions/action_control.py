@@ -390,6 +390,7 @@ class SequentialControlCode:
             raise LoweringError(
                 f"{use.qualifier} is measured by the time of one step while that is active",
                 location=Location(path=f"action {action.name}"),
+                hint="Give each step an action of its own for it, that is not negated.",
             )
         return n.Operation(Operator.GREATER_OR_EQUAL, (self._times.elapsed(use.steps[0]), use.duration))
 

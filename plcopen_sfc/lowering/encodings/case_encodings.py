@@ -598,7 +598,11 @@ class CaseEncoding(RegionEncoding):
         """Return all steps in one region, also those that are never active."""
         objection = one_step_at_a_time(source)
         if objection:
-            raise LoweringError(f"one CASE cannot hold the chart: {objection}", location=Location(path=source.pou.name))
+            raise LoweringError(
+                f"one CASE cannot hold the chart: {objection}",
+                location=Location(path=source.pou.name),
+                hint="Step bits can hold every chart.",
+            )
         return one_region(source.net)
 
     def classic(self) -> None:

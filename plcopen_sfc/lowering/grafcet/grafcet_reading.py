@@ -88,7 +88,11 @@ class _Reader(TextReader):
         self._owned = _owned(net)
         self._terms = TermTexts()
         if profile.order is ScanOrder.ACTIONS_FIRST:
-            self.refuse(f"it has something of GRAFCET, which the profile {profile.name} does not have", "")
+            self.refuse(
+                f"it has something of GRAFCET, which the profile {profile.name} does not have",
+                "",
+                "Take the profile grafcet: --profile grafcet.",
+            )
         try:
             self.hierarchy = Hierarchy(net, [(owner, model) for owner, _, model in self._owned], pou.name)
         except UnknownBehaviourError as error:
@@ -116,7 +120,7 @@ class _Reader(TextReader):
     def _delay(self, term: TimeTerm) -> DelayInCondition:
         if "GRAFCET_EDGE" in term.operand:
             why = f"{self._terms.shown(term.name)} is a time of an edge, which lasts for no time"
-            self.refuse(f"{why}: set a variable in an action on that event, and take the time of the variable", "")
+            self.refuse(why, "", "Set a variable in an action on that event, and take the time of the variable.")
         operand, *times = (
             self.expression(text, "a time") if text is not None else None
             for text in (term.operand, term.first, term.last)
@@ -137,7 +141,9 @@ class _Reader(TextReader):
             event: n.Expression | None = None
             if model.kind is ActionKind.ON_EVENT:
                 if not isinstance(model.condition, Expression) or not self._profile.grafcet_terms:
-                    self.refuse("the stored action has no event that could be lowered", path)
+                    self.refuse(
+                        "the stored action has no event that could be lowered", path, "Give it one, such as ↑a."
+                    )
                 event = self.condition(chart, self._termless(rising(model.condition)), path).value
             statements: tuple[n.Statement, ...] = ()
             if model.body is not None:
@@ -179,15 +185,23 @@ class _Reader(TextReader):
     def _use(self, owner: Owner, chart: SfcNetwork, model: ActionAssociation, path: str) -> ActionUse:
         assert model.kind is not None  # noqa: S101  # the caller has looked
         if model.value is not None and model.value.strip().upper() not in ("TRUE", "1"):
-            self.refuse(f"a continuous action gives it the value {model.value}: only Booleans have one", path)
+            self.refuse(
+                f"a continuous action gives it the value {model.value}: only Booleans have one",
+                path,
+                "Take a stored action for other values.",
+            )
         qualifier = CONTINUOUS[model.kind]
         inverted = owner.inverted is not model.negated
         duration: n.Expression | None = None
         if qualifier is not Qualifier.N:
             if model.duration is None:
-                self.refuse("the delayed or limited action has no time", path)
+                self.refuse("the delayed or limited action has no time", path, "Give it one, such as 5s/X1.")
             if inverted:
-                self.refuse("an action that is delayed or limited while its step is not active has no meaning", path)
+                self.refuse(
+                    "an action that is delayed or limited while its step is not active has no meaning",
+                    path,
+                    "Let it act while the step is active.",
+                )
             duration = self.expression(model.duration, path)
         condition = ConditionText(TRUE, ())
         if model.condition is not None:
@@ -227,7 +241,10 @@ def stop_condition(text: str, chart: Subject, profile: Profile) -> str:
     terms = TermTexts()
     read = terms.read(text)
     if terms.edges or terms.timers:
-        raise LoweringError(f"{text!r} is no condition of an emergency stop: it has an edge or a time")
+        raise LoweringError(
+            f"{text!r} is no condition of an emergency stop: it has an edge or a time",
+            hint="Take a level, such as NOT Stop.",
+        )
     return read
 
 

@@ -23,7 +23,7 @@ from plcopen_sfc.lowering.graph.sequencer_source import (
     GraphSource,
 )
 from plcopen_sfc.lowering.lowering_options import LoweringRules, tool_of
-from plcopen_sfc.lowering.reading.text_reading import ConditionText, TextReader
+from plcopen_sfc.lowering.reading.text_reading import REPAIR, ConditionText, TextReader
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.declaration import Declaration
 from plcopen_sfc.model.dialect import Dialect
@@ -65,7 +65,11 @@ def asked_outside(project: Project, pou: Pou, net: Net, target: str | None) -> t
         quantity = occurrence.reference.access.upper()
         place = Location(path=occurrence.use.path)
         if quantity not in QUANTITIES:
-            raise LoweringError(f"step {step.path} of {pou.name} is used in a way that is not lowered", location=place)
+            raise LoweringError(
+                f"step {step.path} of {pou.name} is used in a way that is not lowered",
+                location=place,
+                hint="Ask for one quantity of a step: X, T ...",
+            )
         if tool_of(target, Dialect.SCL) is not Tool.S7:
             raise LoweringError(
                 f"{step.path}.{quantity} of {pou.name} is read here, which code for {target} does not show",
@@ -156,12 +160,20 @@ class _Reader(TextReader):
         """Return the sequencer."""
         net, chart = self._net, self.chart
         if net.problems:
-            self.refuse(f"the chart is broken: {net.problems[0].message}", net.problems[0].path)
+            self.refuse(f"the chart is broken: {net.problems[0].message}", net.problems[0].path, REPAIR)
         if net.macros or net.hierarchy:
-            self.refuse("S7-GRAPH has no macro-steps, enclosing steps and forcing orders", "")
+            self.refuse(
+                "S7-GRAPH has no macro-steps, enclosing steps and forcing orders",
+                "",
+                "Take the profile of their tool: --profile grafcet.",
+            )
         settings = chart.graph_settings
         if settings is not None and (unknown := sorted(filter(self._declares, _NOT_KNOWN))):
-            self.refuse(f"the profile has no rule for the parameters {', '.join(unknown)}", "")
+            self.refuse(
+                f"the profile has no rule for the parameters {', '.join(unknown)}",
+                "",
+                "Take the standard set of parameters, or delete these.",
+            )
         before = [s for p in chart.permanent_pre for s in self.statements(p.body, "permanent operations before")]
         logic = self.logic()
         conditions = [self._stated(t.chart, t.transition.condition, f"transition {t.path}") for t in net.transitions]
@@ -214,7 +226,11 @@ class _Reader(TextReader):
     def _rows(self, step: NetStep) -> Iterator[ActionRow]:
         model = step.step
         if model.entry_action or model.main_action or model.exit_action:
-            self.refuse("S7-GRAPH has no entry, main and exit actions of steps", f"step {step.path}")
+            self.refuse(
+                "S7-GRAPH has no entry, main and exit actions of steps",
+                f"step {step.path}",
+                "Take actions with the events S1 and S0, and N.",
+            )
         for number, association in enumerate(model.actions, 1):
             if not association.exclude:
                 yield self._row(step, association, f"step {step.path} / action {association.target or number}")
@@ -225,15 +241,25 @@ class _Reader(TextReader):
         event = model.event if model.event is not ActionEvent.C else None
         interlock = model.interlock or model.event is ActionEvent.C
         if qualifier not in self._profile.qualifiers:
-            self.refuse(f"the profile {self._profile.name} has no rule for the qualifier {qualifier}", path)
+            self.refuse(
+                f"the profile {self._profile.name} has no rule for the qualifier {qualifier}",
+                path,
+                "Take one of S7-GRAPH: N, S, R, D, L, CALL ..",
+            )
         if model.kind is not None or model.forcing is not None:
-            self.refuse("S7-GRAPH has no actions of GRAFCET", path)
+            self.refuse(
+                "S7-GRAPH has no actions of GRAFCET", path, "Take the profile of their tool: --profile grafcet."
+            )
         if model.negated or step.step.negated or model.condition is not None:
-            self.refuse("S7-GRAPH has no negated actions and no conditions of actions", path)
+            self.refuse(
+                "S7-GRAPH has no negated actions and no conditions of actions",
+                path,
+                "Take an interlock, or an assignment in an action.",
+            )
         if qualifier in _NEED_EVENT and event is None:
-            self.refuse(f"{qualifier} needs an event", path)
+            self.refuse(f"{qualifier} needs an event", path, "Give it one: S1 is the activation of the step.")
         if qualifier in _WITHOUT_EVENT and event is not None:
-            self.refuse(f"{qualifier} has no event", path)
+            self.refuse(f"{qualifier} has no event", path, "Delete the event: it acts while the step is active.")
         row = ActionRow(model.target or step.path, qualifier, event, interlock)
         return self._completed(row, model, path)
 
@@ -248,7 +274,7 @@ class _Reader(TextReader):
         if model.body is not None:
             return ActionRow(name, qualifier, event, interlock, statements=self.statements(model.body, path))
         if model.target is None:
-            self.refuse(f"{qualifier} has no operand", path)
+            self.refuse(f"{qualifier} has no operand", path, "Give it the operand that it acts on.")
         if qualifier in COUNTERS:
             return ActionRow(name, qualifier, event, interlock, self.expression(model.target, path), value=read)
         if model.value is not None:
@@ -258,11 +284,15 @@ class _Reader(TextReader):
         if statements:
             return ActionRow(name, qualifier, event, interlock, statements=statements)
         if qualifier in _NEED_TIME and read is None:
-            self.refuse(f"{qualifier} needs a time", path)
+            self.refuse(f"{qualifier} needs a time", path, "Give the action one, such as T#5s.")
         target = self.expression(model.target, path)
         # S5 timers and counters are set by instructions only, not by an assignment
         if isinstance(target, n.Address) and target.text.lstrip("%")[:1].upper() in "TCZ":
-            self.refuse(f"{target.text} is a timer or counter of S5: other code cannot write it", path)
+            self.refuse(
+                f"{target.text} is a timer or counter of S5: other code cannot write it",
+                path,
+                "Take an instance of an IEC timer or counter.",
+            )
         return ActionRow(name, qualifier, event, interlock, target, value=read)
 
     def _called(self, target: str, qualifier: Qualifier, path: str) -> tuple[n.Statement, ...]:
@@ -276,7 +306,11 @@ class _Reader(TextReader):
         if declared is None or declared.type == BOOL:
             return ()
         if isinstance(declared.type, ElementaryType) or qualifier not in COILS | {Qualifier.S, Qualifier.R}:
-            self.refuse(f"{target} is no Boolean variable, and only such a one can be an action", path)
+            self.refuse(
+                f"{target} is no Boolean variable, and only such a one can be an action",
+                path,
+                f"Let an action assign it: {target} := ..",
+            )
         return self.read(f"{target}();", path)
 
     def _steps_named(self, name: str, path: str) -> tuple[int, ...]:
@@ -286,5 +320,5 @@ class _Reader(TextReader):
             return tuple(step.index for step in self._net.steps)
         found = [s.index for s in self._net.steps if bare in (s.step.name.casefold(), f"s{s.step.number}")]
         if not found:
-            self.refuse(f"there is no step {name}", path)
+            self.refuse(f"there is no step {name}", path, "Name one of the chart, by its name or number (S3).")
         return (found[0],)

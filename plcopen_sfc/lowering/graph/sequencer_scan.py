@@ -217,6 +217,7 @@ class GraphCycle:
                 raise LoweringError(
                     "steps that are skipped need a loop, which networks do not have",
                     location=Location(path=source.pou.name),
+                    hint="Take --language ST.",
                 )
             by_hand = [*self._imposed_by_hand()]
             start, off = disjunction([self._first, self._started()]), self._commands.edge("OFF_SQ")

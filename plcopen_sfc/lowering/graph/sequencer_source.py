@@ -216,7 +216,7 @@ class AskedStepData:
             for row in rows:
                 if row.target is not None and step_quantity(row.target, self.steps) is not None:
                     path = f"step {source.net.steps[step].path} / action {row.name}"
-                    raise LoweringError("data of steps are written", location=Location(path=path))
+                    raise LoweringError("data of steps are written", location=Location(path=path), hint=_WRITTEN)
 
     def __contains__(self, quantity: tuple[int, str]) -> bool:
         return quantity in self._asked
@@ -265,19 +265,30 @@ def _check_names(text: SequencerText, node: n.Node, names: Collection[str], step
     found = step_quantity(node, steps)
     if found is not None:
         if found[1] not in QUANTITIES:
-            _refuse(text, f"the step data {found[1]} are not lowered yet")
+            _refuse(
+                text,
+                f"the step data {found[1]} are not lowered yet",
+                "Take them from a variable that an action writes.",
+            )
         return
     if isinstance(node, n.Name) and node.identifier.casefold() in names and node.quoting is not n.Quoting.GLOBAL:
-        _refuse(text, f"{node.identifier} is used in a way that is not lowered yet")
+        _refuse(
+            text,
+            f"{node.identifier} is used in a way that is not lowered yet",
+            "Ask for one quantity of a step: X, T ...",
+        )
     if isinstance(node, n.Assignment) and step_quantity(node.target, steps) is not None:
-        _refuse(text, "data of steps are written")
+        _refuse(text, "data of steps are written", _WRITTEN)
     if isinstance(node, n.Argument) and node.output and node.value and step_quantity(node.value, steps) is not None:
-        _refuse(text, "data of steps are written")
+        _refuse(text, "data of steps are written", _WRITTEN)
     named = node.name if isinstance(node, n.Member | n.Argument) else None
     for child in children(node):
         if child is not named:
             _check_names(text, child, names, steps)
 
 
-def _refuse(text: SequencerText, message: str) -> NoReturn:
-    raise LoweringError(message, location=Location(path=text.path))
+_WRITTEN = "Delete what writes them: only the sequencer does."
+
+
+def _refuse(text: SequencerText, message: str, hint: str) -> NoReturn:
+    raise LoweringError(message, location=Location(path=text.path), hint=hint)

@@ -18,7 +18,7 @@ from plcopen_sfc.lowering.reading.chart_source import (
     StepTimeLimit,
 )
 from plcopen_sfc.lowering.reading.step_variables import asked_by_contacts, asked_outside
-from plcopen_sfc.lowering.reading.text_reading import ActionTargets, ConditionText, TextReader
+from plcopen_sfc.lowering.reading.text_reading import REPAIR, ActionTargets, ConditionText, TextReader
 from plcopen_sfc.model.actions import ActionKind, Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.chart_settings import SfcFlag
@@ -50,6 +50,9 @@ def read_chart(
     Raises `LoweringError` for what has no meaning that could be lowered.
     """
     return _Reader(pou, chart, dialect, profile, surroundings, project=project, grafcet=grafcet).source()
+
+
+_OTHER_PROFILE = "Take another profile: --profile iec."
 
 
 class _Owner(NamedTuple):
@@ -86,36 +89,60 @@ class _Reader(TextReader):
         """Refuse rules of profiles that users write themselves and that no tool has."""
         profile = self._profile
         if profile.initial_situation_held:
-            self.refuse(f"the initial situation is held under the profile {profile.name}: that is not lowered", "")
+            self.refuse(
+                f"the initial situation is held under the profile {profile.name}: that is not lowered",
+                "",
+                _OTHER_PROFILE,
+            )
         # a profile that a user composes can ask for rules that no construction has: refused rather than lowered
         # otherwise
         used = {a.qualifier for owner in self._owners() for a in owner.step.actions if not a.exclude}
         shared = profile.action_control is ActionControl.PER_ACTION
         if shared and not profile.reset_cancels_delays and used & {Qualifier.SD, Qualifier.SL}:
-            self.refuse(f"R does not end the times of SD and SL under {profile.name}: that is not lowered", "")
+            self.refuse(
+                f"R does not end the times of SD and SL under {profile.name}: that is not lowered", "", _OTHER_PROFILE
+            )
         if not profile.initial_steps_entered:
             for step in self._net.steps:
                 if self._net.initial & step.bit and step.step.entry_action is not None:
-                    self.refuse("the entry action of an initial step is not executed: that is not lowered", step.path)
+                    self.refuse(
+                        "the entry action of an initial step is not executed: that is not lowered",
+                        step.path,
+                        _OTHER_PROFILE,
+                    )
 
     def source(self) -> ChartSource:
         """Return the chart."""
         if self._net.problems:
-            self.refuse(f"the chart is broken: {self._net.problems[0].message}", self._net.problems[0].path)
+            self.refuse(f"the chart is broken: {self._net.problems[0].message}", self._net.problems[0].path, REPAIR)
         if self._profile.evolution is Evolution.UNTIL_STABLE:
-            self.refuse("the search for stability is not lowered yet", "")
+            self.refuse("the search for stability is not lowered yet", "", _OTHER_PROFILE)
         if self._profile.graph_parameters or (self._net.hierarchy and self._grafcet is None):
-            self.refuse("enclosing steps, forcing orders and S7-GRAPH are not lowered yet", "")
+            self.refuse(
+                "enclosing steps, forcing orders and S7-GRAPH are not lowered yet",
+                "",
+                "Take the profile of their tool: --profile grafcet, s7graph.",
+            )
         # only CODESYS has SFC flags, and there actions come first: what they end is defined in that order only
         if self._flags and self._profile.order is not ScanOrder.ACTIONS_FIRST:
-            self.refuse("SFC flags are lowered only where actions come before transitions", "")
+            self.refuse(
+                "SFC flags are lowered only where actions come before transitions",
+                "",
+                "Take the profile of their tool: --profile codesys.",
+            )
         if self.chart.permanent_pre or self.chart.permanent_post:
-            self.refuse("permanent operations are not lowered yet", "")
+            self.refuse(
+                "permanent operations are not lowered yet", "", "Take the profile of their tool: --profile s7graph."
+            )
         self._check_profile()
         for step in self._net.steps:
             kind = self._types.get(step.step.name.casefold())
             if isinstance(kind, ElementaryType) and kind.name is Elementary.BOOL:  # it would be the flag of the step
-                self.refuse(f"a variable of the POU is called {step.step.name}, too: rename it or the step", step.path)
+                self.refuse(
+                    f"a variable of the POU is called {step.step.name}, too: rename it or the step",
+                    step.path,
+                    "plcopen-sfc rename does it in all texts.",
+                )
         logic = self.logic()
         conditions = [self._transition(transition) for transition in self._net.transitions]
         actions = tuple(self._actions())
@@ -161,7 +188,11 @@ class _Reader(TextReader):
             kind = self._types.get(operand.identifier.casefold())
             # the code would not compile: IF wants a BOOL
             if isinstance(kind, ElementaryType) and kind.name is not Elementary.BOOL:
-                self.refuse(f"{operand.identifier} is a {kind.name}: a condition is of type BOOL", path)
+                self.refuse(
+                    f"{operand.identifier} is a {kind.name}: a condition is of type BOOL",
+                    path,
+                    f"Compare it: {operand.identifier} <> ..",
+                )
         return condition
 
     # -- actions
@@ -239,15 +270,27 @@ class _Reader(TextReader):
 
     def _use(self, owner: _Owner, association: ActionAssociation, path: str) -> ActionUse:
         if association.event is not None or association.interlock or association.forcing is not None:
-            self.refuse("events, interlocks and forcing orders are not lowered yet", path)
+            self.refuse(
+                "events, interlocks and forcing orders are not lowered yet",
+                path,
+                "Take the profile of their tool: --profile grafcet, s7graph.",
+            )
         if association.kind not in (None, ActionKind.CONTINUOUS, ActionKind.CONDITIONAL):
-            self.refuse(f"actions of kind {association.kind} are not lowered yet", path)
+            self.refuse(
+                f"actions of kind {association.kind} are not lowered yet",
+                path,
+                "Take the profile of their tool: --profile grafcet.",
+            )
         qualifier = Qualifier.N if association.qualifier is Qualifier.NONE else association.qualifier
         if qualifier not in self._profile.qualifiers:
-            self.refuse(f"the profile {self._profile.name} has no rule for the qualifier {qualifier}", path)
+            self.refuse(
+                f"the profile {self._profile.name} has no rule for the qualifier {qualifier}",
+                path,
+                "Take another qualifier, or a profile that has it (--profile).",
+            )
         duration = self.expression(association.duration, path) if association.duration else None
         if qualifier.needs_duration and duration is None:
-            self.refuse(f"{qualifier} needs a time", path)
+            self.refuse(f"{qualifier} needs a time", path, "Give the action one, such as T#5s.")
         condition, before = self._guard(owner.chart, association.condition, path)
         # a negated association of a negated step acts while the step is active
         inverted = owner.step.negated is not association.negated
@@ -265,7 +308,11 @@ class _Reader(TextReader):
         for step in self._net.steps:
             model = step.step
             if model.interlock is not None or model.supervision is not None:
-                self.refuse("interlocks and supervisions are not lowered yet", f"step {step.path}")
+                self.refuse(
+                    "interlocks and supervisions are not lowered yet",
+                    f"step {step.path}",
+                    "Take the profile of their tool: --profile s7graph.",
+                )
             entry, main, exit_ = (
                 self._step_action(action, f"step {step.path}")
                 for action in (model.entry_action, model.main_action, model.exit_action)

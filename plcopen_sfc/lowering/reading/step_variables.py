@@ -260,6 +260,7 @@ class _StepVariables:
                     raise LoweringError(
                         f"{step}.{quantity} is not lowered yet: the code does not keep it",
                         location=Location(path=self._pou),
+                        hint="Ask for X or T of the step.",
                     )
                 return disjunction(self._active(i) for i in indexes(bits))
             case n.Name(name) if (bits := self._flags.get(name.casefold())) is not None:

@@ -84,6 +84,9 @@ class ActionTargets:
 _NEVER_BOOLEAN = (StringType, ArrayType, StructType, EnumType, SubrangeType)
 
 
+REPAIR = "Repair it in its tool and export it again."
+
+
 class ConditionText(NamedTuple):
     """Condition, and what must be executed before it is evaluated."""
 
@@ -104,23 +107,27 @@ class TextReader:
         self._taken = [helper.name for helper in self.helpers]
         self._readers: dict[int, Callable[[Condition], NetworkExpression]] = {}
 
-    def refuse(self, message: str, path: str) -> NoReturn:
-        """Raise a `LoweringError` at `path` of the chart."""
+    def refuse(self, message: str, path: str, hint: str) -> NoReturn:
+        """Raise a `LoweringError` at `path` of the chart. `hint`: what a user can do."""
         place = f"{self.pou.name} / {path}" if path else self.pou.name
-        raise LoweringError(message, location=Location(path=place))
+        raise LoweringError(message, location=Location(path=place), hint=hint)
 
     def variable(self, name: str, targets: ActionTargets, path: str) -> n.Expression:
         """Return the variable of an action, which its steps write. Refuses one that is known not to be Boolean."""
         variable = self.expression(name, path)
         other = targets.other_type(variable)
         if other:
-            self.refuse(f"{name} is of type {other}: only a Boolean variable can be an action", path)
+            self.refuse(
+                f"{name} is of type {other}: only a Boolean variable can be an action",
+                path,
+                f"Let an action assign it: {name} := ..",
+            )
         return variable
 
     def _accept(self, found: NetworkText, path: str) -> None:
         """Take over the variables that a drawing needs. Refuses what could not be read completely."""
         for wrong in found.obstacles:
-            self.refuse(f"it cannot be read: {wrong.message}", path)
+            self.refuse(f"it cannot be read: {wrong.message}", path, REPAIR)
         self.helpers += found.helpers
         self.instances |= found.instances
         self._taken += [helper.name for helper in found.helpers]
@@ -136,7 +143,9 @@ class TextReader:
     def condition(self, chart: SfcNetwork, condition: Condition | None, path: str) -> ConditionText:
         """Return the condition of a transition or an action, however it is given."""
         if condition is None:
-            self.refuse("it cannot be read: the transition has no condition", path)
+            self.refuse(
+                "it cannot be read: the transition has no condition", path, "Give it one; TRUE is always satisfied."
+            )
         if id(chart) not in self._readers:
             self._readers[id(chart)] = condition_reader(
                 chart, self.dialect, transitions=self.pou.transitions, taken=self._taken
@@ -144,21 +153,21 @@ class TextReader:
         found = self._readers[id(chart)](condition)
         self._accept(found, path)
         if found.tree is None:
-            self.refuse("the condition has no value", path)
+            self.refuse("the condition has no value", path, "Its instructions must leave a value: LD, AND, OR ..")
         return ConditionText(_as_truth(n.bare(found.tree)), self._staying(found.before, path))
 
     def expression(self, text: str, path: str) -> n.Expression:
         """Return an expression."""
         parsed = parse_expression(text, self.dialect)
         if parsed.problems:
-            self.refuse(f"{text!r}: {parsed.problems[0].message}", path)
+            self.refuse(f"{text!r}: {parsed.problems[0].message}", path, REPAIR)
         return n.bare(parsed.tree)
 
     def read(self, text: str, path: str) -> tuple[n.Statement, ...]:
         """Return statements in structured text."""
         parsed = parse_statements(text, self.dialect)
         if parsed.problems:
-            self.refuse(f"{parsed.problems[0].message}", path)
+            self.refuse(f"{parsed.problems[0].message}", path, REPAIR)
         return parsed.tree.statements
 
     def statements(self, body: Body | None, path: str) -> tuple[n.Statement, ...]:
@@ -171,11 +180,13 @@ class TextReader:
             tree = instruction_statements(body.text, self.dialect, among_others=True)
             if tree is None:
                 self.refuse(
-                    "instruction list whose jumps are no loops, or whose result is no expression, is not lowered", path
+                    "instruction list whose jumps are no loops, or whose result is no expression, is not lowered",
+                    path,
+                    "Write it as structured text.",
                 )
             return self._staying(tree.statements, path)
         if not isinstance(body, FbdBody | LdBody):
-            self.refuse(f"actions in {body.language} are not lowered", path)
+            self.refuse(f"actions in {body.language} are not lowered", path, "Write it as structured text.")
         found = body_statements(body, self.dialect, taken=self._taken)
         self._accept(found, path)
         return self._staying(found.tree.statements, path)
@@ -185,10 +196,18 @@ class TextReader:
         for statement in statements:
             for node in walk(statement):
                 if isinstance(node, n.ReturnStatement | n.Goto | n.LabelStatement):
-                    self.refuse("RETURN and jumps are not lowered: in the code they would leave more than this", path)
+                    self.refuse(
+                        "RETURN and jumps are not lowered: in the code they would leave more than this",
+                        path,
+                        "Write IF around what they skip.",
+                    )
                 # only the compiler of the target could tell what the C code reads and writes
                 if isinstance(node, n.EmbeddedCode):
-                    self.refuse("code in C ({{ .. }}) is not lowered: it is not known what it does", path)
+                    self.refuse(
+                        "code in C ({{ .. }}) is not lowered: it is not known what it does",
+                        path,
+                        "Write it as structured text, or in a block that is called.",
+                    )
         return statements
 
 

@@ -162,9 +162,14 @@ class ModeInputs:
             raise LoweringError(
                 "charts that search for stability are not stepped by hand: one push would lead through several steps",
                 location=Location(path=source.pou.name),
+                hint="Leave out these modes: --mode enable is possible.",
             )
         if OperatingMode.SELECT in self._modes and not self._numbers:
-            raise LoweringError("the chart has no step that could be selected", location=Location(path=source.pou.name))
+            raise LoweringError(
+                "the chart has no step that could be selected",
+                location=Location(path=source.pou.name),
+                hint="Leave out --mode select.",
+            )
         self._usual, self._forced = self._declared(init)
         comment = rules.texts.step_numbers(source.net, self._numbers) if self.selected is not None else ""
         code.add(rules.texts.modes, self._statements, comment)

@@ -63,6 +63,7 @@ class ErrorTable:
             raise LoweringError(
                 f"{_VARIABLE} is declared with another type than ARRAY [0..15] OF {_TYPE}",
                 location=Location(path=source.pou.name),
+                hint="Declare it so, or not at all.",
             )
         if _TYPE.casefold() not in code.known_types:
             members = [Variable(name=name, type=StringType()) for name in ("name", "address", "comment")]
