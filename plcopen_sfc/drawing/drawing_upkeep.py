@@ -17,7 +17,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from plcopen_sfc.drawing.attached_symbols import AttachedSymbols, block_owner, draw_step_actions, erase_step_actions
-from plcopen_sfc.drawing.document_order import renumber
 from plcopen_sfc.drawing.drawing_style import DrawingStyle, fits, in_order, link_fits
 from plcopen_sfc.drawing.new_drawing import Pen, draw, highest_id, sketch
 from plcopen_sfc.drawing.symbol_layout import has_positions, layout, place_nearby
@@ -424,12 +423,11 @@ def prepare(
     *,
     positions: bool,
     replace: bool = False,
-    renumbered: bool = False,
     foreign: bool = False,
 ) -> None:
     """Draw what is not drawn, and bring up to date what no longer fits, in every body of a project."""
     for _, _, body in project.bodies():
-        prepare_body(body, style, positions=positions, replace=replace, renumbered=renumbered, foreign=foreign)
+        prepare_body(body, style, positions=positions, replace=replace, foreign=foreign)
 
 
 def prepare_body(
@@ -438,14 +436,12 @@ def prepare_body(
     *,
     positions: bool,
     replace: bool = False,
-    renumbered: bool = False,
     foreign: bool = False,
 ) -> None:
     """Draw what is not drawn, and bring up to date what no longer fits, in the charts of one body.
 
     `positions`: charts whose drawing has no places get them. `replace`: drawings that fit are replaced too.
-    `renumbered`: charts that get a new drawing get new ids in document order, as CODESYS numbers them. `foreign`:
-    drawings in another style than a structured one that is asked for are replaced.
+    `foreign`: drawings in another style than a structured one that is asked for are replaced.
     """
     for chart in charts_in(body):
         if style.structured:
@@ -454,8 +450,6 @@ def prepare_body(
         drawn = replace or chart.drawing is None or (style.structured and foreign and not is_structured(chart))
         if drawn:
             chart.drawing = draw(chart, style)
-            if renumbered:
-                renumber(chart)
         elif not fits(chart, style):
             redraw(chart, style)
         if not style.structured:

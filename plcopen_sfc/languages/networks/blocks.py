@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -56,10 +56,9 @@ class _Argument:
 class BlockReader:
     """Executes the blocks of a network symbolically."""
 
-    def __init__(self, graph: Graph, wires: Wires, known: Container[str] | None) -> None:
+    def __init__(self, graph: Graph, wires: Wires) -> None:
         self._graph = graph
         self._wires = wires
-        self._known = known
         self._written: set[int] = set()
         for node in graph.nodes.values():
             if isinstance(node, Block) and node.instance and node.call not in (BlockCall.ACTION, BlockCall.METHOD):
@@ -122,7 +121,6 @@ class BlockReader:
             self._wires.execute_all(self._guarded(guard, (more,)))
             return
         standard = standard_block(block.type_name)
-        self._check_known(block, standard)
         self._check_pins(block, standard, arguments)
         memory = next((a for a in arguments if is_memory_pin(block, a.variable)), None)
         if memory is not None and memory.value is not None:
@@ -209,12 +207,6 @@ class BlockReader:
 
     def _guarded(self, guard: Expression | None, statements: tuple[Statement, ...]) -> tuple[Statement, ...]:
         return statements if guard is None else (n.If((n.Branch(guard, statements),)),)
-
-    def _check_known(self, block: Block, standard: StandardBlock | None) -> None:
-        if standard is None and self._known is not None and block.call not in (BlockCall.ACTION, BlockCall.METHOD):
-            name = block.type_name.rpartition(".")[2].casefold()
-            if name not in self._known and block.type_name.casefold() not in self._known:
-                self._wires.problem(f"the block {block.type_name!r} is neither of the project nor standard", block.id)
 
     def _check_pins(self, block: Block, standard: StandardBlock | None, arguments: list[_Argument]) -> None:
         """Report pins that a standard block does not have: text would lose them or get them wrong."""

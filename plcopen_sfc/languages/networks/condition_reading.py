@@ -5,7 +5,7 @@ Formats that hold no drawings have the structured text of drawn conditions and b
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Container, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import replace
 
 from plcopen_sfc.diagnostics import Severity
@@ -87,14 +87,13 @@ def condition_reader(
     *,
     transitions: Iterable[NamedTransition] = (),
     taken: Collection[str] = (),
-    known: Container[str] | None = None,
 ) -> Callable[[Condition], NetworkExpression]:
     """Return `condition_expression` as a function, for many conditions of a chart that does not change meanwhile.
 
     The logic drawn in the chart is looked through once, not for each of them. `taken` may grow
     meanwhile: each reading looks at it again.
     """
-    return _ConditionReader(chart, dialect, {t.name.casefold(): t for t in transitions}, taken, known).read
+    return _ConditionReader(chart, dialect, {t.name.casefold(): t for t in transitions}, taken).read
 
 
 def chart_statements(
@@ -203,13 +202,11 @@ class _ConditionReader:
         dialect: Dialect,
         transitions: dict[str, NamedTransition],
         taken: Collection[str],
-        known: Container[str] | None,
     ) -> None:
         self._chart = chart
         self._dialect = dialect
         self._transitions = transitions
         self._taken = taken
-        self._known = known
         self._being_read: set[str] = set()
         self._whole: NetworkReader | None = None
         self._places: dict[int, list[int]] = {}
@@ -250,7 +247,7 @@ class _ConditionReader:
         if isinstance(body, StBody):
             return self._statements(body.text, name)
         if isinstance(body, FbdBody | LdBody):
-            read = body_statements(body, self._dialect, taken=self._taken, known=self._known)
+            read = body_statements(body, self._dialect, taken=self._taken)
             return _result_of(read, name)
         tree = result_expression(body.text, self._dialect, stored_in=name) if isinstance(body, IlBody) else None
         if tree is not None:
@@ -291,7 +288,6 @@ class _ConditionReader:
             [self._chart.logic[place] for place in sorted(p for number in needed for p in self._places[number])],
             self._dialect,
             taken=self._taken,
-            known=self._known,
             also_used=[pin],
         )
         return reader.run_for_value()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from plcopen_sfc.collector import collecting_rarely
@@ -50,16 +50,14 @@ def body_statements(
     dialect: Dialect = Dialect.IEC,
     *,
     taken: Iterable[str] = (),
-    known: Container[str] | None = None,
     keeps: bool = False,
 ) -> NetworkStatements:
     """Return an FBD or LD body as statements, in the order of execution.
 
-    `taken` are names that helpers must not have. `known` are the names of functions and function blocks of the
-    project, in lower case: a block that is neither among them nor a standard block is a problem; None: any may exist.
-    `keeps`: what boxes give is kept in variables, from one cycle to the next.
+    `taken` are names that helpers must not have. `keeps`: what boxes give is kept in variables, from one cycle to the
+    next.
     """
-    return network_statements(body.networks, dialect, taken=taken, known=known, keeps=keeps)
+    return network_statements(body.networks, dialect, taken=taken, keeps=keeps)
 
 
 def network_statements(
@@ -67,12 +65,11 @@ def network_statements(
     dialect: Dialect = Dialect.IEC,
     *,
     taken: Iterable[str] = (),
-    known: Container[str] | None = None,
     keeps: bool = False,
 ) -> NetworkStatements:
     """Networks as statements; see `body_statements`."""
     networks, original = apart(list(networks))
-    reader = NetworkReader([network.nodes for network in networks], dialect, taken=taken, known=known, keeps=keeps)
+    reader = NetworkReader([network.nodes for network in networks], dialect, taken=taken, keeps=keeps)
     for network in networks:
         reader.comment(None, network.title, network.comment)
     reader.run()
@@ -106,11 +103,10 @@ def network_expression(
     dialect: Dialect = Dialect.IEC,
     *,
     taken: Iterable[str] = (),
-    known: Container[str] | None = None,
 ) -> NetworkExpression:
     """Return the value that `outputs`, wires from a network, have together; see `body_statements`."""
     pin = InputPin(connections=[*outputs])
-    reader = NetworkReader([network.nodes], dialect, taken=taken, known=known, also_used=[pin])
+    reader = NetworkReader([network.nodes], dialect, taken=taken, also_used=[pin])
     return reader.run_for_value()
 
 
@@ -120,13 +116,12 @@ def reader_of_chart(
     dialect: Dialect,
     *,
     taken: Iterable[str] = (),
-    known: Container[str] | None = None,
     also_used: Iterable[InputPin] = (),
     keeps: bool = False,
 ) -> NetworkReader:
     """Return a reader of `nodes`, some of the elements drawn in a chart."""
     steps = {step.id: step.name for step in chart.steps}
-    return NetworkReader([nodes], dialect, steps=steps, taken=taken, known=known, also_used=also_used, keeps=keeps)
+    return NetworkReader([nodes], dialect, steps=steps, taken=taken, also_used=also_used, keeps=keeps)
 
 
 class NetworkReader:
@@ -139,7 +134,6 @@ class NetworkReader:
         *,
         steps: Mapping[int, str] | None = None,
         taken: Iterable[str] = (),
-        known: Container[str] | None = None,
         also_used: Iterable[InputPin] = (),
         keeps: bool = False,
     ) -> None:
@@ -150,7 +144,7 @@ class NetworkReader:
         self.wires = Wires(self.graph, dialect, lambda: [*taken, *_names(self.graph), *self.graph.steps.values()])
         self.comments: list[tuple[int | None, str]] = []
         self.open_ends: list[tuple[int, Expression]] = []
-        self._blocks = BlockReader(self.graph, self.wires, known)
+        self._blocks = BlockReader(self.graph, self.wires)
         self._step_flag = "X" if dialect in (Dialect.IEC, Dialect.SCL) else "x"
 
     def run(self) -> None:

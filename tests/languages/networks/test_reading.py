@@ -480,15 +480,6 @@ def test_what_cannot_be_said_is_a_problem() -> None:
     assert not result.complete
 
 
-def test_unknown_blocks_are_a_problem_where_the_project_is_known() -> None:
-    nodes = [variable(1, "a"), block(2, "Foo", {"IN": 1}, "OUT"), output(3, "x", (2, "OUT"))]
-    assert not read(*nodes).problems
-    assert not read(*nodes, known={"foo"}).problems
-    assert told(read(*nodes, known=set())) == [
-        "error: element 2: the block 'Foo' is neither of the project nor standard"
-    ]
-
-
 def test_ids_that_are_used_twice_are_a_problem() -> None:
     assert "error: element 1: another element has this id too" in told(read(variable(1, "a"), output(1, "x", 1)))
 
