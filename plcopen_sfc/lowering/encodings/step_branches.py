@@ -92,7 +92,7 @@ class StepBranches:
         return self._states.selection(self.state, parts)
 
     def take(self, networks: list[CodeNetwork]) -> list[CodeNetwork]:
-        """Take from `networks`, which stand before the CASE, what can move into it; return what stays."""
+        """Take from `networks`, which are before the CASE, what can move into it; return what stays."""
         stay: list[CodeNetwork] = []
         for network in reversed(networks):
             kept = self._taken(network)
