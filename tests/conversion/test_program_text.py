@@ -249,3 +249,24 @@ def test_functions_that_codesys_writes_otherwise_are_put_into_its_words(statemen
     body = sfc.loads(data, as_tool=True).pou("Main").body
     assert isinstance(body, m.StBody)
     assert body.text.strip() == written
+
+
+@pytest.mark.parametrize(
+    ("statement", "written"),
+    [
+        ("s := MID(STR := s, LEN := 2, POS := 3);", "s := MID(IN := s, L := 2, P := 3);"),
+        ("i := TRUNC_INT(r);", "i := REAL_TRUNC_INT(r);"),
+        ("i := TRUNC(r);", "i := TRUNC(r);"),
+    ],
+)
+def test_functions_that_codesys_alone_writes_so_are_put_into_the_words_of_the_standard(
+    statement: str, written: str
+) -> None:
+    text = f"PROGRAM Main VAR r : REAL; i : INT; s : STRING; END_VAR {statement} END_PROGRAM"
+    project = sfc.loads(sfc.dumps(sfc.loads(text.encode(), format="iec-text"), format="codesys"), as_tool=True)
+    body = project.pou("Main").body
+    assert isinstance(body, m.StBody)
+    body.text = statement
+    seen = sfc.loads(sfc.convert(project, "plcopen-2.01")[0], as_tool=True).pou("Main").body
+    assert isinstance(seen, m.StBody)
+    assert seen.text.strip() == written

@@ -72,14 +72,16 @@ def operator_of(block: StandardBlock, target: Dialect) -> Operator | None:
 
 
 def is_called_otherwise(call: n.Call, target: Dialect) -> bool:
-    """True for a call of a standard function of IEC 61131-3 that `target` writes otherwise, or lacks."""
+    """True for a call of a standard function that `target`, CODESYS or IEC 61131-3, writes otherwise, or lacks."""
     name = call.callee.identifier.upper() if isinstance(call.callee, n.Name) else ""
-    block = standard_block(name)
-    if name == "TRUNC" or translated_truncation(name, target, "REAL") is not None:
+    if translated_truncation(name, target, "REAL") not in (None, name) or (
+        name == "TRUNC" and target is not Dialect.IEC
+    ):
         return True
+    block = standard_block(name)
     if block is None or block.stateful:
         return False
-    is_long = name == "CONCAT" and len(call.arguments) > 2
+    is_long = name == "CONCAT" and len(call.arguments) > 2 and target is not Dialect.IEC
     is_named = any(each.name is not None for each in call.arguments)
     return is_long or is_named or operator_of(block, target) is not None or is_lacking(name, target)
 

@@ -275,7 +275,7 @@ def _is_foreign(node: Node, target: Dialect, enumerations: Collection[str]) -> b
         case n.Operation(operator=Operator.POWER):
             return target is Dialect.CODESYS
         case n.Call():
-            return target is Dialect.CODESYS and is_called_otherwise(node, target)
+            return is_called_otherwise(node, target)
         case n.Operation(operator=Operator.AND_THEN | Operator.OR_ELSE) | n.AssignmentExpression():
             return target is Dialect.IEC
         case n.Assignment(kind=kind):
