@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from plcopen_sfc.languages.binding import Names
+from plcopen_sfc.languages.binding.name_scopes import charts_inside
 from plcopen_sfc.languages.effects import Effects, effects, may_change
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.languages.translation.translation_context import family
@@ -45,16 +46,29 @@ def reordered(pou: Pou, new: Mapping[str, str], dialect: Dialect) -> dict[str, l
 
     `new` has the other names of some actions of `pou`, by those that it has, as do the keys of the result.
     """
-    if family(dialect) is not Dialect.CODESYS:
-        return {}
     found: dict[str, list[str]] = {}
     for own in (each for each in pou.actions if each.name in new):
-        for other in (each for each in pou.actions if each is not own):
+        for other in sharing(pou, own, dialect):
             before = own.name.casefold() < other.name.casefold()
             after = new[own.name].casefold() < new.get(other.name, other.name).casefold()
-            if before is not after and _share(own, other, dialect):
+            if before is not after:
                 found.setdefault(own.name, []).append(other.name)
     return found
+
+
+def sharing(pou: Pou, action: Action, dialect: Dialect) -> list[Action]:
+    """Return the actions that share variables with one, and that a tool executes with it in the order of names.
+
+    None where no association names it: entry, main and exit actions are executed with their steps.
+    """
+    if family(dialect) is not Dialect.CODESYS:
+        return []
+    charts = [chart for _, _, body in pou.named_bodies() for chart in charts_inside(body)]
+    ordered = {(row.target or "").casefold() for chart in charts for _, row in chart.associations()}
+    if action.name.casefold() not in ordered:
+        return []
+    others = [each for each in pou.actions if each is not action and each.name.casefold() in ordered]
+    return [each for each in others if _share(action, each, dialect)]
 
 
 def _share(one: Action, other: Action, dialect: Dialect) -> bool:

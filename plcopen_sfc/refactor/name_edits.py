@@ -10,14 +10,16 @@ from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.binding import Declaration, Kind, Names
 from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of, unique_declaration
 from plcopen_sfc.languages.binding.text_sites import Role, SiteKind, TextSite, text_sites_in
+from plcopen_sfc.languages.executed_names import sharing
 from plcopen_sfc.languages.networks import condition_reader
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_statements
 from plcopen_sfc.languages.st.layout import layout_edits
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
+from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.languages.words import needs_quotes, objection
 from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, NamedTransition, Pou, PouKind
@@ -262,7 +264,16 @@ def extract_action(journal: Journal, step: Step, name: str, at: str | int) -> Ac
     journal.put(pou, "actions", [*pou.actions, action])
     journal.put(holder, field, None)
     journal.put(holder, "target" if isinstance(holder, ActionAssociation) else field, name)
+    _refuse_other_order(what, pou, action, dialect_in(chart))
     return action
+
+
+def _refuse_other_order(what: str, pou: Pou, action: Action, dialect: Dialect) -> None:
+    """Raise `ModelError` where an action has its place among others by its name, which code in place does not have."""
+    others = ", ".join(each.name for each in sharing(pou, action, dialect))
+    if others:
+        why = f"actions are executed in the order of their names, and {others} share variables with it"
+        raise refused(what, why, "In place it has no name, and would be executed before them.")
 
 
 def _code_of(step: Step, at: str | int, what: str) -> tuple[Any, str]:
@@ -278,8 +289,8 @@ def _code_of(step: Step, at: str | int, what: str) -> tuple[Any, str]:
 def inline_action(journal: Journal, project: Project, action: Action) -> None:
     """Put the code of an action into the one step that executes it, and remove the action.
 
-    Refused where several associations name it, as they share one action control (IEC 61131-3, 6.7.4.6), or where
-    other code calls it.
+    Refused where several associations name it, as they share one action control (IEC 61131-3, 6.7.4.6), where
+    other code calls it, or where a tool executes it in the order of names, with others that share variables with it.
     """
     what = f"the action {action.name!r} cannot be inlined"
     pou = pou_of(action)
@@ -302,6 +313,9 @@ def inline_action(journal: Journal, project: Project, action: Action) -> None:
     if isinstance(holder, ActionAssociation):
         if holder.body is not None:
             raise refused(what, "the association has code in place too")
+        if family(names.dialect) is Dialect.CODESYS and not isinstance(body, StBody | IlBody):
+            raise refused(what, "code in place of CODESYS is structured text")
+        _refuse_other_order(what, pou, action, names.dialect)
         journal.put(holder, "target", None)
         journal.put(holder, "body", body)
     else:

@@ -11,6 +11,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import jump, selection, simultaneous, step
 from plcopen_sfc.errors import ArgumentError, ModelError
 from plcopen_sfc.languages.binding import Names
+from plcopen_sfc.model import Dialect
 from plcopen_sfc.refactor.editor import Editor
 from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from tests.samples import FIXTURES
@@ -384,6 +385,29 @@ def test_actions_are_inlined_and_extracted() -> None:
     find(project, "Drain").actions.append(sfc.ActionAssociation.parse("N Dose", 900))
     with pytest.raises(ModelError, match="2 places name it"):
         edit.inline_action(pou.action("Dose"))
+
+
+def test_the_order_of_actions_by_their_names_is_kept() -> None:
+    """CODESYS executes actions of associations in the order of their names; entry actions belong to their step."""
+    project = plant()
+    project.dialect = Dialect.CODESYS
+    pou, fill = project.pou("Main"), find(project, "Fill")
+    drain = find(project, "Drain")
+    drain.entry_action = pou.add_action("Drain_entry", "Pump := FALSE;").name
+    edit = project.edit()
+    assert not edit.rename("Main.Drain_entry", "Zero").undecided
+    edit.inline_action(pou.action("Pour"))  # alone in the order of names
+    edit.undo()
+    drain.actions.append(sfc.ActionAssociation.parse("N Stop_Pump", 900))
+    pou.add_action("Stop_Pump", "Pump := FALSE;")
+    [told] = edit.rename("Main.Pour", "Tip").undecided
+    assert "it changes places with Stop_Pump" in told.reason
+    with pytest.raises(ModelError, match="Stop_Pump share variables with it"):
+        edit.inline_action(pou.action("Tip"))
+    fill.actions[0].target, fill.actions[0].body = None, sfc.StBody(text="Pump := TRUE;")
+    with pytest.raises(ModelError, match="Tip, Stop_Pump share variables with it"):
+        edit.extract_action(fill, "Last", 0)
+    assert pou.find_action("Last") is None
 
 
 @pytest.mark.parametrize(

@@ -29,6 +29,7 @@ from plcopen_sfc.languages.st import parse_condition, parse_statements, print_no
 from plcopen_sfc.languages.standard_blocks import BlockKind, StandardBlock, standard_block
 from plcopen_sfc.languages.translation.call_translation import has_function
 from plcopen_sfc.model.base import Element
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
@@ -202,6 +203,9 @@ _COILS = frozenset({"TrCoil", "IlCoil", "SvCoil"})
 """Coils in the networks of a transition, an interlock and a supervision of S7-GRAPH (seen in exports)."""
 
 
+_FLAGS = {flag.variable.casefold(): flag for flag in SfcFlag}
+
+
 class Misfit(NamedTuple):
     """Something in a text that does not fit, such as a number that is assigned to a BOOL."""
 
@@ -296,8 +300,20 @@ class CheckedProject:
             each
             for each in found
             if not is_of_the_tool(each, self.dialect)
+            and not self._is_flag(each)
             and not any(fnmatchcase(each.reference.name.casefold(), pattern) for pattern in self.externals)
         )
+
+    def _is_flag(self, occurrence: Occurrence) -> bool:
+        """True for an SFC flag that the tool declares: CODESYS does where the settings of the chart do not refuse."""
+        reference, site = occurrence.reference, occurrence.text_site.site
+        flag = _FLAGS.get(reference.name.casefold())
+        if flag is None or self.project.dialect not in (Dialect.CODESYS, Dialect.TWINCAT):
+            return False
+        base = self.named.resolver.type_of(reference.base, site) if reference.base is not None else site.pou
+        charts = self.charts_of(base) if isinstance(base, Pou) else ()
+        stated = [chart.settings.flags.get(flag) if chart.settings is not None else None for chart in charts]
+        return any(each is None or (each.use and each.declare) for each in stated)
 
     @cached_property
     def undeclared_types(self) -> tuple[Occurrence, ...]:
@@ -307,7 +323,7 @@ class CheckedProject:
     @cached_property
     def undeclared_members(self) -> tuple[Occurrence, ...]:
         """The members that their types do not have."""
-        return tuple(self.named.undeclared_members())
+        return tuple(each for each in self.named.undeclared_members() if not self._is_flag(each))
 
     @cached_property
     def unused(self) -> tuple[Declaration, ...]:

@@ -990,6 +990,7 @@ END_PROGRAM
     return whole(text)
 
 
+case("VAR01", plant("x := SFCErrr;", globals="g"), plant("x := SFCError;", globals="g"), "'SFCErrr' names", "codesys")
 case("VAR01", of_library("Base", "Valve"), of_library("LibraryBase", "Valve"), "'Closed' is no member", "codesys")
 case("VAR01", of_library("LibraryBase", "Vallve"), of_library("LibraryBase", "BLINK"), "'Vallve' names no", "codesys")
 case("VAR02", of_library("LibraryBase", "BLINK"), of_library("LibraryBase", "Valve"), "elsewhere: BLINK", "codesys")
