@@ -47,6 +47,7 @@ def note_differences(
     _note_operands(project, kind, options, report)
     _note_sections(project, kind, report)
     _note_bodies(project, kind, options, report)
+    _note_initial_steps(project, kind, options, report)
     if project.tool_format == EXPORTS != kind.name and dialect is not Dialect.SCL:
         _note_bits_of_words(project, kind, report)
     _note_falling_edges(project, kind, dialect, report)
@@ -68,6 +69,21 @@ def _note_bodies(project: Project, kind: Format, options: WriteOptions, report: 
             languages = ", ".join(body.language for body in pou.bodies[1:])
             why = f"a POU has one body in {kind.tool}: what is in the others ({languages}) is NOT executed"
             report.add(Outcome.NOT_EXECUTED, "body", pou.report_path, why)
+
+
+def _note_initial_steps(project: Project, kind: Format, options: WriteOptions, report: ConversionReport) -> None:
+    """Report charts without an initial step; partial charts of GRAFCETs, which others force, are no such.
+
+    Those of S7-GRAPH begin with their first step, which has the mark of an initial step where a chart is rewritten.
+    """
+    profile = default_profile(project)
+    is_marked = profile.graph_parameters and kind.charts is not None
+    if options.flavour or profile.grafcet_terms or is_marked:
+        return
+    for place in project.charts():
+        if place.chart.steps and not place.chart.partial_charts and not place.chart.initial_steps:
+            why = f"it has no initial step, and IEC 61131-3 demands one: it is not known how it runs in {kind.tool}"
+            report.add(Outcome.APPROXIMATED, "chart", place.report_path, why)
 
 
 def _note_step_actions(project: Project, target: Profile, report: ConversionReport) -> None:

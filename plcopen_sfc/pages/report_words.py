@@ -454,6 +454,9 @@ _NOT_EXECUTED = {
         "Variablen dieses Namens bedienen in {} die Kette oder zeigen ihren Zustand: {}"
     ),
     "the program of the {+}, `{}`, is NOT executed in {+}": "das Programm von {}, `{}`, wird in {} NICHT ausgeführt",
+    "it has no initial step, and IEC 61131-3 demands one: it is not known how it runs in {+}": (
+        "sie hat keinen Initialschritt, den IEC 61131-3 verlangt: es ist nicht bekannt, wie sie in {} abläuft"
+    ),
     "a POU has one body in {+}: what is in the others ({}) is NOT executed": (
         "ein Baustein hat in {} einen Rumpf: was in den anderen ist ({}), wird NICHT ausgeführt"
     ),

@@ -241,3 +241,13 @@ def test_of_a_network_that_no_tool_executes_nothing_is_known() -> None:
         "an input cannot set anything"
     )
     assert german(item.why).startswith("es ist nicht bekannt, ob ")
+
+
+@pytest.mark.parametrize("target", ["codesys", "codesys23", "simaticml", "plcopen"])
+def test_a_chart_without_an_initial_step_is_told(target: str) -> None:
+    """Neither side enters a step, which is a proof of nothing."""
+    source = project(PAIR.format(condition="a", actions="q(N);").replace("INITIAL_STEP", "STEP"))
+    (item,) = losses(source, target)
+    assert (item.outcome, item.what, item.path) == (Outcome.APPROXIMATED, "chart", "POU Main")
+    assert item.why.startswith("it has no initial step")
+    assert german(item.why).startswith("sie hat keinen Initialschritt")
