@@ -26,6 +26,7 @@ from plcopen_sfc.formats.iectext.text_printing import (
     comment_lines,
     drawn_changes,
     foreign_pragmas,
+    is_lifted_body,
     is_text_body,
     missing,
     note_changes,
@@ -171,7 +172,7 @@ class ChartTextWriter:
         """Bodies inside an element become actions in place that it refers to."""
 
         def lift(thing: BaseModel) -> Fields | None:
-            if not is_text_body(thing):
+            if not is_lifted_body(thing):
                 return None
             name = self.printer.new_name(f"{wish}_body")
             in_place.append((name, thing))  # type: ignore[arg-type]
@@ -562,7 +563,7 @@ class _Unit:
         return _Unit(self.printer, thing, keyword, path, indent=self.inner, objects=self.objects).piece()
 
     def _lift(self, thing: BaseModel) -> Fields | None:
-        if not is_text_body(thing):
+        if not is_lifted_body(thing):
             return None
         name = self.printer.new_name(f"{self.thing.name}_body")
         self.in_place.append((name, thing))  # type: ignore[arg-type]

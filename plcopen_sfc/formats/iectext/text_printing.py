@@ -163,6 +163,11 @@ def outcome_of(change: RemainderEntry) -> Outcome:
     fields = [part for part in change.path if isinstance(part, str) and part != "chart"]
     if fields[:1] == ["exclude"]:
         return Outcome.APPROXIMATED
+    if isinstance(change.value, dict) and fields[:1] in (["permanent_pre"], ["permanent_post"]):
+        body = change.value.get("body") or {}
+        return (
+            Outcome.NOT_EXECUTED if body.keys() & {"body_of", "networks", "text", "content"} else Outcome.EXTENSION_DATA
+        )
     return Outcome.NOT_EXECUTED if fields[:1] and fields[0] in EXECUTED else Outcome.EXTENSION_DATA
 
 
@@ -237,3 +242,8 @@ def foreign_pragmas(fields: Fields, read_back: Fields, indent: str) -> str:
 def is_text_body(thing: BaseModel) -> bool:
     """True if `thing` is a body that can be in an action."""
     return isinstance(thing, StBody | IlBody | SfcBody | FbdBody | LdBody)
+
+
+def is_lifted_body(thing: BaseModel) -> bool:
+    """True if `thing` is a body that is written as an action: not one without networks, which no drawing shows."""
+    return is_text_body(thing) and not (isinstance(thing, FbdBody | LdBody) and not thing.networks)

@@ -227,3 +227,17 @@ def test_the_report_says_what_became_a_pragma() -> None:
         ("main action", Outcome.TRANSLATED),
     } <= outcomes
     assert report.losses == []
+
+
+def test_permanent_instructions_without_a_network_are_no_loss() -> None:
+    """TIA Portal writes an empty one into each export; they were named as two bodies that are not executed."""
+    text = b"FUNCTION_BLOCK Main\nVAR a : BOOL; END_VAR\nINITIAL_STEP S: END_STEP\nTRANSITION FROM S TO S := a;"
+    source = sfc.loads(text + b" END_TRANSITION\nEND_FUNCTION_BLOCK\n", format="iec-text")
+    chart = source.pou("Main").sfc
+    chart.permanent_pre = [m.PermanentOperation(body=m.LdBody())]
+    data, report = sfc.convert(source, "iec-text", fresh=True)
+    assert report.losses == []
+    assert sfc.loads(data).pou("Main").sfc.permanent_pre == chart.permanent_pre
+    chart.permanent_pre = [m.PermanentOperation(body=m.StBody(text="a := TRUE;"))]
+    report = sfc.convert(source, "iec-text", fresh=True, partial=True).report
+    assert "chart" in {item.what for item in report.losses}
