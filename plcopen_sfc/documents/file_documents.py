@@ -188,12 +188,15 @@ def report_behaviour(
 
     target = PROFILES[flavour] if flavour else None
     own = family(project.dialect)
+    # TwinCAT and CODESYS have one language, and libraries of their own; text is read by the tool of its source
+    formats = {project.tool_format, seen.tool_format}
+    has_other_libraries = "twincat" in formats and len(formats) > 1 and "iec-text" not in formats
     # a plan need not declare what it names, a program of any tool must
     is_plan = default_profile(project).name == "grafcet" != default_profile(seen).name
     found = compare(
         behaviour,
         executed(seen, target, compared_with=behaviour),
-        other_tool=bool(flavour) or is_plan or own is not family(seen.dialect),
+        other_tool=bool(flavour) or is_plan or has_other_libraries or own is not family(seen.dialect),
         has_libraries=own is not Dialect.IEC,
     )
     report_execution(report, found, flavour or tool, called)

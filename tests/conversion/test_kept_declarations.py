@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.model import FlagUse, NamedCondition, NamedTransition, OpaqueBody, SfcFlag, SfcSettings
+from plcopen_sfc.model import Dialect, FlagUse, NamedCondition, NamedTransition, OpaqueBody, SfcFlag, SfcSettings
 from plcopen_sfc.report import ConversionReport, Outcome
 
 TARGETS = ("codesys", "plcopen-1.01", "plcopen-2.01", "simaticml", "scl")
@@ -313,3 +313,17 @@ def test_a_condition_in_a_form_of_its_tool_is_named_in_all_others() -> None:
     _, report = sfc.convert(project, "codesys", partial=True)
     (item,) = [each for each in report.losses if each.what == "condition"]
     assert item.why == "the condition is in a form of its tool that is not read: CODESYS does not execute it"
+
+
+def test_libraries_of_twincat_are_none_of_codesys() -> None:
+    """Both have one language, so that calls of a library of the other were called kept."""
+    text = b"FUNCTION_BLOCK Main\nVAR m : FB_MBReadRegs; w : WORD; END_VAR\nm(); w := BE16_TO_HOST(w);\n"
+    source = sfc.loads(text + b"END_FUNCTION_BLOCK\n", format="iec-text")
+    source.dialect = Dialect.CODESYS
+    of_codesys = sfc.loads(sfc.convert(source, "codesys", partial=True)[0])
+    of_twincat = sfc.loads(sfc.convert(source, "twincat", partial=True)[0], format="twincat")
+    for project, target in ((of_twincat, "codesys"), (of_codesys, "twincat")):
+        found = sfc.convert(project, target, partial=True).report.losses
+        assert {item.what for item in found} == {"undeclared name", "undeclared type"}, target
+    for project, target in ((of_twincat, "iec-text"), (of_codesys, "codesys-export")):
+        assert sfc.convert(project, target, partial=True).report.losses == [], target
