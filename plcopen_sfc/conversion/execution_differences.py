@@ -332,8 +332,9 @@ def _name(part: Part, key: Key) -> str:
 
 
 def _trigger(part: Part) -> str:
-    """Part in one word or two: the qualifier of an action, the type of a variable."""
-    told = part.aspects.get("trigger") or part.aspects.get("type") or part.aspects.get("kind")
+    """Part in one word or two: the qualifier of an action, the type of a variable, the condition of a transition."""
+    found = (part.aspects.get(aspect) for aspect in ("trigger", "type", "kind", "condition"))
+    told = next((each for each in found if each is not None), None)
     return told.show() if told is not None else ""
 
 

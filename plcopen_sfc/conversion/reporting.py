@@ -23,6 +23,7 @@ from plcopen_sfc.conversion.executed_parts import (
 from plcopen_sfc.conversion.execution_differences import OF_LIBRARY, ExecutionDifference
 from plcopen_sfc.conversion.meaning import UNREAD_CONDITION, UNREAD_NETWORK
 from plcopen_sfc.diagnostics import Diagnostic
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import (
     LOSSES,
@@ -102,6 +103,10 @@ def report_execution(
             continue
         if (f"{place} / {difference.aspect}", "flag") in lost:
             continue
+        if difference.kind == "transition" and (difference.left or "").upper() == "FALSE":
+            tip = f"{ObjectPath.of(place).around} / {SfcFlag.TIP.variable}"
+            if any((tip, kind) in lost for kind in OPERATING_KINDS):
+                continue  # SFCTip alone fires it, of which it is told that the target does not obey it
         if names & settled.keys() or _is_rewritten(difference, rewritten, settled, changed):
             continue
         told |= names

@@ -184,3 +184,13 @@ def test_a_memory_that_holds_nothing_during_a_pause_is_told_as_such() -> None:
     (item,) = [each for each in report.losses if each.what == "operating inputs"]
     assert item.why == "what is kept of SFC flags may be computed before actions that the conditions read"
     assert Words("de").message(item.why).startswith("was von SFC-Flags aufbewahrt wird, ")
+
+
+def test_transitions_that_sfctip_alone_fires_are_told_with_it() -> None:
+    """Each was an item of its own, without a reason, or called a mistake of this package."""
+    source = chart_with("SFCTip", "SFCInit", chart=f"{LONG_BRANCHES.replace(':= g', ':= FALSE')}", work="")
+    source.pou("Main").sfc.step("Left").entry_action = m.StBody(text="SFCTip := b;")
+    report = sfc.convert(source, "plcopen", partial=True).report
+    assert ("not executed", "operating input", "POU Main / SFCTip") in losses(report)
+    assert "transition" not in {item.what for item in report.losses}
+    assert all("please report this" not in item.why for item in report.losses)
