@@ -56,6 +56,8 @@ CHARTS = (
 )
 """Charts by what came of running them: `proven` are among the same, also a scan later. *Differs as named*: by something
 that the report names, or a rule of the tools. *Not executed*: the report names what the target does not execute."""
+REACHED = "steps reached"
+"""Column of the steps that runs reached, of those of all charts that are the same as far as was reached."""
 MOST_CHARTS = 16
 """Charts of files with more are *left out*: exports of one plant in eight states, each of which takes minutes."""
 
@@ -74,10 +76,11 @@ def judged(path: Path, target: str, *, limit: float) -> Judged | None:
     """Convert a file, and run each chart for `limit` seconds; None where it is not read, or is of this format."""
     try:
         project = sfc.load(path)
-        charts = [each.report_path for each in project.charts() if each.chart.steps or each.chart.partial_charts]
+        found_charts = [each for each in project.charts() if each.chart.steps or each.chart.partial_charts]
     except SfcError:
         return None
-    source = source_of(project)
+    steps = {each.report_path: len(each.chart.steps) for each in found_charts}
+    charts, source = [*steps], source_of(project)
     if target == source or (limit and not charts):
         return None
     found = Judged(f"{source} -> {target}", path.name, Counter(files=1, charts=len(charts)))
@@ -101,6 +104,10 @@ def judged(path: Path, target: str, *, limit: float) -> Judged | None:
     for chart in charts if limit else ():
         column, why = _seen(report, chart)
         found.counts[column] += 1
+        if column in ("the same", "a scan later", "not all reached"):
+            missed = _MISSED.search(report.compared.get(chart, ""))
+            found.counts["steps"] += steps[chart]
+            found.counts[REACHED] += steps[chart] - (int(missed[1]) if missed is not None else 0)
         found.counts["proven"] += _PROVEN.match(report.compared.get(chart, "")) is not None
         if column not in ("the same", "a scan later"):
             found.notes.append(f"{column}: {chart}: {why}")
@@ -126,6 +133,7 @@ def _seen(report: ConversionReport, chart: str) -> tuple[str, str]:
 
 
 _OTHER_RULES = re.compile(r"; (with actions and transitions in the order|under the rules) of ")
+_MISSED = re.compile(r"not all was reached \((\d+) steps?\b")
 _PROVEN = re.compile(r"equal\b[^(]*\(proof")
 _VERDICTS = {
     ChartVerdict.SAME: "the same",
