@@ -295,47 +295,47 @@ def plain_value(value: Any, substitute: Substitute | None = None) -> Any:
 
 
 def changes(
-    said: Any, meant: Any, path: tuple[Segment, ...] = (), *, guarded: bool = False
+    read: Any, meant: Any, path: tuple[Segment, ...] = (), *, guarded: bool = False
 ) -> Iterator[RemainderEntry]:
-    """Return the entries beside a text with the content `said` that give it the content `meant`.
+    """Return the entries beside a text with the content `read` that give it the content `meant`.
 
     `guarded`: each change of fields and lists tells what they are in the text, too, not only one of a plain value. The
     reader must have all of the text before it makes the first change.
     """
-    if guarded and isinstance(said, dict) and isinstance(meant, dict) and _differ_in_language_only(said, meant):
-        yield RemainderEntry(path, meant, said)
-    elif isinstance(said, dict) and isinstance(meant, dict) and (not path or (meant and _same_kind(said, meant))):
+    if guarded and isinstance(read, dict) and isinstance(meant, dict) and _differ_in_language_only(read, meant):
+        yield RemainderEntry(path, meant, read)
+    elif isinstance(read, dict) and isinstance(meant, dict) and (not path or (meant and _same_kind(read, meant))):
         for key in meant:
-            if key in said:
-                yield from changes(said[key], meant[key], (*path, key), guarded=guarded)
+            if key in read:
+                yield from changes(read[key], meant[key], (*path, key), guarded=guarded)
             else:
                 yield from additions(meant[key], (*path, key))
-        for key in said:
+        for key in read:
             if key not in meant:
-                yield RemainderEntry((*path, key), DEFAULT, _instead(said[key], guarded))
-    elif isinstance(said, list) and isinstance(meant, list) and len(said) > len(meant) and _starts_alike(meant, said):
-        segments = _segments(said, [*meant, *said[len(meant) :]])
-        for one, other, segment in zip(said, meant, segments, strict=False):
+                yield RemainderEntry((*path, key), DEFAULT, _instead(read[key], guarded))
+    elif isinstance(read, list) and isinstance(meant, list) and len(read) > len(meant) and _starts_alike(meant, read):
+        segments = _segments(read, [*meant, *read[len(meant) :]])
+        for one, other, segment in zip(read, meant, segments, strict=False):
             yield from changes(one, other, (*path, segment), guarded=guarded)
         # from the last to the first, since each removal moves the items behind it
-        for item, segment in reversed([*zip(said, segments, strict=True)][len(meant) :]):
+        for item, segment in reversed([*zip(read, segments, strict=True)][len(meant) :]):
             yield RemainderEntry((*path, segment), DEFAULT, _instead(item, guarded))
-    elif isinstance(said, list) and isinstance(meant, list) and _starts_alike(said, meant):
-        for one, other, segment in zip(said, meant, _segments(said, meant), strict=False):
+    elif isinstance(read, list) and isinstance(meant, list) and _starts_alike(read, meant):
+        for one, other, segment in zip(read, meant, _segments(read, meant), strict=False):
             yield from changes(one, other, (*path, segment), guarded=guarded)
-        for index, item in enumerate(meant[len(said) :], len(said)):
+        for index, item in enumerate(meant[len(read) :], len(read)):
             yield from _appended(item, path, index)
-    elif said != meant or type(said) is not type(meant):
-        if isinstance(said, list) and isinstance(meant, list) and said and meant:
+    elif read != meant or type(read) is not type(meant):
+        if isinstance(read, list) and isinstance(meant, list) and read and meant:
             # lists that begin otherwise have nothing to be matched by: one is emptied, and filled again
-            yield RemainderEntry(path, [], _instead(said, guarded))
+            yield RemainderEntry(path, [], _instead(read, guarded))
             yield from additions(meant, path)
         else:
-            yield RemainderEntry(path, meant, _instead(said, guarded))
+            yield RemainderEntry(path, meant, _instead(read, guarded))
 
 
-def _instead(said: Any, guarded: bool) -> Any:
-    return said if guarded or not isinstance(said, dict | list) else None
+def _instead(read: Any, guarded: bool) -> Any:
+    return read if guarded or not isinstance(read, dict | list) else None
 
 
 def additions(meant: Any, path: tuple[Segment, ...]) -> Iterator[RemainderEntry]:
@@ -368,16 +368,16 @@ def _is_list_of_fields(value: Any) -> bool:
     return isinstance(value, list) and bool(value) and all(isinstance(item, dict) for item in value)
 
 
-def _same_kind(said: Fields, meant: Fields) -> bool:
+def _same_kind(read: Fields, meant: Fields) -> bool:
     """True if both have the same fields: the kind of a POU is one of them, other kinds tell which fields there are."""
-    kinds = {said.get("kind"), meant.get("kind")}
+    kinds = {read.get("kind"), meant.get("kind")}
     return len(kinds) == 1 or kinds <= _POU_KINDS
 
 
-def _differ_in_language_only(said: Fields, meant: Fields) -> bool:
+def _differ_in_language_only(read: Fields, meant: Fields) -> bool:
     """True for one text in two languages, as comments alone are: an edit of it may mean any of them."""
-    languages = {said.get("language"), meant.get("language")}
-    return len(languages) > 1 and "text" in meant and said.get("text") == meant["text"]
+    languages = {read.get("language"), meant.get("language")}
+    return len(languages) > 1 and "text" in meant and read.get("text") == meant["text"]
 
 
 _POU_KINDS = frozenset(kind.value for kind in PouKind)
@@ -391,25 +391,25 @@ def _is_map(fields: Fields) -> bool:
 _MANY = 4
 
 
-def _starts_alike(said: list[Any], meant: list[Any]) -> bool:
-    """True if the items of `said` are those that `meant` begins with; in a list as long, some may have other names."""
-    if not said or len(said) > len(meant) or any(type(o) is not type(t) for o, t in zip(said, meant, strict=False)):
+def _starts_alike(read: list[Any], meant: list[Any]) -> bool:
+    """True if the items of `read` are those that `meant` begins with; in a list as long, some may have other names."""
+    if not read or len(read) > len(meant) or any(type(o) is not type(t) for o, t in zip(read, meant, strict=False)):
         return False
-    if not all(isinstance(item, dict) for item in said):
-        return len(said) == len(meant)
-    alike = sum(_is_alike(o, t) for o, t in zip(said, meant, strict=False))
-    return alike == len(said) or (len(said) == len(meant) and 2 * alike >= len(said))
+    if not all(isinstance(item, dict) for item in read):
+        return len(read) == len(meant)
+    alike = sum(_is_alike(o, t) for o, t in zip(read, meant, strict=False))
+    return alike == len(read) or (len(read) == len(meant) and 2 * alike >= len(read))
 
 
-def _is_alike(said: Fields, meant: Fields) -> bool:
+def _is_alike(read: Fields, meant: Fields) -> bool:
     """True if both are one object: of one name, or the same but for the name."""
-    named = said.get("name") == meant.get("name") or {**said, "name": None} == {**meant, "name": None}
-    return named and _same_kind(said, meant)
+    named = read.get("name") == meant.get("name") or {**read, "name": None} == {**meant, "name": None}
+    return named and _same_kind(read, meant)
 
 
-def _segments(said: list[Any], meant: list[Any]) -> list[Segment]:
+def _segments(read: list[Any], meant: list[Any]) -> list[Segment]:
     """Return how to point at each item: by its name, if it keeps that and is the only one of that name."""
-    names = [_name(item) for item in said]
+    names = [_name(item) for item in read]
     folded = [name.casefold() for name in names]
     return [
         Named(name) if name and folded.count(name.casefold()) == 1 and _name(other) == name else index

@@ -31,7 +31,7 @@ def plain(text: Text | None, language: str = "") -> str:
     if isinstance(text, MarkupText):
         return text.text
     spoken = language.partition("-")[0]
-    others = (said for tag, said in text.texts.items() if said and tag.partition("-")[0] == spoken)
+    others = (caption for tag, caption in text.texts.items() if caption and tag.partition("-")[0] == spoken)
     return text.texts.get(language) or next(others, "") or next(iter(text.texts.values()), "")
 
 

@@ -72,9 +72,9 @@ def changed_meanings(
             continue
         if was is not None and was in wanted:
             others = (now,) if now is not None else new.meaning.candidates or ()
-            yield was, f"{old.use} would mean {_said(next((d for d in others if d not in (None, was)), None))}"
+            yield was, f"{old.use} would mean {_described(next((d for d in others if d not in (None, was)), None))}"
         else:
-            yield now if now is not None and now in wanted else first, f"{old.use} means {_said(was)} now"
+            yield now if now is not None and now in wanted else first, f"{old.use} means {_described(was)} now"
 
 
 def _hidden_by(names: Names, occurrence: Occurrence) -> Declaration | None:
@@ -89,7 +89,7 @@ def _hidden_by(names: Names, occurrence: Occurrence) -> Declaration | None:
     return None
 
 
-def _said(declaration: Declaration | None) -> str:
+def _described(declaration: Declaration | None) -> str:
     return f"the {declaration}" if declaration is not None else "something that the project does not declare"
 
 

@@ -144,8 +144,8 @@ class Signal:
         """Return a date or time as a literal, or as its number where no literal has it."""
         kind = _CALENDAR[self.type]
         try:
-            said = _EPOCH + timedelta(value // _DAY) if kind is LiteralKind.DATE else value
-            return write_literal(LiteralValue(kind, said, self.type))
+            shown = _EPOCH + timedelta(value // _DAY) if kind is LiteralKind.DATE else value
+            return write_literal(LiteralValue(kind, shown, self.type))
         except (ModelError, OverflowError):
             return str(value)
 

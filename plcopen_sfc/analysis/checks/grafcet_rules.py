@@ -109,8 +109,8 @@ def _not_boolean(chart: CheckedChart) -> Iterator[Finding]:
         if use.association.kind in _CONDITIONAL and use.association.value is not None:
             continue  # an assignment, which has its own finding
         if not (isinstance(type_, ElementaryType) and type_.name is Elementary.BOOL):
-            said = type_.name.value if isinstance(type_, ElementaryType) else type_.kind
-            yield Finding(use.sheet.at(use.step, use.association), f"{use.name} is no BOOL but {said}")
+            shown = type_.name.value if isinstance(type_, ElementaryType) else type_.kind
+            yield Finding(use.sheet.at(use.step, use.association), f"{use.name} is no BOOL but {shown}")
 
 
 ACT11 = Rule(

@@ -202,8 +202,8 @@ def _identifiers(chart: CheckedChart) -> Iterator[Finding]:
     for sheet in chart.sheets:
         for step in sheet.steps:
             if not _is_identifier(step.name, chart):
-                said = f"the name {step.name!r} is no identifier" if step.name.strip() else "the step has no name"
-                yield Finding(sheet.at(step), said)
+                message = f"the name {step.name!r} is no identifier" if step.name.strip() else "the step has no name"
+                yield Finding(sheet.at(step), message)
 
 
 def _is_identifier(name: str, chart: CheckedChart) -> bool:

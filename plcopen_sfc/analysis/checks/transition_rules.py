@@ -438,8 +438,8 @@ def _unknown_steps(chart: CheckedChart) -> Iterator[Finding]:
             if isinstance(node, n.Member) and isinstance(node.base, n.Name) and node.name.identifier in _STEP_MEMBERS:
                 name = node.base.identifier
                 if name.casefold() not in known:
-                    said = print_node(node)
-                    yield Finding(sheet.at(transition), f"{said} asks for a step {name!r}, and there is no such step")
+                    shown = print_node(node)
+                    yield Finding(sheet.at(transition), f"{shown} asks for a step {name!r}, and there is no such step")
 
 
 _STEP_MEMBERS = frozenset({"X", "x", "T", "t"})

@@ -231,16 +231,16 @@ class _ChartReader:
         places.append((("end", ""), end, ()))
         position = end[1]
         others: list[str] = []
-        said: dict[str, str] = {}
+        given: dict[str, str] = {}
         while (pragma := _STEP_PRAGMA.match(self.text, position, following)) is not None:
             place, value = _STEP_PRAGMAS.get(pragma[2].upper()), plain_lines(pragma[3])
             if place is None:
                 others.append(pragma[1])
             elif value:
-                said[place] = value
+                given[place] = value
             places.append((("pragma", pragma[2].upper()), pragma.span(1), ()))
             position = pragma.end(1)
-        step = step.model_copy(update=said)  # no assignment validates: times in files may be invalid
+        step = step.model_copy(update=given)  # no assignment validates: times in files may be invalid
         step.extension_data = keep({"pragmas": "\n".join(others)} if others else {})
         for ending, attribute in ((ENTRY, "entry_action"), (EXIT, "exit_action")):
             own = f"{name}{ending}"

@@ -42,7 +42,7 @@ from plcopen_sfc.formats.text_patch import (
     section_places,
 )
 from plcopen_sfc.languages.declarations import Declared, Head, read_declarations, read_interface
-from plcopen_sfc.languages.declarations.declaration_comments import said
+from plcopen_sfc.languages.declarations.declaration_comments import comment_text
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.networks.exported_networks import KNOWN_SECTIONS
 from plcopen_sfc.languages.problems import Lines
@@ -338,7 +338,7 @@ class _Reader:
         start, end = core(self.text, outline.tail)
         self._tell_cut(start, end)
         if start < end:
-            self.project.comment = said(tokenize(self.text[start:end], Dialect.CODESYS).comments)
+            self.project.comment = comment_text(tokenize(self.text[start:end], Dialect.CODESYS).comments)
             self.places.append((("comment", ""), (start, end), ()))
 
     def _tell_cut(self, start: int, end: int) -> None:

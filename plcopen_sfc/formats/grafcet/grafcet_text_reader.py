@@ -184,29 +184,29 @@ class _Reader:
             self._comment_below(comment["comment"], end)
             return
         content = line[: comment.start()].rstrip() if comment is not None else line
-        said = comment["comment"].replace('""', '"') if comment is not None else None
+        comment_text = comment["comment"].replace('""', '"') if comment is not None else None
         if (found := _HEAD.match(content)) is not None:
-            self._grafcet(found, said, start, end)
+            self._grafcet(found, comment_text, start, end)
         elif self._root is None:
             what = f"a text begins with GRAFCET and its name, not with {content.split()[0]!r}"
             raise self._wrong(what, _BEGINNING)
         elif (found := _TABLE.match(content)) is not None:
-            self._table(found, said, start, end)
+            self._table(found, comment_text, start, end)
         elif (found := _CHART.match(content)) is not None:
-            self._partial(found, said, start, end)
+            self._partial(found, comment_text, start, end)
         elif (found := _STEP.match(content)) is not None:
-            self._new_step(found, said, start, end)
+            self._new_step(found, comment_text, start, end)
         elif (found := _TRANSITION.match(content)) is not None:
-            self._transition(found, said, start, end)
+            self._transition(found, comment_text, start, end)
         elif "->" in content.partition(":")[0]:
             hint = "A transition leads from steps to steps: 1 -> 2 : condition, 1, 2 -> 3 : condition"
             if (found := _NO_COLON.match(content)) is not None:
                 hint = f"Write a colon before the condition: {found['steps']} : {found['condition']}"
             raise self._wrong(f"{content!r} is no transition", hint)
         elif self._section is not None and (found := _VARIABLE.match(content)) is not None:
-            self._variable(found, said, start, end)
+            self._variable(found, comment_text, start, end)
         elif self._step is not None:
-            self._action(content, said, start, end)
+            self._action(content, comment_text, start, end)
         else:
             raise self._wrong(f"{content!r} belongs to no step and to no table of variables")
 
@@ -237,9 +237,9 @@ class _Reader:
             each.end = end
         return place
 
-    def _head(self, place: _Place, owner: _Commented, said: str | None, start: int, end: int) -> None:
+    def _head(self, place: _Place, owner: _Commented, comment_text: str | None, start: int, end: int) -> None:
         """Add the line that begins `place`."""
-        owner.comment = said
+        owner.comment = comment_text
         head = _Place(("head", ""), start, end, commented=_adding(owner))
         place.inner.append(head)
 
@@ -248,7 +248,7 @@ class _Reader:
 
     # -- statements
 
-    def _grafcet(self, found: re.Match[str], said: str | None, start: int, end: int) -> None:
+    def _grafcet(self, found: re.Match[str], comment_text: str | None, start: int, end: int) -> None:
         self._finish_grafcet()
         network = SfcNetwork()
         kind = PouKind.FUNCTION_BLOCK if found["block"] else PouKind.PROGRAM
@@ -258,11 +258,11 @@ class _Reader:
             self._project.name = found["name"]
         self._project.pous.append(self._pou)
         place = self._add(("grafcet", found["name"]), start, end, 1)
-        self._head(place, self._pou, said, start, end)
+        self._head(place, self._pou, comment_text, start, end)
         self._root = self._chart = _Chart(network, f"POU {found['name']}", place)
         self._note_line(self._root.path)
 
-    def _table(self, found: re.Match[str], said: str | None, start: int, end: int) -> None:
+    def _table(self, found: re.Match[str], comment_text: str | None, start: int, end: int) -> None:
         if self._pou is None or self._chart is not self._root or self._step is not None:
             raise self._wrong("tables of variables come before steps and charts")
         self._section = VariableSection(kind=TABLES[found["word"]])
@@ -270,9 +270,9 @@ class _Reader:
             self._pou.interface = Interface()
         self._pou.interface.sections.append(self._section)
         place = self._add(("table", found["word"]), start, end, 2)
-        self._head(place, self._section, said, start, end)
+        self._head(place, self._section, comment_text, start, end)
 
-    def _variable(self, found: re.Match[str], said: str | None, start: int, end: int) -> None:
+    def _variable(self, found: re.Match[str], comment_text: str | None, start: int, end: int) -> None:
         assert self._section is not None  # noqa: S101  # the caller has looked
         if _NUMBER.fullmatch(found["name"]):
             raise self._wrong(f"{found['name']!r} is a number and no name", "Write: name %I0.0 : TYPE := value")
@@ -290,7 +290,7 @@ class _Reader:
         variable.name = found["name"]
         self._section.variables.append(variable)
         place = self._add(("variable", variable.name), start, end, 3)
-        variable.comment = said
+        variable.comment = comment_text
         place.commented = _adding(variable)
 
     def _variables(self) -> Iterator[Variable]:
@@ -298,7 +298,7 @@ class _Reader:
         for section in interface.sections if interface is not None else ():
             yield from section.variables
 
-    def _partial(self, found: re.Match[str], said: str | None, start: int, end: int) -> None:
+    def _partial(self, found: re.Match[str], comment_text: str | None, start: int, end: int) -> None:
         assert self._root is not None  # noqa: S101  # the caller has looked
         self._finish_chart()
         partial = PartialChart(
@@ -314,11 +314,11 @@ class _Reader:
             raise self._wrong(f"there is a chart {partial.name} already")
         self._root.network.partial_charts.append(partial)
         place = self._add(("chart", partial.name), start, end, 2)
-        self._head(place, partial, said, start, end)
+        self._head(place, partial, comment_text, start, end)
         self._chart = _Chart(partial.chart, f"{self._root.path} / {partial.name}", place)
         self._note_line(self._chart.path)
 
-    def _new_step(self, found: re.Match[str], said: str | None, start: int, end: int) -> None:
+    def _new_step(self, found: re.Match[str], comment_text: str | None, start: int, end: int) -> None:
         chart = self._opened()
         name = found["name"]
         if name.casefold() in chart.ids:
@@ -336,7 +336,7 @@ class _Reader:
         chart.ids[name.casefold()] = step.id
         chart.network.steps.append(step)
         place = self._add(("step", name), start, end, self._depth())
-        self._head(place, step, said, start, end)
+        self._head(place, step, comment_text, start, end)
         self._step, self._section = step, None
         self._note_line(f"{chart.path} / step {name}")
 
@@ -356,10 +356,10 @@ class _Reader:
             for found in _ENCLOSURE.finditer(text)
         ]
 
-    def _transition(self, found: re.Match[str], said: str | None, start: int, end: int) -> None:
+    def _transition(self, found: re.Match[str], comment_text: str | None, start: int, end: int) -> None:
         chart = self._opened()
         condition = (found["condition"] or "").strip()
-        transition = Transition(id=chart.new_id(), comment=said)
+        transition = Transition(id=chart.new_id(), comment=comment_text)
         designation = (found["name"] or "").strip()
         transition.number = whole_number(designation)
         if transition.number is None:
@@ -372,12 +372,12 @@ class _Reader:
         place.commented = _adding(transition)
         self._step, self._section = None, None
 
-    def _action(self, content: str, said: str | None, start: int, end: int) -> None:
+    def _action(self, content: str, comment_text: str | None, start: int, end: int) -> None:
         chart = self._opened()
         if instead := _instead(content):
             raise self._wrong(f"{content!r} is no action", instead)
         assert self._step is not None  # noqa: S101  # the caller has looked
-        action = ActionAssociation(id=chart.new_id(), comment=said)
+        action = ActionAssociation(id=chart.new_id(), comment=comment_text)
         if (found := _FORCE.match(content)) is not None:
             inside = found["situation"].strip()
             situation = SITUATIONS.get(inside.upper(), ForcedSituation.EXPLICIT)

@@ -137,8 +137,8 @@ class _Grafcet2Plc(_Notation):
                         raise self.wrong(f"{action!r} is no action: a name is one", line)
                     made.add(f"        {action}", line)
             elif (found := _TRANSITION_LINE.match(content)) is not None:
-                said = _quoted(found["comment"] or "")
-                transitions[found["name"]] = _Transition(line, _condition(found["condition"] or ""), said)
+                comment_text = _quoted(found["comment"] or "")
+                transitions[found["name"]] = _Transition(line, _condition(found["condition"] or ""), comment_text)
             elif (found := _ARC_LINE.match(content)) is not None:
                 self._arc(found["source"], found["target"], transitions, line)
             else:
@@ -196,8 +196,8 @@ class _ToAutomaton(_Notation):
             if tag in _VARIABLES:
                 made.add(tag, line)
                 for at, entry in self._entries(bare, inner):
-                    said = " ".join(each.strip() for each in _REMARK.findall(entry))
-                    made.add(f"    {_REMARK.sub(' ', entry).strip()}{_quoted(said)}", at)
+                    comment_text = " ".join(each.strip() for each in _REMARK.findall(entry))
+                    made.add(f"    {_REMARK.sub(' ', entry).strip()}{_quoted(comment_text)}", at)
             elif tag == "PARTIAL":
                 name = re.search(r"=\s*(\S+)", rest)
                 made.add(f"CHART {name[1] if name is not None else 'G'}", line)

@@ -24,7 +24,7 @@ from plcopen_sfc.formats.text_patch import (
     section_places,
 )
 from plcopen_sfc.languages.declarations import Declared, DeclaredUnit, Head, read_declarations, split_units, write_value
-from plcopen_sfc.languages.declarations.declaration_comments import said
+from plcopen_sfc.languages.declarations.declaration_comments import comment_text
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.declarations.type_names import is_unit_quoted_in_scl, is_unreserved
 from plcopen_sfc.languages.problems import Lines, Problem
@@ -195,7 +195,7 @@ class _Reader:
             self._unit(project, unit, start)
             position = unit.span[1]
         rest = [comment for comment in comments if comment.span[0] >= position]
-        project.comment = said(rest)
+        project.comment = comment_text(rest)
         if rest:
             self._found.append((("comment", ""), (rest[0].span[0], rest[-1].span[1]), ()))
         project.extension_data = keep(_texts(unreadable=plain_lines("\n".join(self._kept))))

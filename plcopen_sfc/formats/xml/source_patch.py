@@ -506,7 +506,7 @@ class SourceMerge:
         for origin in origins:
             known = None if origin is None else places[origin]
             matched.append(None if origin is None or known is None else (known, old[origin]))
-        self._fill(node, self._mixed_anew(node, after, matched, set(found)), node.close_start)
+        self._fill(node, self._mixed_content(node, after, matched, set(found)), node.close_start)
 
     def _runs(self, node: SourceNode, known: set[SourceNode]) -> list[list[TextSegment]]:
         """Return the text before, between and behind the children in `known`."""
@@ -532,7 +532,7 @@ class SourceMerge:
             else:
                 self._replace(start, start, escape_text(new, self._style.habits))
 
-    def _mixed_anew(
+    def _mixed_content(
         self, node: SourceNode, after: etree._Element, matched: list[MatchedElement | None], known: set[SourceNode]
     ) -> str:
         """Return the content, out of the old texts where they are still wanted."""

@@ -45,7 +45,7 @@ def _start(comment: Comment) -> int:
     return comment.span[0]
 
 
-def said(comments: Iterable[Comment]) -> str | None:
+def comment_text(comments: Iterable[Comment]) -> str | None:
     """Return the text of comments without their delimiters; None if there is none. Pragmas are no comments."""
     texts = [_inside(comment) for comment in comments if comment.kind is not CommentKind.PRAGMA]
     return "\n".join(texts).strip() or None

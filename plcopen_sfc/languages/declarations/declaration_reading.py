@@ -10,7 +10,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from plcopen_sfc.languages.declarations.declaration_comments import LINE_END, Comments, pragmas, read_attributes, said
+from plcopen_sfc.languages.declarations.declaration_comments import (
+    LINE_END,
+    Comments,
+    comment_text,
+    pragmas,
+    read_attributes,
+)
 from plcopen_sfc.languages.declarations.kept_texts import keep
 from plcopen_sfc.languages.declarations.type_names import ELEMENTARY, SECTIONS, UNSIGNED, bare_name, is_quoted_in_scl
 from plcopen_sfc.languages.problems import Lines, Problem
@@ -342,7 +348,7 @@ class _Reader:
             tuple(map(self._slice, node.extends)),
             tuple(map(self._slice, node.implements)),
             node.properties,
-            said([*before, *behind]),
+            comment_text([*before, *behind]),
             _comment_span(before) or _comment_span(behind),
             pragmas([*before, *behind]),
         )
@@ -367,7 +373,7 @@ class _Reader:
         section = VariableSection(
             kind=kind,
             variables=[part.thing for part in parts if part.thing is not None],
-            comment=said([*before, *rest]),
+            comment=comment_text([*before, *rest]),
             extension_data=keep(texts),
             **{_FLAGS[word]: True for word in node.qualifiers if word in _FLAGS},
         )
@@ -380,7 +386,9 @@ class _Reader:
         rest = self._comments.take(0, end)
         texts = {"keyword": "STRUCT"} | self._braces([*before, *rest]) | _unreadable(parts)
         variables = [part.thing for part in parts if part.thing is not None]
-        section = VariableSection(variables=variables, comment=said([*before, *rest]), extension_data=keep(texts))
+        section = VariableSection(
+            variables=variables, comment=comment_text([*before, *rest]), extension_data=keep(texts)
+        )
         return Found(section, node, _with_comments((start, end), before), parts)
 
     def _variable(self, node: d.VariableDeclaration) -> Iterator[Found]:
@@ -400,7 +408,7 @@ class _Reader:
                 type=type_ if single else type_.model_copy(deep=True),
                 address=bare_name(self._slice(node.address)) if node.address is not None else None,
                 initial=initial if single or initial is None else initial.model_copy(deep=True),
-                comment=said(around),
+                comment=comment_text(around),
                 attributes=dict(attributes or {}),
                 extension_data=keep(texts),
             )
@@ -413,7 +421,7 @@ class _Reader:
         start, end = _span(node)
         before = self._comments.take(0, start)
         parts = tuple(self._members(entries, read))
-        comment = said([*before, *self._comments.take(0, end)])
+        comment = comment_text([*before, *self._comments.take(0, end)])
         variables = [part.thing for part in parts if part.thing is not None]
         section = kind(variables=variables, comment=comment, extension_data=keep(_unreadable(parts)))
         return Found(section, node, (start, end), parts)
@@ -424,7 +432,7 @@ class _Reader:
             path=self._slice(node.path),
             type=self._type(node.type),
             direction=_DIRECTIONS.get(node.direction),
-            comment=said(self._around(node)),
+            comment=comment_text(self._around(node)),
         )
         yield Found(variable, node, _span(node))
 
@@ -437,7 +445,7 @@ class _Reader:
             type=self._type(node.type),
             address=self._slice(node.address) if node.address is not None else None,
             initial=self._value(node.initial) if node.initial is not None else None,
-            comment=said(self._around(node)),
+            comment=comment_text(self._around(node)),
         )
         yield Found(variable, node, _span(node))
 
@@ -455,7 +463,7 @@ class _Reader:
             name=node.name.identifier,
             type=type_,
             initial=self._value(node.initial) if node.initial is not None else None,
-            comment=said(around),
+            comment=comment_text(around),
             extension_data=keep(texts),
         )
         yield Found(declaration, node, _with_comments(_span(node), around))
@@ -494,7 +502,7 @@ class _Reader:
         members = [part.thing for part in parts if part.thing is not None]
         rest = self._comments.take(0, _span(node)[1])
         texts = ({"union": ""} if node.union else {}) | _unreadable(parts) | self._braces(rest)
-        return t.StructType(members=members, comment=said(rest), extension_data=keep(texts))
+        return t.StructType(members=members, comment=comment_text(rest), extension_data=keep(texts))
 
     def _named_type(self, node: d.NamedType) -> t.DataType:
         text = self._slice(node.name)
