@@ -148,10 +148,12 @@ def _why_not_compared(
 ) -> str:
     """Return why a chart is not run; `untyped` is a type of its variables that nothing declares."""
     if here is not None and untyped is not None:  # no run knows what its members are, or that blocks share them
-        return f"nothing declares the type `{untyped}` of its variables"
+        return f"nothing declares the type `{untyped}` of its variables; convert the file that does as well"
     if not named and there.chart is not there.pou.chart:
         return f"in {tool} it is no chart of an action, and its POU runs what is in its place"
-    return f"the report names {'what is not executed' if named else f'nothing in {tool} that has its name'}"
+    if not named:
+        return f"nothing in {tool} has its name; test it there"
+    return f"not all of it is executed; change that in the source, or test it in {tool}"
 
 
 def _run(

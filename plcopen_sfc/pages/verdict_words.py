@@ -53,14 +53,14 @@ _HEADS = {
     "shortest input trace": "kürzeste Eingangsfolge",
     "an input trace": "eine Eingangsfolge",
     "compared with the {+}": "verglichen: {}",
-    "not compared: the report names what is not executed": (
-        "nicht verglichen: der Bericht nennt, was nicht ausgeführt wird"
+    "not compared: not all of it is executed; change that in the source, or test it in {+}": (
+        "nicht verglichen: nicht alles davon wird ausgeführt; ändern Sie das in der Quelle, oder testen Sie sie in {}"
     ),
     "not compared: in {+} it is no chart of an action, and its POU runs what is in its place": (
         "nicht verglichen: in {} ist sie keine Kette einer Aktion, und ihr Baustein führt aus, was an ihrer Stelle ist"
     ),
-    "not compared: the report names nothing in {+} that has its name": (
-        "nicht verglichen: in {} ist nichts mit diesem Namen"
+    "not compared: nothing in {+} has its name; test it there": (
+        "nicht verglichen: in {} ist nichts mit diesem Namen; testen Sie sie dort"
     ),
     "without its search for stability: {+}": "ohne seine Suche nach Stabilität: {}",
     "with actions and transitions in the order of {}: {+}": (
@@ -70,8 +70,8 @@ _HEADS = {
     "types that nothing declares have the members that are used of them": (
         "Typen, die nichts deklariert, haben die Elemente, die von ihnen benutzt werden"
     ),
-    "not compared: nothing declares the type `{}` of its variables": (
-        "nicht verglichen: nichts deklariert den Typ `{}` seiner Variablen"
+    "not compared: nothing declares the type `{}` of its variables; convert the file that does as well": (
+        "nicht verglichen: nichts deklariert den Typ `{}` seiner Variablen; konvertieren Sie die Datei dazu, die es tut"
     ),
     "not compared: tasks are not run": "nicht verglichen: Tasks werden nicht ausgeführt",
     "not compared: it is only in one of the two": "nicht verglichen: es ist nur in einem von beiden",

@@ -359,6 +359,14 @@ def test_as_its_tool_reads_a_file(cli, fixtures, tmp_path):
     assert b"{plcopen_sfc " not in (tmp_path / "plain.scl").read_bytes()
 
 
+def test_charts_that_are_not_run_for_one_reason_are_in_one_line(cli: Any, fixtures: Path, tmp_path: Path) -> None:
+    source = fixtures / "codesys" / "sorting_conveyor.xml"
+    out = cli("convert", source, tmp_path / "out.scl", "--to", "scl", "--partial").out
+    (line,) = [line for line in out.splitlines() if "not compared" in line]
+    assert line.startswith("POU PLC_PRG, POU PLC_PRG / action ACT_Home, POU FB_Pusher: not compared: ")
+    assert line.endswith("change that in the source, or test it in TIA Portal")
+
+
 @pytest.mark.slow
 def test_a_chart_of_which_not_all_was_reached_is_a_finding(cli: Any, tmp_path: Path) -> None:
     source, target = tmp_path / "main.st", tmp_path / "out.xml"

@@ -620,7 +620,7 @@ def test_a_type_that_no_file_declares_is_one_loss_and_its_variables_are_passed()
     assert all(each.endswith(told) for each in report.compared.values())
     project.pou("Other").chart.transitions[0].condition = Expression(text="Io.List[1].Start")
     report = sfc.save(project, io.BytesIO(), format="simaticml", partial=True, limit=1)
-    told = "not compared: nothing declares the type `{}` of its variables"
+    told = "not compared: nothing declares the type `{}` of its variables; convert the file that does as well"
     assert report.compared == {"POU Fb": told.format("ST_Io"), "POU Other": told.format("st_io")}
 
 

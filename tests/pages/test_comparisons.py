@@ -135,7 +135,7 @@ def test_a_conversion_begins_with_verdicts_tasks_and_files() -> None:
         "POU Ablauf_Band": "equal, first 1 scan later (proof: 8 states)",
         "POU Other": "different after 3",
         "POU Second": "not all was reached, no scan was run (no proof: interrupted)",
-        "POU Third": "not compared: the report names what is not executed",
+        "POU Third": "not compared: nothing in TIA Portal has its name; test it there",
     }
     tree = parse(sfc.conversion_page(source, report, sfc.loads(data, as_tool=True)))
     (overview,) = tree.xpath("//section[@id='project']")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import date
 from functools import partial
@@ -227,6 +227,17 @@ def _folder(name: str) -> str:
     return f"{Path(name).with_suffix('')}/"
 
 
+def _by_result(report: ConversionReport) -> Iterator[tuple[str, list[str]]]:
+    """Yield what came of charts, and their paths: those that were not run for one reason are together."""
+    together: dict[str, list[str]] = {}
+    for path, found in report.compared.items():
+        if found.startswith("not compared"):
+            together.setdefault(found, []).append(path)
+        else:
+            yield found, [path]
+    yield from together.items()
+
+
 def _show(screen: Screen, report: ConversionReport) -> None:
     if screen.as_json or screen.quiet:
         return
@@ -234,13 +245,10 @@ def _show(screen: Screen, report: ConversionReport) -> None:
         screen.line("the format is the same and nothing was edited: the file as it was read")
         return
     show_not_executed(screen, report.with_outcome(Outcome.NOT_EXECUTED))
-    for path, found in report.compared.items():
-        screen.line(
-            f"{path}: {found}"
-            if found.startswith(("not compared", "not run"))
-            else f"run in both tools: {path}: {found}"
-        )
-        for line in report.untested.get(path, ()):
+    for found, paths in _by_result(report):
+        is_run = not found.startswith(("not compared", "not run"))
+        screen.line(f"{'run in both tools: ' if is_run else ''}{', '.join(paths)}: {found}")
+        for line in report.untested.get(paths[0], ()):
             screen.line(f"  {line}")
     if report.compared:
         screen.line()
