@@ -43,7 +43,7 @@ from plcopen_sfc.model.types import (
 
 _DEEPEST = 32
 """Structures are not nested more deeply: types that hold themselves are."""
-_ZEROS = ((False,), (0,), ("",))
+_ZEROS = ((False,), (0,), ("",), ("", "wide"))
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ forms are made only where the texts differ: most texts of a conversion do not.
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
@@ -15,7 +16,7 @@ from plcopen_sfc.languages.declarations.declaration_writing import write_type
 from plcopen_sfc.languages.networks import NetworkExpression, NetworkText, body_statements, normal_form
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform, walk
-from plcopen_sfc.languages.st.literals import LiteralError, literal_value
+from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.languages.words import folded
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
@@ -103,9 +104,22 @@ def is_stronger(one: Meaning | None, other: Meaning | None) -> bool:
     left, right = one.condition(), other.condition()
     if left.before or right.before or not left.complete or not right.complete:
         return False
+    widths = [_widths(each.tree) for each in (left, right)]
+    if all(widths) and widths[0] != widths[1]:
+        return False  # z3 has one type for both
     from plcopen_sfc.analysis.exclusivity import covered  # noqa: PLC0415  # z3 takes long to import
 
     return bool(covered(left, [right]))
+
+
+def _widths(tree: n.Node | None) -> set[bool]:
+    """Return what texts an expression has literals for: True for a WSTRING, False for a STRING."""
+    found: set[bool] = set()
+    for node in walk(tree) if tree is not None else ():
+        if isinstance(node, n.Literal) and ("'" in node.text or '"' in node.text):
+            with suppress(LiteralError):
+                found.add(literal_value(node.text).type[:1] == "W")
+    return found
 
 
 class _Once:
@@ -262,7 +276,8 @@ def literal_form(text: str) -> Hashable:
     except LiteralError:
         parsed = parse_expression(text)
         return folded(text if parsed.problems else print_node(normal_form(parsed.tree)))
-    return (found.value,)
+    # no tool takes a STRING for a WSTRING
+    return (found.value, "wide") if found.kind is LiteralKind.STRING and found.type[:1] == "W" else (found.value,)
 
 
 def type_meaning(type_: DataType | None, dialect: Dialect) -> Meaning | None:

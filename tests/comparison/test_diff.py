@@ -721,6 +721,17 @@ def test_case_of_names_and_names_of_instances_are_no_changes():
     assert changes == ["POU FillingStation / step Fault_step: renamed, was Fault"]  # a variable has its name, too
 
 
+def test_a_text_of_another_type_is_another_value() -> None:
+    text = "PROGRAM Main VAR w : WSTRING := %s; END_VAR INITIAL_STEP A: END_STEP STEP B: END_STEP\n"
+    text += (
+        "TRANSITION FROM A TO B := w = %s; END_TRANSITION TRANSITION FROM B TO A := TRUE; END_TRANSITION END_PROGRAM"
+    )
+    wide = sfc.loads((text % ('"on"', '"on"')).encode())
+    for first, second, told in (("'on'", '"on"', "Main / w"), ('"on"', "'on'", "transition A -> B")):
+        (change,) = sfc.diff(wide, sfc.loads((text % (first, second)).encode())).changes
+        assert told in change.path
+
+
 def test_the_steps_in_which_an_expansion_begins_and_ends_are_executed() -> None:
     text = """GRAFCET X
 CHART G1
