@@ -231,7 +231,7 @@ def test_branches_that_do_not_nest_are_told_in_a_file_of_the_tool_too(*, again: 
     [
         ("codesys", "codesys", "Füllen", "takes letters without accents"),
         ("codesys", "twincat", "1 Fill", "takes letters without accents"),
-        ("codesys", "codesys", "Fill__Up", "takes letters without accents, digits and single underscores"),
+        ("codesys", "codesys", "Fill__Up", ""),
         ("codesys", "codesys", "IF", "is a keyword"),
         ("codesys", "codesys", "a", "a variable of the POU has its name"),
         ("simaticml", "tia", "a", "a variable of the POU has its name"),
@@ -249,6 +249,12 @@ def test_names_that_a_tool_does_not_compile_are_told_in_its_own_files(format: st
     own = sfc.loads(written.replace(b'"Other"', f'"{name}"'.encode()), format=format)
     found = [each for each in sfc.check_import(own, tool) if each.code == "IMP001"]
     assert [why in each.message for each in found] == [True] * bool(why), found
+
+
+def test_variables_of_codesys_have_single_underscores():
+    text = b"PROGRAM Main VAR Fill__Up : BOOL; END_VAR Fill__Up := TRUE; END_PROGRAM"
+    own = sfc.loads(sfc.convert(sfc.loads(text, format="iec-text"), "codesys")[0], as_tool=True)
+    assert [each.name for each in own.pou("Main").variables()] == ["Fill_Up"]
 
 
 def test_a_file_made_in_python_is_of_the_format_of_its_tool():

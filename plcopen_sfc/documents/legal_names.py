@@ -15,6 +15,7 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _WORD = re.compile(r"(?!.*__)[^\W\d]\w*")
+_STEP = re.compile(r"[^\W\d]\w*")
 _LONGEST = 125
 """The longest name of a block in TIA Portal; tags and parameters can have 128 characters (TIA Portal help)."""
 _CUT = 120
@@ -29,9 +30,9 @@ def give_legal_names(
 
     CODESYS and S7 have a variable for each step: none may be called as another variable. Names in TIA Portal have a
     longest length. CODESYS, CoDeSys 2.3 and TwinCAT take letters without accents, which `with_letters` asks for, and no
-    underscores behind each other (CODESYS V3 online help, "Identifiers"). The project keeps the names of the source,
-    and what it declares gets them in other tools again. Called before texts are translated, which a new name needs, and
-    behind that, which the old one does.
+    underscores behind each other (CODESYS V3 online help, "Identifiers"); a step in an export has them. The project
+    keeps the names of the source, and what it declares gets them in other tools again. Called before texts are
+    translated, which a new name needs, and behind that, which the old one does.
     """
     from plcopen_sfc.languages.binding import Names  # noqa: PLC0415  # brings the parser
     from plcopen_sfc.languages.translation.renames import KeptNames, keep_names, kept_names  # noqa: PLC0415
@@ -109,7 +110,8 @@ def _legal(
         if each.kind is Kind.STEP and wish.isdecimal() and not with_letters:
             continue  # of a GRAFCET, whose steps get other names when it is put into a chart of IEC 61131-3
         is_spelled = wish.isascii() or not with_letters
-        if is_codesys and not (is_spelled and _WORD.fullmatch(wish)) and each.kind not in _UNSPELLED:
+        word = _STEP if each.kind is Kind.STEP else _WORD
+        if is_codesys and not (is_spelled and word.fullmatch(wish)) and each.kind not in _UNSPELLED:
             wish, why = identifier(wish), f"{tool} takes letters without accents, digits and single underscores"
         if not is_codesys and len(wish) > _LONGEST:
             wish, why = wish[:_CUT], f"{tool} takes names of {_LONGEST} characters"

@@ -541,11 +541,13 @@ class Tc6ChartWriter:
         ctx = self.ctx
         native = _TRANSITION
         attributes = {}
+        ranked: dict[str, Any] = {}
         if ctx.dialect.states_actions:
             # these tools go by the order of the branches
             native = native - {"priority"}
         elif transition.id in self.priorities:
             attributes["priority"] = str(self.priorities[transition.id])
+            ranked = {"priority": transition.priority} if transition.priority is None else {}
         element = self._element(parent, symbol, attributes)
         self._pins(element, symbol)
         label = self._labels[transition.id]
@@ -559,7 +561,7 @@ class Tc6ChartWriter:
             transition,
             "transition",
             native,
-            also=self._order(symbol) | self._shared(symbol) | self._left_of_wire(symbol, transition),
+            also=self._order(symbol) | self._shared(symbol) | self._left_of_wire(symbol, transition) | ranked,
         )
         ctx.place.pop()
 
