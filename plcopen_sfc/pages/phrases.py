@@ -7,9 +7,11 @@ German text ``{}`` or ``{0}`` are their places.
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable, Mapping
-from functools import cached_property
+from functools import cache, cached_property
+from importlib import resources
 
 
 class Phrases:
@@ -53,6 +55,19 @@ class Phrases:
         values = [_NUMBER if place == "{#}" else "(.+?)" for place in places]
         pattern = first + "".join(f"{value}{own}" for value, own in zip(values, others, strict=True))
         return re.compile(pattern, re.DOTALL), places, self._table[message]
+
+
+@cache
+def german_tables(name: str) -> Mapping[str, Mapping[str, str]]:
+    """Return the tables in ``german/<name>.json``, by their titles."""
+    file = resources.files("plcopen_sfc.pages").joinpath("german", f"{name}.json")
+    tables: Mapping[str, Mapping[str, str]] = json.loads(file.read_text(encoding="utf-8"))
+    return tables
+
+
+def german_table(name: str) -> Mapping[str, str]:
+    """Return all tables in ``german/<name>.json`` as one."""
+    return {english: german for table in german_tables(name).values() for english, german in table.items()}
 
 
 def german_label(text: str) -> str:

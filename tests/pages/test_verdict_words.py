@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import re
+from pathlib import Path
 
 import pytest
 
 from plcopen_sfc.pages.page_words import Words
+from plcopen_sfc.pages.phrases import german_tables
 
 ENGLISH = re.compile(r"\b(?:the|and|or|of|is|are|which|needs?|never|not|reached|with|has|have|both|first|second)\b")
 """English words that are neither German nor, in capitals, operators of code."""
@@ -98,3 +101,17 @@ def test_a_line_is_a_sentence() -> None:
     assert words.verdict("scan  time  x  first: active  second: x") == "Zyklus  Zeit  x  erstes: aktiv  zweites: x"
     # names that are words of lists, and what is not known, stay as they are
     assert words.verdict("not compared: time, step and 2 more") == "nicht verglichen: time, step und 2 weitere"
+
+
+TABLES = Path(__file__).resolve().parents[2] / "plcopen_sfc" / "pages" / "german"
+
+
+@pytest.mark.parametrize("file", sorted(TABLES.iterdir()), ids=lambda file: file.stem)
+def test_tables_have_each_message_once_and_german_with_values_that_it_has(file: Path) -> None:
+    entries: list[tuple[str, str]] = []
+    json.loads(file.read_text(encoding="utf-8"), object_pairs_hook=entries.extend)
+    messages = [(english, german) for english, german in entries if isinstance(german, str)]
+    assert len(messages) == len({english for english, _ in messages}) > 100
+    assert sum(map(len, german_tables(file.stem).values())) == len(messages)
+    for english, german in messages:
+        german.format(*["value"] * len(re.findall(r"\{[+&#]?\}", english)))  # it asks for no value that there is not

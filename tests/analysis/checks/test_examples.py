@@ -11,7 +11,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc.analysis.checks import Rule, all_rules, rule_named
 from plcopen_sfc.analysis.checks.checked_chart import FAMILIES
 from plcopen_sfc.analysis.checks.rule_table import catalogue
-from plcopen_sfc.pages.rule_words import german_finding
+from plcopen_sfc.pages.report_words import german_finding
 from tests.analysis.checks.charts import project_of
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "checks.md"
