@@ -547,9 +547,9 @@ class _Reasons:
             alone = branch.guards[-1:]
             pou = None if _is_own(self._system, branch.owner) else re.split(r"[. ]", branch.owner)[0]
             chart = self._system.subject.pou.chart
-            if not branch.guards or not self._unreachable.is_impossible(branch.guards, chart, pou):
+            if not branch.guards or not self._unreachable.is_impossible(branch.guards, chart, pou, branch.owner):
                 return ""
-            is_alone = self._unreachable.is_impossible(alone, chart, pou)
+            is_alone = self._unreachable.is_impossible(alone, chart, pou, branch.owner)
             told = " and ".join(_quoted(print_node(each)) for each in (alone if is_alone else branch.guards))
         return told
 

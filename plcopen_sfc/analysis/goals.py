@@ -401,7 +401,8 @@ class Goals:
         for goal in self.open_branches():
             branch = self.system.marks.branches[goal.branch]
             own = self.system.subject.pou.chart
-            if unreachable.is_never_executed(branch.owner) or unreachable.is_impossible(branch.guards, own):
+            is_never = unreachable.is_never_executed(branch.owner)
+            if is_never or unreachable.is_impossible(branch.guards, own, owner=branch.owner):
                 found.add(goal)
         return found
 
@@ -511,13 +512,11 @@ class Goals:
             if isinstance(node, n.Name | n.Member | n.Index | n.Address) and self._input(print_node(node)) is not None:
                 return None
         instance = self.system.instance
-        self._library.is_complete = True  # a branch of a method has names that are known in the method alone
         try:
-            function = Routines(instance.unit.scope).expression(print_node(tree), instance.unit.pou.name)
+            with instance.adding_nothing():  # a branch of a method has names that are known in the method alone
+                function = Routines(instance.unit.scope).expression(print_node(tree), instance.unit.pou.name)
         except SfcError:
             return None
-        finally:
-            self._library.is_complete = False
         frame = instance.frame
 
         def value() -> Any:
@@ -608,7 +607,8 @@ class Goals:
 
     def _present(self, text: str) -> Any:
         try:
-            return self.system.instance[text]
+            with self.system.instance.adding_nothing():
+                return self.system.instance[text]
         except (SfcError, AttributeError):
             return None
 
@@ -638,7 +638,8 @@ class Goals:
     def _named(self, text: str, value: Any) -> Any:
         """Return the value of an enumeration as its name."""
         try:
-            type_ = self.system.instance.type_of(text)
+            with self.system.instance.adding_nothing():
+                type_ = self.system.instance.type_of(text)
         except SfcError:
             return None
         if isinstance(type_, ScalarType) and type_.family is Family.DATE and isinstance(value, int):

@@ -7,6 +7,7 @@ transitions are looked at in turn until nothing more is found to be possible.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from datetime import date
 from functools import cached_property
@@ -24,6 +25,7 @@ from plcopen_sfc.languages.networks.wires import inverted
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, print_node, walk
 from plcopen_sfc.languages.st.nodes import Expression
+from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.dialect import Dialect
@@ -108,12 +110,18 @@ class Unreachable:
             else set()
         )
 
-    def is_impossible(self, trees: Sequence[Expression], chart: SfcNetwork | None, called: str | None = None) -> bool:
-        """True if conditions in a chart, or in a called POU of a name, are never TRUE together."""
+    def is_impossible(
+        self, trees: Sequence[Expression], chart: SfcNetwork | None, called: str | None = None, owner: str = ""
+    ) -> bool:
+        """True if conditions in a chart, or in a called POU of a name, are never TRUE together.
+
+        `owner` is the text that they are in, such as ``Main.Fill``.
+        """
         if self._is_late():
             return False
         if called is None:
-            return self._is_impossible(trees, chart, self._fixed)
+            active = self._active_in.get(owner.removeprefix(f"{self._pou.name}.").casefold(), "")
+            return self._is_impossible(trees, chart, self._fixed, active)
         pou = self._system.called_pous()[called]
         formula = Formula(self._system.subject.project.dialect, self._knowledge.at(pou))
         terms = formula.terms([JudgedCondition(tree) for tree in trees])
@@ -272,6 +280,39 @@ class Unreachable:
         owners += self._pou.transitions if owners else []
         return set().union(*map(self._changing_names, owners))
 
+    @cached_property
+    def _active_in(self) -> Mapping[str, str]:
+        """The flag of the step that is active wherever an action is executed, by the name of the action.
+
+        The step has it with N, nothing else names it, and no transition that can fire leaves the step: so it is not
+        executed once more behind the step either.
+        """
+        named = Counter(self._named_once())
+        found: dict[str, str] = {}
+        for name, net in self._nets.items():
+            if net.hierarchy or net.chart.flags_in_use(lambda flag: flag.casefold() in self._declared_flags):
+                continue
+            left = {i for t in net.transitions if t.index not in self.transitions.get(name, ()) for i in t.sources}
+            for step in net.steps:
+                for each in step.step.actions if step.index not in left and not step.step.negated else ():
+                    action = (each.target or "").casefold()
+                    if each.qualifier is Qualifier.N and not each.negated and named[action] == 1:
+                        found[action] = f"{step.path}.x".casefold()
+        return found
+
+    def _named_once(self) -> Iterator[str]:
+        """Yield each name in the texts of the project, as often as it is there, in lower case."""
+        project = self._system.subject.project
+        for text in texts_in(project, project.dialect):
+            yield from (use.name.casefold() for use in text.uses)
+
+    @cached_property
+    def _declared_flags(self) -> set[str]:
+        interface = self._pou.interface
+        declared = interface.variables() if interface is not None else []
+        everywhere = [v for section in self._system.subject.project.global_sections() for v in section.variables]
+        return {variable.name.casefold() for variable in (*declared, *everywhere)} & _FLAGS
+
     def _names(self, *owners: Model | None) -> set[str]:
         dialect = self._system.subject.project.dialect
         return {name for owner in owners if owner is not None for name in names_in(owner, dialect)}
@@ -342,8 +383,13 @@ class Unreachable:
         trees = [] if condition is None else [condition, *self._false_before(name, transition)]
         return bool(trees) and self._is_impossible(trees, transition.chart, fixed)
 
-    def _is_impossible(self, trees: Sequence[Expression], chart: SfcNetwork | None, fixed: set[str]) -> bool:
-        """Return True if one of some conditions is FALSE while some variables are not written."""
+    def _is_impossible(
+        self, trees: Sequence[Expression], chart: SfcNetwork | None, fixed: set[str], active: str = ""
+    ) -> bool:
+        """Return True if one of some conditions is FALSE while some variables are not written.
+
+        `active`: the flag of a step that is active, in lower case.
+        """
         if self._is_late():
             return False
         formula = Formula(self._system.subject.project.dialect, self._knowledge.at(self._pou, chart))
@@ -353,12 +399,15 @@ class Unreachable:
             root = text.casefold().partition(".")[0]
             if root in fixed or text.casefold() in fixed:
                 known[text] = self._first_value(text)
+            elif text.casefold() == active:
+                known[text] = True
         return formula.is_impossible(terms, known)
 
     def _first_value(self, text: str) -> bool | int | float | None:
         self._system.reset()
         try:
-            value = self._system.instance[text]
+            with self._system.instance.adding_nothing():
+                value = self._system.instance[text]
         except (SfcError, AttributeError):
             return None
         return value if isinstance(value, bool | int | float) else None

@@ -336,6 +336,28 @@ def test_branches_of_methods_and_values_of_unknown_types_are_run(call: str) -> N
     assert (verdict.equal, verdict.different) == (True, False), str(verdict)
 
 
+def test_an_index_that_a_method_alone_knows_adds_no_variable() -> None:
+    """It was added to the program in the middle of the search, whose states were too short from then on."""
+    text = """FUNCTION_BLOCK Main
+VAR_INPUT a, b : BOOL; END_VAR
+VAR Errors : ARRAY[1..2] OF FB_Error; x : BOOL; n : INT; END_VAR
+METHOD Add
+VAR_INPUT w_Index : INT; END_VAR
+Errors[w_Index](In := a);
+IF Errors[w_Index].b_out AND n > 41234 THEN x := TRUE; END_IF
+n := n + w_Index;
+END_METHOD
+INITIAL_STEP S1: END_STEP
+STEP S2: Act(N); END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b AND x; END_TRANSITION
+ACTION Act: Add(w_Index := 1); END_ACTION
+END_FUNCTION_BLOCK
+"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    assert not equivalent(project, project, "codesys", limit=0.6).different
+
+
 @pytest.mark.slow
 def test_a_situation_is_held_for_branches_that_wait_for_a_time_in_it() -> None:
     """A step exceeds its maximum time only while it is held, the limits are enabled and no error is shown yet."""

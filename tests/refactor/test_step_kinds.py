@@ -62,6 +62,18 @@ def test_code_that_asks_for_its_step_does_the_same() -> None:
     assert "Iecsfc.lib" in " ".join(item.why for item in sfc.convert(project, "codesys23")[1].items)
 
 
+@pytest.mark.parametrize("last", ["FALSE", "done"])
+def test_code_of_a_step_that_is_never_left_need_not_find_it_inactive(last: str) -> None:
+    """The code asked for its step, which was never found FALSE: the edit was refused, or not finished in minutes."""
+    text = SIMPLE.replace("done AND Fill", last).replace("odd := NOT odd", "Show(Read(go))")
+    project = project_of(text)
+    editor = project.edit(prove=True)
+    editor.use_iec_steps(chart_of(project), guarded=True)
+    (proof,) = editor.proofs
+    assert proof.equal
+    assert ("condition `Fill.x` is never FALSE (proven)" in str(proof)) is (last == "FALSE"), str(proof)
+
+
 def test_it_comes_back_as_it_was() -> None:
     project = project_of(SIMPLE)
     project.edit().use_iec_steps(chart_of(project), guarded=True)

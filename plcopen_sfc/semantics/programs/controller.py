@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, TypeAlias
@@ -519,6 +520,15 @@ class Instance:
                 add(field.name, field, field.direction, outer, field.slot, member=False)
         return found
 
+    @contextmanager
+    def adding_nothing(self) -> Iterator[None]:
+        """Let an undeclared name be an error: states that were kept have no value for one more variable."""
+        self._library.is_complete = True
+        try:
+            yield
+        finally:
+            self._library.is_complete = False
+
     def addresses(self) -> Mapping[str, MemoryAddress]:
         """Return the direct addresses of variables, by their paths."""
         return self._library.image.addresses()
@@ -584,17 +594,24 @@ class Instance:
             return _Cell(self.frame.v, own.slot, own.type)
         try:
             place = self._place(parsed.tree)
-            if len(self._library.globals.fields) > len(self._library.frame.v):
-                self._library.grow()
+            self._make_room()
             return self._fixed(place) if place.key else (self._finder(place), place)
         except SimulationError as error:
             raise ModelError(error.message, hint=error.hint) from None
         except (AttributeError, TypeError) as error:
             raise ModelError(f"{path} cannot be reached: {error}") from None
 
+    def _make_room(self) -> None:
+        """Give variables cells that nothing but a path that was asked for names."""
+        if len(self._library.globals.fields) > len(self._library.frame.v):
+            self._library.grow()
+
     def _place(self, tree: n.Expression) -> Place:
         translator = Translator(self.unit.scope, Writer())
-        found = translator.meaning(tree)
+        try:
+            found = translator.meaning(tree)
+        finally:
+            self._make_room()
         if isinstance(found, Unknown):
             field = self._library.globals.find(found.path)
             if field is None:

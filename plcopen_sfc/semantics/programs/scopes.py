@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from typing import Any, Protocol
 
 from plcopen_sfc.errors import SimulationError
@@ -87,6 +87,8 @@ class TranslatedProject(ABC):
         self.marks = Marks() if marking else None
         self.implicits: dict[str, Place] = {}
         """External variables that the project does not declare, by their paths in lower case."""
+        self._members: dict[str, list[tuple[str, int, t.ScalarType, bool]]] = {}
+        self._known_members: Hashable = None
         self.is_complete = False
         """True while no external variable may be added: the frame of a running program has its size."""
         self.units: dict[int, TranslatedPou] = {}
@@ -150,12 +152,20 @@ class TranslatedProject(ABC):
         found = self.implicits.get(path.casefold())
         return found.type if found is not None else self.known_types.get(path.casefold())
 
-    def _members_of(self, path: str) -> Iterator[tuple[str, int, t.ScalarType, bool]]:
-        """Members that programs use of an instance of an unknown type: name, slot, type, and True if they write it."""
+    def _members_of(self, path: str) -> Sequence[tuple[str, int, t.ScalarType, bool]]:
+        """Return the members that programs use of an unknown instance: name, slot, type, and True if they write it."""
+        known = len(self.implicits), self.use.writers
+        if known != self._known_members:  # each call in each scan asks
+            self._known_members = known
+            self._members.clear()
         start = f"{path.casefold()}."
-        for key, place in sorted(self.implicits.items()):
-            if key.startswith(start) and isinstance(place.type, t.ScalarType) and place.field is not None:
-                yield key.removeprefix(start), place.field.slot, place.type, self.use.is_written(place.key)
+        if start not in self._members:
+            self._members[start] = [
+                (key.removeprefix(start), place.field.slot, place.type, self.use.is_written(place.key))
+                for key, place in sorted(self.implicits.items())
+                if key.startswith(start) and isinstance(place.type, t.ScalarType) and place.field is not None
+            ]
+        return self._members[start]
 
     # -- POUs
 

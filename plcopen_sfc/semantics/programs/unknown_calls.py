@@ -13,6 +13,7 @@ from typing import Any, TypeAlias
 from plcopen_sfc.semantics.programs.runtime import Pointer, Processor
 from plcopen_sfc.semantics.programs.runtime_types import INSTANT, LINT, Family, Frame, Layout, OpaqueType, ScalarType
 
+_PLAIN = frozenset({bool, int, float, str, type(None)})
 _SMALL = 12
 """Numbers below it are as likely as all others: programs compare with small ones."""
 
@@ -52,6 +53,8 @@ class UnknownCalls:
 
     def key(self, value: Any) -> Hashable:
         """Equal for equal values."""
+        if type(value) in _PLAIN:  # most are, of hundreds in a scan
+            return value  # type: ignore[no-any-return]
         if isinstance(value, Frame):
             return tuple(map(self.key, value.v))
         if isinstance(value, Pointer):

@@ -72,10 +72,12 @@ class VariableUse:
     @property
     def version(self) -> Hashable:
         """A value that changes when `is_free` may have changed; None where nothing is ever free."""
-        if not self._asks:
-            return None
-        passed = sum(map(len, self.passed.values())) + len(self.pointed)
-        return len(self.written), passed, len(self.inputs), len(self.roots)
+        return (self.writers, len(self.inputs), len(self.roots)) if self._asks else None
+
+    @property
+    def writers(self) -> Hashable:
+        """A value that changes when `is_written` may have changed."""
+        return len(self.written), sum(map(len, self.passed.values())) + len(self.pointed)
 
     # -- keys
 
