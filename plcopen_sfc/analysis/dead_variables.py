@@ -17,9 +17,11 @@ from typing import Any
 
 from plcopen_sfc.languages.binding import bind, is_named_elsewhere
 from plcopen_sfc.languages.effects import plain_path
+from plcopen_sfc.languages.il import statements as statements_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.walking import children, walk
 from plcopen_sfc.model.body import IlBody
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.programs.controller import Instance
@@ -50,7 +52,8 @@ def sole_statements(instance: Instance) -> Sequence[n.Statement] | None:
         return None
     if pou.kind is PouKind.PROGRAM and is_named_elsewhere(pou, project):
         return None
-    statements = bind(pou.bodies[0], project.dialect).program
+    body = pou.bodies[0]
+    statements = _listed(body, project.dialect) if isinstance(body, IlBody) else bind(body, project.dialect).program
     if statements is None:
         return None
     for node in (node for statement in statements for node in walk(statement)):
@@ -82,13 +85,20 @@ def all_nodes(instance: Instance) -> list[n.Node] | None:
     found: list[n.Node] = []
     while bodies:
         bound = bind(bodies.pop(), project.dialect)
-        if isinstance(bound.body, IlBody) or bound.unknown or bound.helpers:
+        nodes = _listed(bound.body, project.dialect) if isinstance(bound.body, IlBody) else bound.trees
+        if nodes is None or bound.unknown or bound.helpers:
             return None
         if any(_is_divided(texts.chart) for texts in bound.charts):
             return None
-        found += bound.trees
+        found += nodes
         bodies += [body for texts in bound.charts for body in texts.bodies]
     return found
+
+
+def _listed(body: IlBody, dialect: Dialect) -> Sequence[n.Statement] | None:
+    """Return what an instruction list does as statements; None where structured text has no words for its jumps."""
+    tree = statements_of(body.text, dialect)
+    return tree.statements if tree is not None else None
 
 
 def _is_divided(chart: SfcNetwork) -> bool:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 import plcopen_sfc as sfc
@@ -64,6 +66,23 @@ PLAIN |= {"m.x", "m.y", "u.i", "u.o"}
 )
 def test_what_is_read_before_it_is_written_is_kept(text: str, kept: set[str]) -> None:
     assert PLAIN - scratch(text) == kept
+
+
+@pytest.mark.parametrize(
+    ("text", "kept"),
+    [
+        ("LD i ST a LD a ST b", set()),
+        ("LD a ST b LD i ST a", {"a"}),
+        ("LD i S a LD a ST b", {"a"}),
+        ("LD i JMPC over LD k ST a over: LD a ST b", {"a"}),
+        ("LD i JMPC other LD k ST a JMP both other: LD TRUE ST a both: LD a ST b", set()),
+        ("CAL t(IN:=i,PT:=T#1s) LD t.Q ST a", {"t.q"}),
+        ("back: LD i JMPC out LD k JMPC back LD a JMPC back out: LD a ST b", PLAIN),  # loops that nothing is known of
+    ],
+)
+def test_instructions_are_looked_through_as_statements_are(text: str, kept: set[str]) -> None:
+    lines = re.sub(r" (?=(?:LD|ST|S|JMPC?|CAL)\b|\w+:)|(?<=:) ", "\n", text)
+    assert PLAIN - scratch(lines) == kept
 
 
 def test_what_is_looked_at_behind_a_scan_must_be_written_in_every_scan() -> None:

@@ -62,3 +62,37 @@ def test_nothing_is_kept_that_nothing_reads(language: str) -> None:
     names = {variable.name for variable in lowered.pou.variables()}
     assert {"X_Turn", "X_Turn_time"} <= names
     assert "Turn_before" not in names
+
+
+STATION = """FUNCTION_BLOCK Main
+VAR_INPUT a, b : BOOL; END_VAR
+VAR_OUTPUT q, r : BOOL; END_VAR
+VAR t : TON; END_VAR
+INITIAL_STEP S1: A1(N); END_STEP
+STEP S2: A2(N); END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+ACTION A1: {} END_ACTION
+ACTION A2: {} END_ACTION
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.mark.parametrize(("construction", "language"), [("auto", "ST"), ("bits", "IL")])
+@pytest.mark.parametrize(
+    "actions",
+    [
+        ("t(IN := a, PT := T#5m); q := t.Q;", "r := q;"),
+        ("CAL t(IN := a, PT := T#5m)\nLD t.Q\nST q", "LD q\nST r"),
+    ],
+    ids=["ST", "IL"],
+)
+def test_timers_in_actions_are_proven_in_any_language(
+    actions: tuple[str, str], construction: str, language: str
+) -> None:
+    """A timer of a step that was left would otherwise be another one in each scan."""
+    chart = sfc.loads(STATION.format(*actions).encode(), format="iec-text")
+    lowered = sfc.lower(chart, construction, language=language)
+    assert lowered.proof is not None
+    assert lowered.proof.proven
+    assert lowered.proof.states < 50
