@@ -79,6 +79,7 @@ class TreeComparison:
                 self._name(inner, left, other, right)
                 self._compare(inner, part, right.parts[other])
         taken = set(matched.values())
+        # what was added here and removed elsewhere becomes one move at the end, when all of both sides is known
         for inner, part in right.parts.items():
             if inner not in taken and not self._is_of_tool(inner):
                 new = Change(ChangeKind.ADDED, _path(inner, part), word_of(inner.kind), after=_told(part))
@@ -169,6 +170,7 @@ class TreeComparison:
         before, after = _Flow(left), _Flow(right)
         shared = [step for step in before.order if step in after.into]
         others = [step for step in after.order if step in before.into]
+        # the longest runs of steps that both have in one order stay; so the fewest others have moved
         blocks = difflib.SequenceMatcher(None, shared, others, autojunk=False).get_matching_blocks()
         stay = {step for block in blocks for step in shared[block.a : block.a + block.size]}
         for step in (step for step in shared if step not in stay):
@@ -176,7 +178,7 @@ class TreeComparison:
                 [each & set(shared) for each in (flow.into[step], flow.out_of[step])] for flow in (before, after)
             ]
             if any(old == new or not new for old, new in zip(*neighbours, strict=True)):
-                continue
+                continue  # on one side it has its neighbours still: something was put in, or taken out, beside it
             part = left.parts[Key("step", step)]
             places = before.place(step), after.place(step)
             self._note(Change(ChangeKind.MOVED, part.path, "step", "", *places), Key("step", step), part)
@@ -227,6 +229,7 @@ def matched_transitions(left: Part, right: Part) -> dict[Key, Key]:
     def name(part: Part) -> str:
         return part.subject.name.casefold() if isinstance(part.subject, Transition) else ""
 
+    # the surest pairs first: what is matched is taken, and a weaker likeness must not take it
     match(lambda key, other: key[:2] == other[:2], *_CONDITION)
     match(lambda key, other: key[:2] == other[:2])
     match(lambda key, other: name(left.parts[key]) == name(right.parts[other]) != "")
