@@ -20,6 +20,7 @@ from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import COUNTING_BYTES, Dialect, address_dialect
+from plcopen_sfc.model.network import BlockCall
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.text import is_direct
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -73,6 +74,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     if kind.tool and not options.same:
         # letters of a GRAFCET follow rules of their own
         give_legal_names(copy, kind.dialect, kind.tool, report, with_letters=not of_grafcet)
+        _write_calls_as_statements(copy, kind, dialect, options, report)
         adapt_calls(copy, dialect, kind.tool, report, with_instances=not options.flavour)
     if kind.xml and kind.name != TIA_FORMAT and project.dialect is Dialect.SCL and dialect not in (None, Dialect.SCL):
         translate_boxes(copy, dialect, kind.tool, report)
@@ -340,6 +342,21 @@ def _in_structured_text(project: Project, kind: Format, report: ConversionReport
         for path in write_exported_networks_as_statements(project, source) if kind.name != source else ():
             report.add(Outcome.TRANSLATED, "body", path, f"from networks of {tool} into structured text")
     for path in write_drawn_bodies_as_statements(project) if _writes_statements(kind) else ():
+        report.add(Outcome.TRANSLATED, "body", path, "from a drawing into structured text")
+
+
+def _write_calls_as_statements(
+    project: Project, kind: Format, dialect: Dialect | None, options: WriteOptions, report: ConversionReport
+) -> None:
+    """Write drawn bodies with boxes that a tool does not have as structured text: calls of methods, and of actions."""
+    from plcopen_sfc.refactor.il_texts import write_drawn_bodies_as_statements  # noqa: PLC0415
+
+    if dialect is None or family(dialect) is Dialect.CODESYS:
+        return
+    calls = {BlockCall.METHOD, BlockCall.EXECUTE}
+    if kind.name == TIA_FORMAT or options.flavour:  # other tools have boxes of actions
+        calls.add(BlockCall.ACTION)
+    for path in write_drawn_bodies_as_statements(project, calls):
         report.add(Outcome.TRANSLATED, "body", path, "from a drawing into structured text")
 
 

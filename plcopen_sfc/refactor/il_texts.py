@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from functools import partial
 from typing import TypeGuard
 
@@ -17,6 +17,7 @@ from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.network import Block, BlockCall
 from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Body, BodyCondition, SfcBody
@@ -79,10 +80,11 @@ def _written(project: Project, as_statements: Callable[[Body | str | None, Diale
                     yield f"{chart.report_path} / step {step.name}"
 
 
-def write_drawn_bodies_as_statements(project: Project) -> Iterator[str]:
+def write_drawn_bodies_as_statements(project: Project, calls: Collection[BlockCall] | None = None) -> Iterator[str]:
     """Write drawn bodies of POUs, actions and methods as structured text, and yield the paths of their owners.
 
-    Variables that they need are declared. A function keeps no variables: a body of one that needs such stays drawn.
+    With `calls` only those with boxes that call something so. Variables that they need are declared. A function keeps
+    no variables: a body of one that needs such stays drawn.
     """
     dialect = dialect_of(project)
     resolver = Resolver(project, dialect)
@@ -92,7 +94,7 @@ def write_drawn_bodies_as_statements(project: Project) -> Iterator[str]:
             bodies = [owner.body] if isinstance(owner, Action | Method) else owner.bodies
             for place, body in enumerate(bodies):
                 text = None
-                if isinstance(body, FbdBody | LdBody):
+                if isinstance(body, FbdBody | LdBody) and (calls is None or _has_calls(body, calls)):
                     text = _with_variables(pou, owner, body, resolver)
                     if text is None:
                         text = shown_body(body, dialect)
@@ -105,6 +107,11 @@ def write_drawn_bodies_as_statements(project: Project) -> Iterator[str]:
                 else:
                     owner.bodies[place] = statements
                     yield pou.report_path
+
+
+def _has_calls(body: FbdBody | LdBody, calls: Collection[BlockCall]) -> bool:
+    nodes = (node for network in body.networks for node in network.nodes)
+    return any(isinstance(node, Block) and node.call in calls for node in nodes)
 
 
 def _with_variables(pou: Pou, owner: Pou | Action | Method, body: FbdBody | LdBody, resolver: Resolver) -> str | None:

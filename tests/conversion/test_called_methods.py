@@ -117,3 +117,32 @@ def test_what_a_method_writes_that_nothing_calls_is_no_input_in_the_proof(target
     report = sfc.convert(project_of(build), target, flavour=flavour, limit=6).report
     assert report.losses == []
     assert report.compared["POU Main"].startswith("equal")
+
+
+@pytest.mark.parametrize(("call", "name"), [("method", "Bump"), ("action", "Count")])
+@pytest.mark.parametrize("target", ["plcopen-2.01", "simaticml"])
+def test_boxes_that_call_methods_and_actions_are_executed(call: str, name: str, target: str) -> None:
+    def build(rig: FeatureChart) -> None:
+        rig.action("Count", m.StBody(text="n := 1 - n;"))
+        rig.pou.methods = [method("Bump", "n := more - n;", variable("more", "INT"))]
+        wire = m.InputPin(connections=[m.Connection(source=1)])
+        pins = [m.BlockVariable(name="more", input=wire)] if call == "method" else []
+        box = m.Block(id=2, type_name=name, call=m.BlockCall(call), parameters=m.BlockParameters(inputs=pins))
+        nodes: list[m.Node] = [m.InputVariable(id=1, expression="2"), box] if pins else [box]
+        rig.action("Box", m.FbdBody(networks=[m.LogicNetwork(nodes=nodes)]))
+        rig.act("Work", "Box")
+
+    report = sfc.convert(project_of(build), target, limit=4).report
+    assert report.losses == []
+    assert report.compared["POU Main"].startswith("equal")
+
+
+def test_a_box_that_calls_an_action_is_not_executed_in_beremiz() -> None:
+    def build(rig: FeatureChart) -> None:
+        rig.action("Count", m.StBody(text="n := 1 - n;"))
+        box = m.Block(id=2, type_name="Count", call=m.BlockCall.ACTION)
+        rig.action("Box", m.FbdBody(networks=[m.LogicNetwork(nodes=[box])]))
+        rig.act("Work", "Box")
+
+    report = sfc.convert(project_of(build), "plcopen-2.01", flavour="beremiz", partial=True).report
+    assert any("`Count`" in item.why for item in report.with_outcome(Outcome.NOT_EXECUTED))

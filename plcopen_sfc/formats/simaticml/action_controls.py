@@ -249,7 +249,8 @@ class _Planner:
         if used - _OF_ROWS or any(row.negated or step.negated or row.condition is not None for step, row in rows):
             return True
         if self._code(rows[0][1]) is not None:
-            return bool(used - {*_PLAIN, *_AT_ONCE}) or (len(rows) > 1 and used <= _AT_ONCE)
+            is_doubled = len({step.id for step, _ in rows}) < len(rows)  # a row of its own would execute it once more
+            return is_doubled or bool(used - {*_PLAIN, *_AT_ONCE}) or (len(rows) > 1 and used <= _AT_ONCE)
         if len(rows) == 1 or self._alone(control_label(rows[0][0].name, rows[0][1].target)):
             return False
         is_stored = bool(used & {Q.S, *_RESETS})

@@ -60,6 +60,20 @@ def test_associations_of_several_steps_have_one_control(name: str, source: str) 
     assert verdict.equal, verdict
 
 
+def test_an_action_that_a_step_has_twice_is_executed_once_in_a_scan() -> None:
+    def build(rig: FeatureChart) -> None:
+        rig.action("Count", m.StBody(text="q := NOT q;"))
+        for step in ("Work", "Work", "Done"):
+            rig.act(step, "Count")
+
+    project = _loaded(feature_project(Feature("twice", ("codesys",), build), "codesys"), "codesys")
+    data, report = sfc.convert(project, "simaticml")
+    assert not report.losses
+    verdict = same_behaviour(project, sfc.loads(data, format="simaticml", as_tool=True))
+    assert verdict is not None
+    assert verdict.equal, verdict
+
+
 def test_conditions_of_associations_are_contacts() -> None:
     project = _chart(("Work", "q", "N", None), ("Done", "r", "D", T))
     rows = [row for _, row in next(iter(project.charts())).chart.associations()]
