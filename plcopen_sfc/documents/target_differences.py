@@ -47,6 +47,10 @@ def note_differences(
     _note_operands(project, kind, options, report)
     _note_sections(project, kind, report)
     _note_bodies(project, kind, options, report)
+    for pou in project.pous:
+        for word, thing, first in pou.declared_twice():
+            why = f"a second {word} `{first}` does not compile in {kind.tool}, and no text tells which it means"
+            report.add(Outcome.NOT_EXECUTED, word, f"{pou.report_path} / {word} {thing.name}", why)
     _note_initial_steps(project, kind, options, report)
     if project.tool_format == EXPORTS != kind.name and dialect is not Dialect.SCL:
         _note_bits_of_words(project, kind, report)

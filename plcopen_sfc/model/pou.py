@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from enum import StrEnum
 from typing import Any, ClassVar, NamedTuple
 
@@ -167,6 +167,24 @@ class Pou(ProjectObject):
                 hint="It has: " + (", ".join(names[:20]) or "none"),
             )
         return found
+
+    def declared_twice(self) -> Iterator[tuple[str, Variable | Action | Method | NamedTransition, str]]:
+        """Yield each variable, action, method and named condition whose name another of its kind has before it.
+
+        As a word for what it is, the thing, and the name of the first, which may differ in upper and lower case.
+        """
+        kinds: dict[str, Iterable[Variable | Action | Method | NamedTransition]] = {
+            "variable": self.variables(),
+            "action": self.actions,
+            "method": self.methods,
+            "named condition": self.transitions,
+        }
+        for word, things in kinds.items():
+            known: dict[str, Variable | Action | Method | NamedTransition] = {}
+            for thing in things:
+                first = known.setdefault(thing.name.casefold(), thing)
+                if first is not thing:
+                    yield word, thing, first.name
 
     def find_action(self, name: str) -> Action | None:
         """Return the action of this name, or None; case does not matter, nor do the signs of S7."""

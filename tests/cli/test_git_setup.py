@@ -118,9 +118,7 @@ def test_files_of_all_tools_are_known_in_any_case(repository, cli):
     assert git("check-attr", "merge", "--", *names).splitlines() == [f"{name}: merge: plcopen-sfc" for name in names]
 
 
-@pytest.mark.slow
-def test_a_new_use_of_what_the_other_side_renamed_is_a_conflict(repository, cli):
-    text = """PROGRAM Main
+TEXT = """PROGRAM Main
 VAR a, q : BOOL; END_VAR
 
 INITIAL_STEP S1: END_STEP
@@ -140,20 +138,38 @@ q := a;
 END_ACTION
 END_PROGRAM
 """
-    Path("m.st").write_text(text, encoding="utf-8")
+
+
+def merged(cli, theirs, ours):
+    """Merge two versions of a text in git, and return what it tells of a conflict."""
+    Path("m.st").write_text(TEXT, encoding="utf-8")
     git("add", "m.st")
     git("commit", "--quiet", "-m", "text")
     assert cli("git-setup").code == 0
     branch = git("branch", "--show-current").strip()
     git("checkout", "--quiet", "-b", "other")
-    assert cli("rename", "m.st", "Main.S1", "Fill").code == 0
+    Path("m.st").write_text(theirs, encoding="utf-8")
     git("commit", "--quiet", "-am", "theirs")
     git("checkout", "--quiet", branch)
-    Path("m.st").write_text(text.replace("q := a;", "q := a OR S1.X;"), encoding="utf-8")
+    Path("m.st").write_text(ours, encoding="utf-8")
     git("commit", "--quiet", "-am", "ours")
     with pytest.raises(subprocess.CalledProcessError) as conflict:
         git("merge", "--quiet", "-m", "both", "other")
-    assert "'S1' is named, and nothing declares it" in conflict.value.stderr
+    return conflict.value.stderr
+
+
+@pytest.mark.slow
+def test_a_new_use_of_what_the_other_side_renamed_is_a_conflict(repository, cli):
+    told = merged(cli, TEXT.replace("S1", "Fill"), TEXT.replace("q := a;", "q := a OR S1.X;"))
+    assert "'S1' is named, and nothing declares it" in told
+
+
+@pytest.mark.slow
+def test_a_name_that_both_sides_give_is_a_conflict(repository, cli):
+    """Lines merge; of two actions of one name the first was executed for both sides."""
+    theirs = TEXT.replace("ACTION Act", "ACTION New: q := TRUE; END_ACTION\n\nACTION Act")
+    ours = TEXT.replace("END_PROGRAM", "\nACTION New: q := FALSE; END_ACTION\nEND_PROGRAM")
+    assert "POU Main: a second action New" in merged(cli, theirs, ours)
 
 
 def test_outside_of_a_repository_it_is_an_error(tmp_path, monkeypatch, cli):

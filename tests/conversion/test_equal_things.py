@@ -216,3 +216,20 @@ def test_the_pulse_of_a_variable_that_other_steps_have_as_n_is_executed() -> Non
     assert losses(sfc.loads(text.format("q(N)").encode(), format="iec-text"), "simaticml") == []
     (item,) = losses(sfc.loads(text.format("q(P)").encode(), format="iec-text"), "simaticml")[:1]
     assert item.why == "action `q` runs as N event S1 in TIA Portal, not as P"
+
+
+@pytest.mark.parametrize("target", ["codesys", "plcopen-2.01", "simaticml", "twincat"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "VAR x, X : BOOL; END_VAR x := TRUE;",
+        "VAR x : BOOL; END_VAR x := TRUE; ACTION a: x := FALSE; END_ACTION ACTION A: x := TRUE; END_ACTION",
+    ],
+)
+def test_two_things_of_one_name_are_told_in_every_tool(text: str, target: str) -> None:
+    """They were kept, and no tool compiles them."""
+    project = sfc.loads(f"PROGRAM Main {text} END_PROGRAM".encode(), format="iec-text")
+    report = sfc.convert(project, target, partial=True)[1]
+    told = [item.why for item in report.with_outcome(Outcome.NOT_EXECUTED) if "a second" in item.why]
+    assert told
+    assert all("zweites Element" in german(why) for why in told)

@@ -21,7 +21,6 @@ from plcopen_sfc.model.declaration import Declaration
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlockKind, Pou
 from plcopen_sfc.model.sfc import Step
-from plcopen_sfc.model.types import Variable
 
 _ALIKE = 0.84
 _FLAG = re.compile(r"[Xx](?P<step>[EMSems]?\d+)")
@@ -171,12 +170,9 @@ def _declared_twice(chart: CheckedChart) -> Iterator[Finding]:
     pou = chart.pou
     if pou is None or next((each for each in chart.around.charts_of(pou)), None) is not chart.chart:
         return
-    known: dict[str, Variable] = {}
-    for variable in pou.variables():
-        first = known.setdefault(variable.name.casefold(), variable)
-        if first is not variable:
-            place = FindingPlace(f"{pou.report_path} / variable {variable.name}", (variable, pou))
-            yield Finding(place, f"{pou.name} has a variable {first.name!r} already")
+    for word, thing, first in pou.declared_twice():
+        place = FindingPlace(f"{pou.report_path} / {word} {thing.name}", (thing, pou))
+        yield Finding(place, f"{pou.name} has {'an' if word == 'action' else 'a'} {word} {first!r} already")
 
 
 def _endless(chart: CheckedChart) -> Iterator[Finding]:
@@ -275,9 +271,9 @@ VAR04 = Rule(
 
 VAR05 = Rule(
     code="VAR05",
-    title="Variables of a POU have different names",
-    why="No tool compiles two variables of one name, which differ in no other way than in upper and lower case letters "
-    "(IEC 61131-3 ed. 3, 6.1.2); which of them a text means is unknown.",
+    title="Variables of a POU have different names, and so have its actions, methods and named conditions",
+    why="No tool compiles two variables of one name, or two actions, which differ in no other way than in upper and "
+    "lower case letters (IEC 61131-3 ed. 3, 6.1.2); which of them a text means is unknown.",
     hint="Remove one of them, or rename it.",
     example="VAR_INPUT Start, b, start : BOOL; END_VAR\n" + _RING % ("", "Start"),
     check=_declared_twice,

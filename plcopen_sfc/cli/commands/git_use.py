@@ -121,6 +121,7 @@ def merge(screen: Screen, base: str, ours: str, theirs: str, name: str) -> int:
     if not done.returncode:
         lost = _undeclared(done.stdout, name) - _undeclared(sides["ours"], name) - _undeclared(sides["theirs"], name)
         told |= {f"{each!r} is named, and nothing declares it" for each in lost}  # one side renamed it
+        told |= _declared_twice(done.stdout, name) - _declared_twice(sides["ours"], name)  # both sides added it
     if not done.returncode and not told:
         return 0
     screen.note(f"{name}: {'both sides change the same lines' if done.returncode else 'the merged file is not both'}")
@@ -150,6 +151,15 @@ def _undeclared(data: bytes, name: str) -> set[str]:
         return {each.reference.name for each in (*found.undeclared(), *found.undeclared_members())}
     except SfcError:
         return set()  # which is told already
+
+
+def _declared_twice(data: bytes, name: str) -> set[str]:
+    """Return the things of a file whose names others of their kind have, in words."""
+    try:
+        pous = loads(data, path=name).pous
+    except SfcError:
+        return set()  # which is told already
+    return {f"{p.report_path}: a second {word} {thing.name}" for p in pous for word, thing, _ in p.declared_twice()}
 
 
 _MOST_CONFLICTS = 127

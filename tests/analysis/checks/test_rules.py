@@ -913,6 +913,13 @@ case("VAR03", unused, plant("x := b;"), "nothing uses the action 'Flush'")
 case("VAR03", unused_variable, part_of_another, "nothing uses the variable 'Spare'")
 TWICE = "VAR_INPUT b : BOOL; END_VAR VAR %s : INT; END_VAR"
 case("VAR05", steps(condition="b", declared=TWICE % "B"), steps(condition="b", declared=TWICE % "n"), "'b' already")
+TWO_ACTIONS = TWICE % "n" + " ACTION Fill: n := 1; END_ACTION ACTION %s: n := 2; END_ACTION"
+case(
+    "VAR05",
+    steps(condition="b", declared=TWO_ACTIONS % "fill"),
+    steps(condition="b", declared=TWO_ACTIONS % "Empty"),
+    "has an action 'Fill' already",
+)
 case("VAR04", plant("x := 2;"), plant("x := b;"), "a number is assigned to BOOL: x := 2")
 
 TYPED = """
