@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache, wraps
@@ -13,7 +14,7 @@ from typing import Any, Self, TypeVar, Union, cast, get_args, get_origin, get_ty
 from plcopen_sfc.errors import ModelError, check_argument
 from plcopen_sfc.languages.binding import Declaration, Names
 from plcopen_sfc.languages.binding.name_uses import unique_declaration
-from plcopen_sfc.languages.binding.text_sites import text_sites_in
+from plcopen_sfc.languages.binding.text_sites import Site, text_sites_in
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.pou import Action, NamedTransition, Pou
 from plcopen_sfc.model.project import Project
@@ -220,24 +221,33 @@ class Editor:
     ) -> None:
         """Number the steps along the flow, for tools that have numbers (S7-GRAPH, GRAFCET), and transitions with them.
 
-        `names` renames the steps too: ``"S{number}"``, also ``"{number:03}_{name}"``. Refused where no step of a chart
-        has a number and `names` is not given.
+        `names` renames the steps too: ``"S{number}"``, also ``"{number:03}_{name}"``. In a GRAFCET the numbers are
+        names, over all its partial charts; M3, E3 and S3 of a macro-step stay without `names`. Refused where no step of
+        a chart has a number and `names` is not given.
         """
         table: dict[Declaration | str, str] = {}
         declared = Names(self.project)
-        by_holder = {id(each.holder): each for each in declared.declarations()} if names else {}
+        by_holder = {id(each.holder): each for each in declared.declarations()}
+        counts: Counter[int] = Counter()
         for chart in charts_of(self.project) if charts is None else charts:
             numbered = any(step.number is not None for step in chart.steps)
-            if not numbered and not names:
+            pou = pou_of(chart)
+            steps = chart_edits.along_the_flow(chart)
+            form, before = names, 0
+            if declared.is_in_grafcet(Site(pou, charts=(chart,))):
+                form = names or "{number}"
+                steps = steps if names else [step for step in steps if step.name.isdecimal()]
+                before = counts[id(pou)]
+                counts[id(pou)] += len(steps)
+            if not numbered and not form:
                 if charts is not None:
                     raise refused(
                         "the chart cannot be renumbered", "its steps have no numbers", 'Use names="S{number}".'
                     )
                 continue
-            for place, step in enumerate(chart_edits.along_the_flow(chart)):
-                number = start + place * increment
-                if names:
-                    table[by_holder[id(step)]] = _name(names, number, step.name)
+            for place, step in enumerate(steps, before):
+                if form:
+                    table[by_holder[id(step)]] = _name(form, start + place * increment, step.name)
             if numbered:
                 chart_edits.renumber(self._journal, chart, start, increment)
         if table:

@@ -9,7 +9,7 @@ from typing import Any
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.binding import Declaration, Kind, Names
 from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of, unique_declaration
-from plcopen_sfc.languages.binding.text_sites import Role, SiteKind, TextSite, text_sites_in
+from plcopen_sfc.languages.binding.text_sites import Role, Site, SiteKind, TextSite, text_sites_in
 from plcopen_sfc.languages.executed_names import sharing
 from plcopen_sfc.languages.networks import condition_reader
 from plcopen_sfc.languages.st import nodes as n
@@ -192,6 +192,8 @@ def extract_condition(journal: Journal, chart: SfcNetwork, link: Transition, nam
     what, pou = f"the condition of {chart.label(link)} cannot be extracted", _pou(chart)
     if dialect_in(chart) is Dialect.SCL:
         raise refused(what, "blocks of S7-GRAPH have no named transitions")
+    if Names(_project(chart)).is_in_grafcet(Site(pou, charts=(chart,))):
+        raise refused(what, "a GRAFCET has no named transitions")
     condition = link.condition
     body: Body | None = None
     if isinstance(condition, Expression):
@@ -264,7 +266,7 @@ def extract_action(journal: Journal, step: Step, name: str, at: str | int) -> Ac
     journal.put(pou, "actions", [*pou.actions, action])
     journal.put(holder, field, None)
     journal.put(holder, "target" if isinstance(holder, ActionAssociation) else field, name)
-    _refuse_other_order(what, pou, action, dialect_in(chart))
+    _refuse_other_order(what, pou, action, _project(chart).dialect)
     return action
 
 
@@ -313,9 +315,9 @@ def inline_action(journal: Journal, project: Project, action: Action) -> None:
     if isinstance(holder, ActionAssociation):
         if holder.body is not None:
             raise refused(what, "the association has code in place too")
-        if family(names.dialect) is Dialect.CODESYS and not isinstance(body, StBody | IlBody):
+        if family(project.dialect) is Dialect.CODESYS and not isinstance(body, StBody | IlBody):
             raise refused(what, "code in place of CODESYS is structured text")
-        _refuse_other_order(what, pou, action, names.dialect)
+        _refuse_other_order(what, pou, action, project.dialect)
         journal.put(holder, "target", None)
         journal.put(holder, "body", body)
     else:

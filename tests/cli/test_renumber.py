@@ -42,6 +42,19 @@ def test_names_made_of_numbers(cli, tmp_path: Path) -> None:
     assert [step.name for step in next(sfc.load(path).charts()).chart.steps] == ["N05", "N06", "N07", "N08"]
 
 
+def test_numbers_of_a_grafcet_are_names(cli, tmp_path: Path) -> None:
+    """Over all partial charts; M20, E20 and S20 of a macro-step stay, and conditions and orders follow."""
+    press = FIXTURES / "grafcet" / "press.gct"
+    path = Path(shutil.copy(press, tmp_path))
+    outcome = cli("renumber", path, "--start", "100", "--increment", "10", "--json")
+    changed = {each["old"]: each["name"] for each in json.loads(outcome.out)["changed"]}
+    before, after = ([step.name for step in sfc.load(each).steps()] for each in (press, path))
+    assert [changed.get(name, name) for name in before] == after
+    assert sorted(changed.values()) == [str(100 + 10 * place) for place in range(len(changed))]
+    assert {name for name in after if not name.isdecimal()} == {"M20", "E20", "S20"}
+    assert not sfc.check(sfc.load(path), select=["VAR01", "HIE", "CND08"])
+
+
 def test_what_cannot_be_numbered_is_an_error(cli) -> None:
     sorting = FIXTURES / "codesys" / "sorting_conveyor.xml"
     for file, arguments, message in (

@@ -404,6 +404,10 @@ def test_the_order_of_actions_by_their_names_is_kept() -> None:
     assert "it changes places with Stop_Pump" in told.reason
     with pytest.raises(ModelError, match="Stop_Pump share variables with it"):
         edit.inline_action(pou.action("Tip"))
+    project.dialect = Dialect.IEC
+    edit.inline_action(pou.action("Tip"))
+    edit.undo()
+    project.dialect = Dialect.CODESYS
     fill.actions[0].target, fill.actions[0].body = None, sfc.StBody(text="Pump := TRUE;")
     with pytest.raises(ModelError, match="Tip, Stop_Pump share variables with it"):
         edit.extract_action(fill, "Last", 0)

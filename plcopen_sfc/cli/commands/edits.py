@@ -25,6 +25,7 @@ from plcopen_sfc.errors import InputError, ModelError, ScriptError
 from plcopen_sfc.files import folder_exists, read_bytes, write_atomic
 from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.languages.binding import Use
+from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import LOSSES, Item, Outcome
 from plcopen_sfc.whole_numbers import counted
@@ -103,13 +104,14 @@ class _Renumber(_Edit):
     def on(self, screen: Screen, project: Project) -> dict[str, Any]:
         _tell_unread(screen, project)
         found, wanted = [*project.charts()], self.pou.casefold()
-        charts = [each.chart for each in found if wanted in ("", each.name.casefold(), each.pou.name.casefold())]
+        meant = [each.chart for each in found if wanted in ("", each.name.casefold(), each.pou.name.casefold())]
+        charts = [inner for each in meant for inner in with_inner_charts(each)]
         if not charts:
             known = ", ".join(each.name for each in found)
             raise ModelError(
                 f"there is no chart {self.pou!r}", hint=f"There are: {known}" if known else "There is none."
             )
-        if not self.names:
+        if not self.names and not project.tool_format.startswith("grafcet"):  # whose numbers are names
             charts = [each for each in charts if any(step.number is not None for step in each.steps)]
         if not charts:
             raise ModelError("there is no chart with numbers", hint='Give names: --names "S{number}".')

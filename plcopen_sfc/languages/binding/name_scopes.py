@@ -406,11 +406,10 @@ def charts_inside(body: Body | None) -> Iterator[SfcNetwork]:
 def with_inner_charts(chart: SfcNetwork) -> Iterator[SfcNetwork]:
     """Yield a chart and those of macro-steps and partial charts in it."""
     waiting = [chart]
-    while waiting:
-        chart = waiting.pop()
-        yield chart
-        waiting += [partial.chart for partial in chart.partial_charts]
-        macros = [step.macro.body for step in chart.steps if step.macro is not None]
+    for each in waiting:
+        yield each
+        waiting += [partial.chart for partial in each.partial_charts]
+        macros = [step.macro.body for step in each.steps if step.macro is not None]
         waiting += [macro.chart for macro in macros if isinstance(macro, SfcBody)]
 
 
