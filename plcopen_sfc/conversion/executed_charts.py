@@ -21,6 +21,7 @@ from plcopen_sfc.conversion.executed_parts import (
 )
 from plcopen_sfc.conversion.meaning import (
     Meaning,
+    Renaming,
     condition_meaning,
     plain,
     program_form,
@@ -68,8 +69,8 @@ class Around(Protocol):
     detail: Detail
     added_functions: dict[str, Pou]
 
-    def named(self, node: n.Node, result: str = "") -> n.Node:
-        """Return a name as all tools could have it."""
+    def naming(self, result: str = "") -> Renaming:
+        """Return how names in the POU that is read now become names that all tools could have."""
 
     def code(self, body: Body | None, result: str = "") -> Meaning | None:
         """Meaning of a body."""
@@ -109,12 +110,13 @@ class ExecutedChartReader:
             lasts = [last for last, _ in self._final_calls(step)]
             rows = (row for row in step.actions if not any(row is last for last in lasts))
             self.calls.update(each.name for row in rows if (each := self._function(row.body)) is not None)
+        self._named = owner.naming()
         self._read_condition = condition_reader(chart, owner.dialect, transitions=pou.transitions)
 
     def condition_of(self, condition: Condition) -> NetworkExpression:
         """Return a condition as an expression in which names of lists of global variables are left out."""
         found = self._read_condition(condition)
-        named = self.owner.named
+        named = self._named
         tree = transform(found.tree, named) if found.tree is not None else None
         return replace(found, tree=tree, before=tuple(transform(each, named) for each in found.before))
 
@@ -519,7 +521,7 @@ class ExecutedChartReader:
         """Return the effects of logic drawn in the chart, besides feeding conditions."""
         drawn = chart_statements(self.chart, self.owner.dialect).tree
         text = print_node(drawn)
-        meaning = Meaning(lambda: text, text, lambda: program_form(drawn, self.owner.named), text=lambda: text)
+        meaning = Meaning(lambda: text, text, lambda: program_form(drawn, self._named), text=lambda: text)
         return meaning if text.strip() else None
 
     def _permanent(self, chart: Part, operation: PermanentOperation, when: str) -> None:

@@ -7,6 +7,7 @@ connect, actions by what they execute, variables by name.
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import NamedTuple
@@ -94,7 +95,8 @@ class Part:
 
     Of a transition, `leaves` are the names of the steps that it leaves, as in their keys, and `waiting` is its
     condition together with their minimum times. Of a project, `lists` are the names of its lists of global variables,
-    `programs` those of its programs, and `boxes` those of what its networks draw. Of a name that nothing declares,
+    `listed` tells of the variables in these how many have one of that name, `programs` are the names of its programs,
+    and `boxes` those of what its networks draw. Of a name that nothing declares,
     `is_called`: it is that of a function. Of a chart of S7-GRAPH, `parameters` are the casefolded names of the
     variables that operate it or show its state. Of a step, `order` are the keys of the transitions that leave it, in
     the order in which they are tried. `subject` is the object of the model, where one has the name of the part.
@@ -106,6 +108,7 @@ class Part:
     leaves: tuple[str, ...] = ()
     waiting: Meaning | None = None
     lists: frozenset[str] = frozenset()
+    listed: Mapping[str, int] | None = None
     programs: frozenset[str] = frozenset()
     parameters: frozenset[str] = frozenset()
     boxes: frozenset[str] = frozenset()

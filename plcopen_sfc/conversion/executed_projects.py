@@ -7,7 +7,8 @@ where two machines may.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cached_property
 from typing import cast
 
@@ -28,6 +29,7 @@ from plcopen_sfc.conversion.executed_parts import (
 from plcopen_sfc.conversion.executed_tasks import TaskReader
 from plcopen_sfc.conversion.meaning import (
     Meaning,
+    Renaming,
     address_meaning,
     code_meaning,
     type_meaning,
@@ -50,7 +52,7 @@ from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.declaration import NamedObject
 from plcopen_sfc.model.dialect import STRING_LENGTHS, Dialect
 from plcopen_sfc.model.network import Block
-from plcopen_sfc.model.pou import DataBlock, DataBlockKind, NamedTransition, Pou, PouKind
+from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Method, NamedTransition, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, Step
 from plcopen_sfc.model.text import MultilingualText
@@ -129,7 +131,10 @@ class _Reader:
         self.lists |= {block.name.casefold() for block in project.data_blocks}
         self.whole.lists = frozenset(self.lists)
         self.lists |= compared_with.lists | {s.name.casefold() for s in source.global_sections() if s.name}
-        self.values = _values(project, self.project.global_sections())
+        self.listed = _listed(project) if compared_with.listed is None else compared_with.listed
+        self.whole.listed = self.listed
+        self.values = _values(project, self.listed)
+        self.own: frozenset[str] = frozenset()
         self.starts = StartValues(project, self._number)
         if project.dialect is Dialect.SCL:
             self.lists.add(TABLE.casefold())
@@ -249,8 +254,15 @@ class _Reader:
                 part = self.whole.add(PROGRAM_CALL, " ".join(place), f"{place[0]} / {PROGRAM_CALL} {program.name}")
                 part.tell("program", Meaning.of(program.name.casefold(), program.name))
 
-    def named(self, node: n.Node, result: str = "") -> n.Node:
-        """Return a name as all tools could have it: without the list of a global variable; a result is ``Ret_Val``."""
+    def naming(self, result: str = "") -> Renaming:
+        """Return how names in the POU that is read now become names that all tools could have.
+
+        A global variable has no list, unless several have one of its name; a result is ``Ret_Val``. Meanings ask later.
+        """
+        own = self.own
+        return lambda node: self._named(node, result, own)
+
+    def _named(self, node: n.Node, result: str, own: Collection[str]) -> n.Node:
         if self.detail is Detail.WRITTEN:
             return node
         if (
@@ -258,12 +270,18 @@ class _Reader:
             and isinstance(node.base, n.Name)
             and node.base.identifier.casefold() in self.lists
         ):
-            return node.name
+            name = node.name
+            key = name.identifier.casefold() if isinstance(name, n.Name) else ""
+            if self.listed.get(key, 0) < 2 and key not in own:
+                return name  # the value of a constant, or a name that one list has
+            number = self.values.get(key, self.values.get(f"{node.base.identifier}.{key}".casefold()))
+            return n.Literal(number) if number is not None else node
         if isinstance(node, n.Member) and isinstance(node.base, n.Name):
             number = self.values.get(f"{node.base.identifier}.{node.name.identifier}".casefold())
             return n.Literal(number) if number is not None else node
         if isinstance(node, n.Name) and node.identifier.casefold() in self.values:
-            return n.Literal(self.values[node.identifier.casefold()])
+            is_own = node.quoting is not n.Quoting.GLOBAL and node.identifier.casefold() in own
+            return n.Name(node.identifier) if is_own else n.Literal(self.values[node.identifier.casefold()])
         if isinstance(node, n.Name) and node.identifier.casefold() in self.programs:
             return n.Name(self.programs[node.identifier.casefold()])
         is_result = result and isinstance(node, n.Name) and node.identifier.casefold() in (result.casefold(), "ret_val")
@@ -314,7 +332,7 @@ class _Reader:
         if self.source.tool_format == "codesys" and isinstance(body, FbdBody | LdBody):
             networks = [n.model_copy(update={"nodes": without_places(n.nodes)}) for n in body.networks]
             body = body.model_copy(update={"networks": networks})
-        return code_meaning(body, self.dialect, lambda node: self.named(node, result))
+        return code_meaning(body, self.dialect, self.naming(result))
 
     def tell_comment(self, part: Part, thing: Element) -> None:
         """Note the comment and the title of something, where they are wanted."""
@@ -451,6 +469,7 @@ class _Reader:
 
     def _pou(self, pou: Pou) -> None:
         part = self.whole.add("POU", pou.name, pou.report_path, pou)
+        self.own = self._hiding(pou)
         self.tell_comment(part, pou)
         is_program = pou.kind is PouKind.FUNCTION_BLOCK and pou.name.casefold() in self.programs.values()
         part.tell("kind", Meaning.of(PouKind.PROGRAM.value if is_program else pou.kind.value))
@@ -480,7 +499,9 @@ class _Reader:
             programs += not isinstance(body, SfcBody)
         for method in pou.methods:
             inner = part.add("method", method.name, f"{pou.report_path} / method {method.name}")
+            self.own = self._hiding(pou, method)
             inner.tell("code", self.code(method.body))
+            self.own = self._hiding(pou)
             for section in method.interface.sections if method.interface is not None and self.detail else ():
                 for variable in section.variables:
                     self._variable(inner, "variable", variable, section, "")
@@ -494,6 +515,13 @@ class _Reader:
         for named in pou.transitions if is_written else ():
             path = f"{pou.report_path} / named transition {named.name}"
             part.add("named transition", named.name, path, named).tell("code", self.code(self._as_text(named)))
+
+    def _hiding(self, *owners: Pou | Method) -> frozenset[str]:
+        """Return the variables that hide global ones of their names."""
+        sections = (section for each in owners if each.interface is not None for section in each.interface.sections)
+        inner = (section.variables for section in sections if section.kind is not SectionKind.EXTERNAL)
+        names = frozenset(v.name.casefold() for variables in inner for v in variables)
+        return names & (self.values.keys() | self.listed.keys())
 
     def _as_text(self, named: NamedTransition) -> Body | None:
         """The body of a transition object; as an expression where it is an archive of networks that is understood."""
@@ -556,8 +584,11 @@ _LITERAL = re.compile(r"""\s*(?:\w+#)?['"]""")
 """A literal of characters, in which nothing is a name."""
 
 
-def _values(project: Project, sections: Iterable[VariableSection]) -> dict[str, str]:
-    """Return the numbers of values of enumerations and of global constants, by their names in lower case."""
+def _values(project: Project, listed: Mapping[str, int]) -> dict[str, str]:
+    """Return the numbers of values of enumerations and of global constants, by their names in lower case.
+
+    A name that several lists have, by their number in `listed`, has the value of one with the name of that alone.
+    """
     found: dict[str, str] = {}
     for declaration in project.data_types:
         number = -1
@@ -567,12 +598,21 @@ def _values(project: Project, sections: Iterable[VariableSection]) -> dict[str, 
             number = number + 1 if size is None else -size if given.startswith("-") else size
             for name in (f"{declaration.name}.{value.name}", f"{declaration.name}_{value.name}"):
                 found[name.casefold()] = str(number)
-    constants = [[*section.variables] for section in sections if section.constant]
-    for group in (*constants, *(table.constants for table in project.tag_tables)):
-        for constant in group:
+    groups = [(section.name or "", section.variables) for section in project.global_sections() if section.constant]
+    groups += [("", table.constants) for table in project.tag_tables]
+    for around, constants in groups:
+        for constant in constants:
             if isinstance(constant.initial, SimpleValue) and constant.initial.text is not None:
-                found[constant.name.casefold()] = constant.initial.text
+                name = constant.name.casefold()
+                found[f"{around}.{name}".casefold() if listed.get(name, 0) > 1 else name] = constant.initial.text
     return found
+
+
+def _listed(project: Project) -> Counter[str]:
+    """Count the lists that have a variable of a name, by the names in lower case."""
+    lists = [section.variables for section in project.global_sections() if section.name]
+    lists += [block.interface.variables() for block in project.data_blocks if block.interface is not None]
+    return Counter(name for variables in lists for name in {variable.name.casefold() for variable in variables})
 
 
 def _is_call(occurrence: Occurrence) -> bool:

@@ -9,6 +9,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.conversion import compare, executed
 from plcopen_sfc.documents.lowered import lower_to_file
 from plcopen_sfc.report import Outcome
 
@@ -207,3 +208,37 @@ def test_code_in_scl_has_the_values_of_constants(tmp_path: Path) -> None:
     lowered = lower_to_file(sfc.loads(text.encode(), format="iec-text"), str(target))
     assert lowered.report.with_outcome(Outcome.NOT_EXECUTED) == []
     assert "#s > 7" in target.read_text("utf-8-sig")
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "is_same"),
+    [
+        ("x := G1.K;", "x := G2.K;", False),  # lists that have constants of one name
+        ("x := G1.K;", "x := 1;", True),
+        ("x := own;", "x := 5;", False),  # a variable that hides a constant
+        ("x := G3.own;", "x := own;", False),
+        ("x := G1.v;", "x := G2.v;", False),
+    ],
+)
+def test_constants_are_told_apart_by_their_lists_and_where_a_variable_hides_them(
+    one: str, other: str, is_same: bool
+) -> None:
+    def reading(body: str) -> m.Project:
+        text = f"PROGRAM Main\nVAR x, own : INT; END_VAR\n{body}\nEND_PROGRAM\n"
+        project = sfc.loads(text.encode(), format="iec-text")
+        project.dialect = m.Dialect.CODESYS
+        for name, constant, values in (
+            ("G1", True, {"K": "1"}),
+            ("G2", True, {"K": "2"}),
+            ("G3", True, {"own": "5"}),
+            ("G1", False, {"v": "0"}),
+            ("G2", False, {"v": "0"}),
+        ):
+            variables = [m.Variable.model_validate({"name": n, "type": "INT", "initial": v}) for n, v in values.items()]
+            section = m.VariableSection(kind=m.SectionKind.GLOBAL, name=name, constant=constant, variables=variables)
+            project.global_variables.append(section)
+        return project
+
+    source = executed(reading(one))
+    found = list(compare(source, executed(reading(other), compared_with=source)))
+    assert ([difference.aspect for difference in found] == []) is is_same, found
