@@ -186,6 +186,9 @@ class _Typing:
         if type_of_literal(text) is not None:
             return type_of_literal(text)
         if text.startswith("#"):
+            base = self.types.get(key.rpartition(".")[0], "G7_")
+            if not base.upper().startswith("G7_"):
+                return None  # a variable, and no step
             return next((kind for end, kind in _STEP_DATA.items() if key.endswith(end)), None)
         if text[:1].isdigit() and "#" not in text:
             return "Real" if literal_type(text, "") == "Real" else None

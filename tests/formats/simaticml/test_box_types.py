@@ -15,8 +15,10 @@ from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.report import Outcome
 
-CHART = """FUNCTION_BLOCK Chart
+CHART = """TYPE Place : STRUCT x, t : INT; END_STRUCT; END_TYPE
+FUNCTION_BLOCK Chart
   VAR_INPUT i : INT; d : DINT; u : UDINT; r : REAL; w : WORD; b : BYTE; t : TIME; x, y : BOOL; s : STRING[9]; END_VAR
+  VAR_INPUT p : Place; END_VAR
   INITIAL_STEP S1: END_STEP
   TRANSITION FROM S1 TO S2 := {condition}; END_TRANSITION
   STEP S2: END_STEP
@@ -32,6 +34,9 @@ SAID = {
     "(b OR w) <> w": ["Or Word", "Ne Word"],
     "REAL_TO_DINT(r) = d + 1": ["Convert Real DInt", "Add DInt", "Eq DInt"],
     "t > T#5s": ["Gt Time"],
+    "p.x > 3": ["Gt Int"],
+    "p.t > 3": ["Gt Int"],
+    "S1.T > T#5s": ["Gt Time"],
     "x AND i + 1 > 3": ["Add Int", "Gt Int"],
     "i > 40000": ["Gt DInt"],
     "i = 16#FFFF": ["Eq DInt"],
