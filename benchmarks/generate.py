@@ -357,7 +357,7 @@ creationDateTime="2026-01-05T08:00:00.5129077" />
                 (self._name, what),
                 (self._symbol, "FALSE"),
                 (self._duplicate, "0"),
-                (self._qualifier, qualifier),
+                (self._qualifier, f"{qualifier} {duration}".strip()),
             )
             start = f'<action localId="0" qualifier="{qualifier}" duration="{duration}" indicator="">'
             entries.append(f"""              {start}
