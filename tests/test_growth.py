@@ -13,6 +13,8 @@ import pytest
 import plcopen_sfc as sfc
 from benchmarks.generate import generate
 from plcopen_sfc.formats.plcopen.tc6_charts import Tc6ChartWriter
+from plcopen_sfc.formats.provenance import compared_only, is_untouched
+from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.languages.binding import Row, SharedScans, shared_scans, told_orders
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.pages.report_words import german
@@ -137,3 +139,19 @@ def test_a_rename_looks_for_its_words_once_in_each_other_chart(tmp_path: Path, m
     charts[0].rename_step(charts[0].steps[0].name, "Renamed")
     assert sorted(map(id, asked)) == sorted(map(id, charts))
     assert len(charts) > 1
+
+
+def test_what_is_compared_only_gets_no_digest(tmp_path: Path) -> None:
+    generate(tmp_path / "charts.xml", megabytes=0, steps=12)
+    content = (tmp_path / "charts.xml").read_bytes()
+    codec = format_named("plcopen")[0].codec()
+    with compared_only():
+        compared = next(codec.read(content).project.charts()).chart
+    kept = next(codec.read(content).project.charts()).chart
+    for chart, digested in ((compared, False), (kept, True)):
+        assert chart.steps
+        assert chart.drawing is not None
+        assert chart.drawing.symbols
+        # without a digest nothing tells that it was not edited
+        assert is_untouched(chart) is is_untouched(chart.drawing) is digested
+    assert compared == kept

@@ -12,8 +12,8 @@ from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.documents.reading_back import read_back, report_reading_errors, verify
 from plcopen_sfc.documents.sources import FileSource
 from plcopen_sfc.errors import FormatError
-from plcopen_sfc.formats.format_interface import DrawingNeed, Format, WriteOptions
-from plcopen_sfc.formats.provenance import is_from
+from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, WriteOptions
+from plcopen_sfc.formats.provenance import compared_only, is_from
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.numbering import number_in_order, numbered_in_order
@@ -66,7 +66,7 @@ def patched(project: Project, source: FileSource, kind: Format, report: Conversi
             source.path or "",
             "the edits did not fit into its text; written from the model",
         )
-        before = codec.read(source.content).project
+        before = _comparable(codec, source.content)
         options = WriteOptions(source.version, same=True, same_format=True, source=source.content, baseline=before)
         if is_other:
             project, marks = rewrite_project(project, kind, options, ConversionReport())
@@ -76,6 +76,12 @@ def patched(project: Project, source: FileSource, kind: Format, report: Conversi
     if merged is None or not merged.is_same_to_tool:
         _report_edits(report, meant, source, (source.content, data), kind)
     return data
+
+
+def _comparable(codec: Codec, content: bytes) -> Project:
+    """Return the project in a file, for comparisons: nothing edits it."""
+    with compared_only():
+        return codec.read(content).project
 
 
 def _report_edits(
@@ -103,7 +109,7 @@ def _report_edits(
 
     def notes(meant: Project, content: bytes, told: Sequence[Item], known: Project | None = None) -> ConversionReport:
         shown = codec.as_tool_sees(content)
-        seen = known if known is not None and shown == content else codec.read(shown).project
+        seen = known if known is not None and shown == content else _comparable(codec, shown)
         both = [
             each.model_copy(update={"pous": [pou for pou in each.pous if pou.report_path not in same]})
             for each in (meant, seen)
@@ -116,7 +122,7 @@ def _report_edits(
     before, after = contents
     found = notes(project, after, report.items, back)
     if found.losses != report.losses:
-        _pass_known_losses(found, notes(codec.read(before).project, before, []))
+        _pass_known_losses(found, notes(_comparable(codec, before), before, []))
         report.items = found.items
 
 
@@ -129,7 +135,7 @@ def _report_refused(report: ConversionReport, project: Project, source: FileSour
     found = _refused(edited, kind) if kind.tool else []
     if not found:
         return
-    before = _refused(kind.codec(source.version).read(source.content).project.pous, kind)
+    before = _refused(_comparable(kind.codec(source.version), source.content).pous, kind)
     more = Counter(each.code for each in _refused(project.pous, kind)) - Counter(each.code for each in before)
     known = {(each.location.path, each.message) for each in before}
     for each in found:
@@ -192,7 +198,7 @@ class _Excerpt:
         contents = {number: inner[number] for number in same}
         edits = [Edit(spans[number].open_end, spans[number].close_start, "") for number in same]
         content = encoding.encode(apply_edits(text, edits))
-        before = codec.read(content).project
+        before = _comparable(codec, content)
         if len(before.pous) != len(project.pous):
             return None
         pous = list(project.pous)
@@ -261,7 +267,7 @@ def _merged(
             touched.add(name)
             if not is_other:  # what is written has another drawing
                 prepare_body(body, style, positions=False)
-    before = codec.read(content).project if excerpt is None else excerpt.before
+    before = _comparable(codec, content) if excerpt is None else excerpt.before
     options = WriteOptions(
         source.version,
         same=True,
@@ -297,7 +303,7 @@ def _merged(
     data = patch_xml(content, tree(before, None, known, unchanged), after)
     _pass_known_losses(report, known)
     try:
-        back = codec.read(data).project
+        back = _comparable(codec, data)
         if back == project:
             return _Merged(data, not is_other and codec.as_tool_sees(data) is data)
         # equal to the tool, if not in the order of its drawing; comments carry ids in TC6 1.01, which may be others now

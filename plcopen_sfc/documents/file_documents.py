@@ -25,6 +25,7 @@ from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.formats.format_interface import Format, WriteOptions
 from plcopen_sfc.formats.provenance import (
     Origin,
+    compared_only,
     content_digest,
     file_digest,
     is_edited,
@@ -130,7 +131,7 @@ def encode(
             data = kind.codec(version).write(copy, options, report)
         seen, back, shown = None, None, as_tool_sees(data, kind) if behaviour is not None else data
         if behaviour is not None and kind.ids and not same and shown is data:
-            with writing(kind):  # the tool sees what is read back, and comparing that leaves it as it is
+            with writing(kind), compared_only():  # the tool sees what is read back, and comparing leaves it as it is
                 seen = read_document(data, format=name, path=None)
                 seen.read_all()
         if not (options.flavour and kind.text):  # what a flavour leaves out is for people, and not read back

@@ -13,6 +13,7 @@ from typing import Any
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import EncodingError, Location, ModelError, StructureError, UnsafeXmlError, XmlSyntaxError
 from plcopen_sfc.formats.format_interface import Format
+from plcopen_sfc.formats.provenance import compared_only
 from plcopen_sfc.languages.networks.network_reading import network_statements
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.model.base import ExtensionData, Model
@@ -42,7 +43,7 @@ def writing(kind: Format) -> Iterator[None]:
 
 def read_back(data: bytes, kind: Format, version: str) -> Project:
     """Return the project in the bytes that are to be written in a version, with all that is in it read."""
-    with writing(kind):
+    with writing(kind), compared_only():
         project = kind.codec(version).read(data).project
         project.read_all()
     return project

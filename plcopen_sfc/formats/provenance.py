@@ -6,7 +6,7 @@ import hashlib
 import re
 import secrets
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, TypeVar
@@ -72,18 +72,32 @@ def read_later(
     model: type[L], fields: dict[str, Any], read: Callable[[], L], text: Callable[[], str] | None = None
 ) -> L:
     """Return an object with `fields` that `read` reads when a script looks at more of it. `text`: `Late`."""
+    is_compared = _COMPARED_ONLY.get()
 
     def supply(thing: L) -> L:
-        with collecting_rarely():
+        with collecting_rarely(), compared_only() if is_compared else nullcontext():
             whole = read()
         folder = whole.folder if isinstance(whole, ProjectObject) else None
-        own, replaced = _own_digest(whole), _provenance(whole).is_replaced
+        own, replaced = None if is_compared else _own_digest(whole), _provenance(whole).is_replaced
         thing._provenance = replace(_provenance(thing), digest=own, folder=folder, is_replaced=replaced)
         return whole
 
     thing = model.late(fields, supply, text)
     thing._provenance = _Provenance(tuple(fields), mark=secrets.token_hex(8))
     return thing
+
+
+_COMPARED_ONLY: ContextVar[bool] = ContextVar("compared_only", default=False)
+
+
+@contextmanager
+def compared_only() -> Iterator[None]:
+    """Read projects that are compared and then forgotten: without the digests that tell edits, late parts too."""
+    token = _COMPARED_ONLY.set(True)
+    try:
+        yield
+    finally:
+        _COMPARED_ONLY.reset(token)
 
 
 _KNOWN: ContextVar[dict[int, tuple[Late, bool]] | None] = ContextVar("untouched", default=None)
