@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import re
 
-_WHOLE_NUMBER = re.compile(r"[0-9]{1,18}")
 _CANONICAL = re.compile(r"0|[1-9][0-9]{0,17}")
 
 
 def whole_number(text: str | None) -> int | None:
     """Return a whole, non-negative number of at most 18 digits; None for any other text.
 
-    `str.isdigit` accepts digits of other scripts and ², and `int` converts no more than 4300 digits.
+    `str.isdigit` alone accepts digits of other scripts and ², and `int` converts no more than 4300 digits.
     """
-    return int(text) if text is not None and _WHOLE_NUMBER.fullmatch(text) else None
+    return int(text) if text is not None and len(text) <= 18 and text.isascii() and text.isdigit() else None
 
 
 def xml_number(text: str | None) -> int | None:

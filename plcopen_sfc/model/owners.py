@@ -65,8 +65,14 @@ class Owned(Model):
 
     def model_post_init(self, _context: Any, /) -> None:
         """Adopt what the object was made of."""
+        object.__setattr__(self, "__pydantic_private__", dict.fromkeys(self.__private_attributes__))  # all are None
         for name in self.OWNS:
             self._adopt_field(name)
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_options: Any) -> None:
+        """Let all subclasses begin alike: pydantic puts a layer around the inherited method for each of them."""
+        cls.model_post_init = _begin  # type: ignore[method-assign]
 
     if not TYPE_CHECKING:
 
@@ -98,6 +104,9 @@ class Owned(Model):
     def __setstate__(self, state: dict[Any, Any]) -> None:
         super().__setstate__(state)
         self.adopt()
+
+
+_begin = Owned.model_post_init.__wrapped__  # type: ignore[attr-defined]
 
 
 class OwnedName(Owned):

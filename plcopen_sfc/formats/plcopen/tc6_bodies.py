@@ -59,7 +59,7 @@ def read_inner_body(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
     if isinstance(chart, UnreadChart):
         fields["chart"] = found = _chart_fields(chart)
         if isinstance(found["drawing"], dict):
-            read_drawing(ctx, found["drawing"])
+            read_drawing(ctx, chart.element, found["drawing"])
     return fields
 
 
@@ -98,7 +98,7 @@ def _read_chart(unread: UnreadChart) -> SfcNetwork:
 def _read_drawing(unread: UnreadChart, drawing: Fields) -> Drawing:
     ctx = unread.ctx
     outer, ctx.place = ctx.place, unread.place
-    read_drawing(ctx, drawing)
+    read_drawing(ctx, unread.element, drawing)
     ctx.place = outer
     fields: Fields = {"drawing": drawing}
     try:

@@ -28,10 +28,13 @@ from plcopen_sfc.whole_numbers import xml_number
 Line = tuple[Fields, Fields, str | None]
 """A line of an action block: the association, where it is drawn, and its ``localId``."""
 
-UNREAD = "unread"
-"""At a symbol or a line of a block: its element, where only what the chart does is read of it."""
-WIRES = "wires"
-"""At a symbol: the ids that the wires into it come from, where its pins are unread."""
+UNREAD = "\0unread"
+"""At a symbol or a line of a block of which only what the chart does is read: the place of its element around it.
+
+Elements themselves would be a quarter of the objects that reading a chart makes. No field in a file has such a name.
+"""
+WIRES = "\0wires"
+"""At a symbol: the ids that the wires into it come from, where its pins are unread and until the chart is complete."""
 
 _NOTHING: Fields = {}
 
@@ -74,6 +77,8 @@ class DrawnChart:
         self._resolve_jumps()
         self._resolve_wiring()
         self._check()
+        for symbol in self.symbols:
+            symbol.pop(WIRES, None)
         # a tool that exports no layout puts everything at 0, 0
         drawing: Fields = {"symbols": self.symbols, "places": Places.NONE if self.ctx.placeless else Places.GIVEN}
         if self.nodes:

@@ -81,11 +81,13 @@ class Tc6ChartReader:
         self.ctx = ctx
         self.read_body = read_body
         self.drawn = DrawnChart(ctx)
+        self.place = 0
+        """Number of the element that is read, among those of the chart."""
 
     def read(self, element: etree._Element) -> Fields:
         """Read ``SFC``."""
         tags = self.ctx.tags
-        for child in element:
+        for self.place, child in enumerate(element):
             local = tags.get(child.tag)
             if local in _SYMBOLS:
                 _SYMBOLS[local](self, child)
@@ -99,7 +101,7 @@ class Tc6ChartReader:
         return self.drawn.interpret()
 
     def _symbol(self, element: etree._Element, kind: SymbolKind, left: dict[str, str]) -> Fields:
-        symbol: Fields = {"kind": kind, UNREAD: element, WIRES: []}
+        symbol: Fields = {"kind": kind, UNREAD: self.place, WIRES: []}
         self.drawn.place(element, symbol, left.pop("localId", None))
         if left:
             read_geometry(self.ctx, element, left, symbol)
@@ -262,7 +264,7 @@ class Tc6ChartReader:
         entries: list[Line] = []
         for child, local in self._children(element, symbol):
             if local == "action":
-                entries.append(self.read_action(child))
+                entries.append(self.read_action(child, len(entries)))
             else:
                 read_common(ctx, symbol, child, local, "actionBlock")
         if left:
@@ -272,12 +274,12 @@ class Tc6ChartReader:
                 association["negated"] = True
         self.drawn.blocks.append((symbol, element, entries))
 
-    def read_action(self, element: etree._Element) -> Line:
-        """Read ``action`` of a block: the association, where it is drawn, and its ``localId``."""
+    def read_action(self, element: etree._Element, place: int) -> Line:
+        """Read the action `place` of a block: the association, where it is drawn, and its ``localId``."""
         ctx = self.ctx
         left = attributes(element)
         association: Fields = {}
-        entry: Fields = {UNREAD: element}
+        entry: Fields = {UNREAD: place}
         local_id = left.pop("localId", None)
         qualifier = take_choice(ctx, element, left, "qualifier", QUALIFIERS)
         if qualifier is not None:
@@ -323,25 +325,20 @@ _PLACE = frozenset({"position", "connectionPointOut"})
 _LINE_PLACE = frozenset({"relPosition", "connectionPointOut"})
 
 
-def read_drawing(ctx: Tc6ReadContext, drawing: Fields) -> None:
-    """Read what `Tc6ChartReader` left unread of a drawing. Its fields may have any value from extension data."""
+def read_drawing(ctx: Tc6ReadContext, chart: etree._Element, drawing: Fields) -> None:
+    """Read what `Tc6ChartReader` left unread in ``SFC``. Fields of the drawing may be any value from extension data."""
+    elements = list(chart)
     symbols = [symbol for symbol in drawing["symbols"] if isinstance(symbol, dict)]
     for symbol in symbols:
-        symbol.pop(WIRES, None)
-        element = symbol.pop(UNREAD, None)
-        if element is not None:
-            _read_symbol(ctx, symbol, element)
-        entries = symbol.get("entries")
-        for entry in entries if isinstance(entries, list) else ():
-            element = entry.pop(UNREAD, None) if isinstance(entry, dict) else None
-            if element is not None:
-                _read_line(ctx, entry, element)
+        if UNREAD in symbol:
+            _read_symbol(ctx, symbol, elements[symbol.pop(UNREAD)])
     if drawing["places"] is Places.NONE and any(any(symbol.get("position", ())) for symbol in symbols):
         drawing["places"] = Places.GIVEN
 
 
 def _read_symbol(ctx: Tc6ReadContext, symbol: Fields, element: etree._Element) -> None:
     pins: dict[str, list[Fields]] = {}
+    lines: list[etree._Element] = []
     for child in element:
         local = ctx.tags.get(child.tag)
         if local == "position":
@@ -350,11 +347,17 @@ def _read_symbol(ctx: Tc6ReadContext, symbol: Fields, element: etree._Element) -
                 symbol["position"] = point
         elif local == "connectionPointIn":
             pins.setdefault("inputs", []).append(read_input(ctx, child))
-        elif local == "connectionPointOut" and symbol["kind"] is not SymbolKind.JUMP:
+        elif local == "connectionPointOut" and symbol["kind"] is not _JUMP:
             pins.setdefault("outputs", []).append(read_output(ctx, child))
         elif local == "connectionPointOutAction" and symbol["kind"] is SymbolKind.STEP:
             symbol["action_output"] = read_output(ctx, child)
+        elif local == "action":
+            lines.append(child)
     symbol.update(pins)
+    entries = symbol.get("entries")
+    for entry in entries if lines and isinstance(entries, list) else ():
+        if isinstance(entry, dict) and UNREAD in entry:
+            _read_line(ctx, entry, lines[entry.pop(UNREAD)])
 
 
 def _read_line(ctx: Tc6ReadContext, entry: Fields, element: etree._Element) -> None:
