@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import Lock
 
-_ALLOCATIONS = 50_000
+_ALLOCATIONS = 200_000
 _YOUNGER = (20, 50)
 """Collections of a generation before the next older one is looked through."""
 

@@ -49,8 +49,9 @@ def report_execution(
     mistake of this package, and the item names it so. `called` gives the paths in the source of what has another
     name in the target.
     """
-    report.items = [replace(item, path=in_the_source(item.path, called)) for item in report.items]
-    differences = [_of_the_source(difference, called) for difference in differences]
+    if called:
+        report.items = [replace(item, path=in_the_source(item.path, called)) for item in report.items]
+        differences = [_of_the_source(difference, called) for difference in differences]
     refused = {item.path for item in report.losses if item.what == "hierarchy"}
     report.items = [item for item in report.items if not _is_of_refused(item, refused)]
     settled = Counter(

@@ -74,7 +74,7 @@ def give_legal_names(
                 report.add(Outcome.NOT_EXECUTED, "code", undecided.use.path, why)
         if len(part) == len(wanted):
             break
-    paths = {id(each.holder): each.path for each in Names(copy).declarations()}
+    paths = {id(each.holder): each.path for each in (Names(copy).declarations() if done else ())}
     rows = [(paths[id(each.holder)], name, each.name) for each, name in done if leaves]
     keep_names(copy, KeptNames.DECLARED, rows)
 

@@ -127,7 +127,7 @@ _BOMS = {
 }
 _DEFAULT = XmlStyle()
 # Two paths, each a single walk in C; one path with "or" takes three times as long.
-_LOOSE_TEXT = etree.XPath("//text()[normalize-space()][following-sibling::node() or preceding-sibling::node()]")
+_LOOSE_TEXT = etree.XPath("//*[node()[2]]/text()[normalize-space()]")
 _ONLY_COMMENTS = etree.XPath("descendant-or-self::*[comment() and not(*)]")
 _PRESERVED = etree.XPath("//*[@xml:space='preserve']")
 _RAW = re.compile(r"(<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>)", re.DOTALL)

@@ -127,7 +127,7 @@ class Names:
         keys = frozenset(word.casefold() for word in words)
         local = all(each.kind in (Kind.STEP, Kind.TRANSITION) and each.pou is not None for each in of)
         homes = [each.pou for each in of if each.pou is not None] if of and local else None
-        for text_site in self.text_sites(keys, homes):
+        for text_site in self.text_sites(keys, homes) if keys else ():
             text = text_site.text.casefold().replace(OVERLINE, "")
             if any(key in text for key in keys):
                 for reference in self._references(text_site):
