@@ -8,7 +8,7 @@ The start value of every elementary member is from the declaration of its variab
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, groupby, pairwise
 
@@ -20,9 +20,11 @@ from plcopen_sfc.languages.binding.text_sites import Role, TextSite
 from plcopen_sfc.languages.declarations.kept_texts import inheritance, kept
 from plcopen_sfc.languages.declarations.type_names import is_quoted_in_scl
 from plcopen_sfc.languages.s7_types import S7Types, number_of
+from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.translation.translation_context import family
-from plcopen_sfc.model.base import ExtensionData, ForeignData
+from plcopen_sfc.languages.words import IEC_KEYWORDS
+from plcopen_sfc.model.base import Element, ExtensionData, ForeignData
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import DataBlock, Pou
@@ -278,6 +280,56 @@ def tell_inheritance(part: Part, pou: Pou) -> None:
     found = inheritance(pou.interface)
     for aspect, names in (("extends", found.extends), ("implements", found.implements)):
         part.tell(aspect, Meaning.of(tuple(map(str.casefold, names)), ", ".join(names)) if names else None)
+
+
+_ATTRIBUTE = re.compile(r"""<Attribute\s+Name=["']([^"']*)["']\s+Value=["']([^"']*)["']""")
+_MODIFIER = re.compile(r"<(Public|Private|Protected|Internal|Final|Abstract)\b", re.IGNORECASE)
+
+
+_HEAD = re.compile(
+    r"\b(?:FUNCTION_BLOCK|FUNCTION|METHOD)\s+((?:(?:PUBLIC|PRIVATE|PROTECTED|INTERNAL|FINAL|ABSTRACT)\s+)+)",
+    re.IGNORECASE,
+)
+
+
+def tell_declaration(part: Part, thing: Element, typed: Sequence[str] = (), declaration: str | None = None) -> None:
+    """Note the modifiers of access and the attributes of what is declared; `typed` are those in its `declaration`."""
+    written = _HEAD.search(declaration or "")
+    if written is not None:
+        part.tell("modifiers", Meaning.of(" ".join(written[1].upper().split())))
+    texts = kept(thing.extension_data)
+    attributes = [texts.get("pragmas", texts.get("attributes", "")), *typed]
+    for data in thing.extension_data.data if thing.extension_data is not None else ():
+        place, text = unwrapped(data.content) or ("", "")
+        if place == "modifiers":
+            part.tell("modifiers", Meaning.of(text.upper(), text))
+        elif place == "pragma":
+            attributes.append(text)
+        elif data.name.endswith("/attributes") and not typed:
+            attributes += [
+                f"{{attribute '{name}'" + (f" := '{value}'}}" if value else "}")
+                for name, value in _ATTRIBUTE.findall(data.content)
+            ]
+        elif data.name.endswith("/accessmodifiers") and written is None:
+            words = " ".join(word.upper() for word in _MODIFIER.findall(data.content))
+            part.tell("modifiers", Meaning.of(words) if words else None)
+    found = " ".join(" ".join(attributes).split())
+    part.tell("attributes", Meaning.of(found) if found else None)
+
+
+def typed_attributes(declaration: str | None) -> Mapping[str, Sequence[str]]:
+    """Return the attributes in the text of a declaration, by the variable before which they are, "" for the head."""
+    found: dict[str, list[str]] = {}
+    if "{" not in (declaration or ""):
+        return found
+    read = tokenize(declaration or "", Dialect.CODESYS)
+    for comment in read.comments:
+        if comment.kind is CommentKind.PRAGMA:
+            behind = next((token for token in read.tokens if token.span[0] >= comment.span[1]), None)
+            is_name = behind is not None and behind.type == "NAME" and behind.value.upper() not in IEC_KEYWORDS
+            name = behind.value.casefold() if behind is not None and is_name else ""
+            found.setdefault(name, []).append(comment.text)
+    return found
 
 
 def add_kept(whole: Part, project: Project, text_sites: Iterable[TextSite], tool: Dialect) -> None:

@@ -8,11 +8,18 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import cast
 
-from plcopen_sfc.conversion.declared_values import StartValues, add_kept, tell_inheritance, tell_type
+from plcopen_sfc.conversion.declared_values import (
+    StartValues,
+    add_kept,
+    tell_declaration,
+    tell_inheritance,
+    tell_type,
+    typed_attributes,
+)
 from plcopen_sfc.conversion.executed_charts import ExecutedChartReader
 from plcopen_sfc.conversion.executed_parts import (
     OPERATING_INPUT,
@@ -127,6 +134,7 @@ class _Reader:
         self.tool = Dialect.TWINCAT if of_twincat else source.dialect
         self.addresses = addresses or source.address_dialect
         self.whole = Part("")
+        self._typed: Mapping[str, Sequence[str]] = {}
         self.lists = {s.name.casefold() for s in self.project.global_sections() if s.name}
         self.lists |= {block.name.casefold() for block in project.data_blocks}
         self.whole.lists = frozenset(self.lists)
@@ -172,6 +180,8 @@ class _Reader:
                 continue  # other types are compared where they are used, by what they stand for
             part = self.whole.add("type", declaration.name, declaration.report_path, declaration)
             tell_type(part, declaration.type, declaration)
+            if self.detail is Detail.WRITTEN:
+                tell_declaration(part, declaration)
             self.tell_comment(part, declaration)
             whole = Variable(name=declaration.name, type=declaration.type, initial=declaration.initial)
             if self.detail and isinstance(declaration.type, StructType):
@@ -379,12 +389,14 @@ class _Reader:
 
     def _globals(self) -> None:
         for section in self.project.global_sections():
+            self._typed = typed_attributes(section.declaration)
             for variable in section.variables:
                 if variable.name.casefold() in self.structures and isinstance(variable.type, StructType):
                     for member in _members(variable, variable.type):
                         self._variable(self.whole, "global variable", member, section, variable.name)
                 else:
                     self._variable(self.whole, "global variable", variable, section, section.name or "")
+        self._typed = {}
         for block in self.project.data_blocks:
             sections = block.interface.sections if block.interface is not None else []
             unread = kept(block.extension_data).get("unread")
@@ -416,6 +428,8 @@ class _Reader:
             kind = "data block" if isinstance(thing, DataBlock) else "list of global variables"
             part = self.whole.add(kind, thing.name or "", f"{kind} {thing.name}", cast("NamedObject", thing))
             self.tell_comment(part, thing)
+            typed = thing.declaration if isinstance(thing, VariableSection) else None
+            tell_declaration(part, thing, typed_attributes(typed).get("", ()))
             declaring = thing.interface if isinstance(thing, DataBlock) else Interface(sections=[thing])
             names = [variable.name.casefold() for variable in declaring.variables()] if declaring is not None else []
             part.tell("variables", Meaning.of(frozenset(names)))
@@ -453,6 +467,7 @@ class _Reader:
             part.tell("persistent", Meaning.of(True, "PERSISTENT") if section.persistent else None)
             for name, value in variable.attributes.items():
                 part.tell(name, Meaning.of(value))
+            tell_declaration(part, variable, self._typed.get(variable.name.casefold(), ()))
         self.tell_comment(part, variable)
         edge = kept(variable.extension_data).get("edge")
         part.tell("edge", Meaning.of(edge) if edge else None)
@@ -475,6 +490,9 @@ class _Reader:
         part.tell("kind", Meaning.of(PouKind.PROGRAM.value if is_program else pou.kind.value))
         if self.detail is Detail.WRITTEN:
             part.tell("number", Meaning.of(pou.number) if pou.number is not None else None)
+            typed = pou.interface.declaration if pou.interface is not None else None
+            self._typed = typed_attributes(typed)
+            tell_declaration(part, pou, self._typed.get("", ()), typed)
         tell_inheritance(part, pou)
         if pou.interface is not None:
             self._result(part, pou.interface.return_type)
@@ -502,6 +520,12 @@ class _Reader:
             self.own = self._hiding(pou, method)
             inner.tell("code", self.code(method.body))
             self.own = self._hiding(pou)
+            if self.detail is Detail.WRITTEN:
+                typed = method.interface.declaration if method.interface is not None else None
+                self._typed = typed_attributes(typed)
+                self._result(inner, method.interface.return_type if method.interface is not None else None)
+                tell_declaration(inner, method, self._typed.get("", ()), typed)
+                self.tell_comment(inner, method)
             for section in method.interface.sections if method.interface is not None and self.detail else ():
                 for variable in section.variables:
                     self._variable(inner, "variable", variable, section, "")

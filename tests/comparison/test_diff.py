@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import pytest
@@ -431,9 +431,11 @@ class TestFormats:
         ]
 
     def test_a_project_of_codesys_and_of_twincat(self):
-        """TwinCAT has no watchdog in its tasks."""
+        """TwinCAT has no watchdog in its tasks, and these lists have no attribute."""
         before, after = loaded("codesys/distribution_belt.xml"), loaded("twincat-belt")
         assert told(sfc.diff(before, after)) == [
+            "list of global variables GVL_EA: attributes {attribute 'qualified_only'} removed",
+            "list of global variables GVL_Statistik: attributes {attribute 'qualified_only'} removed",
             "task MainTask: watchdog on t#100ms 1 removed",
             "task Visu: watchdog off 1 removed",
         ]
@@ -777,3 +779,58 @@ INITIAL STEP 10
         "  G1 / transition 1 -> 2: condition a -> /a",
         "  G2 / transition 10 -> 10: condition c -> a * c",
     ]
+
+
+DECLARED = """<?xml version="1.0" encoding="utf-8"?>
+<TcPlcObject Version="1.1.0.1">
+  <POU Name="FB_X" Id="{{11111111-2222-3333-4444-555555555555}}">
+    <Declaration><![CDATA[{head}
+VAR_INPUT
+	{linked}
+	a AT %I* : BOOL;
+END_VAR]]></Declaration>
+    <Implementation><ST><![CDATA[;]]></ST></Implementation>
+    <Method Name="M" Id="{{11111111-2222-3333-4444-555555555556}}">
+      <Declaration><![CDATA[{method}]]></Declaration>
+      <Implementation><ST><![CDATA[;]]></ST></Implementation>
+    </Method>
+  </POU>
+</TcPlcObject>
+"""
+LINKED = "{attribute 'TcLinkTo' := 'TIID^Box 1'}"
+HEAD, METHOD = "{attribute 'hide'}\nFUNCTION_BLOCK PUBLIC FINAL FB_X", "METHOD PRIVATE M : BOOL"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("PUBLIC FINAL ", "ABSTRACT ", "POU FB_X: modifiers PUBLIC FINAL -> ABSTRACT"),
+        ("PUBLIC FINAL ", "", "POU FB_X: modifiers PUBLIC FINAL removed"),
+        ("{attribute 'hide'}\n", "", "POU FB_X: attributes {attribute 'hide'} removed"),
+        ("Box 1", "Box 2", f"POU FB_X / variable a: attributes {LINKED} -> {LINKED.replace('Box 1', 'Box 2')}"),
+        ("PRIVATE ", "", "POU FB_X / method M: modifiers PRIVATE removed"),
+        ("M : BOOL", "M : INT", "POU FB_X / method M: result BOOL -> INT"),
+        ("METHOD", "{attribute 'call_after_init'}\nMETHOD", "attributes {attribute 'call_after_init'} added"),
+    ],
+)
+def test_modifiers_and_attributes_are_compared(old: str, new: str, expected: str) -> None:
+    """What links a variable to its terminal, and who may call or extend what, was no difference."""
+
+    def read(change: Callable[[str], str]) -> sfc.Project:
+        text = DECLARED.format(head=change(HEAD), linked=change(LINKED), method=change(METHOD))
+        return sfc.loads(text.encode(), path="FB_X.TcPOU")
+
+    before, after = read(str), read(lambda text: text.replace(old, new))
+    (found,) = told(sfc.diff(before, after))
+    assert found.endswith(expected)
+    again = sfc.loads(sfc.convert(before, "codesys", partial=True)[0])
+    assert not [line for line in told(sfc.diff(before, again)) if "attribute" in line or "modifiers" in line]
+
+
+@pytest.mark.parametrize("new", ["", "{attribute 'qualified_only' := 'x'}\n"])
+def test_attributes_in_the_text_of_a_declaration_are_compared(new: str) -> None:
+    """Exports of CODESYS have them in the text that was typed."""
+    before, after = (loaded("codesys/device_export.xml") for _ in range(2))
+    listed = next(section for section in after.global_sections() if "{attribute" in (section.declaration or ""))
+    listed.declaration = (listed.declaration or "").replace("{attribute 'qualified_only'}\n", new)
+    assert any("attributes {attribute 'qualified_only'}" in line for line in told(sfc.diff(before, after))) is bool(new)
