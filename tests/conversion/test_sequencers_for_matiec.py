@@ -8,6 +8,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.analysis import equivalent
 from plcopen_sfc.report import Outcome
 from tests.conversion.features import FEATURES, Feature, feature_project
 from tests.judges.matiec import require_matiec
@@ -42,13 +43,41 @@ def test_the_compiler_takes_it(tmp_path: Path) -> None:
         matiec.translate(sfc.convert(source, "iec-text", flavour="matiec")[0].decode(), tmp_path / feature.name)
 
 
-def test_functions_with_global_variables_are_told_for_matiec() -> None:
-    text = "FUNCTION Sum_up : INT VAR_INPUT a : INT; END_VAR Sum_up := a + total; END_FUNCTION\n"
-    text += "PROGRAM Main VAR n : INT; END_VAR n := Sum_up(a := n); END_PROGRAM"
-    project = sfc.loads(text.encode(), format="iec-text")
-    total = m.Variable.model_validate({"name": "total", "type": "INT"})
-    project.global_variables = [m.VariableSection(kind=m.SectionKind.GLOBAL, variables=[total])]
-    report = sfc.convert(project, "iec-text", flavour="matiec", partial=True)[1]
-    (item,) = report.with_outcome(Outcome.NOT_EXECUTED)
-    assert item.path == "POU Sum_up"
-    assert item.why == "functions have no global variables in matiec: total; it does not compile"
+FUNCTIONS = """FUNCTION Inner : INT VAR_INPUT a : INT; END_VAR total := 3 - total; Inner := total + a; END_FUNCTION
+FUNCTION Outer : INT VAR_INPUT a : INT; END_VAR
+IF active THEN Outer := Inner(a); ELSE Outer := Inner(a := 1); END_IF;
+END_FUNCTION
+FUNCTION_BLOCK Main
+VAR_INPUT go : BOOL; END_VAR
+VAR_OUTPUT n : INT; END_VAR
+VAR_EXTERNAL total : INT; END_VAR
+{hiding}
+active := go; n := Outer(2) + Outer(a := 3);
+END_FUNCTION_BLOCK
+"""
+
+
+def of_functions(hiding: str = "") -> m.Project:
+    project = sfc.loads(FUNCTIONS.format(hiding=hiding).encode(), format="iec-text")
+    variables = [m.Variable.model_validate({"name": n, "type": t}) for n, t in (("total", "INT"), ("active", "BOOL"))]
+    project.global_variables = [m.VariableSection(kind=m.SectionKind.GLOBAL, variables=variables)]
+    return project
+
+
+def test_calls_pass_global_variables_to_functions_for_matiec() -> None:
+    source = of_functions()
+    data, report = sfc.convert(source, "iec-text", flavour="matiec")
+    assert report.losses == []
+    text = data.decode()
+    assert "n := Outer(2, active, total) + Outer(a := 3, active := active, total := total);" in text
+    assert "THEN Outer := Inner(a, total); ELSE Outer := Inner(a := 1, total := total); END_IF;" in text
+    written = sfc.loads(data, as_tool=True)
+    assert equivalent(source.pou("Main"), written.pou("Main"), outputs=["n"]).proven
+
+
+def test_a_function_whose_caller_hides_a_global_variable_is_told_for_matiec() -> None:
+    """So is the function that it calls, which nothing passes the variable then."""
+    report = sfc.convert(of_functions("VAR active : BOOL; END_VAR"), "iec-text", flavour="matiec", partial=True)[1]
+    lost = {(item.path, item.why) for item in report.with_outcome(Outcome.NOT_EXECUTED)}
+    assert ("POU Inner", "functions have no global variables in matiec: total; it does not compile") in lost
+    assert ("POU Outer", "functions have no global variables in matiec: active; it does not compile") in lost

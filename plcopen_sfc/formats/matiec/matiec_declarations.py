@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from itertools import chain, count
 
 from plcopen_sfc.errors import ModelError
+from plcopen_sfc.formats.matiec.matiec_functions import pass_globals
 from plcopen_sfc.formats.matiec.matiec_pou import UNDECLARED_PREFIX
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
@@ -384,8 +385,12 @@ def declare_globals(project: Project, report: ConversionReport) -> None:
     for text_site in list(text_sites(project)):
         if text_site.is_program_text and text_site.site.pou is not None:
             _use(text_site, globals_, project)
+    variables = {name: variable for name, (variable, _) in globals_.by_name.items()}
+    passed = pass_globals(project, variables, globals_.used, report)
     for pou in project.pous:
         added = globals_.used.get(pou.name, {})
+        if pou.name.casefold() in passed:
+            continue
         if added and pou.kind is not PouKind.FUNCTION:
             _declare(pou, [globals_.by_name[name] for name in added])
             report.add(Outcome.TRANSLATED, "global variables", pou.report_path, f"{len(added)} declared as external")

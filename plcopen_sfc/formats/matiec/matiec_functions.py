@@ -1,0 +1,185 @@
+"""Functions that use global variables, as matiec has them: it compiles none, so that calls pass them.
+
+A function gets them as parameters of their names: as inputs, or as in-out parameters where it writes them or what it
+calls does::
+
+    n := Count(part);      n := Count(part, Machine);
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
+from plcopen_sfc.languages.effects import effects
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_expression, parse_statements, render, transform, walk
+from plcopen_sfc.languages.standard_blocks import standard_block
+from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.network import Block
+from plcopen_sfc.model.pou import Pou, PouKind
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.types import DerivedType, Variable
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.report import ConversionReport, Outcome
+
+_PARAMETERS = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT)
+
+
+def pass_globals(
+    project: Project, variables: Mapping[str, Variable], used: dict[str, dict[str, None]], report: ConversionReport
+) -> frozenset[str]:
+    """Let calls of the functions of `project` pass the global variables that these use; the names of such functions.
+
+    `variables` are the global ones by their names in lower case, `used` those that each POU uses: callers use them too.
+    A function that a network or an instruction list calls stays as it is, and so does one whose caller hides a name.
+    """
+    functions = {pou.name.casefold(): pou for pou in project.pous if pou.kind is PouKind.FUNCTION}
+    sites = [each for each in text_sites(project) if each.site.pou is not None]
+    calls = [(each, _called(each, functions, project)) for each in sites if each.is_program_text]
+    needed = {key: dict(used.get(pou.name, {})) for key, pou in functions.items()}
+    for _ in functions:  # a function passes what those that it calls need
+        for text_site, called in calls:
+            caller = _name(text_site)
+            for name in called & needed.keys():
+                needed.get(caller, {}).update(needed[name])
+    needed = {key: names for key, names in needed.items() if names}
+    passing = _Passing(project, functions, needed)
+    lost = {name for each in sites for name in needed if _is_drawn(each, name)}
+    lost |= {key for key, names in needed.items() if any(_is_instance(project, variables[name]) for name in names)}
+    for text_site, called in calls:
+        hidden = _own_names(text_site)
+        lost |= {name for name in called & needed.keys() if not hidden.isdisjoint(needed[name])}
+        lost |= passing.text(text_site)[1] if called else set()
+    for _ in functions:  # a function that does not get them passes none
+        for text_site, called in calls:
+            lost |= called if _name(text_site) in lost else set()
+    passing.needed = needed = {key: names for key, names in needed.items() if key not in lost}
+    for key, names in needed.items():
+        passing.added[key] = _add_parameters(functions[key], names, variables, needed, project)
+    for text_site, called in calls:
+        if called & needed.keys():
+            text_site.put(passing.text(text_site)[0])
+            if _name(text_site) not in functions and text_site.site.pou is not None:
+                own = {variable.name.casefold() for variable in text_site.site.pou.variables()}
+                more = (each for name in called & needed.keys() for each in needed[name] if each not in own)
+                used.setdefault(text_site.site.pou.name, {}).update(dict.fromkeys(more))
+    for key, names in needed.items():
+        why = f"calls pass {', '.join(variables[name].name for name in names)}: functions have no global ones in matiec"
+        report.add(Outcome.TRANSLATED, "global variables", functions[key].report_path, why)
+    return frozenset(needed)
+
+
+def _name(text_site: TextSite) -> str:
+    return text_site.site.pou.name.casefold() if text_site.site.pou is not None else ""
+
+
+def _own_names(text_site: TextSite) -> set[str]:
+    """Return the names that hide global variables in a text."""
+    pou = text_site.site.pou
+    sections = pou.interface.sections if pou is not None and pou.interface is not None else ()
+    own = (each for each in sections if each.kind is not SectionKind.EXTERNAL)
+    return {variable.name.casefold() for section in own for variable in section.variables}
+
+
+def _tree(text_site: TextSite, project: Project) -> n.Node | None:
+    if text_site.reading is SiteKind.STATEMENTS:
+        return parse_statements(text_site.text, project.dialect).tree
+    return parse_expression(text_site.text, project.dialect).tree
+
+
+def _called(text_site: TextSite, functions: Mapping[str, Pou], project: Project) -> set[str]:
+    """Return the functions that a text calls, in lower case."""
+    if not any(name in text_site.text.casefold() for name in functions):
+        return set()
+    tree = _tree(text_site, project)
+    found: set[str] = set()
+    for each in walk(tree) if tree is not None else ():
+        if isinstance(each, n.Call) and isinstance(each.callee, n.Name):
+            found.add(each.callee.identifier.casefold())
+    return found & functions.keys()
+
+
+def _is_drawn(text_site: TextSite, name: str) -> bool:
+    """True for a box that calls a function, and for instructions that may."""
+    text = text_site.text.casefold()
+    if text_site.reading is SiteKind.INSTRUCTIONS:
+        return name in text
+    return isinstance(text_site.holder, Block) and text_site.key == "type_name" and text == name
+
+
+def _is_instance(project: Project, variable: Variable) -> bool:
+    """True for an instance of a function block, which matiec passes to no function."""
+    if not isinstance(variable.type, DerivedType):
+        return False
+    name = variable.type.name.casefold()
+    standard = standard_block(name.upper())
+    return any(pou.name.casefold() == name for pou in project.pous) or (standard is not None and standard.stateful)
+
+
+def _add_parameters(
+    function: Pou,
+    names: Mapping[str, None],
+    variables: Mapping[str, Variable],
+    needed: Mapping[str, Mapping[str, None]],
+    project: Project,
+) -> list[str]:
+    """Give a function its global variables as parameters; their names in the order of these."""
+    trees = [parse_statements(body.text, project.dialect).tree for body in function.bodies if isinstance(body, StBody)]
+    written = {path[0] for tree in trees for path in effects(tree.statements).writes if path}
+    written |= {
+        name
+        for tree in trees
+        for call in walk(tree)
+        if isinstance(call, n.Call) and isinstance(call.callee, n.Name)
+        for name in needed.get(call.callee.identifier.casefold(), ())
+    }
+    sections = [VariableSection(kind=kind) for kind in (SectionKind.INPUT, SectionKind.IN_OUT)]
+    for name in names:
+        section = sections[name in written]
+        section.variables.append(Variable(name=variables[name].name, type=variables[name].type.model_copy(deep=True)))
+    function.interface = function.interface or Interface()
+    function.interface.sections = [*function.interface.sections, *(each for each in sections if each.variables)]
+    return [variable.name for section in sections for variable in section.variables]
+
+
+def _parameters(function: Pou) -> Iterator[str]:
+    sections = function.interface.sections if function.interface is not None else ()
+    yield from (variable.name for each in sections if each.kind in _PARAMETERS for variable in each.variables)
+
+
+@dataclass(slots=True)
+class _Passing:
+    """The global variables that functions need, in lower case, and the parameters that they have got for them."""
+
+    project: Project
+    functions: Mapping[str, Pou]
+    needed: dict[str, dict[str, None]]
+    added: dict[str, list[str]] = field(default_factory=dict)
+
+    def text(self, text_site: TextSite) -> tuple[str, set[str]]:
+        """Return a text whose calls pass global variables, and the functions of which a call lacks arguments."""
+        lacking: set[str] = set()
+
+        def change(node: n.Node) -> n.Node:
+            if not isinstance(node, n.Call) or not isinstance(node.callee, n.Name):
+                return node
+            key = node.callee.identifier.casefold()
+            if key not in self.needed:
+                return node
+            names = self.added.get(key, [])
+            is_named = all(each.name is not None for each in node.arguments)
+            if not is_named and len(node.arguments) + len(names) != len([*_parameters(self.functions[key])]):
+                lacking.add(key)
+                return node
+            passed = (n.Argument(n.Name(name), n.Name(name) if is_named else None) for name in names)
+            return n.Call(node.callee, (*node.arguments, *passed))
+
+        if text_site.reading is SiteKind.STATEMENTS:
+            statements = parse_statements(text_site.text, self.project.dialect)
+            return render(statements, transform(statements.tree, change)), lacking
+        condition = parse_expression(text_site.text, self.project.dialect)
+        if condition.tree is None:
+            return text_site.text, lacking
+        return render(condition, transform(condition.tree, change)), lacking
