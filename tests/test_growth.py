@@ -12,7 +12,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from benchmarks.generate import generate
-from plcopen_sfc.formats.plcopen.tc6_charts import Tc6ChartWriter
+from plcopen_sfc.formats.plcopen.tc6_chart_writer import Tc6ChartWriter
 from plcopen_sfc.formats.provenance import compared_only, is_untouched
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.languages.binding import Row, SharedScans, shared_scans, told_orders

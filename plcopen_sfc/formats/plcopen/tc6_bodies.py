@@ -15,7 +15,8 @@ from plcopen_sfc.formats.plcopen.source_marks import (
     restore_texts,
     take_marks,
 )
-from plcopen_sfc.formats.plcopen.tc6_charts import Tc6ChartReader, Tc6ChartWriter, read_drawing
+from plcopen_sfc.formats.plcopen.tc6_chart_writer import Tc6ChartWriter
+from plcopen_sfc.formats.plcopen.tc6_charts import Tc6ChartReader, read_drawing
 from plcopen_sfc.formats.plcopen.tc6_declarations import read_interface, write_interface
 from plcopen_sfc.formats.plcopen.tc6_networks import is_known, read_logic_body, write_network
 from plcopen_sfc.formats.plcopen.tc6_reading import (

@@ -23,7 +23,7 @@ from plcopen_sfc.formats.matiec.matiec_declarations import quote_strings
 from plcopen_sfc.formats.matiec.matiec_project import fit_project
 from plcopen_sfc.formats.plcopen.source_marks import is_added_configuration, is_added_pou
 from plcopen_sfc.formats.plcopen.tc6_bodies import read_pou, write_pou
-from plcopen_sfc.formats.plcopen.tc6_charts import unchanged_symbols
+from plcopen_sfc.formats.plcopen.tc6_chart_writer import unchanged_symbols
 from plcopen_sfc.formats.plcopen.tc6_configurations import read_configuration, write_configuration
 from plcopen_sfc.formats.plcopen.tc6_declarations import read_data_type_declaration, write_data_type_declaration
 from plcopen_sfc.formats.plcopen.tc6_networks import TAGS
