@@ -188,6 +188,16 @@ def table(found: list[Judged], columns: tuple[str, ...]) -> str:
     return "\n".join([lines[0], "|---|" + "---:|" * len(columns), *lines[1:]])
 
 
+def coverage(found: list[Judged]) -> str:
+    """Steps that runs reached, by pair of formats, as a table of Markdown."""
+    pairs: dict[str, Counter[str]] = defaultdict(Counter)
+    for each in found:
+        pairs[each.pair.replace(" -> ", " to ")] += each.counts
+    rows = [(pair, row) for pair, row in sorted(pairs.items()) if row["steps"]]
+    lines = [f"| {pair} | {row[REACHED]} of {row['steps']} |" for pair, row in rows]
+    return "\n".join([f"| pair | {REACHED} |", "|---|---:|", *lines])
+
+
 def reasons(found: list[Judged]) -> str:
     """Why charts are not the same, without the names in the reasons, the most frequent first."""
     counts: Counter[str] = Counter()
@@ -247,7 +257,7 @@ def main() -> None:
     results = [each for each in found if each is not None]
     print(f"\n{table(results, CHARTS if given.limit else COUNTED)}\n")
     if given.limit:
-        print(f"{reasons(results)}\n")
+        print(f"{coverage(results)}\n\n{reasons(results)}\n")
     print(f"{time.monotonic() - start:.0f} s with {given.processes} processes")
 
 
