@@ -105,6 +105,7 @@ def apply(
     jobs: int = 1,
     scheduler: str = "",
     prove: bool = False,
+    limit: float | str | None = None,
     journal: str | None = None,
 ) -> Iterator[AppliedFile]:
     """Run a script on each of `paths` (see `project_files`), and yield what came of it, in their order.
@@ -112,7 +113,7 @@ def apply(
     `script` is a file, the name of a plugin or a function, `settings` are texts by the names of its parameters. Files
     are changed with `write` only. A file for which the script fails stays as it is, and does not stop the others. With
     `prove` that is also a file of which something that changed does not do the same as before, by proof or in runs that
-    reached all of it, or of which nothing tells that.
+    reached all of it, or of which nothing tells that: each is run for at most `limit` (seconds, or ``60s``).
 
     `jobs` files are worked on at a time, each in a process of its own; `scheduler` is the address of a Dask scheduler,
     whose workers do it. They return what changes, and this process alone writes: a process or worker that ends in the
@@ -120,14 +121,17 @@ def apply(
     journal goes on where another was interrupted.
 
     Raises `ScriptError` for a script that cannot be run, or does not have the settings, and for the journal of another
-    script or of other settings.
+    script or of other settings; `InputError` for a limit that is none.
     """
+    from plcopen_sfc.analysis.search_limits import seconds  # noqa: PLC0415  # brings the simulation
+
     given = dict(settings or {})
     prepared = _read_script(script) if isinstance(script, str) else script
     if isinstance(prepared, Script):
         _function(prepared, given)  # before any file is touched
     wanted = list(paths)
-    work = partial(_applied, prepared, given, prove)
+    seconds(limit)  # a wrong one is a mistake of the call, not of a file
+    work = partial(_applied, prepared, given, prove, limit)
     run = [prepared.path, prepared.text or ""] if isinstance(prepared, Script) else [repr(prepared), ""]
     with RunJournal(journal, [*run, given, write, prove]) if journal else nullcontext() as kept:
         done = kept.done if kept is not None else {}
@@ -267,6 +271,22 @@ def difference(change: FileChange) -> list[str]:
     return list(difflib.unified_diff(old, new, change.path, change.path, n=0, lineterm=""))
 
 
+def patch_of(change: FileChange) -> bytes:
+    """Return the same byte for byte, as `patch` takes it: with the line ends and in the encoding of the file."""
+
+    def lines(data: bytes) -> list[bytes]:
+        *whole, last = data.split(b"\n")
+        return [*(line + b"\n" for line in whole), *([last] if last else [])]
+
+    path = change.path.encode("utf-8", "surrogateescape")
+    before, after = lines(change.before), lines(change.after)
+    found = difflib.diff_bytes(difflib.unified_diff, before, after, path, path, n=0)
+    return b"".join(line if line.endswith(b"\n") else line + _NO_END for line in found)
+
+
+_NO_END = b"\n\\ No newline at end of file\n"
+
+
 def _encoding(data: bytes, name: str) -> str:
     if not recognise(data, file=name).xml:
         return "utf-8"
@@ -320,7 +340,9 @@ def is_folder_in(kind: Format, source: Path) -> bool:
     return kind.folders and known_format(source) is not kind
 
 
-def _applied(script: Script | Edit, settings: Mapping[str, str], prove: bool, path: str) -> AppliedFile:
+def _applied(
+    script: Script | Edit, settings: Mapping[str, str], prove: bool, limit: float | str | None, path: str
+) -> AppliedFile:
     from plcopen_sfc.comparison.project_comparison import diff  # noqa: PLC0415  # brings the interpreter
 
     function, values = _function(script, settings) if isinstance(script, Script) else (script, {})
@@ -330,7 +352,7 @@ def _applied(script: Script | Edit, settings: Mapping[str, str], prove: bool, pa
             project = load_project(path)
             returned = function(project, **values)
             changes, report = _changes(project, path)
-        proofs = diff(load_project(path), project, prove=True).proofs if prove and changes else ()
+        proofs = diff(load_project(path), project, prove=True, limit=limit).proofs if prove and changes else ()
         failed = next((each for each in proofs if not each.equal), None)
         error = f"{path}: not proven to do the same: {failed}" if failed is not None else ""
         lost = tuple(report.with_outcome(*LOSSES, Outcome.DROPPED))

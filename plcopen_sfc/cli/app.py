@@ -314,6 +314,7 @@ def _apply(
     diff: o.Patch = None,
     scheduler: o.Scheduler = "",
     prove: o.ProveSame = False,
+    limit: o.ProveLimit = "30s",
     resume: o.Journal = None,
 ) -> int:
     """Run a script on many files, and show what it changes.
@@ -323,7 +324,7 @@ def _apply(
     """
     from plcopen_sfc.cli.commands import edits
 
-    how = edits.EditOptions(write, diff, scheduler, prove, resume)
+    how = edits.EditOptions(write, diff, scheduler, prove, resume, limit)
     return edits.run_script(screen, script, files, settings or [], how)
 
 

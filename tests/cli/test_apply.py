@@ -9,7 +9,7 @@ import shutil
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.batch import apply, project_files
+from plcopen_sfc.batch import FileChange, apply, patch_of, project_files
 
 SCRIPT = '''"""Rename steps to a prefix, and leave out a chart on request."""
 
@@ -44,6 +44,27 @@ def test_a_dry_run_shows_the_lines_and_writes_nothing(cli, fixtures, exports):
     patch = (exports.parent / "out.patch").read_text(encoding="utf-8")
     assert '+            <step localId="' in patch or "Z_Init" in patch
     assert patch.count("+++ exports/") == 3
+
+
+def test_a_patch_has_the_bytes_of_the_files() -> None:
+    before = "a\r\nü\r\nlast".encode("cp1252")
+    change = FileChange("list.st", before, before.replace(b"\xfc", b"\xe4").replace(b"last", b"l"))
+    assert patch_of(change).splitlines(keepends=True) == [
+        b"--- list.st\n",
+        b"+++ list.st\n",
+        b"@@ -2,2 +2,2 @@\n",
+        b"-\xfc\r\n",
+        b"-last\n",
+        b"\\ No newline at end of file\n",
+        b"+\xe4\r\n",
+        b"+l\n",
+        b"\\ No newline at end of file\n",
+    ]
+
+
+def test_a_wrong_limit_is_a_mistake_of_the_call(cli, exports):
+    outcome = cli("apply", "script.py", "exports", "--set", "prefix=Z", "--prove", "--limit", "soon")
+    assert (outcome.code, "'soon' is no time limit" in outcome.err) == (2, True)
 
 
 @pytest.mark.slow

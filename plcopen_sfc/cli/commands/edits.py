@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from plcopen_sfc.api import save
-from plcopen_sfc.batch import AppliedFile, FileChange, apply, difference, documents_in, script_edit
+from plcopen_sfc.batch import AppliedFile, FileChange, apply, difference, documents_in, patch_of, script_edit
 from plcopen_sfc.cli.command_files import STANDARD_STREAM, load_input, read_input, written_to_stdout
 from plcopen_sfc.cli.many_files import ManyFiles, PrintedLine, RecordedScreen, for_each, replay, show_counts
 from plcopen_sfc.cli.screen import UNREADABLE, Screen, Table
@@ -45,6 +45,7 @@ class EditOptions:
     scheduler: str = ""
     prove: bool = False
     journal: Path | None = None
+    limit: str | None = None
 
 
 @dataclass(frozen=True)
@@ -274,7 +275,8 @@ def _edit_many(screen: Screen, files: ManyFiles, edit: str | _Edit, settings: di
         raise InputError("standard input cannot be one of many files", hint="A list of files is @-.")
     outcomes: Counter[str] = Counter()
     errors: dict[str, str] = {}
-    data, lines = [], []
+    data: list[dict[str, Any]] = []
+    patches: list[bytes] = []
     done = apply(
         edit,
         paths,
@@ -283,6 +285,7 @@ def _edit_many(screen: Screen, files: ManyFiles, edit: str | _Edit, settings: di
         jobs=files.jobs,
         scheduler=how.scheduler,
         prove=how.prove,
+        limit=how.limit,
         journal=str(how.journal) if how.journal is not None else None,
     )
     for each in screen.progress(done, "Editing", len(paths)):
@@ -294,7 +297,7 @@ def _edit_many(screen: Screen, files: ManyFiles, edit: str | _Edit, settings: di
             errors[each.path] = each.error
             screen.exit_code = max(screen.exit_code, _FINDINGS if each.proofs else UNREADABLE)
         diff = [line for change in each.changes for line in difference(change)]
-        lines += diff if how.patch is not None else []
+        patches += map(patch_of, each.changes) if how.patch is not None else ()
         own, told = each.returned if each.returned is not None and not isinstance(edit, str) else ({}, None)
         proofs = {"proofs": [proof.as_dict() for proof in each.proofs]} if how.prove else {}
         data.append({"file": each.path, "outcome": outcome, "error": each.error, "diff": diff, **own, **proofs})
@@ -302,7 +305,7 @@ def _edit_many(screen: Screen, files: ManyFiles, edit: str | _Edit, settings: di
             screen.exit_code = max(screen.exit_code, told.exit_code)
         _tell_one_of_many(screen, each, told, diff)
     if how.patch is not None:
-        write_atomic(str(how.patch), "".join(f"{line}\n" for line in lines).encode())
+        write_atomic(str(how.patch), b"".join(patches))
     names = ["changed", "unchanged", "failed", *(["done before"] if outcomes["done before"] else [])]
     unwritten = (
         ""
