@@ -267,8 +267,3 @@ def shows_networks(target: str | None) -> bool:
 def has_instructions(target: str | None, dialect: Dialect) -> bool:
     """Return True if a format holds bodies in instruction list."""
     return format_named(target)[0].il_bodies if target is not None else dialect is not Dialect.SCL
-
-
-def without_version(target: str) -> str:
-    """Return the name of a format: ``simaticml`` of ``simaticml-V17``."""
-    return format_named(target)[0].name

@@ -7,11 +7,13 @@ written where they are called, and those that only the chart used are left out.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.binding import called_actions, names_in
+from plcopen_sfc.languages.binding.name_uses import Names
+from plcopen_sfc.languages.binding.text_sites import SiteKind
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.languages.st.lexer import tokenize
@@ -246,8 +248,29 @@ def without_uncalled_actions(pou: Pou, project: Project) -> Pou:
     """Return `pou` without the actions that nothing in `project` names: the target has none, they would be comments."""
     others = (each for each in project.pous if each.name != pou.name)
     named = {name for each in others for _, _, body in each.named_bodies() for name in names_in(body, project.dialect)}
-    named |= _actions_called(pou, project.dialect).keys()
-    return pou.model_copy(update={"actions": [each for each in pou.actions if each.name.casefold() in named]})
+    called = _actions_called(pou, project.dialect).keys()
+    names = [each.name for each in pou.actions if each.name.casefold() in named - called]
+    outside = _called_outside(pou.name, names, project) if names else set()
+    kept = [each for each in pou.actions if each.name.casefold() in called or each.name in outside]
+    return pou.model_copy(update={"actions": kept})
+
+
+_NO_CODE = (SiteKind.FOREIGN, SiteKind.NAME)
+
+
+def _called_outside(pou: str, actions: Iterable[str], project: Project) -> set[str]:
+    """Return those `actions` of a POU that others call, or may call: actions of theirs can have the same names."""
+    own = next((each for each in project.pous if each.name == pou), None)
+    found, names = set[str](), Names(project)
+    for name in actions:
+        action = own.find_action(name) if own is not None else None
+        declared = names.declaration_of(action) if action is not None else None
+        for use in names.occurrences(name):
+            # the project tree and data of the tool of the source call nothing
+            is_other = use.text_site.site.pou is not own and use.text_site.reading not in _NO_CODE
+            if is_other and (declared is None or use.refers_to(declared) or use.may_refer_to(declared)):
+                found.add(name)
+    return found
 
 
 def without_unused_parts(original: Pou, lowered: Pou, dialect: Dialect) -> Pou:

@@ -14,6 +14,7 @@ from plcopen_sfc.analysis.verdict import UntestedError
 from plcopen_sfc.errors import ArgumentError, LossError, LoweringError, SfcError
 from plcopen_sfc.languages.networks import draw_fbd
 from plcopen_sfc.languages.st import parse_statements
+from plcopen_sfc.lowering import lower_project
 from plcopen_sfc.lowering.written_code import refuse_uncompiled
 from plcopen_sfc.report import ConversionReport, Outcome
 from tests.lowering.charts import boolean, training_chain
@@ -285,6 +286,21 @@ def test_actions_are_where_they_are_called_for_compilers_that_have_those_of_char
     assert pou.actions == []
     assert isinstance(pou.body, m.StBody)
     assert "Q5 := NOT (NOT B2);" in pou.body.text
+
+
+@pytest.mark.parametrize(("call", "stays"), [("", False), ("Blink();", False), ("chain.Blink();", True)])
+def test_an_action_stays_where_other_blocks_call_it(call: str, stays: bool, tmp_path: Path) -> None:
+    """An action of theirs with the same name is not meant."""
+    project = with_action("Q5 := NOT Q5;")
+    kind = m.DerivedType(name="Ablauf")
+    locals_ = m.VariableSection(
+        kind=m.SectionKind.LOCAL, variables=[m.Variable(name="chain", type=kind), boolean("Q5")]
+    )
+    actions = [m.Action(name="Blink", body=m.StBody(text="Q5 := TRUE;"))]
+    body, interface = m.StBody(text=f"chain(); {call}"), m.Interface(sections=[locals_])
+    project.pous.append(m.Pou(name="Main", kind=m.PouKind.PROGRAM, interface=interface, bodies=[body], actions=actions))
+    made = lower_project(project, "case", pou="Ablauf", target="iec-text", flavour="matiec")
+    assert [each.name for each in made.project.pou("Ablauf").actions] == (["Blink"] if stays else [])
 
 
 def test_names_that_nothing_declares_are_refused_for_compilers_of_a_text(tmp_path: Path) -> None:

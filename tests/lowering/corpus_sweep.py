@@ -21,9 +21,9 @@ from plcopen_sfc import model as m
 from plcopen_sfc.api import convert
 from plcopen_sfc.errors import LoweringError, ModelError, OldVersionError, SfcError
 from plcopen_sfc.formats.plcopen.tc6_versions import version_of
+from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.lowering import LoweredPou, lower
 from plcopen_sfc.lowering.chart_lowering import next_chart
-from plcopen_sfc.lowering.lowering_options import without_version
 from plcopen_sfc.lowering.proof import prove
 from plcopen_sfc.lowering.written_code import refuse_comments
 from plcopen_sfc.report import ConversionReport
@@ -151,6 +151,11 @@ def corpus_charts(families: Iterable[str] = FAMILIES) -> Iterator[Charts]:
                 yield Charts(family, path, project, tuple(names))
 
 
+def name_of(target: str) -> str:
+    """The format of a target, without its version."""
+    return format_named(target)[0].name
+
+
 class Sweep:
     """Lowers the charts of one file; what has been compared is not compared again."""
 
@@ -172,9 +177,9 @@ class Sweep:
         """
         wanted = self.charts.names if names is None else names
         for construction, language in forms:
-            for tool in dict.fromkeys(map(without_version, targets)):
+            for tool in dict.fromkeys(map(name_of, targets)):
                 lowered, refused = self._lowered(wanted, construction, language, tool)
-                for target in (each for each in targets if without_version(each) == tool):
+                for target in (each for each in targets if name_of(each) == tool):
                     found = refused | self._written(lowered, construction, language, target)
                     for name in wanted:
                         outcome, why = found[name]
@@ -211,7 +216,7 @@ class Sweep:
         try:
             content, report = convert(lowered[-1].project, target, partial=True)
             wrong = [text for text in what_is_invalid(content) if text not in self._wrong_before]
-            seen = sfc.loads(content, format=without_version(target), as_tool=True)
+            seen = sfc.loads(content, format=name_of(target), as_tool=True)
         except OldVersionError:  # of the rest of the project too
             return dict.fromkeys((each.name for each in lowered), ("refused", "older TIA Portal"))
         except Exception as error:
@@ -224,7 +229,7 @@ class Sweep:
             return {lowered[0].name: outcome}
         found: dict[str, tuple[str, str]] = {}
         for each in lowered:
-            alone, _ = self._lowered([each.name], construction, language, without_version(target))
+            alone, _ = self._lowered([each.name], construction, language, name_of(target))
             found |= self._written(alone, construction, language, target)
         return found
 
@@ -236,7 +241,7 @@ class Sweep:
             outcome = self._verdict(lowered, seen)
             if outcome[0] not in ("different", "incomparable"):
                 return outcome
-            whole = sfc.loads(content, format=without_version(target))
+            whole = sfc.loads(content, format=name_of(target))
             equal = self._verdict(lowered, whole)[0] in ("proven", "tested")
         except LoweringError as error:
             return "refused", reason(error)
