@@ -98,8 +98,8 @@ class TreeComparison:
             if aspect in self.derived or aspect.startswith(STORED):
                 continue
             mine, theirs = left.aspects.get(aspect), right.aspects.get(aspect)
-            if aspect.startswith("language") and None in (mine, theirs):
-                continue  # the program itself was added or removed
+            if aspect.startswith(("language", "comments of ")) and None in (mine, theirs):
+                continue  # the program itself was added or removed, or is no drawing on one side
             kind = ChangeKind.CHANGED
             if same(mine, theirs):
                 if not self.layout or mine is None or theirs is None or mine.raw == theirs.raw:

@@ -87,6 +87,9 @@ class Around(Protocol):
     def tell_comment(self, part: Part, thing: Element) -> None:
         """Note the comment and the title of something, where they are wanted."""
 
+    def tell_networks(self, part: Part, body: Body | None, aspect: str = "networks") -> None:
+        """Note the titles and comments of networks."""
+
 
 class ExecutedChartReader:
     """Reads one chart: steps, transitions, actions, permanent instructions, partial charts."""
@@ -169,6 +172,7 @@ class ExecutedChartReader:
         for aspect, supervised in (("interlock", step.interlock), ("supervision", step.supervision)):
             if supervised is not None and supervised.condition is not None:
                 part.tell(aspect, self._condition(supervised.condition))
+                self._tell_networks(part, aspect, supervised.condition)
         for event, action in (("S1", step.entry_action), ("", step.main_action), ("S0", step.exit_action)):
             if action is not None:
                 self._step_action(part, event, action)
@@ -411,6 +415,7 @@ class ExecutedChartReader:
         part.leaves = tuple(plain_name(self.names.get(i, "?")) for i in transition.sources)
         if transition.condition is not None:
             part.tell("condition", self._condition(transition.condition))
+            self._tell_networks(part, "condition", transition.condition)
             part.waiting = self._waiting(transition)
         elif self.owner.profile.graph_parameters:
             part.tell("condition", Meaning.of(("TRUE",), "TRUE"))
@@ -459,6 +464,10 @@ class ExecutedChartReader:
                 names = tuple(key.name for key in order)
                 step.tell("order of transitions", Meaning.of(names, ", ".join(names)))
                 step.order = tuple(order)
+
+    def _tell_networks(self, part: Part, aspect: str, condition: Condition) -> None:
+        if isinstance(condition, BodyCondition):
+            self.owner.tell_networks(part, condition.body, f"the {aspect}")
 
     def _condition(self, condition: Condition) -> Meaning:
         if self.is_written and condition.kind == "named":

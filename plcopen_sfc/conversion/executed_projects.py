@@ -58,7 +58,7 @@ from plcopen_sfc.model.body import FbdBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.declaration import NamedObject
 from plcopen_sfc.model.dialect import STRING_LENGTHS, Dialect
-from plcopen_sfc.model.network import Block
+from plcopen_sfc.model.network import Block, CommentBox
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Method, NamedTransition, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, Step
@@ -355,6 +355,19 @@ class _Reader:
                 words = " ".join(words_of(text, language).split())
                 part.tell(f"{aspect} in {language}", Meaning.of(words) if words else None)
 
+    def tell_networks(self, part: Part, body: Body | None, aspect: str = "networks", number: int = 0) -> None:
+        """Note the titles and comments of networks; `number`: the programs of the POU before this one."""
+        if self.detail is not Detail.WRITTEN or not isinstance(body, FbdBody | LdBody):
+            return
+        lines = []
+        for place, network in enumerate(body.networks, 1):
+            texts = [network.title, network.comment]
+            texts += [node.content for node in network.nodes if isinstance(node, CommentBox)]
+            words = " ".join(" ".join(map(words_of, texts)).split())
+            lines += [f"{place}: {words}"] if words else []
+        told = f"comments of {aspect}" + (f" {number + 1}" if number else "")
+        part.tell(told, Meaning.of(tuple(lines), "\n".join(lines) or "none"))
+
     def operation(self, pou: Pou, name: str, *, is_used: bool | None = None) -> str:
         """The kind of an input that operates the chart of a block: whether anything operates it, if not known."""
         if name.upper() in self.at_rest:
@@ -567,6 +580,7 @@ class _Reader:
             part.tell(f"code {number + 1}" if number else "code", meaning)
             if self.detail is Detail.WRITTEN and meaning is not None:
                 part.tell(f"language {number + 1}" if number else "language", Meaning.of(body.language))
+            self.tell_networks(part, body, number=number)
 
 
 def _kept_elements(variable: Variable) -> list[str]:

@@ -10,7 +10,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import ChangeKind
 from plcopen_sfc.errors import ArgumentError
-from plcopen_sfc.model import StructType
+from plcopen_sfc.model import BodyCondition, FbdBody, LdBody, StructType
 from tests.corpus import corpus_files
 from tests.samples import FIXTURES
 from tests.sweeps import some_of
@@ -778,6 +778,25 @@ INITIAL STEP 10
         "  G1 / step 1 / action force G2: forcing G2{} -> G2{*}",
         "  G1 / transition 1 -> 2: condition a -> /a",
         "  G2 / transition 10 -> 10: condition c -> a * c",
+    ]
+
+
+@pytest.mark.parametrize("field", ["title", "comment"])
+def test_comments_of_networks_are_compared(field: str) -> None:
+    """Those of bodies and of drawn conditions were no difference, with `layout` neither."""
+    before, after = loaded("simaticml-plc"), loaded("simaticml-plc")
+    chart = after.pou("FB_Drilling").chart
+    assert chart is not None
+    condition = chart.transition("T_Start").condition
+    body = after.pou("FC_Release").body
+    assert isinstance(condition, BodyCondition)
+    assert isinstance(condition.body, FbdBody | LdBody)
+    assert isinstance(body, FbdBody | LdBody)
+    for network in (condition.body.networks[0], body.networks[0]):
+        setattr(network, field, "Zz9")
+    assert [(change.path, change.aspect, change.after) for change in sfc.diff(before, after).changes] == [
+        ("POU FB_Drilling / transition T_Start", "comments of the condition", "1: Zz9"),
+        ("POU FC_Release", "comments of networks", "1: Zz9" if field == "title" else "1: Freigabe Zz9"),
     ]
 
 
