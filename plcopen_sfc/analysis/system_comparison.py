@@ -42,6 +42,24 @@ def _names_of_one_tool(left: ProgramSystem, right: ProgramSystem) -> frozenset[s
     return frozenset((operating_names(left.profile) ^ operating_names(right.profile)) | texts)
 
 
+def _without_other_steps(
+    left: ProgramSystem, pairs: Iterable[tuple[str, Signal, str]], steps: Iterable[tuple[str, Observation, Observation]]
+) -> list[tuple[str, Signal, str]]:
+    """Return pairs without flags of a step with a name that is the flag of another step on the right.
+
+    `pairs` and `steps` have the variables and the steps that are compared. In a GRAFCET ``X3`` is the flag of step 3;
+    in code it may be that of the exit step ``S3``, and step 3 is ``X3_2`` there.
+    """
+    told = {right.path.casefold(): own.bit for _, own, right in steps if right.equals is None and not right.bit}
+    flags = {name.casefold(): bits for name, bits in left.step_flags.items()}
+
+    def is_same(name: str, other: str) -> bool:
+        meant = flags.get(name.casefold())
+        return meant is None or told.get(other.casefold(), meant) == meant
+
+    return [each for each in pairs if is_same(each[0], each[2])]
+
+
 class Comparison:
     """Two systems and what of them is compared."""
 
@@ -65,6 +83,7 @@ class Comparison:
             own = _names_of_one_tool(left, right)
             pairs = [each for each in pairs if each[0].upper().rpartition(".")[2] not in own]
         steps = step_observations(left, right, step_flags)
+        pairs = _without_other_steps(left, pairs, steps)
         given = {*left.inputs, *right.inputs}  # what VAR_IN_OUT are before and after a scan has two names
         self.names = [f"{name} (written)" if name in given else name for name, _, _ in pairs]
         self.names += [f"{path}.X" for path, _, _ in steps]

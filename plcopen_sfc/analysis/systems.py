@@ -51,6 +51,7 @@ from plcopen_sfc.semantics.subjects import (
     Watched,
     following_situation,
     is_written,
+    step_flags,
     step_marking,
     watched,
     watched_members,
@@ -184,6 +185,7 @@ class ProgramSystem:
         self.members, self.large = watched_members(self.instance)
         self.addresses = self.instance.addresses()
         self.chart_steps, self._chart_marking = step_marking(self.instance)
+        self.step_flags = step_flags(self.instance)
         self.steps, self._marking = self._all_steps()
         self.times = _NO_STEPS
         if self.instance.charts():

@@ -175,6 +175,12 @@ def step_marking(instance: Instance) -> tuple[tuple[str, ...], Callable[[], int]
     return (), lambda: 0
 
 
+def step_flags(instance: Instance) -> dict[str, int]:
+    """Return the variables of an instance's chart that tell that steps are active, with the bits of `step_marking`."""
+    charts = (chart for path, chart, _ in instance.charts() if not path and isinstance(chart, ChartProgram))
+    return next((chart.step_flags() for chart in charts), {})
+
+
 def following_situation(instance: Instance) -> Callable[[], int]:
     """Return a function that gives, as bits, the steps of an instance's chart whose transitions the next scan tests."""
     for path, chart, frame in instance.charts():

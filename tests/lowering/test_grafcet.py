@@ -199,6 +199,33 @@ def test_macro_steps() -> None:
     check(chart, "c1 c2 c3", "Q R")
 
 
+@pytest.mark.parametrize("construction", ["bits", "flipflop"])
+def test_flags_of_steps_whose_numbers_are_those_of_an_expansion(construction: str) -> None:
+    """The exit step S3, read first, has the flag X3 in the code, and step 3 has X3_2: each is compared with its own."""
+    text = """GRAFCET A
+INPUTS
+    a
+OUTPUTS
+    Q
+CHART G1
+    INITIAL STEP 1
+    1 -> 3 : a
+    MACRO M3
+    STEP 3
+        Q
+    3 -> M3 : /a
+    M3 -> 1 : a
+EXPANSION M3
+    STEP E3
+    E3 -> S3 : a
+    STEP S3
+"""
+    chart = sfc.loads(text.encode()).pous[0]
+    lowered = sfc.lower(chart, construction, target="scl")
+    assert "X3_2" in {each.name for each in lowered.pou.variables()}
+    assert equivalent(chart, lowered).proven
+
+
 def test_source_and_sink_transitions_and_several_initial_steps() -> None:
     chart = chain("1", "2", conditions="c1 c2")
     chart.step("2").initial = True

@@ -199,6 +199,10 @@ class ChartProgram:
         following: int = frame.v[self._situation]
         return following
 
+    def step_flags(self) -> dict[str, int]:
+        """Return the BOOL variables that the chart has for its steps (``X3``), with the steps as bits of `net`."""
+        return {name.name: name.steps for name in self._steps.names if name.flag}
+
     def active(self, frame: Frame) -> tuple[str, ...]:
         """Return the paths of the active steps."""
         return self.net.names(self.marking(frame))
