@@ -51,6 +51,7 @@ _PROVIDERS = {
     "rename_step": "refactor.rename",
     "find_steps": "refactor.queries",
     "find_transitions": "refactor.queries",
+    "where": "refactor.queries",
     "find_declared": "refactor.queries",
     "find_uses": "languages.binding",
     "cross_references": "refactor.queries",

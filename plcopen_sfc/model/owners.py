@@ -9,7 +9,7 @@ anyone looks at it, and a comparison then takes its function blocks for unknown 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, Self, SupportsIndex, get_args
 
@@ -17,6 +17,7 @@ from pydantic import BaseModel, PrivateAttr
 
 from plcopen_sfc.errors import check_argument
 from plcopen_sfc.model.base import Model
+from plcopen_sfc.operations import provided
 
 if TYPE_CHECKING:
     import plcopen_sfc as sfc  # its public names have the project, which knows this module: decision 0010
@@ -159,6 +160,14 @@ class _OwnedList(list[Any]):
     def _adopt(self, things: Iterable[Any]) -> None:
         for thing in things:
             _adopt(self._owner, thing)
+
+    def where(self, predicate: Callable[[Any], bool] | None = None, **conditions: Any) -> list[Any]:
+        """Return those that satisfy all conditions: ``chart.steps.where(drives="*Valve*")``, as `SfcNetwork.find`.
+
+        In other lists `conditions` are fields: patterns for texts (``project.pous.where(name="FB_*")``), or the value.
+        """
+        found: list[Any] = provided("where")(self._owner, self._field, self, predicate, conditions)
+        return found
 
     def append(self, thing: Any, /) -> None:
         self._check((thing,))

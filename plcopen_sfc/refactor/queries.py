@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Set
+from collections.abc import Callable, Iterable, Iterator, Sequence, Set
 from fnmatch import fnmatchcase
 from inspect import signature
 from typing import Any
@@ -14,6 +14,7 @@ from plcopen_sfc.languages.binding.name_uses import dialect_of
 from plcopen_sfc.languages.effects import effects
 from plcopen_sfc.languages.networks.condition_reading import condition_reader, shown_condition
 from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.owners import Owned
 from plcopen_sfc.model.pou import Pou
@@ -101,6 +102,19 @@ def find_transitions(
     return found
 
 
+def where(
+    owner: Owned, field: str, things: Sequence[Any], predicate: Callable[[Any], bool] | None, conditions: dict[str, Any]
+) -> list[Any]:
+    """Return those of the list `field` of an object that satisfy conditions: of steps and transitions as `find`."""
+    if isinstance(owner, SfcNetwork) and field in ("steps", "transitions"):
+        find: Callable[..., list[Any]] = find_steps if field == "steps" else find_transitions
+        return find(owner, predicate, **conditions)
+    for kind in {type(thing) for thing in things}:
+        _check_fields(conditions, kind, field, where)
+    found = [each for each in things if all(_fits(getattr(each, name), value) for name, value in conditions.items())]
+    return [each for each in found if predicate is None or predicate(each)]
+
+
 def charts_of(project: Project) -> Iterator[SfcNetwork]:
     """Yield every chart of a project, those of macro-steps and partial charts too."""
     for _, _, body in project.bodies():
@@ -120,9 +134,7 @@ def dialect_in(chart: SfcNetwork) -> Dialect:
     return dialect_of(chart.project) if chart.project is not None else Dialect.CODESYS
 
 
-def _check_fields(
-    fields: dict[str, Any], kind: type[Step | Transition], called: str, query: Callable[..., object]
-) -> None:
+def _check_fields(fields: dict[str, Any], kind: type[Model], called: str, query: Callable[..., object]) -> None:
     conditions = signature(query).parameters
     for name in fields:
         if name not in kind.model_fields:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 import plcopen_sfc as sfc
@@ -115,6 +117,19 @@ def test_transitions_are_found_through_named_ones(chart: sfc.SfcNetwork) -> None
 def test_a_condition_that_is_none_is_refused(chart: sfc.SfcNetwork, wanted: dict[str, object], message: str) -> None:
     with pytest.raises(ModelError, match=message):
         chart.find(**wanted)  # type: ignore[arg-type]
+
+
+def test_lists_are_asked_as_charts_are(chart: sfc.SfcNetwork) -> None:
+    steps: Any = chart.steps
+    transitions: Any = chart.transitions
+    for wanted in ({"drives": "*"}, {"name": "F*"}, {"initial": True}):
+        assert steps.where(**wanted) == chart.find(**wanted) != []
+    assert steps.where(lambda each: each.initial) == chart.initial_steps
+    assert transitions.where(reads="*") == chart.find_transitions(reads="*") != []
+    project: Any = sfc.Project(pous=[sfc.Pou(name=name, kind="program") for name in ("FB_A", "Main")])
+    assert [each.name for each in project.pous.where(name="fb_*")] == ["FB_A"]
+    with pytest.raises(ModelError, match="pous have no field 'nam'"):
+        project.pous.where(nam="x")
 
 
 def test_declarations_are_found_by_name_and_know_their_uses() -> None:
