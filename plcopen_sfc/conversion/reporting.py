@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from plcopen_sfc.conversion.executed_parts import (
     BOOLEAN_ACTIONS,
@@ -59,56 +59,23 @@ def report_execution(
         for item in report.items
         if item.outcome in LOSSES or item.outcome is Outcome.TRANSLATED
     )
-    lost = {(item.path, item.what) for item in report.items if item.outcome in LOSSES}
+    listed = _Listed.of(report, refused)
     found = list(_without_repetition(differences, {_last(path) for path, what in settled if what == "global variable"}))
     rewritten = _rewritten_steps(found, settled)
     changed = {(difference.path, difference.aspect) for difference in found}
-    said = {name for item in report.items if item.outcome in LOSSES for name in _IN_PLACE.findall(item.why)}
-    replaced = {_bare(item.path) for item in report.items if item.outcome in LOSSES and _IN_PLACE.search(item.why)}
     spelt = {around.casefold(): around for each in found for around in ObjectPath.of(each.path).outwards()}
     paths = (item.path for item in report.items if item.outcome is not Outcome.KEPT)
     noticed = {spelt.get(path.casefold(), path) for path in paths}  # a writer may spell a name as a use of it does
     around_noticed = {around for path in noticed for around in ObjectPath.of(path).outwards()}
-    words = {
-        word.casefold()
-        for item in report.items
-        if item.outcome in LOSSES
-        for found in _LACKED.findall(item.why)
-        for word in found
-    }
-    not_executed = report.with_outcome(Outcome.NOT_EXECUTED)
-    losing = {ObjectPath.of(item.path).owner for item in not_executed}
     told = set()
     for difference in found:
         what = difference.aspect or difference.kind
         place = difference.path
         names = {(_unnumbered(place), each) for each in (what, *_ALSO_CALLED.get(_NUMBERED.sub("code", what), ()))}
         names |= {(_unnumbered(place), each) for each in OPERATING_KINDS if what in OPERATING_KINDS}
-        if difference.kind == "chart" and place in refused:
-            continue
-        if difference.kind == "global variable" and any(
-            aspect == difference.aspect and path.endswith(f" / {difference.name}") for path, aspect in lost
-        ):
-            continue  # a variable of a program that is a tag
         if difference.kind == "method":
             names.add((ObjectPath.of(place).around, "methods"))
-        if difference.left is None and difference.kind in (UNDECLARED, "action") and difference.name in said:
-            continue
-        if difference.kind in (UNDECLARED, UNDECLARED_TYPE) and difference.name.casefold() in words:
-            continue
-        if difference.kind == UNDECLARED and _STAND_IN.match(difference.name) and ObjectPath.of(place).owner in losing:
-            continue
-        if difference.aspect in _WRITTEN_OTHERWISE and (difference.right or "").partition(" ")[0] in said:
-            continue
-        if difference.kind == "action" and ((place, "action") in lost or _bare(place) in replaced):
-            continue
-        if (f"{place} / {difference.aspect}", "flag") in lost:
-            continue
-        if difference.kind == "transition" and (difference.left or "").upper() == "FALSE":
-            tip = f"{ObjectPath.of(place).around} / {SfcFlag.TIP.variable}"
-            if any((tip, kind) in lost for kind in OPERATING_KINDS):
-                continue  # SFCTip alone fires it, of which it is told that the target does not obey it
-        if names & settled.keys() or _is_rewritten(difference, rewritten, settled, changed):
+        if listed.has(difference) or names & settled.keys() or _is_rewritten(difference, rewritten, settled, changed):
             continue
         told |= names
         why = _why(difference, tool)
@@ -122,6 +89,58 @@ def report_execution(
             why += UNSAID
         report.items.append(Item(_outcome(difference), what, place, why))
     report.items = [item for item in report.items if not _is_superseded(item, told)]
+
+
+@dataclass(frozen=True, slots=True)
+class _Listed:
+    """Losses that a writer has listed: differences that follow from them are told already.
+
+    `refused` are the charts that the target cannot have at all, `lost` the paths and kinds of all losses. `instead` are
+    names in the written text in the place of something, `replaced` the paths of that; `words` are names that the
+    target lacks, `losing` the objects with something that is not executed.
+    """
+
+    refused: set[str]
+    lost: set[tuple[str, str]]
+    instead: set[str]
+    replaced: set[str]
+    words: set[str]
+    losing: set[str]
+
+    @classmethod
+    def of(cls, report: ConversionReport, refused: set[str]) -> _Listed:
+        losses = report.losses
+        return cls(
+            refused,
+            {(item.path, item.what) for item in losses},
+            {name for item in losses for name in _IN_PLACE.findall(item.why)},
+            {_bare(item.path) for item in losses if _IN_PLACE.search(item.why)},
+            {word.casefold() for item in losses for found in _LACKED.findall(item.why) for word in found},
+            {ObjectPath.of(item.path).owner for item in report.with_outcome(Outcome.NOT_EXECUTED)},
+        )
+
+    def has(self, difference: ExecutionDifference) -> bool:
+        """True if a difference follows from a loss that is listed."""
+        place, kind, name = difference.path, difference.kind, difference.name
+        if (kind == "chart" and place in self.refused) or (f"{place} / {difference.aspect}", "flag") in self.lost:
+            return True
+        if difference.left is None and kind in (UNDECLARED, "action") and name in self.instead:
+            return True
+        if difference.aspect in _WRITTEN_OTHERWISE and (difference.right or "").partition(" ")[0] in self.instead:
+            return True
+        if kind in (UNDECLARED, UNDECLARED_TYPE) and name.casefold() in self.words:
+            return True
+        if kind == UNDECLARED and _STAND_IN.match(name) and ObjectPath.of(place).owner in self.losing:
+            return True
+        if kind == "action" and ((place, "action") in self.lost or _bare(place) in self.replaced):
+            return True
+        if kind == "global variable":  # a variable of a program that is a tag
+            return any(what == difference.aspect and path.endswith(f" / {name}") for path, what in self.lost)
+        if kind == "transition" and (difference.left or "").upper() == "FALSE":
+            # SFCTip alone fires it, of which it is told that the target does not obey it
+            tip = f"{ObjectPath.of(place).around} / {SfcFlag.TIP.variable}"
+            return any((tip, each) in self.lost for each in OPERATING_KINDS)
+        return False
 
 
 def _of_the_source(difference: ExecutionDifference, called: Mapping[str, str]) -> ExecutionDifference:
