@@ -349,6 +349,9 @@ class StatementTranslator:
     def _refer(self, node: n.Assignment) -> None:
         """``reference REF= variable``."""
         held = self._translator.meaning(node.target)
+        if isinstance(held, Unknown) or (isinstance(held, Place) and isinstance(held.type, t.OpaqueType)):
+            name = print_node(node.target)
+            raise SimulationError(f"REF= needs the type of {name}, which nothing here declares: load the whole project")
         if not isinstance(held, Place) or not isinstance(held.type, t.ReferenceType):
             raise SimulationError(f"{print_node(node.target)} is no reference")
         if isinstance(node.value, n.Literal):

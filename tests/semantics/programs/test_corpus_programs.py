@@ -23,7 +23,7 @@ SCANS = 50
 SAMPLE = 3
 """One of so many files is tried: all take a minute."""
 REASONS = {
-    "not in the project": r"is not known to the simulator|is not declared, so its elements",
+    "not in the project": r"is not known to the simulator|is not declared, so its elements|which nothing here declares",
     "a constant that the project does not have": r"is no constant|is a label of CASE, but",
     "a body in a language without a meaning here": r"a body in",
     "a network with an open end": r"the network cannot be executed",

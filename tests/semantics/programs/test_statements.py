@@ -120,6 +120,13 @@ def test_references() -> None:
         main("p : POINTER TO INT;", "p^ := 5;", Dialect.CODESYS)
 
 
+@pytest.mark.parametrize(("declared", "target"), [("a : INT;", "Get.Pump"), ("a : INT; Get : T_Get;", "Get.Pump")])
+def test_a_reference_of_a_type_in_another_file_is_told_so(declared: str, target: str) -> None:
+    """A single .TcPOU has none of the project's types: it said that the thing is no reference."""
+    with pytest.raises((AssertionError, SimulationError), match=f"REF= needs the type of {target}, which nothing"):
+        main(declared, f"{target} REF= a;", Dialect.CODESYS)
+
+
 def test_logic_stops_early_but_calls_are_made() -> None:
     more = """FUNCTION Count : BOOL
     VAR_IN_OUT n : INT; END_VAR
