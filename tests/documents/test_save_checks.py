@@ -198,6 +198,15 @@ def test_a_character_that_no_file_of_the_target_can_hold_is_refused(put, charact
         assert sfc.loads(sfc.dumps(made, format="json")) == made
 
 
+@pytest.mark.parametrize("put", [_of_project, _of_pou, _of_condition])
+def test_a_surrogate_that_an_edit_puts_in_is_refused(put):
+    loaded = sfc.loads(sfc.dumps(project(), format="iec-text"))
+    put(loaded, "a\ud800b")
+    for format in ("iec-text", "json", "codesys"):
+        with pytest.raises(sfc.ModelError, match=r"the character U\+D800"):
+            sfc.dumps(loaded, format=format)
+
+
 def test_a_control_character_of_a_text_file_is_not_left_out_of_xml():
     text = b"PROGRAM Main\nVAR x : BOOL; END_VAR\n(* page \x0c two *)\nx := TRUE;\nEND_PROGRAM\n"
     loaded = sfc.loads(text, format="iec-text")
