@@ -12,7 +12,7 @@ from lxml import etree
 import plcopen_sfc as sfc
 from plcopen_sfc.errors import LossError
 from plcopen_sfc.formats.plcopen.tc6_versions import validate_tc6
-from plcopen_sfc.model import Project, Qualifier, SfcNetwork
+from plcopen_sfc.model import FbdBody, LdBody, Project, Qualifier, SfcNetwork
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.drawing import SymbolKind
 from plcopen_sfc.report import Outcome
@@ -116,6 +116,25 @@ def test_step_actions_become_associations_and_step_actions_again() -> None:
     assert {i.what for i in report.with_outcome(Outcome.TRANSLATED)} >= {"entry action", "main action", "exit action"}
 
 
+@pytest.mark.parametrize("target", ["plcopen-1.01", "plcopen-2.0", "plcopen-2.01"])
+def test_titles_of_networks_are_comments_for_other_tools_and_titles_again(target: str) -> None:
+    """CODESYS has elements of its own for them, of which no other tool knows that they do nothing."""
+    project = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
+    data, _ = sfc.convert(project, target, partial=True)
+    assert b"<vendorElement" not in data
+    seen, own = sfc.loads(data, as_tool=True).pou("PLC_PRG"), project.pou("PLC_PRG")
+    for action in (action for action in own.actions if isinstance(action.body, FbdBody | LdBody)):
+        there = seen.action(action.name).body
+        assert isinstance(there, FbdBody | LdBody)
+        titles = [
+            node.alternative_text for n in action.body.networks for node in n.nodes if node.kind == "vendorElement"
+        ]
+        comments = [str(node.content) for n in there.networks for node in n.nodes if node.kind == "comment"]
+        assert {str(each) for each in titles} - {"FBD Implementation Attributes"} <= set(comments)
+    back = sfc.convert(sfc.loads(data), "codesys", partial=True)[0]
+    assert list(differences(project, sfc.loads(back))) == []
+
+
 @pytest.mark.slow
 def test_times_and_flags_are_carried_and_in_the_report() -> None:
     project = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
@@ -189,7 +208,10 @@ def test_beremiz_flavour(path: Path) -> None:
     tc6, xhtml = "{http://www.plcopen.org/xml/tc6_0201}", "{http://www.w3.org/1999/xhtml}"
     assert root.tag == f"{tc6}project"
     pous = [pou.get("name") for pou in root.iterfind(f"{tc6}types/{tc6}pous/{tc6}pou")]
-    assert len([name for name in pous if name != "BLINK"]) == len(project.pous), "only library blocks are added"
+    added = {"BLINK", *(f"{pou.name}_{method.name}" for pou in project.pous for method in pou.methods)}
+    assert len([name for name in pous if name not in added]) == len(project.pous), (
+        "library blocks and methods are added"
+    )
     assert all(len(st) == 1 and st[0].tag == f"{xhtml}p" for st in root.iter(f"{tc6}ST"))
     flavoured = sfc.loads(data)
     originals = [chart for chart in project.charts() if "." not in chart.name and chart.chart.initial_steps]

@@ -50,6 +50,7 @@ from plcopen_sfc.model.network import (
     OutputPin,
     Storage,
 )
+from plcopen_sfc.report import Outcome
 
 EDGES = ("none", "rising", "falling")
 STORAGES = ("none", "set", "reset")
@@ -69,6 +70,8 @@ def read_node(ctx: Tc6ReadContext, element: etree._Element, local: str) -> Field
     for child in element:
         _read_node_child(ctx, child, local, fields)
     keep_attributes(fields, left)
+    if local == "comment" and fields["kind"] == "vendorElement":  # see `_write_title`
+        fields["alternative_text"] = fields.pop("content")
     return fields
 
 
@@ -245,6 +248,9 @@ def _written_modifiers(
 
 def write_node(ctx: Tc6WriteContext, parent: etree._Element, node: Node, *features: str) -> None:
     """Write one FBD, LD or common element. `features`: what it asks of a reader by its place."""
+    if isinstance(node, logic.VendorElement) and _is_title(ctx, node):
+        _write_title(ctx, parent, node)
+        return
     tag, attributes = _tag_and_attributes(ctx, node)
     local_id = node.id if node.local_id is None else node.local_id
     order = node.execution_order
@@ -262,8 +268,29 @@ def write_node(ctx: Tc6WriteContext, parent: etree._Element, node: Node, *featur
 
 
 def is_known(ctx: Tc6WriteContext, node: Node) -> bool:
-    """True if the version has this kind of element."""
-    return not (ctx.version.first_generation and isinstance(node, logic.VendorElement))
+    """True if the version has this kind of element, and other tools than CODESYS a use for it."""
+    if not isinstance(node, logic.VendorElement) or _is_title(ctx, node):
+        return True
+    is_setting = node.parameters is None and node.attributes.keys() == {"BoxInputFlagsSupported"}
+    return not (ctx.version.first_generation or (is_setting and not ctx.dialect.states_actions))
+
+
+def _is_title(ctx: Tc6WriteContext, node: logic.VendorElement) -> bool:
+    """True for the title of a network, for which only CODESYS has an element: for other tools it is a comment."""
+    return node.element_type == "networktitle" and not ctx.dialect.states_actions
+
+
+def _write_title(ctx: Tc6WriteContext, parent: etree._Element, node: logic.VendorElement) -> None:
+    """Write the title of a network as a comment, which comes back as the element that it was."""
+    size = {"height": decimal(node.height or 0), "width": decimal(node.width or 0)}
+    element = add_child(
+        ctx, parent, "comment", {"localId": str(node.id if node.local_id is None else node.local_id)} | size
+    )
+    write_point(ctx, element, "position", node.position)
+    write_text(ctx, element, "content", node.alternative_text)
+    ctx.note(Outcome.TRANSLATED, "graphical element", f"comment {node.id}", "the title of a network is a comment")
+    native = (_GEOMETRY - {"execution_order", "width", "height"}) | {"alternative_text"}
+    finish_element(ctx, element, node, "comment", native, also={"kind": node.kind})
 
 
 def _tag_and_attributes(ctx: Tc6WriteContext, node: NodeBase) -> tuple[str, dict[str, str]]:
