@@ -2,7 +2,8 @@
 
 * `queries` finds steps, declarations and uses; `builder` adds charts that are written as they are read.
 * `editor`: edits as transactions, with undo, clean-up and proof; `journal` keeps what they change. `chart_edits`
-  and `name_edits` are the edits; `step_kinds` switches the charts of CoDeSys 2.3.
+  and `name_edits` are the edits; `surroundings` compares what a copied POU needs; `step_kinds` switches the charts of
+  CoDeSys 2.3.
 * `rename` gives declarations other names, one or many in one pass, in their declarations and all uses (those that
   `languages.binding` finds), or tells why it does not.
 * `dialect_translation` puts all program text into another dialect, `declaration_translation` what is declared,

@@ -358,7 +358,7 @@ class Editor:
         """Put a copy of a POU of another project into this one.
 
         `names`: by paths in the source other names for what the POU, or its project, declares (``{"Main": "Main2"}``).
-        Refused where it names what this project does not have.
+        Refused where it names what this project does not have, or what is something else here.
         """
         return name_edits.copy_pou(self._journal, source, name, self.project, names or {})
 

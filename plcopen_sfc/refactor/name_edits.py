@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -38,6 +38,7 @@ from plcopen_sfc.refactor.chart_edits import refused
 from plcopen_sfc.refactor.journal import Journal
 from plcopen_sfc.refactor.queries import dialect_in, pou_of
 from plcopen_sfc.refactor.rename import edit_markup, is_tokens, rename_many
+from plcopen_sfc.refactor.surroundings import declarations_in, other_meanings
 from plcopen_sfc.report import Use
 
 STEP_ACTIONS = ("entry_action", "main_action", "exit_action")
@@ -388,7 +389,7 @@ def remove_objects(journal: Journal, project: Project, objects: Iterable[object]
 def copy_pou(journal: Journal, project: Project, name: str, target: Project, names: Mapping[str, str]) -> Pou:
     """Put a copy of a POU into another project, with other names for what it and its project declare.
 
-    Everything that it names must be there under its (new) name already. Gives the copy.
+    Everything that it names must be there under its (new) name already, and be declared alike. Gives the copy.
     """
     what = f"{name!r} cannot be copied"
     if dialect_of(project) is not dialect_of(target):
@@ -400,21 +401,21 @@ def copy_pou(journal: Journal, project: Project, name: str, target: Project, nam
     rename_many(copy, table)  # type: ignore[arg-type]  # declarations are keys too
     if any(each.name.casefold() == pou.name.casefold() for each in target.pous):
         raise refused(what, f"the project has a POU {pou.name!r} already", 'Give it another name: {"Main": "Main2"}.')
-    before = [(use.reference.name, use.meaning.declaration) for use in _uses_in(Names(copy), pou)]
+    here = Names(copy)
+    before = declarations_in(here, pou)
     journal.keep(copy, "pous")
     copy.pous = [each for each in copy.pous if each is not pou]
     pou.place = target.pous[0].place if target.pous else ""
     journal.put(target, "pous", [*target.pous, pou])
-    after = [use.meaning.declaration for use in _uses_in(Names(target), pou)]
-    missing = [
-        f"the project has no {was}"
-        for (_, was), now in zip(before, after, strict=True)
-        if was is not None and (now is None or now.kind is not was.kind)
-    ]
+    there = Names(target)
+    found = zip(before, declarations_in(there, pou), strict=True)
+    pairs = [(was, now) for was, now in found if was is not None and was.pou is not pou and was.holder is not pou]
+    missing = [f"the project has no {was}" for was, now in pairs if now is None or now.kind is not was.kind]
     if missing:
         raise refused(what, missing, "Copy what is missing first, or give it the name of what is there.")
+    meant = {was: now for was, now in pairs if now is not None}
+    others = other_meanings(here, there, pou, meant, table)
+    if others:
+        hint = 'Make both alike, or give it the name of something that is: {"Speed": "Speed2"}.'
+        raise refused(what, others, hint)
     return pou
-
-
-def _uses_in(names: Names, pou: Pou) -> Iterator[Occurrence]:
-    return (each for each in names.everything if each.text_site.site.pou is pou)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -530,6 +531,65 @@ def test_a_pou_is_copied_into_another_project() -> None:
     assert target.pous == []
     target.global_variables.append(sfc.VariableSection(variables=[sfc.Variable(name="Lamp2", type="BOOL")]))
     assert edit.copy_pou(source, "Main", {"Light": "Lamp2"}).chart is not None
+
+
+SURROUNDINGS = """TYPE Sort : STRUCT weight : INT := 3; END_STRUCT END_TYPE
+VAR_GLOBAL Light AT %QX0.0 : BOOL; n : INT; m : INT; END_VAR
+VAR_GLOBAL CONSTANT MOST : INT := 5; END_VAR
+FUNCTION Half : INT
+VAR_INPUT x : INT; END_VAR
+Half := x / 2;
+END_FUNCTION
+FUNCTION_BLOCK Count
+VAR_OUTPUT o : INT; END_VAR
+o := o + Half(x := m);
+END_FUNCTION_BLOCK
+"""
+LINE = """PROGRAM Line
+VAR c : Count; s : Sort; END_VAR
+INITIAL_STEP S1: Light(N); END_STEP
+TRANSITION FROM S1 TO S2 := c.o > MOST; END_TRANSITION
+STEP S2: Work(N); END_STEP
+TRANSITION FROM S2 TO S1 := s.weight > n; END_TRANSITION
+ACTION Work: c(); n := n / 2; END_ACTION
+END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "why"),
+    [
+        ("n : INT", "n : REAL", "another global variable n: type INT -> REAL"),
+        ("n : INT", "k : INT", "no variable n"),
+        ("%QX0.0", "%QX7.0", "another global variable Light: address"),
+        ("n : INT; m : INT;", "m : INT; END_VAR VAR_GLOBAL CONSTANT n : INT;", "another global variable n: CONSTANT"),
+        ("MOST : INT := 5", "MOST : INT := 6", "another global variable MOST: start value 5 -> 6"),
+        ("weight : INT", "weight : DINT", "another type Sort / member weight: type INT -> DINT"),
+        ("o := o + Half", "o := o + 100 * Half", "another POU Count: code"),
+        ("x / 2", "x / 4", "another POU Half: code"),  # only the other block calls it
+        ("m : INT", "m : SINT", "another global variable m: type INT -> SINT"),
+        ("n : INT", "n : INT := 4", ""),
+        ("x / 2;", "x/2;  // half of it", ""),
+    ],
+)
+def test_a_pou_is_copied_only_where_its_names_mean_the_same(old: str, new: str, why: str) -> None:
+    source = sfc.loads((SURROUNDINGS + LINE).encode(), format="iec-text")
+    target = sfc.loads(SURROUNDINGS.replace(old, new, 1).encode(), format="iec-text")
+    edit = target.edit()
+    if not why:
+        assert edit.copy_pou(source, "Line") is target.pou("Line")
+        return
+    with pytest.raises(ModelError, match=re.escape(f"cannot be copied: the project has {why}")):
+        edit.copy_pou(source, "Line")
+    assert [pou.name for pou in target.pous] == ["Half", "Count"]
+
+
+def test_a_variable_that_is_chosen_for_a_copied_pou_has_its_own_address() -> None:
+    source = sfc.loads((SURROUNDINGS + LINE).encode(), format="iec-text")
+    target = sfc.loads(SURROUNDINGS.replace("END_VAR", "Lamp AT %QX7.0 : BOOL; r : REAL; END_VAR", 1).encode())
+    with pytest.raises(ModelError, match="another global variable r: type INT -> REAL"):
+        target.edit().copy_pou(source, "Line", {"n": "r"})
+    assert target.edit().copy_pou(source, "Line", {"Light": "Lamp"}).name == "Line"
 
 
 def test_an_action_of_another_pou_is_not_inlined() -> None:
