@@ -265,9 +265,13 @@ class _Tries(NamedTuple):
 
 
 def _written_there(system: ProgramSystem, other: ProgramSystem) -> list[str]:
-    """Return the inputs of a system that the other has as variables, and not as inputs."""
+    """Return the inputs of a system that the other has as variables and writes, and not as inputs.
+
+    What the other does not read and does not write is an input of this one all the same.
+    """
     variables = other.variables
-    return [name for name in system.inputs if name in variables and not variables[name].is_input]
+    shared = (name for name in system.inputs if name in variables and not variables[name].is_input)
+    return [name for name in shared if other.writes(name)]
 
 
 @dataclass(frozen=True)
