@@ -367,7 +367,7 @@ class _Compared:
 
     @cached_property
     def _times(self) -> tuple[StepTimes, StepTimes]:
-        """What both do with the times of steps, which no profile and no delay changes."""
+        """Use that both make of the times of steps, which no profile and no delay changes."""
         left, right = self.subjects
         return step_times(left, self.clock.scan_time), step_times(right, self.clock.scan_time)
 

@@ -1,4 +1,4 @@
-"""What a tool executes otherwise of texts and declarations that are written for it as they are."""
+"""Differences in the execution of texts and declarations that are written for a tool as they are."""
 
 from __future__ import annotations
 

@@ -171,7 +171,7 @@ class _Entries(NamedTuple):
 
     @property
     def rank(self) -> tuple[int, int]:
-        """How doubtful it is that these are the branches."""
+        """The doubt that these are the branches."""
         return self.odd, len(self.edges)
 
 

@@ -94,7 +94,7 @@ def paired_figures(
 
 
 class _Look(NamedTuple):
-    """How charts are drawn. `fresh`: not as in their files; `narrow`: beside others."""
+    """Look of charts in pictures. `fresh`: not as in their files; `narrow`: beside others."""
 
     style: PictureStyle
     fresh: bool = False

@@ -270,7 +270,7 @@ def _box(symbol: DrawnSymbol, sizes: SymbolSizes) -> _Box:
 
 
 class _Boxes:
-    """Where symbols are in the file."""
+    """Places of symbols in the file."""
 
     def __init__(self, boxes: Sequence[_Box]) -> None:
         self._boxes = sorted(boxes, key=lambda each: each.top)

@@ -293,7 +293,7 @@ class StepSymbol:
 
     @property
     def lead(self) -> int:
-        """How far its box is below the top of the symbol."""
+        """The distance of its box below the top of the symbol."""
         return self._lead
 
     def draw(self, canvas: Canvas, x: int, y: int, *, enters: bool, leaves: bool) -> None:

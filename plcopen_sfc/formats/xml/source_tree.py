@@ -62,7 +62,7 @@ class SourceNode:
 
     @property
     def children(self) -> list[SourceNode]:
-        """What is directly in this element, in its order; looked for when it is asked for."""
+        """The content directly in this element, in its order; looked for when it is asked for."""
         if self._children is None:
             self._children = [*_nodes(self.text, self.open_end, self.close_start, self)]
         return self._children

@@ -27,7 +27,7 @@ _CLOSE_BEHIND = frozenset({"LPAR", "LSQB", "DOT", "RANGE"})
 
 
 class _Places(NamedTuple):
-    """Where statements and labels of a CASE begin, and where labels do."""
+    """Places at which statements and labels of a CASE begin, and labels."""
 
     beginnings: frozenset[int]
     labels: frozenset[int]
