@@ -387,12 +387,13 @@ def _renamed_variables(here: Chart, called: Mapping[str, str]) -> dict[str, str]
 
 
 def _listed_variables(source: Project, result: Project) -> dict[str, str]:
-    """Return the names in the source of global variables that are in no list there, and in one of the result."""
+    """Return the names in the source of global variables and data blocks in no list there, and in one of the result."""
     here, there = (
         [(each.name, variable.name) for each in project.global_sections() for variable in each.variables]
         for project in (source, result)
     )
     unlisted = {name.casefold(): name for of_list, name in here if not of_list}
+    unlisted |= {block.name.casefold(): block.name for block in source.data_blocks}
     return {f"{of}.{name}": unlisted[name.casefold()] for of, name in there if of and name.casefold() in unlisted}
 
 

@@ -197,6 +197,19 @@ def test_several_sequences_do_the_same_behind_the_step_that_begins_them(target: 
     assert verdict.removeprefix(f"{SHIFTED}: ").startswith("equal"), verdict
 
 
+@pytest.mark.parametrize("target", ["codesys", "plcopen-2.01"])
+def test_members_of_a_data_block_are_the_same_inputs_in_both_tools(target: str) -> None:
+    """In TC6 the block is a variable in a list of its own: its members were other inputs there, and all differed."""
+    source = sequencer(condition='"Data".go AND #b')
+    go = m.VariableSection(
+        kind=m.SectionKind.LOCAL, variables=[m.Variable.model_validate({"name": "go", "type": "BOOL"})]
+    )
+    source.data_blocks.append(m.DataBlock(name="Data", interface=m.Interface(sections=[go])))
+    report = sfc.convert(source, target, limit=20)[1]
+    (verdict,) = report.compared.values()
+    assert verdict.removeprefix(f"{SHIFTED}: ").startswith("equal"), verdict
+
+
 @pytest.mark.parametrize("target", TARGETS)
 def test_variables_are_computed_as_long_as_an_edited_condition_reads_them(target: str) -> None:
     data, _ = sfc.convert(sequencer(acknowledge=True, inputs=("ACK_EF",)), target)
