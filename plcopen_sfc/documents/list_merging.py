@@ -19,6 +19,7 @@ from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.formats.steplist.list_codec import CODEC, ListCodec
 from plcopen_sfc.formats.steplist.list_tables import NAMES, Sheet, TableKind, tables_in
 from plcopen_sfc.formats.steplist.list_writer import is_listed, listed_transitions, tables_of
+from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.declarations import write_type
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Project, Tag, TagTable
@@ -26,6 +27,7 @@ from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step, Transitio
 from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.refactor.dialect_translation import translate_project
+from plcopen_sfc.refactor.name_edits import undeclared
 from plcopen_sfc.report import ConversionReport
 
 _STEP_FIELDS = {
@@ -67,7 +69,8 @@ def merge_list(project: Project, edited: Project) -> list[str]:
     `edited` was loaded from the list. Steps, programs and variables belong together by their names; a step that has
     another name and the number of one that is gone is renamed, wherever the project names it. What has no row in the
     list any more is removed; a program without any row stays, as do variables and actions of a list without their
-    table. Raises `DamagedSourceError` where the list has errors, `ArgumentError` for what is no list.
+    table. Raises `DamagedSourceError` where the list has errors, `ArgumentError` for what is no list, `ModelError`
+    where something still names what was removed; then nothing changes.
     """
     for each in (project, edited):
         check_argument(each, Project, "merge_list needs a project and a step list", "Load the files first.")
@@ -79,13 +82,49 @@ def merge_list(project: Project, edited: Project) -> list[str]:
     if errors:
         raise DamagedSourceError(errors)
     data = encode(project, "csv", flavour="", fresh=True)[0]
+    columns = _columns(codec.sheets(source.content))
+    if _listed_names(read_document(data, format="csv", path=None)) - _listed_names(edited):
+        trial = project.model_copy(deep=True)
+        _merging(trial, edited, data, columns).run()
+        _refuse_lost_names(project, trial)
+    return _merging(project, edited, data, columns).run()
+
+
+def _merging(project: Project, edited: Project, data: bytes, columns: Mapping[TableKind, Collection[str]]) -> _Merging:
+    """Return the merging of an edited list; `data` is the list of the project as it is."""
     before = read_document(data, format="csv", path=None)
     names = _own_names(project, CODEC.sheets(data))
     after = edited.model_copy(deep=True)
     if after.dialect is not project.dialect:
         translate_project(after, project.dialect)
     after.rename_many(dict(_renamed_back(after, names)))
-    return _Merging(project, before, edited, after, names, _columns(codec.sheets(source.content))).run()
+    return _Merging(project, before, edited, after, names, columns)
+
+
+def _listed_names(project: Project) -> set[tuple[str, str]]:
+    """Return the names of steps, actions and variables of a list, each with that of its program, in lower case."""
+    found: set[tuple[str, str]] = set()
+    for pou in project.pous:
+        steps = pou.chart.steps if pou.chart is not None else []
+        names = [*(s.name for s in steps), *(a.name for a in pou.actions), *(v.name for v in pou.variables())]
+        found |= {(_name(pou), name.casefold()) for name in names}
+    sections = project.global_sections()
+    return found | {((s.name or "").casefold(), each.name.casefold()) for s in sections for each in s.variables}
+
+
+def _refuse_lost_names(project: Project, merged: Project) -> None:
+    """Raise `ModelError` where something in `merged` names what only `project` declares."""
+    before, after = Names(project), Names(merged)
+    kept = {each.path.casefold() for each in after.declarations()}
+    removed = sorted({each.name for each in before.declarations() if each.path.casefold() not in kept})
+    known = set(undeclared(before, removed))
+    lost = [(name, use) for name in removed for use in undeclared(after, [name]) if use not in known]
+    if lost:
+        name, use = lost[0]
+        message = f"{name} has no row any more, and {use} still names it"
+        others = sorted({each for each, _ in lost} - {name})
+        hint = "Put its row back, or change what names it."
+        raise ModelError(message, hint=f"{hint} The same holds for: {', '.join(others)}." if others else hint)
 
 
 _Names = dict[tuple[TableKind, str, str], str]

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.errors import ArgumentError
+from plcopen_sfc.errors import ArgumentError, ModelError
 from plcopen_sfc.model import Project
 
 FILES = [
@@ -163,6 +164,9 @@ def test_priorities_in_part_are_whole_in_a_list() -> None:
 
 def test_variables_and_actions_follow_their_tables() -> None:
     project = loaded("training-chain/codesys.xml")
+    own = project.pous[0].interface
+    assert own is not None
+    own.sections[0].variables.append(own.sections[0].variables[0].model_copy(update={"name": "Spare"}))
     listed = list_of(project)
     pou = listed.pous[0]
     assert pou.interface is not None
@@ -177,6 +181,53 @@ def test_variables_and_actions_follow_their_tables() -> None:
     names = [each.name for each in sfc.loads(sfc.dumps(project)).pous[0].variables()]
     assert "Added9" in names
     assert gone.name not in names
+
+
+NAMING = """PROGRAM Main
+VAR a : BOOL; b : BOOL; c : BOOL; END_VAR
+INITIAL_STEP S1: Work(N); END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+STEP S2: c(N); END_STEP
+TRANSITION FROM S2 TO S1 := b OR S1.t > T#1s; END_TRANSITION
+ACTION Work: b := FALSE; END_ACTION
+END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "why"),
+    [
+        ("variable", "a", "a has no row any more, and Main"),
+        ("variable", "b", "b has no row any more, and Main"),
+        ("variable", "c", "c has no row any more, and Main"),
+        ("action", "Work", "Work has no row any more, and Main"),
+    ],
+)
+def test_what_something_still_names_is_not_removed(kind: str, name: str, why: str) -> None:
+    project = sfc.loads(NAMING.encode(), format="iec-text")
+    listed = list_of(project)
+    (pou,) = listed.pous
+    if kind == "variable":
+        assert pou.interface is not None
+        for section in pou.interface.sections:
+            section.variables = [each for each in section.variables if each.name != name]
+    else:
+        pou.actions = [each for each in pou.actions if each.name != name]
+    with pytest.raises(ModelError, match=re.escape(why)):
+        sfc.merge_list(project, edited(listed))
+    assert sfc.dumps(project).decode() == NAMING
+
+
+def test_what_is_removed_with_all_that_names_it_is_gone() -> None:
+    project = sfc.loads(NAMING.encode(), format="iec-text")
+    listed = list_of(project)
+    (pou,) = listed.pous
+    assert pou.interface is not None
+    assert pou.chart is not None
+    pou.interface.sections[0].variables = [each for each in pou.interface.sections[0].variables if each.name != "a"]
+    pou.chart.transitions[0].condition = "TRUE"
+    changes = sfc.merge_list(project, edited(listed))
+    assert "POU Main / variable a: removed" in changes
 
 
 @pytest.mark.slow
