@@ -241,7 +241,11 @@ class Screen:
             self.advise(error.hint)
 
     def progress(self, items: Iterable[T], doing: str, total: int) -> Iterator[T]:
-        """Go through `total` things as they come, with a bar that shows how fast they do and how long it will take."""
+        """Go through `total` things as they come, with a bar that shows how fast they do and how long it will take.
+
+        What is printed of a thing is written out before the next one, which may take minutes: in pipes and logs too.
+        """
+        items = self._flushed(items)
         if self.quiet or total < _MANY or not is_terminal(sys.stderr):
             yield from items
             return
@@ -269,6 +273,11 @@ class Screen:
         )
         with Progress(*columns, console=self._console(sys.stderr), transient=True) as bar:
             yield from bar.track(items, total=total, description=doing)
+
+    def _flushed(self, items: Iterable[T]) -> Iterator[T]:
+        for item in items:
+            yield item
+            self.flush()
 
     @contextmanager
     def searching(self) -> Iterator[Callable[[SearchProgress], None] | None]:

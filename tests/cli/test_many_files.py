@@ -10,12 +10,14 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import plcopen_sfc as sfc
+from plcopen_sfc.cli.screen import Screen
 from tests.samples import FIXTURES
 
 CODESYS = ["device_export.xml", "distribution_belt.xml", "sorting_conveyor.xml"]
@@ -31,6 +33,22 @@ def exports(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     shutil.copy(FIXTURES / "training-chain" / "codesys.xml", folder / "Anlage Süd" / "chain.xml")
     (folder / "cut.xml").write_bytes((folder / CODESYS[0]).read_bytes()[:4000])
     return folder
+
+
+def test_lines_of_a_file_are_in_a_log_before_the_next_file_is_done(monkeypatch: pytest.MonkeyPatch) -> None:
+    log = io.BytesIO()
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(log, encoding="utf-8"))
+    screen = Screen()
+
+    def files() -> Iterator[str]:
+        for name in ("one", "two"):
+            logged.append(log.getvalue().decode().split())
+            yield name
+
+    logged: list[list[str]] = []
+    for name in screen.progress(files(), "Editing", 2):
+        screen.line(name)
+    assert logged == [[], ["one"]]
 
 
 IN_ORDER = ["exports/Anlage Süd/chain.xml", "exports/cut.xml", *(f"exports/{name}" for name in CODESYS)]
