@@ -141,7 +141,7 @@ def test_for_beremiz(cli, fixtures, tmp_path):
 
 @pytest.mark.slow
 def test_what_no_machine_executes_is_counted_and_listed_on_request(cli, fixtures, tmp_path):
-    arguments = ["convert", BELT, tmp_path / "belt.xml", "--to", "plcopen-2.01", "--partial", "--limit", 0]
+    arguments = ["convert", BELT, tmp_path / "belt", "--to", "simaticml", "--partial", "--limit", 0]
     short, long = cli(*arguments).out, cli(*arguments, "--verbose").out
     assert short.startswith("NOT EXECUTED in the target")
     assert not any(line.startswith(("extension data", "translated")) for line in short.splitlines())

@@ -109,7 +109,7 @@ class TestStandardStreams:
     @pytest.mark.slow
     def test_a_refused_conversion_writes_nothing_to_standard_output(self, command):
         source = ROOT / "fixtures" / "codesys" / "sorting_conveyor.xml"
-        done = command("convert", source, "-", "--to", "plcopen", "--limit", "0")
+        done = command("convert", source, "-", "--to", "iec-text", "--limit", "0")
         assert (done.returncode, done.stdout) == (1, b"")
 
 
