@@ -110,6 +110,8 @@ def _needed(names: Names, thing: _Thing) -> Iterator[Declaration]:
 
 def _section(project: Project, thing: _Thing) -> VariableSection:
     """Return the section of a variable; an empty one for anything else."""
+    if any(each is thing for table in project.tag_tables for each in table.constants):
+        return VariableSection(constant=True)
     sections = [*project.global_sections()]
     sections += [each for pou in project.pous if pou.interface is not None for each in pou.interface.sections]
     own = (section for section in sections if any(each is thing for each in section.variables))

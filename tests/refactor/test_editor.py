@@ -10,6 +10,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import jump, selection, simultaneous, step
+from plcopen_sfc import model as m
 from plcopen_sfc.errors import ArgumentError, ModelError
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.model import Dialect
@@ -582,6 +583,32 @@ def test_a_pou_is_copied_only_where_its_names_mean_the_same(old: str, new: str, 
     with pytest.raises(ModelError, match=re.escape(f"cannot be copied: the project has {why}")):
         edit.copy_pou(source, "Line")
     assert [pou.name for pou in target.pous] == ["Half", "Count"]
+
+
+@pytest.mark.parametrize(
+    ("address", "value", "why"),
+    [
+        ("%I0.0", "5", ""),
+        ("%I0.1", "5", "Start: address %I0.0 -> %I0.1"),
+        ("%I0.0", "6", "MOST: start value 5 -> 6"),
+    ],
+)
+def test_tags_and_user_constants_of_a_copied_block_are_the_same(address: str, value: str, why: str) -> None:
+    def plc(address: str, value: str) -> sfc.Project:
+        constant = m.Variable(name="MOST", type="INT", initial=m.SimpleValue(text=value))
+        table = m.TagTable(name="Tags", tags=[m.Tag(name="Start", type="Bool", address=address)], constants=[constant])
+        return sfc.Project(dialect=Dialect.SCL, tag_tables=[table])
+
+    source, target = plc("%I0.0", "5"), plc(address, value)
+    body = sfc.StBody(text='IF "Start" THEN #n := "MOST"; END_IF;')
+    block = sfc.Pou(name="Line", kind=sfc.PouKind.FUNCTION_BLOCK, bodies=[body])
+    block.interface = m.Interface(sections=[m.VariableSection(variables=[m.Variable(name="n", type="INT")])])
+    source.pous.append(block)
+    if not why:
+        assert target.edit().copy_pou(source, "Line").name == "Line"
+        return
+    with pytest.raises(ModelError, match=re.escape(why)):
+        target.edit().copy_pou(source, "Line")
 
 
 def test_a_variable_that_is_chosen_for_a_copied_pou_has_its_own_address() -> None:
