@@ -150,10 +150,14 @@ def _scale(svg: str, usual: float, most: int) -> float:
     return min(usual, most / max(map(int, size.groups()))) if size is not None else usual
 
 
+_NO_DATE = "2000-01-01T00:00:00"
+
+
 def _pdf(cairo_svg: Any, parts: list[str]) -> bytes:
     """Return a PDF with a page for each picture, of its size."""
     output = BytesIO()
     document = cairo_svg.cairo.PDFSurface(output, 1, 1)
+    document.set_metadata(cairo_svg.cairo.PDF_METADATA_CREATE_DATE, _NO_DATE)  # the same bytes in every run
 
     def page(_: object, width: float, height: float) -> Any:
         document.set_size(width, height)

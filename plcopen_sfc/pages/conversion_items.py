@@ -87,7 +87,8 @@ class ItemLists:
             for reason, alike in reasons.items():
                 if reason and (len(alike) >= _FEWEST_GROUPED or len(reasons) == 1):
                     caption = with_code(f"{name} ({len(alike)}): {self._words.message(reason)}")
-                    places = [part for item in alike for part in ("; ", self._place(item))][1:]
+                    named = [element("span", self._place(each), id=self._anchors.get(id(each), "")) for each in alike]
+                    places = [part for each in named for part in ("; ", each)][1:]
                     yield element("details", element("summary", caption), element("p", *places, class_="places"))
                 else:
                     others += alike

@@ -94,7 +94,9 @@ def test_a_pdf_has_a_page_for_each_sheet(cli, fixtures, tmp_path):
     assert cli("draw", "codesys/sorting_conveyor.xml", f"{tmp_path}/svg/", *paper).code == 0
     assert cli("draw", "codesys/sorting_conveyor.xml", tmp_path / "x.pdf", *paper).code == 0
     sheets = len(list((tmp_path / "svg").iterdir()))
-    assert re.findall(rb"/Count (\d+)", (tmp_path / "x.pdf").read_bytes()) == [str(sheets).encode()]
+    data = (tmp_path / "x.pdf").read_bytes()
+    assert re.findall(rb"/Count (\d+)", data) == [str(sheets).encode()]
+    assert b"/CreationDate (D:2000" in data, "the same bytes in every run"
     assert sheets > 3
 
 

@@ -275,6 +275,19 @@ class TestSymbols:
     def test_without_priorities_a_selection_has_an_asterisk(self) -> None:
         assert drawn(make(3, [([0], [1]), ([0], [2])])).texts().count("*") == 1
 
+    def test_branches_that_a_file_draws_in_another_order_have_their_turns(self) -> None:
+        """Above them was the asterisk, by which they are tried from left to right, and they are not."""
+        chart = make(3, [([0], [1]), ([0], [2]), ([1], [0]), ([2], [0])])
+        chart.drawing = draw(chart, DrawingStyle.PLAIN)
+        layout(chart)
+        assert chart.drawing is not None
+        chart.drawing.places = Places.GIVEN
+        chart.transitions[:2] = chart.transitions[1::-1]
+        picture = drawn(chart)
+        assert "*" not in picture.texts()
+        for turn, transition in enumerate(chart.transitions[:2], 1):
+            assert str(turn) in picture.texts(element(picture, f"transition-{transition.id}"))
+
     def test_an_action_block_says_when_what_and_until_when(self) -> None:
         chart = make(1, [])
         chart.steps[0].actions = [

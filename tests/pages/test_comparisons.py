@@ -102,6 +102,9 @@ def test_a_conversion_shows_both_charts_and_what_is_not_executed() -> None:
     tree = parse(sfc.conversion_page(source, report, sfc.loads(data, as_tool=True), lang="de"))
     (losses,) = tree.xpath("//section[@id='not_executed']")
     assert len(losses.findall(".//li")) == len(report.with_outcome(sfc.Outcome.NOT_EXECUTED)) > 0
+    ids = tree.xpath("//@id")
+    assert len(ids) == len(set(ids))
+    assert {target.removeprefix("#") for target in tree.xpath("//a/@href")} <= set(ids)
     assert [svg.findtext("title") for svg in tree.xpath("//div[@class='pair']//svg")] == ["FB_Drill", "FB_Drill"]
     assert "Schritt Drill / Aktion" in words_of(losses)
     (step,) = tree.xpath("//g[starts-with(@id, 'a-') and contains(@class, 'found-error')]")

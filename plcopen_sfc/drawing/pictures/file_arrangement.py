@@ -9,7 +9,7 @@ overlap there, does not overlap here. Empty room is drawn together. The time is 
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import NamedTuple
@@ -28,7 +28,7 @@ from plcopen_sfc.drawing.symbol_layout import SymbolSizes
 from plcopen_sfc.model.drawing import BARS, STEPS, Drawing, Places, SymbolKind
 from plcopen_sfc.model.drawing import Symbol as DrawnSymbol
 from plcopen_sfc.model.network import Point
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import SfcNetwork, Transition
 
 _WIDEST_GAP = 36
 """Room between symbols and wires of the file is kept up to here."""
@@ -154,7 +154,7 @@ class FileArrangement:
             for link in links:
                 shown = link.user.shown
                 if link.source.kind is SymbolKind.SELECTION_DIVERGENCE and isinstance(shown, TransitionSymbol):
-                    link.source.starred |= shown.transition.priority is None
+                    link.source.starred |= shown.turn is None
         return cls(list(symbols.values()), links)
 
     def draw(self, canvas: Canvas, left: int, top: int) -> None:
@@ -205,13 +205,30 @@ class FileArrangement:
             canvas.star(min(ends) + 6, y + 1)
 
 
-def _competing(chart: SfcNetwork) -> set[int]:
-    """Return the transitions that have a step above them in common with another."""
-    below: dict[int, list[int]] = {}
+def _competing(chart: SfcNetwork) -> list[list[Transition]]:
+    """Return the transitions that have a step above them in common, in the order in which they are tried."""
+    below: dict[int, list[Transition]] = {}
     for transition in chart.transitions:
         for step in transition.sources:
-            below.setdefault(step, []).append(transition.id)
-    return {number for numbers in below.values() if len(numbers) > 1 for number in numbers}
+            below.setdefault(step, []).append(transition)
+    return [transitions for transitions in below.values() if len(transitions) > 1]
+
+
+def _turns(sheet: PictureSheet, drawing: Drawing) -> dict[int, int | None]:
+    """Return the competing transitions, with their turn where the file does not draw them from left to right so.
+
+    That is where they have no priorities, and the file has them in another order than it draws them.
+    """
+    competing = _competing(sheet.chart)
+    turns: dict[int, int | None] = {each.id: None for row in competing for each in row}
+    if sheet.style is not PictureStyle.IEC:
+        return turns
+    places = {symbol.id: symbol.position[0] for symbol in drawing.symbols if symbol.kind is SymbolKind.TRANSITION}
+    for row in competing:
+        drawn = [places[each.id] for each in row if each.priority is None and each.id in places]
+        if len(drawn) == len(row) and drawn != sorted(drawn):
+            turns |= {each.id: number for number, each in enumerate(row, 1)}
+    return turns
 
 
 def _jumping(symbols: Sequence[DrawnSymbol]) -> dict[int, list[int]]:
@@ -232,14 +249,14 @@ def _jumping(symbols: Sequence[DrawnSymbol]) -> dict[int, list[int]]:
 
 
 def _shown(
-    sheet: PictureSheet, symbol: DrawnSymbol, competing: Set[int], jumping: Mapping[int, Sequence[int]]
+    sheet: PictureSheet, symbol: DrawnSymbol, turns: Mapping[int, int | None], jumping: Mapping[int, Sequence[int]]
 ) -> Symbol | None:
     if symbol.kind in STEPS:
         entries = [sheet.transition_reference(number) for number in jumping.get(symbol.id, ())]
         return StepSymbol(sheet, symbol.id, entries, [])
     if symbol.kind is SymbolKind.TRANSITION:
         number = symbol.transitions[0] if symbol.transitions else symbol.id
-        return TransitionSymbol(sheet, number, [], competing=number in competing)
+        return TransitionSymbol(sheet, number, [], competing=number in turns, turn=turns.get(number))
     if symbol.kind is SymbolKind.JUMP and symbol.target is not None:
         return JumpSymbol(sheet, symbol.target)
     return None
@@ -249,10 +266,8 @@ def _symbols(sheet: PictureSheet, drawing: Drawing) -> dict[int, _Placed]:
     """Return the symbols that are drawn, in line with each other where the file has them nearly so."""
     sizes = SymbolSizes(sheet.chart)
     drawn = [symbol for symbol in drawing.symbols if symbol.kind in _DRAWN]
-    competing, jumping = _competing(sheet.chart), _jumping(drawn)
-    symbols = {
-        each.id: _Placed(each.kind, _box(each, sizes), _shown(sheet, each, competing, jumping)) for each in drawn
-    }
+    turns, jumping = _turns(sheet, drawing), _jumping(drawn)
+    symbols = {each.id: _Placed(each.kind, _box(each, sizes), _shown(sheet, each, turns, jumping)) for each in drawn}
     for symbol in drawn:
         placed = symbols[symbol.id]
         for source in _sources(symbol, symbols):

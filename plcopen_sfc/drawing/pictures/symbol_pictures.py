@@ -408,15 +408,19 @@ _USUAL_TIMES = ("", "T#10S", "T#7S")
 class TransitionSymbol:
     """A transition: bar, name, priority, condition and comment.
 
-    `competing`: it is one of several below a step. `waits` are steps elsewhere that it waits for too.
+    `competing`: it is one of several below a step; `turn`: in which order they are tried, for one without a priority.
+    `waits` are steps elsewhere that it waits for too.
     """
 
-    def __init__(self, sheet: PictureSheet, number: int, waits: Sequence[LinkEnd], *, competing: bool) -> None:
+    def __init__(
+        self, sheet: PictureSheet, number: int, waits: Sequence[LinkEnd], *, competing: bool, turn: int | None = None
+    ) -> None:
         self.transition = sheet.transitions[number]
         self.sheet = sheet
         self.waits = _shown(waits)
         transition = self.transition
-        self._priority = str(transition.priority) if competing and transition.priority is not None else ""
+        self.turn = turn if transition.priority is None else transition.priority
+        self._priority = str(self.turn) if competing and self.turn is not None else ""
         self._names = self._name_lines()
         condition = sheet.words.condition(transition.condition)
         told, label = sheet.words.told, sheet.words.label(sheet.labels[transition.id])
