@@ -298,6 +298,18 @@ class TestSymbols:
         assert picture.texts(element(picture, "action-5")) == ["D T#2s", "Motor", "xRunning"]
         assert picture.texts(element(picture, "action-6")) == ["N", "a := 1;", "b := 2;"]
 
+    @pytest.mark.parametrize("style", STYLES)
+    def test_the_condition_of_an_action_is_above_it(self, style: str) -> None:
+        """It was in the tooltip only: the picture said that the action is executed always."""
+        chart = make(1, [])
+        chart.steps[0].actions = [
+            ActionAssociation(id=5, qualifier="N", target="Motor", condition="Ready AND Open"),
+            ActionAssociation(id=6, qualifier="S", target="Lamp"),
+        ]
+        picture = drawn(chart, style=style)
+        assert "Ready AND Open" in picture.texts(element(picture, "action-5"))
+        assert "Ready AND Open" not in picture.texts(element(picture, "action-6"))
+
     def test_step_actions_of_codesys_are_marked(self) -> None:
         chart = make(1, [])
         chart.steps[0].entry_action, chart.steps[0].main_action, chart.steps[0].exit_action = "In", "Run", "Out"

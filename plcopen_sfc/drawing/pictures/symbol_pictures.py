@@ -41,7 +41,7 @@ _STORED = {ActionKind.ON_ACTIVATION: True, ActionKind.ON_DEACTIVATION: False}
 
 @dataclass(slots=True)
 class _Row:
-    """`cells`: lines of mark, qualifier, action and indicator. `above`: what is written over a GRAFCET action."""
+    """`cells`: lines of mark, qualifier, action and indicator. `above`: what is written over it: its condition."""
 
     title: str
     cells: tuple[list[str], list[str], list[str], list[str]]
@@ -68,7 +68,7 @@ class ActionBlock:
         columns = zip(*(row.cells for row in self._rows), strict=True)
         widths = [max((widest(cell, SIZE) for cell in column), default=0) for column in columns]
         self._widths = [width + 2 * _PAD if width else 0 for width in widths]
-        self._spread = any(row.kind is not None for row in self._rows)
+        self._spread = any(row.kind is not None or row.above for row in self._rows)
         above = max((widest(row.above, SIZE) + 12 for row in self._rows), default=0)
         remark = max((widest(row.remark, SIZE) for row in self._rows), default=0)
         self._inset = 12 if any(row.kind in _STORED for row in self._rows) else 0
@@ -140,9 +140,9 @@ def _rows(step: Step, sheet: PictureSheet) -> Iterator[_Row]:
         indicator += wrap(association.indicator or "", SIZE, width // 2)
         if association.interlock:
             mark.append("C")
+        row.above = wrap(_above(step, association, words), SIZE, width)
         if association.kind is not None:
             row.kind = association.kind
-            row.above = wrap(_above(step, association, words), SIZE, width)
             qualifier.clear()
         elif sheet.style is PictureStyle.GRAFCET and association.qualifier is Qualifier.N and not association.duration:
             qualifier.clear()
@@ -160,7 +160,7 @@ def _row(line: ActionLine, body: str | Body | None, width: int) -> _Row:
 
 
 def _above(step: Step, association: ActionAssociation, words: Wording) -> str:
-    """Return the text over an action of GRAFCET: its condition, with the time of delayed and limited ones."""
+    """Return the text over an action: its condition, with the time of delayed and limited ones of GRAFCET."""
     condition = words.condition(association.condition)
     if association.kind in _TIMED_KINDS and association.duration:
         time = _LITERAL.sub("", association.duration)
