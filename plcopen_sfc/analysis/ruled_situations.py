@@ -30,9 +30,13 @@ class RuledSituations:
         self.complete = False
         try:
             self._hierarchy = Hierarchy(net, owned, "")
-            self._explore(net, self._hierarchy.start(net.initial), cap)
-        except (UnknownBehaviourError, ForcingConflictError):
+        except UnknownBehaviourError:
             return
+        try:
+            first = self._hierarchy.start(net.initial)
+        except ForcingConflictError:
+            first = net.initial  # the orders of initial steps contradict each other
+        self._explore(net, first, cap)
 
     def _explore(self, net: Net, first: int, cap: int) -> None:
         waiting = [first]

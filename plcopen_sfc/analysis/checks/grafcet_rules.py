@@ -248,15 +248,29 @@ def _is_whole(sheet: CheckedSheet, order: ForcingOrder) -> bool:
 
 
 def _circles(chart: CheckedChart) -> Iterator[Finding]:
+    names = {id(s): s.partial.name.casefold() if s.partial is not None else "" for s in chart.sheets}
+    around = {
+        step.macro.expansion.casefold(): names[id(sheet)]
+        for sheet in chart.sheets
+        for step in sheet.steps
+        if step.macro is not None and step.macro.expansion
+    }
+
+    def owner(sheet: CheckedSheet) -> str:
+        """Return the chart that the steps of a sheet are of: an expansion is in that of its macro-step."""
+        name, seen = names[id(sheet)], set[str]()
+        while name in around and name not in seen:
+            seen.add(name)
+            name = around[name]
+        return name
+
     below: dict[str, list[tuple[str, FindingPlace]]] = {}
     for sheet in chart.sheets:
-        own = sheet.partial.name.casefold() if sheet.partial is not None else ""
         for step in sheet.steps:
             for enclosure in step.encloses or ():
-                below.setdefault(own, []).append((enclosure.chart.casefold(), sheet.at(step)))
+                below.setdefault(owner(sheet), []).append((enclosure.chart.casefold(), sheet.at(step)))
     for sheet, _, place, order in _orders(chart):
-        own = sheet.partial.name.casefold() if sheet.partial is not None else ""
-        below.setdefault(own, []).append((order.chart.casefold(), place))
+        below.setdefault(owner(sheet), []).append((order.chart.casefold(), place))
     for upper, lower in below.items():
         for name, place in lower:
             if upper in _reached(name, below):
@@ -289,7 +303,11 @@ def _rulers(chart: CheckedChart) -> Iterator[tuple[NetStep, FindingPlace, str, s
 
 def _at_once(chart: CheckedChart) -> Iterator[Finding]:
     for (first, _, chart_a, what_a), (second, place, chart_b, what_b) in combinations(_rulers(chart), 2):
-        if chart_a == chart_b and what_a != what_b and first is not second and chart.concurrent(first, second):
+        if chart_a != chart_b or what_a == what_b:
+            continue
+        if first is second:
+            yield Finding(place, f"the step rules {chart_a.upper()} in two ways at once")
+        elif chart.concurrent(first, second):
             message = f"step {first.path} rules {chart_a.upper()} as well, and both can be active together"
             yield Finding(place, message)
 

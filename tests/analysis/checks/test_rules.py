@@ -773,6 +773,23 @@ def grafcet(text: str) -> Callable[[], Subject]:
     return lambda: sfc.loads(f"GRAFCET G\nCHART G1\nINITIAL STEP 1\n{text}".encode())
 
 
+def of_text(text: str) -> Callable[[], Subject]:
+    return lambda: sfc.loads(f"GRAFCET G\n{text}".encode())
+
+
+LOWER = "CHART G1\nINITIAL STEP 1\n1 -> {} : a\n"
+TWO_RULERS = LOWER.format("1") + "CHART G2\n{} 10\n    FORCE G1{{INIT}}\n10 -> 10 : a\n"
+TWO_RULERS += "CHART G3\n{} 20\n    FORCE G1{{1}}\n20 -> 20 : a\n"
+BOTH, ONE = ("INITIAL STEP", "INITIAL STEP"), ("INITIAL STEP", "INITIAL STEP 21\n21 -> 21 : a\nSTEP")
+case("HIE06", of_text(TWO_RULERS.format(*BOTH)), of_text(TWO_RULERS.format(*ONE)), "rules G1 as well", "grafcet")
+ONE_RULER = LOWER.format("1") + "CHART G2\nINITIAL STEP 10\n    FORCE G1{{INIT}}\n    FORCE {}\n10 -> 10 : a\n"
+ONE_RULER += "CHART G3\nINITIAL STEP 20\n20 -> 20 : a\n"
+case("HIE06", of_text(ONE_RULER.format("G1{}")), of_text(ONE_RULER.format("G3{}")), "in two ways at once", "grafcet")
+EXPANDED = LOWER.format("M2") + "MACRO M2\nM2 -> 1 : b\nEXPANSION M2\nSTEP E2\n    FORCE {}\nE2 -> S2 : c\nSTEP S2\n"
+EXPANDED += "CHART G2\nINITIAL STEP 10\n10 -> 10 : a\n"
+case("HIE05", of_text(EXPANDED.format("G1{INIT}")), of_text(EXPANDED.format("G2{INIT}")), "rules itself", "grafcet")
+
+
 MACRO = "MACRO %s EXPANDS M3\n1 -> %s : a\nEXPANSION M3 FROM %s TO S3\nSTEP %s\nSTEP S3"
 OWN = "STEP 2\n    ON EVENT %s : Q := TRUE\n1 -> 2 : a\n2 -> 1 : b"
 case("ACT11", grafcet(OWN % "↑X2 * a"), grafcet(OWN % "↑X1 * a"), "the event ↑X2 never comes", "grafcet")
