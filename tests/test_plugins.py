@@ -51,7 +51,7 @@ def test_a_format_is_used_by_its_name_and_recognised(packages: Path, tmp_path: P
     assert outline.read_text(encoding="utf-8").splitlines()[:3] == [
         "OUTLINE OF Mixer",
         "Idle -> Fill",
-        "Fill -> Idle, Heat, Stir",
+        "Fill -> Heat, Stir, Idle",
     ]
     assert "dropped" in {item["outcome"] for item in json.loads(done.stdout)["items"]}
     assert "OUTLINE OF" not in run(packages, "info", outline).stderr

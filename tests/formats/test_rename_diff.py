@@ -341,7 +341,8 @@ ONE_LINE = {"variable_renamed", "st_line"}
 def edited(path: Path, edit: Edit) -> tuple[EditedProject, list[Span], bytes, list[Hunk]]:
     subject = EditedProject(path.read_bytes())
     spans = edit(subject)
-    after = sfc.dumps(subject.project)
+    # CODESYS has nested branches only, which another initial step may end
+    after = sfc.dumps(subject.project, partial=edit is initial_moved)
     return subject, spans, after, difference(subject.data, after)
 
 

@@ -234,6 +234,8 @@ def _no_boolean(chart: CheckedChart) -> Iterator[Finding]:
             if told:
                 text = " ".join(transition.condition.text.split())
                 yield Finding(sheet.at(transition), f"the condition {text} is not Boolean: it is {told}")
+            for name, kind in _joined(tree, chart, site) if tree is not None and chart.family == "grafcet" else ():
+                yield Finding(sheet.at(transition), f"{name} is {kind}, and the condition takes it as Boolean")
             for name in _calculated(tree, chart, site) if tree is not None and chart.family == "grafcet" else ():
                 text = " ".join(transition.condition.text.split())
                 message = f"{name} is BOOL, and {text} calculates with it"
@@ -241,6 +243,15 @@ def _no_boolean(chart: CheckedChart) -> Iterator[Finding]:
             for name in _names_in(transition.condition.text) if steps else ():
                 if name.casefold() in steps:  # in the place of its flag
                     yield Finding(sheet.at(transition), f"{name} is a step and no value: its flag is X{name}")
+
+
+def _joined(tree: n.Node, chart: CheckedChart, site: Site) -> Iterator[tuple[str, str]]:
+    """Yield what a condition joins or negates and is not Boolean, with its type."""
+    for node in walk(tree):
+        operands = node.operands if isinstance(node, n.Operation) and node.operator in n.CONNECTIVES else ()
+        for operand in (node.operand,) if isinstance(node, n.Unary) and node.operator is n.Operator.NOT else operands:
+            if kind := _other_type(n.bare(operand), chart, site):
+                yield print_node(operand), kind
 
 
 def _calculated(tree: n.Node, chart: CheckedChart, site: Site) -> list[str]:

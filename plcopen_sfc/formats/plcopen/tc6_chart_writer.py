@@ -218,7 +218,7 @@ class Tc6ChartWriter:
             native = native - {"priority"}
         elif transition.id in self.priorities:
             attributes["priority"] = str(self.priorities[transition.id])
-            ranked = {"priority": transition.priority} if transition.priority is None else {}
+            ranked = {"priority": None} if transition.priority is None and not ctx.same else {}
         element = self._element(parent, symbol, attributes)
         self._pins(element, symbol)
         label = self._labels[transition.id]

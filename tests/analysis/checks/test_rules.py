@@ -777,6 +777,9 @@ def of_text(text: str) -> Callable[[], Subject]:
     return lambda: sfc.loads(f"GRAFCET G\n{text}".encode())
 
 
+COUNTED = "INPUTS\n    a\n    C1 : INT\nCHART G1\nINITIAL STEP 1\n1 -> 1 : {}\n"
+case("CND10", of_text(COUNTED.format("C1 * a")), of_text(COUNTED.format("[C1>2] * a")), "C1 is of type INT", "grafcet")
+case("CND10", of_text(COUNTED.format("/C1")), of_text(COUNTED.format("/a")), "C1 is of type INT", "grafcet")
 LOWER = "CHART G1\nINITIAL STEP 1\n1 -> {} : a\n"
 TWO_RULERS = LOWER.format("1") + "CHART G2\n{} 10\n    FORCE G1{{INIT}}\n10 -> 10 : a\n"
 TWO_RULERS += "CHART G3\n{} 20\n    FORCE G1{{1}}\n20 -> 20 : a\n"
