@@ -37,7 +37,7 @@ from plcopen_sfc.model.numbering import take_ids
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, Condition, PartialChart, PartialChartKind, SfcNetwork, Step
-from plcopen_sfc.model.types import Elementary
+from plcopen_sfc.model.types import Elementary, SimpleValue
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _XMI = "http://www.omg.org/XMI"
@@ -400,6 +400,11 @@ class GrafcetXmiCodec(XmlCodec):
         root = XmiWriter(found[0] if found else None, report, order).run()
         for pou in found[1:]:
             report.add(Outcome.NOT_EXECUTED, "chart", f"POU {pou.name}", "a .grafcet file has one GRAFCET")
+        for variable in found[0].variables() if found and not options.same else ():
+            start = (variable.initial.text if isinstance(variable.initial, SimpleValue) else None) or "0"
+            if start.upper() not in ("FALSE", "0"):
+                why = f"variables of a .grafcet file have no start value: it does not begin with {start}"
+                report.add(Outcome.NOT_EXECUTED, "initial value", f"POU {found[0].name} / {variable.name}", why)
         back = XmiReader(root, None).run().project
         meant = project.model_copy(deep=True)
         take_ids(meant, back)

@@ -14,6 +14,7 @@ from plcopen_sfc.analysis.marking import MarkingGraph
 from plcopen_sfc.errors import StructureError
 from plcopen_sfc.model import Expression, Project
 from plcopen_sfc.model.numbering import numbered_in_order
+from plcopen_sfc.report import Outcome
 from plcopen_sfc.semantics.net import Net
 from tests.corpus import corpus_files
 from tests.lowering.random_grafcets import random_hierarchy
@@ -99,6 +100,14 @@ def changed(before: str, after: str) -> list[str]:
         for line in lines
         if line[0] in "+-" and "plcopen_sfc" not in line
     ]
+
+
+@pytest.mark.parametrize(("start", "told"), [("n : INT := 7", ["POU G / n"]), ("n : INT := 0", []), ("n : INT", [])])
+def test_start_values_that_files_do_not_have_are_told(start: str, told: list[str]) -> None:
+    """They were extension data, and the verdict was equal: the file keeps them in comments that no editor reads."""
+    text = f"GRAFCET G\nINPUTS\n    a\nINTERNALS\n    {start}\nINITIAL STEP 1\n1 -> 1 : [n=7] * a\n"
+    report = sfc.convert(sfc.loads(text.encode()), "grafcet", partial=True)[1]
+    assert [item.path for item in report.with_outcome(Outcome.NOT_EXECUTED)] == told
 
 
 def test_an_edit_is_put_into_the_file_with_its_references() -> None:
