@@ -7,6 +7,7 @@ from datetime import date
 from enum import StrEnum
 from hashlib import sha256
 
+from plcopen_sfc.conversion.executed_parts import OPERATING_KINDS
 from plcopen_sfc.conversion.running import SHIFTED
 from plcopen_sfc.documents.sources import FileSource, FolderSource
 from plcopen_sfc.formats.registry import format_named
@@ -77,8 +78,9 @@ def verdicts(source: Project, report: ConversionReport, words: Words) -> Html:
     return joined(element("h2", words("Charts")), element("div", table, class_="scroll"))
 
 
+_OPERATED = "Decide who operates these inputs (--at-rest)"
 _TASKS = {
-    "operating input": "Decide who operates these inputs (--at-rest)",
+    **dict.fromkeys(OPERATING_KINDS, _OPERATED),
     "undeclared name": "Add what declares these names",
     "undeclared type": "Add these data types",
     "data type": "Replace this data type",
@@ -108,7 +110,7 @@ def tasks(report: ConversionReport, lists: ItemLists, words: Words, *, written: 
     for item in report.losses:
         usual = "Program what is not executed" if item.outcome is Outcome.NOT_EXECUTED else "Look at what differs"
         found.setdefault(_TASKS.get(item.what, usual), []).append(item)
-    found.setdefault(_TASKS["operating input"], []).extend(item for item in report.items if item.what == SEQUENCE)
+    found.setdefault(_OPERATED, []).extend(item for item in report.items if item.what == SEQUENCE)
     lines = [_task(words(text), lists.links(items, _MOST_PLACES)) for text, items in found.items() if items]
     if written:
         lines.append(_task(words("Import into {} and compile: not tried yet", tool_of(report.target_format))))

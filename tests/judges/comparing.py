@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import plcopen_sfc as sfc
+from plcopen_sfc.conversion.executed_parts import OPERATING_KINDS
 from plcopen_sfc.model import Pou, PouKind
 from plcopen_sfc.report import ConversionReport
 from plcopen_sfc.semantics.profile import DrawnBlocks, Profile, ScanOrder, default_profile
@@ -18,7 +19,6 @@ from tests.judges.matiec import CompiledProgram, require_matiec
 
 SCANS = 100
 PERIOD = 10_000_000
-_WITHOUT_EFFECT = ("operating input", "unused operating input")
 _RENAMED = re.compile(r"renamed to (\w+)")
 _RESOURCE = re.compile(r"^(\s*RESOURCE [^\n]*\n)(.*?)^(\s*END_RESOURCE)", re.MULTILINE | re.DOTALL)
 _RUN = re.compile(r"^\s*(?:TASK|PROGRAM) \w+.*;\n", re.MULTILINE)
@@ -92,7 +92,7 @@ def differences(
     places = _places(run, pou, compiled, machine)
     inputs = [path for path, signal in run.variables.inputs.items() if signal.type == "BOOL" and path in places]
     driven = {(a.target or "").casefold() for _, a in pou.sfc.associations()} if pou.sfc is not None else set()
-    lost = {item.path.rpartition(" / ")[2].casefold() for item in report.losses if item.what in _WITHOUT_EFFECT}
+    lost = {item.path.rpartition(" / ")[2].casefold() for item in report.losses if item.what in OPERATING_KINDS}
     inputs = [path for path in inputs if path.casefold() not in driven | lost]
     rng = random.Random(len(places))  # noqa: S311
     scans = [{path: rng.random() < 0.5 for path in inputs if rng.random() < 0.4} for _ in range(SCANS)]
@@ -116,5 +116,5 @@ def _acts_first(pou: Pou) -> bool:
 
 def is_known(report: ConversionReport, pou: Pou) -> bool:
     """True if the report names what the chart of `pou` executes otherwise: drawn logic, an association, an input."""
-    known = ("drawn logic", "association", *_WITHOUT_EFFECT)
+    known = ("drawn logic", "association", *OPERATING_KINDS)
     return any(i.what in known and i.path.startswith(pou.report_path) for i in report.losses)

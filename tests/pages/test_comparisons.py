@@ -10,6 +10,7 @@ import pytest
 from lxml import html
 
 import plcopen_sfc as sfc
+from plcopen_sfc.conversion.executed_parts import UNUSED_INPUT
 from plcopen_sfc.pages.page_words import Words
 from tests.pages.browser import Browser
 from tests.pages.test_project_page import NASTY, nasty_project, parse, words_of
@@ -134,6 +135,7 @@ def test_pictures_side_by_side_begin_in_the_width_that_is_there_unless_they_are_
 def test_a_conversion_begins_with_verdicts_tasks_and_files() -> None:
     source = sfc.load(FIXTURES / "codesys" / "distribution_belt.xml")
     data, report = sfc.convert(source, "simaticml", partial=True)
+    report.add(sfc.Outcome.APPROXIMATED, UNUSED_INPUT, "POU Unused / INIT_SQ", "as a test has it")
     report.compared = {
         "POU Ablauf_Band": "equal, first 1 scan later (proof: 8 states)",
         "POU Other": "different after 3",
@@ -154,6 +156,7 @@ def test_a_conversion_begins_with_verdicts_tasks_and_files() -> None:
     assert words_of(files).count(source.header.tool) == 1, "the tool of the source does not open the target"
     tasks = words_of(overview.xpath("ul[@class='tasks']")[0])
     assert "Decide who operates these inputs (--at-rest)POU Ablauf_Band / SFC" in tasks
+    assert "POU Unused / INIT_SQ" in tasks.partition("Decide who operates")[2].partition("\u2610")[0]
     assert "Import into TIA Portal" in tasks
     assert "Test the charts that were not shown to do the samePOU Other, POU Second, POU Third" in tasks
     lost = report.with_outcome(sfc.Outcome.NOT_EXECUTED)

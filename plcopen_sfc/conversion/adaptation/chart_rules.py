@@ -26,7 +26,7 @@ from plcopen_sfc.conversion.adaptation.sequencer_rewriting import PermanentRewri
 from plcopen_sfc.conversion.adaptation.special_rows import has_special_rows, shared_step_actions, stays_in_place
 from plcopen_sfc.conversion.adaptation.step_checks import ACKNOWLEDGING, StepChecks
 from plcopen_sfc.conversion.adaptation.step_rewriting import StepRewriter
-from plcopen_sfc.conversion.executed_parts import told_flag
+from plcopen_sfc.conversion.executed_parts import OPERATING_INPUT, told_flag
 from plcopen_sfc.formats.format_interface import ChartHost, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import (
     REWRITTEN_FIELD,
@@ -337,7 +337,7 @@ class _ChartRewriter:
         for variable in self._rewriting.chart.pou.variables():
             if variable.name in ACKNOWLEDGING:
                 why = "statements compute its rising edges where something depends on them"
-                self._note(Outcome.TRANSLATED, "operating input", variable.name, why)
+                self._note(Outcome.TRANSLATED, OPERATING_INPUT, variable.name, why)
         if shown:
             why = f"{', '.join(sorted(shown))}: statements set them as in the automatic mode"
             self._note(Outcome.TRANSLATED, "shown state", "", why)

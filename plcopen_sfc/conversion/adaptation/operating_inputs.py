@@ -12,6 +12,7 @@ from collections.abc import Collection, Iterable, Sequence
 
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, conjunction
 from plcopen_sfc.conversion.adaptation.step_checks import StepChecks
+from plcopen_sfc.conversion.executed_parts import OPERATING_INPUT
 from plcopen_sfc.formats.plcopen.source_marks import OF_ENDS, REWRITTEN_FIELD, added_element, rewritten_transition
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.s7_programs import unused_inputs
@@ -167,7 +168,7 @@ class OperatingModes:
                 why = "the operating mode is locked in the block"
             elif not self._modes:
                 why = "nothing switches to a mode in which it does something"
-            self._rewriting.note(Outcome.TRANSLATED, "operating input", name, why)
+            self._rewriting.note(Outcome.TRANSLATED, OPERATING_INPUT, name, why)
 
 
 class AddedElements:
@@ -242,7 +243,7 @@ class OperatingInputs:
             self._ends()
         for name in self._wanted.values():
             why = "transitions that are tried before all others"
-            self._rewriting.note(Outcome.TRANSLATED, "operating input", name, why)
+            self._rewriting.note(Outcome.TRANSLATED, OPERATING_INPUT, name, why)
 
     def _sequence(self, steps: Sequence[Step], initial: Step, edges: dict[str, str]) -> None:
         ids, steps = {step.id for step in steps}, [*steps]
