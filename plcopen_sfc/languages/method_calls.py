@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from itertools import zip_longest
 
 from plcopen_sfc.languages.binding.name_resolution import Resolver
+from plcopen_sfc.languages.binding.name_scopes import parameters_of
 from plcopen_sfc.languages.binding.name_sites import named
 from plcopen_sfc.languages.binding.text_sites import Site
 from plcopen_sfc.languages.declarations.kept_texts import bases_of, names_of_bases
@@ -24,9 +25,8 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Method, Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import SimpleValue, Variable
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import PASSED, Interface, SectionKind, VariableSection
 
-PARAMETERS = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT)
 _IMPLICIT = frozenset({"fb_init", "fb_reinit", "fb_exit"})
 """Methods that CODESYS calls by itself."""
 _NO_FUNCTIONS = "it is no function here"
@@ -70,11 +70,11 @@ def function_of_method(
     """
     interface = method.interface or Interface()
     sections = [section.model_copy(deep=True) for section in interface.sections if section.variables]
-    parameters = [v for s in interface.sections if s.kind in PARAMETERS for v in s.variables]
-    for variable in (v for section in sections if section.kind in PARAMETERS for v in section.variables):
+    parameters = parameters_of(interface)
+    for variable in (v for section in sections if section.kind in PASSED for v in section.variables):
         variable.initial = None  # each call passes it
     outputs = frozenset(v.name.casefold() for s in sections if s.kind is SectionKind.OUTPUT for v in s.variables)
-    passed = [v.name for section in around if section.kind in PARAMETERS for v in section.variables]
+    passed = [v.name for section in around if section.kind in PASSED for v in section.variables]
     filled = Interface(sections=[*around, *sections], return_type=interface.return_type)
     return filled, MethodFunction(name, parameters, outputs, passed)
 

@@ -25,6 +25,10 @@ class SectionKind(StrEnum):
     RETURN = "return"
 
 
+PASSED = frozenset({SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT})
+"""The sections with the variables that a call passes."""
+
+
 class VariableSection(Element):
     """Variables that share a section and its memory attributes (``VAR_INPUT RETAIN .. END_VAR``).
 

@@ -21,10 +21,8 @@ from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import DerivedType, Variable
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import PASSED, Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
-
-_PARAMETERS = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT)
 
 
 def pass_globals(
@@ -146,7 +144,7 @@ def _add_parameters(
 
 def _parameters(function: Pou) -> Iterator[str]:
     sections = function.interface.sections if function.interface is not None else ()
-    yield from (variable.name for each in sections if each.kind in _PARAMETERS for variable in each.variables)
+    yield from (variable.name for each in sections if each.kind in PASSED for variable in each.variables)
 
 
 @dataclass(slots=True)

@@ -23,7 +23,7 @@ from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_si
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.languages.effects import ANYTHING, Effects, Path, effects, path_of
 from plcopen_sfc.languages.library_blocks import library_blocks
-from plcopen_sfc.languages.method_calls import PARAMETERS, MethodFunction, function_of_method, without_function
+from plcopen_sfc.languages.method_calls import MethodFunction, function_of_method, without_function
 from plcopen_sfc.languages.networks import Helper, body_statements
 from plcopen_sfc.languages.s7_actions import ActionCalls
 from plcopen_sfc.languages.s7_globals import global_names
@@ -50,7 +50,7 @@ from plcopen_sfc.model.types import (
     StringType,
     Variable,
 )
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import PASSED, Interface, SectionKind, VariableSection
 
 _OF_EDGES = frozenset({"R_TRIG", "F_TRIG", "BOOL"})
 """Types of the variables that networks with edges need."""
@@ -177,7 +177,7 @@ class ActionFunctions:
 
     def arguments(self, called: Pou) -> dict[str, str]:
         """Return the arguments of a call of a function, or of the block for a chart, by their names."""
-        parameters = [v for section in _sections(called) if section.kind in PARAMETERS for v in section.variables]
+        parameters = [v for section in _sections(called) if section.kind in PASSED for v in section.variables]
         passed = {variable.name: f"#{variable.name}" for variable in parameters}
         return passed | self._step_data.get(called.name, {})
 

@@ -28,7 +28,7 @@ from plcopen_sfc.model.network import Block, BlockCall, BlockVariable, InputPin,
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Variable
-from plcopen_sfc.model.variables import Interface, SectionKind
+from plcopen_sfc.model.variables import PASSED, Interface, SectionKind
 from plcopen_sfc.report import ConversionReport, Outcome
 
 RAIL = 0
@@ -286,7 +286,6 @@ def _otherwise_used(tree: n.Node, instances: Mapping[str, Variable]) -> Iterator
 
 
 _CALLS = {PouKind.FUNCTION_BLOCK: BlockCall.FUNCTION_BLOCK, PouKind.FUNCTION: BlockCall.FUNCTION}
-_PARAMETERS = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT)
 
 
 def mark_calls(project: Project) -> None:
@@ -361,7 +360,7 @@ def mark_call(block: Block, pou: Pou) -> None:
     for group in (block.parameters.inputs, block.parameters.in_outs, block.parameters.outputs):
         for parameter in list(group):
             kind, type_ = declared.get(parameter.name.casefold(), (None, None))
-            if kind not in _PARAMETERS or type_ is None:
+            if kind not in PASSED or type_ is None:
                 continue
             _mark(parameter, Type=write_type(type_))  # its section is that of the list that it is in
             if kind is SectionKind.IN_OUT and group is block.parameters.inputs:

@@ -27,7 +27,7 @@ from plcopen_sfc.model.pou import Action, DataBlock, Method, NamedTransition, Po
 from plcopen_sfc.model.project import Configuration, Project, Resource, TreeNode
 from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
 from plcopen_sfc.model.types import DataType, DerivedType, EnumType, StructType
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import PASSED, Interface, SectionKind, VariableSection
 
 _T = TypeVar("_T")
 
@@ -330,9 +330,8 @@ def _chain(first: _T, base: Callable[[_T], _T | None]) -> list[_T]:
 
 def parameters_of(interface: Interface | None) -> list[t.Variable]:
     """Return the variables that a call passes, in their order."""
-    kinds = (SectionKind.INPUT, SectionKind.IN_OUT, SectionKind.OUTPUT)
     sections = interface.sections if interface is not None else []
-    return [variable for section in sections if section.kind in kinds for variable in section.variables]
+    return [variable for section in sections if section.kind in PASSED for variable in section.variables]
 
 
 def namespace_place(project: Project, namespace: Resource | Configuration) -> str:
