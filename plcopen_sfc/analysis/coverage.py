@@ -534,10 +534,9 @@ class _Reasons:
 
     def _waits_for_nothing(self, owner: str, assignment: str) -> bool:
         """True if an assignment is the value of actions of a step, and their events never come."""
-        steps = (
-            step for name, net in self._nets.items() for step in net.steps if owner == f"{name} / step {step.path}"
-        )
-        rows = [row for step in steps for row in step.step.actions if f"{row.target} := {row.value};" == assignment]
+        steps = {f"{name} / step {each.path}": each.step for name, net in self._nets.items() for each in net.steps}
+        actions = steps[owner].actions if owner in steps else []
+        rows = [row for row in actions if f"{row.target} := {row.value};" == assignment]
         return bool(rows) and all(map(self._never_comes, rows))
 
     def _never_true(self, kind: str, key: Key) -> str:

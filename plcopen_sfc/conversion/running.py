@@ -258,11 +258,12 @@ class _Run(NamedTuple):
     def told_with(self, losses: Sequence[Item], held: str) -> str:
         """Return the verdict on a chart in which the report names something as approximated; see `_told_while_held`."""
         example = self.as_run.counterexample
-        told = self.seen
-        if example is not None:
-            is_shifted = self.verdict.equal
-            rule = told_apart(example, self.profiles, self.tool) if is_shifted else ""
-            told = f"{told}{rule}" if is_shifted else self.told(example, losses, held)
+        if example is None:
+            told = self.seen
+        elif self.verdict.equal:
+            told = self.seen + told_apart(example, self.profiles, self.tool)
+        else:
+            told = self.told(example, losses, held)
         return told + _IN_IT
 
     def told(self, example: Counterexample, losses: Sequence[Item], rule: str = "") -> str:
