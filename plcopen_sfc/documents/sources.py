@@ -151,15 +151,13 @@ def locations_of(project: Project, paths: Iterable[str]) -> list[Location]:
     The file is that of the document, in a folder the one that has the POU or the type. The line is that of the object
     or of what is around it, as far as the format tells; there is none in a project that was not loaded.
     """
-    documents = {
-        each.report_path: document
-        for document in documents_of(project)
-        for each in (*document.pous, *document.data_types)
-    }
+    read = [*documents_of(project)]
+    documents = {each.report_path: document for document in read for each in (*document.pous, *document.data_types)}
+    only = read[0] if len(read) == 1 else None
     known: dict[int, tuple[str | None, Mapping[str, int]]] = {}
     found: list[Location] = []
     for path in paths:
-        document = documents.get(ObjectPath.of(path).owner)
+        document = documents.get(ObjectPath.of(path).owner, only)
         if document is None:
             found.append(Location(path=path))
             continue

@@ -22,13 +22,24 @@ def test_objects_have_the_line_that_the_file_has_them_in() -> None:
     assert 'name="Stir"' in lines[step.line - 1]
 
 
+def test_variables_and_types_of_a_text_have_their_lines(tmp_path: Path) -> None:
+    path = tmp_path / "plant.st"
+    path.write_text(
+        "TYPE\n  Part : STRUCT\n    Size : INT;\n  END_STRUCT;\nEND_TYPE\nVAR_GLOBAL\n  g : BOOL;\nEND_VAR\n"
+        "PROGRAM Main\nVAR\n  (* first *)\n  a : INT;\n  b,\n  c : BOOL := TRUE;\nEND_VAR\na := 1;\nEND_PROGRAM\n",
+        encoding="utf-8",
+    )
+    paths = ["type Part", "g", "POU Main", "POU Main / a", "POU Main / b", "POU Main / c", "POU Main / d"]
+    assert [place.line for place in sfc.load(path).locations_of(paths)] == [2, 7, 9, 12, 13, 14, 9]
+
+
 def test_what_is_unknown_has_the_line_of_what_is_around_it_or_none() -> None:
     project = sfc.load(BROKEN)
     around, inside, nowhere = project.locations_of(
         ["POU StirTank / step Stir", "POU StirTank / step Stir / whatever", "POU Nobody"]
     )
     assert inside.line == around.line
-    assert nowhere == Location(path="POU Nobody")
+    assert nowhere == Location(str(BROKEN), path="POU Nobody")
     assert sfc.Project().locations_of(["POU StirTank"]) == [Location(path="POU StirTank")]
 
 

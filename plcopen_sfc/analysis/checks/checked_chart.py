@@ -16,7 +16,7 @@ from plcopen_sfc.analysis.ruled_situations import RuledSituations
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import Declaration, Names, bind, texts_in
-from plcopen_sfc.languages.binding.compile_mistakes import Parameter, pin_of, type_mistakes
+from plcopen_sfc.languages.binding.compile_mistakes import Parameter, pin_of, type_mistakes, value_mistake
 from plcopen_sfc.languages.binding.name_resolution import Resolver, Type
 from plcopen_sfc.languages.binding.name_scopes import charts_inside
 from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of
@@ -41,6 +41,7 @@ from plcopen_sfc.model.types import (
     DataTypeDeclaration,
     DerivedType,
     ElementaryType,
+    SimpleValue,
     StringType,
     StructType,
     SubrangeType,
@@ -227,6 +228,15 @@ class _TypesAt:
             return pin.type if pin is not None else ""
         return self._name(self._resolver.type_of(value, self._site))
 
+    def type_of_value(self, text_site: TextSite) -> str:
+        """Return the type that an initial value is for, with arrays those of their items; empty for other texts."""
+        if not isinstance(text_site.holder, SimpleValue):
+            return ""
+        type_ = self._resolver.type_of_value(text_site.owner, self._site)
+        while isinstance(type_, ArrayType):
+            type_ = self._resolver.settled(type_.base, self._site.place)
+        return self._name(type_)
+
     def parameter_of(self, call: n.Call, position: int) -> Parameter | None:
         """Return the parameter for an argument of a call, as far as it is known."""
         argument, callee = call.arguments[position], print_node(call.callee)
@@ -350,6 +360,11 @@ class CheckedProject:
                 types = _TypesAt(self.named.resolver, each.site)
                 found = type_mistakes(parsed.tree, self.dialect, types.type_of, types.parameter_of)
                 yield from (Misfit(each, message) for message in found)
+                wanted = types.type_of_value(each)
+                if wanted:
+                    value = parse_condition(each.text, self.dialect).tree
+                    message = value_mistake(value, wanted, self.dialect, types.type_of)
+                    yield from (Misfit(each, message),) if message is not None else ()
 
     @cached_property
     def knowledge(self) -> ProjectKnowledge:
@@ -379,6 +394,10 @@ class CheckedProject:
         found += [resource.name for resource in resources]
         found += [i.name for r in resources for i in (*r.instances, *(j for task in r.tasks for j in task.instances))]
         return frozenset(name.casefold() for name in found)
+
+    def is_first(self, chart: SfcNetwork) -> bool:
+        """True for the first chart of the project, with which rules find what is in none."""
+        return next(self._charts(), None) is chart
 
     def charts_of(self, pou: Pou) -> Iterator[SfcNetwork]:
         """Yield the charts of a POU, those of macro-steps and partial charts too."""

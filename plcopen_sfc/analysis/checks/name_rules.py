@@ -17,10 +17,11 @@ from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.words import IEC_KEYWORDS
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.conditions import Expression
-from plcopen_sfc.model.declaration import Declaration
+from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlockKind, Pou
 from plcopen_sfc.model.sfc import Step
+from plcopen_sfc.model.types import Variable
 
 _ALIKE = 0.84
 _FLAG = re.compile(r"[Xx](?P<step>[EMSems]?\d+)")
@@ -61,15 +62,20 @@ def _place(chart: CheckedChart, found: _InText) -> FindingPlace:
 
 
 def _own(chart: CheckedChart, found: Iterable[_T]) -> Iterator[_T]:
-    """Yield findings in a chart; in the first chart of a POU also those in code of the POU that is in no chart."""
+    """Yield findings in a chart; with the first one of a POU, or of the project, also those of it in no chart."""
     if chart.pou is None or not chart.pou.name:
         return
     charts = {id(sheet.chart) for sheet in chart.sheets}
     is_first = next((each for each in chart.around.charts_of(chart.pou)), None) is chart.chart
+    of_project = chart.around.is_first(chart.chart)
     for each in found:
         site = each.text_site.site
         inside = [each for each in site.charts if id(each) in charts]
-        if site.pou is chart.pou and (inside or (is_first and not site.charts)):
+        if site.pou is None:
+            belongs = of_project
+        else:
+            belongs = site.pou is chart.pou and (bool(inside) or (is_first and not site.charts))
+        if belongs:
             yield each
 
 
@@ -162,7 +168,8 @@ def _unused(chart: CheckedChart) -> Iterator[Finding]:
         return
     for each in chart.around.unused:
         if each.pou is pou:
-            path = f"{pou.report_path} / {each.kind} {each.name}"
+            kind = "" if each.kind is Kind.VARIABLE else f"{each.kind} "
+            path = f"{pou.report_path} / {kind}{each.name}"
             yield Finding(FindingPlace(path, (*_elements(each), pou)), f"nothing uses the {each.kind} {each.name!r}")
 
 
@@ -171,12 +178,13 @@ def _declared_twice(chart: CheckedChart) -> Iterator[Finding]:
     if pou is None or next((each for each in chart.around.charts_of(pou)), None) is not chart.chart:
         return
     for word, thing, first in pou.declared_twice():
-        place = FindingPlace(f"{pou.report_path} / {word} {thing.name}", (thing, pou))
+        kind = "" if isinstance(thing, Variable) else f"{word} "
+        place = FindingPlace(f"{pou.report_path} / {kind}{thing.name}", (thing, pou))
         yield Finding(place, f"{pou.name} has {'an' if word == 'action' else 'a'} {word} {first!r} already")
 
 
 def _endless(chart: CheckedChart) -> Iterator[Finding]:
-    if next((each for pou in chart.around.project.pous for each in chart.around.charts_of(pou)), None) is chart.chart:
+    if chart.around.is_first(chart.chart):
         for circle in chart.around.endless_types:
             yield Finding(FindingPlace(circle[0].report_path, (circle[0],)), circle_text(circle))
 
@@ -190,7 +198,7 @@ def _unreadable_names(chart: CheckedChart) -> Iterator[Finding]:
             FindingPlace(pou.report_path, (pou,)), f"{pou.name!r} is a keyword, which no tool takes as a name"
         )
     for variable in pou.variables():
-        place = FindingPlace(f"{pou.report_path} / variable {variable.name}", (variable, pou))
+        place = FindingPlace(f"{pou.report_path} / {variable.name}", (variable, pou))
         if variable.name.upper() in IEC_KEYWORDS:
             yield Finding(place, f"{variable.name!r} is a keyword, which a condition reads as such")
         elif variable.name and not is_operand(variable.name):
@@ -218,10 +226,11 @@ VAR01 = Rule(
     code="VAR01",
     title="Names are declared",
     why="A name that nothing declares does not compile: a typing error, or the rest of what was renamed or deleted by "
-    "hand. Each name is found once, in the chart or in code of its POU; types, members of types and blocks, and "
-    "parameters in calls too, but for what a library may declare: types by a path, what a block has that extends one. "
-    "Names of a file that declares nothing global are VAR02, but for those that are nearly the same as a declared one. "
-    "In a GRAFCET without tables of variables only the flags of steps are looked for (X99 without a step 99).",
+    "hand. Each name is found once, in the chart or in code of its POU (what is global, with the first chart); types, "
+    "members of types and blocks, and parameters in calls too, but for what a library may declare: types by a path, "
+    "what a block has that extends one. Names of a file that declares nothing global are VAR02, but for those that are "
+    "nearly the same as a declared one. In a GRAFCET without tables of variables only the flags of steps are looked "
+    "for (X99 without a step 99).",
     hint="Declare it, or correct the name.",
     example=_DECLARED + _RING % ("", "Strat"),
     check=_undeclared,
@@ -258,8 +267,9 @@ VAR04 = Rule(
     code="VAR04",
     title="Values have the kind of what they are assigned to and compared with",
     why="No compiler takes a number where a BOOL is wanted, or a duration where a number is. Numbers, BOOL, durations, "
-    "strings, dates, structures, arrays and instances are told apart in structured text, also in arguments of calls; "
-    "whether one number fits into another is a matter of each tool, and what has an unknown type is left alone.",
+    "strings, dates, structures, arrays and instances are told apart in structured text, also in arguments of calls "
+    "and in initial values; whether one number fits into another is a matter of each tool, and what has an unknown "
+    "type is left alone.",
     hint="Convert the value (REAL_TO_INT, TIME_TO_DINT), or compare it: n <> 0.",
     example="VAR_INPUT Start, b : BOOL; n : INT; END_VAR\n"
     + _RING % ("Count(P1);", "Start")

@@ -21,7 +21,9 @@ from plcopen_sfc.formats.text_patch import BlockSpan, Key, SourceText, WrittenBl
 from plcopen_sfc.languages.declarations import write_data_type, write_section, write_type, write_value
 from plcopen_sfc.languages.pragmas import NotationError, parse_change
 from plcopen_sfc.languages.problems import Lines
+from plcopen_sfc.languages.st.declaration_nodes import Section, TypeDeclaration, TypeSection, VariableDeclaration
 from plcopen_sfc.languages.st.lexer import Comment
+from plcopen_sfc.languages.st.parsing import parse_declarations
 from plcopen_sfc.languages.text_edits import without
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.base import Element
@@ -33,6 +35,7 @@ from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resou
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.model.variables import SectionKind, VariableSection
+from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import ConversionReport
 
 _KEYWORDS = {
@@ -183,6 +186,9 @@ def source_lines(text: str) -> dict[str, int]:
     units = (part for part in src.outline.parts if part.kind in POUS)
     for part, pou in zip(units, project.pous, strict=False):
         finder.note(part, f"POU {pou.name}", pou.bodies, pou)
+    for part in src.outline.parts:
+        if part.kind in (PartKind.TYPE, PartKind.VAR):
+            finder.note_declared(part, "")
     return finder.found
 
 
@@ -212,6 +218,26 @@ class _Finder:
             ):
                 own = [action.body] if action.body is not None else []
                 self.note(inner, f"{path} / action {action.name}", own)
+            elif inner.kind is PartKind.VAR:
+                self.note_declared(inner, path)
+
+    def note_declared(self, part: TextPart, path: str) -> None:
+        """Note the lines of the variables or the types in a part that declares some."""
+        text = self._src.text[part.start : part.end]
+        for section in parse_declarations(text, self._src.outline.dialect).tree.items:
+            match section:
+                case Section(variables=declared):
+                    names = [name for each in declared if isinstance(each, VariableDeclaration) for name in each.names]
+                    kind = ""
+                case TypeSection(types=types):
+                    names = [each.name for each in types if isinstance(each, TypeDeclaration)]
+                    kind = "type "
+                case _:
+                    continue
+            for name in names:
+                line = self._lines.place(part.start + name.span[0])[0] if name.span is not None else None
+                if line is not None:
+                    self.found.setdefault(ObjectPath(path, f"{kind}{name.identifier}"), line)
 
     def _put(self, path: str, part: TextPart) -> None:
         self.found.setdefault(path, self._lines.place(part.start)[0])

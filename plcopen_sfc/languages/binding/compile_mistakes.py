@@ -70,6 +70,15 @@ def type_mistakes(
                     yield from kinds.misfit(parameter, argument.value)
 
 
+def value_mistake(value: Expression, wanted: str, dialect: Dialect, type_of: Callable[[Expression], str]) -> str | None:
+    """Return what is wrong with the initial value of a variable of the type `wanted`, as `type_of` names types."""
+    kinds = _Kinds(dialect, type_of)
+    kind = kinds.of(value)
+    if kind in ("", kinds.named(wanted)) or not kinds.named(wanted):
+        return None
+    return f"the initial value of {wanted} is {kind}: {print_node(value)}"
+
+
 class _Kinds:
     """The kinds of values: numbers, BOOL, TIME, strings, instants are of different ones. Empty for all others."""
 
@@ -106,7 +115,7 @@ class _Kinds:
 
     def misfit(self, parameter: Parameter, value: Expression) -> Iterator[str]:
         """Yield that a parameter is of another kind than the value that it gets or, an output, is assigned to."""
-        wanted, kind = self._kind_of(parameter.type), self.of(value)
+        wanted, kind = self.named(parameter.type), self.of(value)
         if wanted and kind and wanted != kind:
             yield f"{parameter.name} of {parameter.owner} is {wanted}, not {kind}"
 
@@ -117,9 +126,10 @@ class _Kinds:
             return ""  # one character is a CHAR, and that a number without the IEC check
         if value.loose:  # 0 and 1 are values of BOOL too
             return "" if 0 <= value.low <= value.high <= 1 else "a number"
-        return self._kind_of(value.type)
+        return self.named(value.type)
 
-    def _kind_of(self, name: str) -> str:
+    def named(self, name: str) -> str:
+        """Return the kind of the values of a type."""
         if name in ORDER or name in REALS or name in _GENERIC_NUMBERS:
             return "a number"
         if name in INSTANTS and self._dialect is Dialect.SCL:

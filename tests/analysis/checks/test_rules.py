@@ -956,6 +956,13 @@ TRANSITION FROM S1 TO S1 := %s; END_TRANSITION
 ACTION Act: %s END_ACTION
 END_PROGRAM
 """
+RING_OF_ONE = """
+PROGRAM Main
+VAR b : BOOL; END_VAR
+INITIAL_STEP S1: b; END_STEP
+TRANSITION FROM S1 TO S1 := b; END_TRANSITION
+END_PROGRAM
+"""
 
 
 def typed(statement: str = "n := 1;", *, condition: str = "b", type: str = "INT") -> Callable[[], Subject]:
@@ -986,6 +993,19 @@ for wrong, right, told in (
     ("n := LEN(n);", "n := LEN(s);", "IN of LEN is STRING, not a number"),
 ):
     case("VAR04", typed(wrong), typed(right), told)
+for wrong, right, told in (
+    ("BOOL := 5", "BOOL := 1", "the initial value of BOOL is a number: 5"),
+    ("INT := TRUE", "INT := -1", "the initial value of INT is BOOL: TRUE"),
+    ("TIME := 5", "TIME := T#5s", "the initial value of TIME is a number"),
+    ("ARRAY [0..2] OF INT := [1, 1(T#1s), 3]", "ARRAY [0..2] OF INT := [1, 2(3)]", "the initial value of INT is TIME"),
+    ("Part := (Size := 'a')", "Part := (Size := 3)", "the initial value of INT is STRING: 'a'"),
+    ("STRING := 3", "STRING := '3'", "the initial value of STRING is a number"),
+):
+    case("VAR04", typed(type=wrong), typed(type=right), told)
+WITH_GLOBAL = "VAR_GLOBAL g : %s; END_VAR TYPE Size : STRUCT Wide : %s; END_STRUCT; END_TYPE " + RING_OF_ONE
+case("VAR04", whole(WITH_GLOBAL % ("INT := TRUE", "INT")), whole(WITH_GLOBAL % ("INT", "INT")), "value of INT is BOOL")
+case("VAR04", whole(WITH_GLOBAL % ("INT", "INT := TRUE")), whole(WITH_GLOBAL % ("INT", "INT")), "value of INT is BOOL")
+case("VAR01", whole(WITH_GLOBAL % ("INT", "Sizes")), whole(WITH_GLOBAL % ("INT", "INT")), "'Sizes' names no type")
 case("VAR04", typed(condition="n > s"), typed(condition="n > 2"), "a number and STRING: n > s")
 CIRCLE = (
     "TYPE A : STRUCT inner : %s; END_STRUCT; END_TYPE TYPE B : STRUCT inner : ARRAY [0..1] OF %s; END_STRUCT; END_TYPE"
