@@ -29,6 +29,7 @@ from plcopen_sfc.analysis.domains import (
 from plcopen_sfc.errors import (
     ForcingConflictError,
     SfcError,
+    SimulationError,
     UnknownBehaviourError,
     UnknownFunctionError,
     UnstableChartError,
@@ -281,8 +282,9 @@ def _search(
             waiting.append(len(states) - 1)
         states[number] = (None, None)  # it is not gone back to
     _check_domains(tried)
-    if not seen and notes:
-        raise next(iter(notes.values()))  # nothing ever ran
+    broken = next((each for each in notes.values() if not isinstance(each, SimulationError)), None)
+    if not seen and broken is not None:
+        raise broken  # nothing ever ran, and it is no scan that has ended
     dead = not closed and bool(notes)
     return Explored(len(seen), max(depths), complete=True, notes=tuple(notes), dead=dead)
 
@@ -329,7 +331,8 @@ def end_of(failures: Sequence[SfcError | None]) -> tuple[str, SfcError] | None:
             return f"what follows {failure.message} is left out", failure
     first = failures[0]
     if first is not None and all(failures):
-        return f"{BOTH_FAIL}: {first.message}", first
+        place = str(first.location)
+        return f"{BOTH_FAIL}: {f'{place}: ' if place else ''}{first.message}", first
     return None
 
 

@@ -262,6 +262,8 @@ class Verdict:
                 missed = f"not all was {'compared' if self.gap else 'reached'}{self._missing()}, "
             # a search that is ended before its first scan has not seen anything that is equal
             found = f"equal{later} in {run}{times}" if self.scans or not self.runs else "no scan was run"
+            if not self.states and not self.scans and self.gap:
+                found = "no scan was finished"
             head = f"{missed}{found} (no proof: {self.reason}{tried})"
         return "\n".join([head, *self._covered()])
 

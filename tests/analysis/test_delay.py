@@ -159,7 +159,7 @@ def test_errors_are_compared_in_their_turn() -> None:
         y := {test}; IF {test} THEN n := 1 / n; END_IF; old := x; END_PROGRAM"""
     now, later = (sfc.loads(text.format(test=test).encode(), format="iec-text") for test in ("x", "old"))
     found = equivalent(now, later, delay=1, outputs=["y"])
-    assert (found.kind, found.gap) == (VerdictKind.UNTESTED, "both end with an error: division by zero")
+    assert (found.kind, found.gap) == (VerdictKind.UNTESTED, "both end with an error: line 1 (Main): division by zero")
     assert equivalent(now, later).kind is VerdictKind.DIFFERENT
 
 

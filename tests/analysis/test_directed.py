@@ -270,9 +270,25 @@ def test_errors_of_both_are_no_proof(body: str, cap: int) -> None:
     programs = [sfc.loads(f"{text}{body}\nEND_PROGRAM\n".encode(), format="iec-text") for _ in range(2)]
     verdict = equivalent(*programs, "iec", cap=cap, runs=20)
     assert (verdict.kind, verdict.equal) == (VerdictKind.UNTESTED, False), str(verdict)
-    assert "both end with an error: division by zero" in verdict.reason
+    assert "both end with an error: line 1 (Main): division by zero" in verdict.reason
     assert str(verdict).startswith("not all was compared")
-    assert verdict.as_dict()["gap"] == "both end with an error: division by zero"
+    assert verdict.as_dict()["gap"] == "both end with an error: line 1 (Main): division by zero"
+
+
+@pytest.mark.parametrize(
+    ("body", "why"),
+    [
+        ("q := 10 / s;", "division by zero"),
+        ("q := list[s + 9];", "the index 9 is outside of 0..3"),
+        ("q := 10 / ;", "found ';', expected an expression"),
+    ],
+)
+def test_errors_of_both_in_each_first_scan_are_a_verdict(body: str, why: str) -> None:
+    variables = "VAR_OUTPUT q : INT; END_VAR VAR s : INT; list : ARRAY [0..3] OF INT; END_VAR"
+    program = sfc.loads(f"PROGRAM Main\n{variables}\n{body}\nEND_PROGRAM\n".encode(), format="iec-text")
+    verdict = equivalent(program, program)
+    assert (verdict.kind, verdict.gap) == (VerdictKind.UNTESTED, f"both end with an error: line 1 (Main): {why}")
+    assert str(verdict).startswith("not all was compared, no scan was finished (no proof: ")
 
 
 def test_a_limit_ends_a_comparison_and_progress_is_told() -> None:
