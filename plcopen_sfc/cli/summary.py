@@ -33,7 +33,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.drawing import SymbolKind
 from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork, Step, Transition, leaving_steps
 from plcopen_sfc.semantics.profile import default_profile
 
 if TYPE_CHECKING:
@@ -265,11 +265,8 @@ class _Flow:
 
     def __post_init__(self) -> None:
         ids = {step.id for step in self.chart.steps}
-        self.leaving = {step: [] for step in ids}
-        for transition in sorted(self.chart.transitions, key=lambda t: (t.priority is None, t.priority or 0)):
-            for source in dict.fromkeys(transition.sources):
-                if source in ids:
-                    self.leaving[source].append(transition)
+        found = leaving_steps(self.chart.transitions)
+        self.leaving = {step: found.get(step, []) for step in ids}
         self._walk(ids)
 
     def _starts(self) -> Iterable[int]:

@@ -50,6 +50,7 @@ from plcopen_sfc.model.sfc import (
     SfcNetwork,
     Step,
     Transition,
+    leaving_steps,
 )
 from plcopen_sfc.model.text import plain as words_of
 from plcopen_sfc.model.variables import SectionKind
@@ -454,11 +455,8 @@ class ExecutedChartReader:
 
     def _priorities(self, chart: Part, keys: dict[int, Key]) -> None:
         """The order in which competing transitions of each step are tried."""
-        leaving: dict[int, list[Key]] = {}
-        for transition in sorted(self.chart.transitions, key=lambda t: (t.priority is None, t.priority or 0)):
-            for source in transition.sources if transition.id in keys else ():
-                leaving.setdefault(source, []).append(keys[transition.id])
-        for source, order in leaving.items():
+        for source, leaving in leaving_steps(self.chart.transitions).items():
+            order = [keys[each.id] for each in leaving if each.id in keys]
             if source in self.names and len(order) > 1:
                 step = chart.steps_named(plain_name(self.names[source]))[0]
                 names = tuple(key.name for key in order)

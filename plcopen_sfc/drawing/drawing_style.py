@@ -7,7 +7,7 @@ from enum import StrEnum
 
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.drawing import CONVERGENCES, STEPS, Drawing, SymbolKind
-from plcopen_sfc.model.sfc import SfcNetwork, Transition
+from plcopen_sfc.model.sfc import SfcNetwork, Transition, by_priority
 from plcopen_sfc.model.wiring import Link, trace_drawing
 
 
@@ -70,7 +70,7 @@ def in_order(chart: SfcNetwork, drawing: Drawing) -> bool:
             for member in symbol.transitions or [symbol.id]:
                 place[member] = len(place)
     last: dict[int, int] = {}
-    for transition in sorted(chart.transitions, key=lambda t: (t.priority is None, t.priority or 0)):
+    for transition in by_priority(chart.transitions):
         own = place.get(transition.id)
         if own is not None and len(transition.sources) == 1:
             source = transition.sources[0]

@@ -11,7 +11,7 @@ from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.network import LogicNetwork
 from plcopen_sfc.model.pou import Action, Method, NamedTransition
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Tag, Task
-from plcopen_sfc.model.sfc import ActionAssociation, PartialChart, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, PartialChart, SfcNetwork, Step, Transition, leaving_steps
 from plcopen_sfc.model.text import MarkupText, MultilingualText
 from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import VariableSection
@@ -151,11 +151,7 @@ def _joined(path: str, part: str) -> str:
 
 def _competing(chart: SfcNetwork) -> dict[int, list[int]]:
     """Return the transitions that leave each step, in the order in which they are tried."""
-    leaving: dict[int, list[int]] = {}
-    for transition in sorted(chart.transitions, key=lambda t: (t.priority is None, t.priority or 0)):
-        for source in transition.sources:
-            leaving.setdefault(source, []).append(transition.id)
-    return leaving
+    return {source: [each.id for each in leaving] for source, leaving in leaving_steps(chart.transitions).items()}
 
 
 def _id(thing: Any) -> int:

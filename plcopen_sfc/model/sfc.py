@@ -347,8 +347,7 @@ class SfcNetwork(LateElement):
 
     def outgoing(self, step: Step) -> list[Transition]:
         """Return the transitions that leave `step`, in the order in which they are tried."""
-        leaving = [t for t in self.transitions if step.id in t.sources]
-        return sorted(leaving, key=lambda t: (t.priority is None, t.priority or 0))
+        return by_priority(t for t in self.transitions if step.id in t.sources)
 
     def incoming(self, step: Step) -> list[Transition]:
         """Return the transitions that lead to `step`."""
@@ -592,6 +591,20 @@ Body = Annotated[StBody | IlBody | FbdBody | LdBody | SfcBody | OpaqueBody, Fiel
 # A body holds charts, a chart holds bodies: so these types are in one module, and are completed when all of them exist.
 for _model in (BodyCondition, ActionAssociation, Macro, Step, PermanentOperation, PartialChart, SfcNetwork, SfcBody):
     _model.model_rebuild()
+
+
+def by_priority(transitions: Iterable[Transition]) -> list[Transition]:
+    """Return transitions in the order in which they are tried: by their priorities, those without one last."""
+    return sorted(transitions, key=lambda each: (each.priority is None, each.priority or 0))
+
+
+def leaving_steps(transitions: Iterable[Transition]) -> dict[int, list[Transition]]:
+    """Return the transitions that leave each step, by its id, in the order in which they are tried."""
+    found: dict[int, list[Transition]] = {}
+    for transition in by_priority(transitions):
+        for source in dict.fromkeys(transition.sources):
+            found.setdefault(source, []).append(transition)
+    return found
 
 
 def connected_parts(steps: Collection[Step], transitions: Iterable[Transition]) -> list[list[Step]]:

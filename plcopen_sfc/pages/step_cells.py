@@ -19,6 +19,8 @@ from plcopen_sfc.model.sfc import (
     SfcNetwork,
     Step,
     Transition,
+    by_priority,
+    leaving_steps,
 )
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.pages.html_text import Html, element, joined, link, picture_figure
@@ -75,10 +77,7 @@ class StepCells:
         self._index, self._bodies, self._told, self._pou = index, bodies, told, pou
         self._wording = Wording(chart, index.project.dialect, words)
         self._steps = {step.id: step for step in chart.steps}
-        self._leaving: dict[int, list[Transition]] = {}
-        for transition in chart.transitions:
-            for source in transition.sources:
-                self._leaving.setdefault(source, []).append(transition)
+        self._leaving = leaving_steps(chart.transitions)
 
     def name(self, step: Step) -> Iterator[Html]:
         """Yield the name of a step as a link to its picture, its times, and its conditions that supervise it."""
@@ -106,7 +105,7 @@ class StepCells:
             leaving: Sequence[Transition] = self._leaving.get(step.id, [])
         else:
             leaving = [each for each in self.chart.transitions if self._steps.keys().isdisjoint(each.sources)]
-        ordered = sorted(leaving, key=lambda each: (each.priority is None, each.priority or 0))
+        ordered = by_priority(leaving)
         many = len(leaving) > 1 and step is not None
         items = [element("li", self._transition(each, step, many=many), data_name=each.name) for each in ordered]
         return element("ul", *items) if items else Html("")

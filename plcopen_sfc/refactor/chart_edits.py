@@ -11,7 +11,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.sfc import Condition, Macro, SfcBody, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import Condition, Macro, SfcBody, SfcNetwork, Step, Transition, by_priority
 from plcopen_sfc.refactor.builder import append_branch
 from plcopen_sfc.refactor.journal import Journal
 from plcopen_sfc.refactor.queries import dialect_in, pou_of
@@ -207,8 +207,7 @@ def split_transition(journal: Journal, chart: SfcNetwork, link: Transition) -> l
 def _order(journal: Journal, chart: SfcNetwork, link: Transition) -> None:
     """Number the priorities of transitions that compete with one, where they have some."""
     for source in link.sources:
-        competing = [t for t in chart.transitions if source in t.sources]
-        competing.sort(key=lambda t: (t.priority is None, t.priority or 0))
+        competing = by_priority(t for t in chart.transitions if source in t.sources)
         if any(each.priority is not None for each in competing):
             for number, each in enumerate(competing, 1):
                 if each.priority is not None and each.priority != number:

@@ -13,7 +13,16 @@ from enum import StrEnum
 from functools import cached_property
 
 from plcopen_sfc.errors import CompetingTransitionsError
-from plcopen_sfc.model.sfc import Macro, PartialChart, PartialChartKind, SfcBody, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import (
+    Macro,
+    PartialChart,
+    PartialChartKind,
+    SfcBody,
+    SfcNetwork,
+    Step,
+    Transition,
+    by_priority,
+)
 
 
 class Competing(StrEnum):
@@ -317,7 +326,7 @@ class _Builder:
         for step in place.chart.steps:
             if not step.exclude and step.id not in ends:
                 ends[step.id] = self._add_step(place, step, initial=initial and step.initial)
-        ordered = sorted(place.chart.transitions, key=lambda t: (t.priority is None, t.priority or 0))
+        ordered = by_priority(place.chart.transitions)
         excluded = {step.id for step in place.chart.steps if step.exclude}
         labels = place.chart.labels()
         for transition in ordered:

@@ -34,7 +34,16 @@ from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import ActionAssociation, Body, PartialChart, SfcBody, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import (
+    ActionAssociation,
+    Body,
+    PartialChart,
+    SfcBody,
+    SfcNetwork,
+    Step,
+    Transition,
+    leaving_steps,
+)
 from plcopen_sfc.model.types import (
     ArrayType,
     DataType,
@@ -138,11 +147,7 @@ class CheckedSheet:
     @cached_property
     def leaving(self) -> dict[int, list[Transition]]:
         """The transitions that leave each step (by its id), in the order in which they are tried."""
-        found: dict[int, list[Transition]] = {}
-        for transition in sorted(self.transitions, key=lambda t: (t.priority is None, t.priority or 0)):
-            for source in dict.fromkeys(transition.sources):
-                found.setdefault(source, []).append(transition)
-        return found
+        return leaving_steps(self.transitions)
 
     def label(self, transition: Transition) -> str:
         """Return the label of a transition, as `SfcNetwork.label`."""

@@ -36,7 +36,7 @@ from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Node, OutputVariable
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import PermanentOperation, SfcNetwork, Transition
+from plcopen_sfc.model.sfc import PermanentOperation, SfcNetwork, Transition, by_priority
 from plcopen_sfc.model.types import DataType, DerivedType, Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -205,7 +205,7 @@ def _moved(chart: Chart) -> list[_Moved]:
     instances = {f"#{variable.name}": _block(variable.type) for variable in chart.pou.variables()}
     tried: list[tuple[Transition, str]] = []
     result: list[_Moved] = []
-    for transition in sorted(chart.chart.transitions, key=lambda t: (t.priority is None, t.priority or 0)):
+    for transition in by_priority(chart.chart.transitions):
         found = read(transition.condition) if transition.condition is not None else None
         if found is None or found.tree is None or found.obstacles or not found.complete:
             return []

@@ -51,7 +51,7 @@ from plcopen_sfc.model.chart_settings import FlagUse, SfcFlag, SfcSettings
 from plcopen_sfc.model.conditions import Expression, WiredCondition
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import BodyCondition, Condition, Step, Transition
+from plcopen_sfc.model.sfc import BodyCondition, Condition, Step, Transition, by_priority
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType
 from plcopen_sfc.report import ORDER_OF_ACTIONS, ConversionReport, Outcome
 
@@ -208,7 +208,7 @@ class _ChartRewriter:
         """Rewrite the conditions, with the supervisions and minimum times of the steps that they leave."""
         steps = {step.id: step for step in self._chart.steps}
         # boxes of a condition are executed unless a competing transition before it fires
-        for transition in sorted(self._chart.transitions, key=lambda t: (t.priority is None, t.priority or 0)):
+        for transition in by_priority(self._chart.transitions):
             self._transition(transition, [steps[i] for i in transition.sources if i in steps])
         self._shown = ShownState(self._rewriting, self._checks, self._modes)
 

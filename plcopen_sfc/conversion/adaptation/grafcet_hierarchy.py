@@ -21,7 +21,7 @@ from plcopen_sfc.languages.st import parse_expression, print_node
 from plcopen_sfc.languages.st.nodes import Expression as Tree
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, conjunction, disjunction, negation, simplified
 from plcopen_sfc.model.conditions import Expression
-from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step, Transition, by_priority
 from plcopen_sfc.semantics.charts.chart_actions import Owner
 from plcopen_sfc.semantics.charts.grafcet.partial_charts import Hierarchy, RuledChart
 from plcopen_sfc.semantics.net import Net, indexes
@@ -385,7 +385,7 @@ class Rules:
         return conjunction([own, *before])
 
     def _in_order(self) -> list[Transition]:
-        return sorted(self._chart.transitions, key=lambda t: (t.priority is None, t.priority or 0))
+        return by_priority(self._chart.transitions)
 
     def _ring(self, step: Step) -> set[int] | None:
         """Return the steps of which, with `step`, always exactly one is active; None: unknown."""

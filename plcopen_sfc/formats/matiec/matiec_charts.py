@@ -32,7 +32,7 @@ from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import Action
-from plcopen_sfc.model.sfc import ActionAssociation, Body, Condition, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, Body, Condition, SfcNetwork, Step, Transition, by_priority
 from plcopen_sfc.model.types import DataType, DerivedType, Elementary, ElementaryType
 from plcopen_sfc.report import Outcome
 
@@ -160,8 +160,7 @@ class ChartFitter:
         if self.unit.own:
             return
         competing = Counter(source for t in chart.transitions for source in set(t.sources))
-        groups = [t for t in chart.transitions if any(competing[s] > 1 for s in t.sources)]
-        ordered = sorted(groups, key=lambda t: (t.priority is None, t.priority or 0))
+        ordered = by_priority(t for t in chart.transitions if any(competing[s] > 1 for s in t.sources))
         if ordered and [t.priority for t in ordered] != sorted({t.priority or -1 for t in ordered}):
             self.unit.note(
                 Outcome.TRANSLATED, "selection", self.unit.path, "numbered: matiec fires all without numbers together"

@@ -38,7 +38,17 @@ from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.drawing import STEPS, ActionEntry, Drawing, StepActionKind, Symbol, SymbolKind
 from plcopen_sfc.model.network import Node
-from plcopen_sfc.model.sfc import ActionAssociation, Body, BodyCondition, Condition, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import (
+    ActionAssociation,
+    Body,
+    BodyCondition,
+    Condition,
+    SfcNetwork,
+    Step,
+    Transition,
+    by_priority,
+    leaving_steps,
+)
 from plcopen_sfc.report import Outcome
 
 BodyWriter = Callable[[Tc6WriteContext, etree._Element, str, Body, dict[str, str]], None]
@@ -86,12 +96,8 @@ class Tc6ChartWriter:
             if symbol is not None and symbol.kind is SymbolKind.TRANSITION:
                 drawn.update(dict.fromkeys(symbol.transitions or [symbol.id]))
         place = {number: position for position, number in enumerate(drawn)}
-        wanted = sorted(self.chart.transitions, key=lambda t: (t.priority is None, t.priority or 0))
-        leaving: dict[int, list[int]] = {}
-        for transition in wanted:
-            for source in transition.sources:
-                leaving.setdefault(source, []).append(transition.id)
-        competing = [order for order in leaving.values() if len(order) > 1]
+        leaving = leaving_steps(self.chart.transitions).values()
+        competing = [[each.id for each in order] for order in leaving if len(order) > 1]
 
         def tried(number: int) -> tuple[bool, int, int]:
             priority = given[number]
@@ -100,7 +106,9 @@ class Tc6ChartWriter:
         if all(order == sorted(order, key=tried) for order in competing):
             return {number: priority for number, priority in given.items() if priority is not None}
         every = {number for order in competing for number in order}
-        return {t.id: rank for rank, t in enumerate((t for t in wanted if t.id in every), 1)}
+        return {
+            t.id: rank for rank, t in enumerate((t for t in by_priority(self.chart.transitions) if t.id in every), 1)
+        }
 
     def _drawn_step_actions(self) -> dict[int, set[StepActionKind]]:
         """Return the step actions of each step that are drawn in an action block."""

@@ -28,6 +28,7 @@ from plcopen_sfc.model.sfc import (
     Step,
     Supervised,
     Transition,
+    by_priority,
     connected_parts,
 )
 from plcopen_sfc.model.text import MultilingualText
@@ -197,7 +198,7 @@ def _numbers(chart: SfcNetwork, place: str, variables: set[str], report: Convers
         competing.setdefault(tuple(sorted(transition.sources)), []).append(transition)
     for group in competing.values():
         if len(group) > 1:
-            for rank, transition in enumerate(sorted(group, key=lambda t: (t.priority is None, t.priority or 0)), 1):
+            for rank, transition in enumerate(by_priority(group), 1):
                 transition.priority = rank
 
 
