@@ -13,7 +13,7 @@ from plcopen_sfc.analysis.pairing import NO_DELAY, Delay
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st.literals import time_literal
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
-from plcopen_sfc.semantics.trace import Trace
+from plcopen_sfc.semantics.trace import Trace, aligned
 from plcopen_sfc.whole_numbers import counted
 
 _MOST_ROWS = 20
@@ -139,9 +139,7 @@ class Counterexample:
                 row += [" ".join(trace.active(scan)) or "-"] * bool(trace.steps)
                 row += [trace[name].signal.text(trace[name][scan]) for name in differing]
             rows.append(_Row(scan, (str(scan), time_literal(self.left.time(scan)).removeprefix("T#"), *row)))
-        cells = [headers, *(row.cells for row in rows)]
-        widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-        head, *lines = ("  ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)).rstrip() for row in cells)
+        head, *lines = aligned([headers, *(row.cells for row in rows)])
         return "\n".join([*(str(each) for each in self.differences), head, *_folded(rows, lines)])
 
     def _scans_shown(self, names: Sequence[str]) -> Sequence[int]:

@@ -245,6 +245,11 @@ class RemainderEntry:
         text = f"{path} := {format_value(self.value)}"
         return text if self.instead is None else f"{text} FOR {format_value(self.instead)}"
 
+    @property
+    def field(self) -> str:
+        """The name of the innermost field, in words."""
+        return next(segment for segment in reversed(self.path) if isinstance(segment, str)).replace("_", " ")
+
 
 # -- from the model to plain data -----------------------------------------------------------------------------------
 

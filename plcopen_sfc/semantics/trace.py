@@ -247,10 +247,7 @@ class Trace:
 
     def __str__(self) -> str:
         """A table of the scans in which something changed."""
-        rows = [self.headers(), *self.rows(self.eventful_scans())]
-        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-        lines = ("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows)
-        return "\n".join(lines)
+        return "\n".join(aligned([self.headers(), *self.rows(self.eventful_scans())]))
 
     def as_dict(self) -> dict[str, Any]:
         """Return the trace as plain data, for JSON: every column as ``[scan, value]`` where its value changes."""
@@ -345,6 +342,12 @@ class Trace:
 
     def _names(self, marking: int) -> tuple[str, ...]:
         return tuple(path for bit, path in enumerate(self.steps) if marking >> bit & 1)
+
+
+def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return the lines of a table whose columns are as wide as their longest cells."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
 
 
 def _plain(value: Value) -> Value:

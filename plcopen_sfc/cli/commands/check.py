@@ -23,6 +23,7 @@ from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location, ModelError, SfcError
 from plcopen_sfc.files import file_exists, folder_exists, read_bytes
 from plcopen_sfc.version import __version__
+from plcopen_sfc.whole_numbers import counted
 
 _FILE = "pyproject.toml"
 _TABLE = "plcopen_sfc"
@@ -344,6 +345,6 @@ def _print(screen: Screen, name: str, found: list[Diagnostic]) -> None:
     if screen.quiet:
         return
     counts = Counter(finding.severity.value for finding in found)
-    what = ", ".join(f"{count} {severity}{'s' if count > 1 else ''}" for severity, count in counts.items())
+    what = ", ".join(counted(count, severity) for severity, count in counts.items())
     worst = "bold red" if counts["error"] else "yellow" if counts["warning"] else "green"
     screen.line((f"{name}: ", "bold"), (what or "nothing found", worst))

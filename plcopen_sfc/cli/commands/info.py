@@ -11,6 +11,7 @@ from plcopen_sfc.cli.screen import Screen, Table
 from plcopen_sfc.cli.summary import FileSummary, all_charts, outline, summarise
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import FileHeader, Project
+from plcopen_sfc.whole_numbers import counted
 
 _FEW_CHARTS = 4
 
@@ -44,7 +45,7 @@ def _inform(outlines: bool, few_only: bool, several: bool, screen: Screen, name:
 def _print_file(screen: Screen, summary: FileSummary) -> None:
     screen.line((summary.file, "bold"))
     kinds = {_KINDS.get(kind, kind): count for kind, count in summary.pous.items()}
-    pous = ", ".join(f"{count} {kind}{'s' if count > 1 else ''}" for kind, count in kinds.items())
+    pous = ", ".join(counted(count, kind) for kind, count in kinds.items())
     bodies = ", ".join(f"{count} {language}" for language, count in summary.languages.items())
     facts = {
         "format": f"{summary.format} ({', '.join(filter(None, (summary.format_title, summary.dialect)))})",

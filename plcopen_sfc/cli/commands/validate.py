@@ -14,6 +14,7 @@ from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.documents.sources import FileSource, documents_of
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.whole_numbers import counted
 
 
 def run(screen: Screen, files: ManyFiles, tool: str = "") -> int:
@@ -59,6 +60,6 @@ def _print(screen: Screen, name: str, findings: list[Diagnostic], *, valid: bool
     if screen.quiet:
         return
     counts = Counter(finding.severity.value for finding in findings)
-    what = ", ".join(f"{count} {severity}{'s' if count > 1 else ''}" for severity, count in counts.items())
+    what = ", ".join(counted(count, severity) for severity, count in counts.items())
     verdict = ("valid", "green") if valid else ("not valid", "bold red")
     screen.line((f"{name}: ", "bold"), verdict, f" ({what})" if what else "")

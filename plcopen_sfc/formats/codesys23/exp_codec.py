@@ -204,7 +204,7 @@ def write_blocks(
         left = [change for change in left if str(change) not in known]
     for change in left:
         path = path_of(meant, keys_of(meant, change))
-        report.add(Outcome.EXTENSION_DATA, _field(change), path, "CoDeSys 2.3 cannot express it; it is in a comment")
+        report.add(Outcome.EXTENSION_DATA, change.field, path, "CoDeSys 2.3 cannot express it; it is in a comment")
     if page and not (page == USUAL and _is_taken_as_usual("\n".join(block.whole() for block in blocks))):
         left.insert(0, RemainderEntry((CODE_PAGE,), page))
     if left:
@@ -239,10 +239,6 @@ def _others(project: Project, known: Project) -> Project:
     pous = [pou for pou in project.pous if is_other(pou)]
     types = [declared for declared in project.data_types if is_other(declared)]
     return project.model_copy(update={"pous": pous, "data_types": types})
-
-
-def _field(change: RemainderEntry) -> str:
-    return next(segment for segment in reversed(change.path) if isinstance(segment, str)).replace("_", " ")
 
 
 def _ascii(text: str) -> str:

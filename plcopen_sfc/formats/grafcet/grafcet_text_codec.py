@@ -19,7 +19,7 @@ from plcopen_sfc.formats.remainder_comments import keys_of
 from plcopen_sfc.formats.text_patch import BlockSpan, SourceText, WrittenBlock, decode_text, numbered_blocks
 from plcopen_sfc.languages.declarations import write_type, write_value
 from plcopen_sfc.languages.networks.condition_reading import shown_condition
-from plcopen_sfc.languages.pragmas import RemainderEntry, changes, plain_fields
+from plcopen_sfc.languages.pragmas import changes, plain_fields
 from plcopen_sfc.model.actions import ActionKind, ForcedSituation, ForcingOrder, Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.compare import path_of
@@ -73,15 +73,11 @@ def write_blocks(project: Project, report: ConversionReport) -> WrittenBlock:
     left = list(changes(plain_fields(back), plain_fields(meant), guarded=True))
     for change in left:
         path = path_of(meant, keys_of(meant, change))
-        report.add(Outcome.EXTENSION_DATA, _field(change), path, "a GRAFCET has no word for it; it is in a comment")
+        report.add(Outcome.EXTENSION_DATA, change.field, path, "a GRAFCET has no word for it; it is in a comment")
     if left:
         rest = "\n".join(f"// {{plcopen_sfc {change}}}" for change in left)
         blocks.append(WrittenBlock(("rest", ""), rest, apart=True))
     return WrittenBlock(("file", ""), blocks=tuple(blocks))
-
-
-def _field(change: RemainderEntry) -> str:
-    return next(segment for segment in reversed(change.path) if isinstance(segment, str)).replace("_", " ")
 
 
 _QUOTES = "a comment begins with the quotation mark in the text of a GRAFCET"

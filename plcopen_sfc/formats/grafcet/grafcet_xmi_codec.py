@@ -410,8 +410,9 @@ class GrafcetXmiCodec(XmlCodec):
         take_ids(meant, back)
         for change in changes(plain_fields(back), plain_fields(meant), guarded=True):
             path = path_of(meant, keys_of(meant, change))
-            name = next(segment for segment in reversed(change.path) if isinstance(segment, str)).replace("_", " ")
-            report.add(Outcome.EXTENSION_DATA, name, path, "a .grafcet file has no place for it; it is in a comment")
+            report.add(
+                Outcome.EXTENSION_DATA, change.field, path, "a .grafcet file has no place for it; it is in a comment"
+            )
             # XML allows no two hyphens in a comment
             root.append(etree.Comment(f"{COMMENT_MARK}{change} ".replace("--", "-$2D").replace("--", "-$2D")))
         return root
