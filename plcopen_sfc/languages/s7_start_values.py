@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_expression, parse_statements, walk
+from plcopen_sfc.languages.st import parse_statements, walk
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, standard_block
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.model.dialect import Dialect
@@ -141,19 +141,13 @@ def _note_uses(text_site: TextSite, uses: dict[str, _Uses]) -> None:
     if isinstance(text_site.holder, Block):
         _note_box(text_site.holder, uses)
         return
-    if text_site.reading is SiteKind.STATEMENTS:
-        parsed: n.Node | None = parse_statements(text_site.text, Dialect.SCL).tree
-    elif text_site.reading is SiteKind.EXPRESSION:
-        parsed = parse_expression(text_site.text, Dialect.SCL).tree
-    elif isinstance(text_site.holder, Variable) or text_site.reading is SiteKind.NAME:
+    if text_site.reading is SiteKind.NAME:
         return
-    else:
-        parsed = None
-    if parsed is None:
+    if text_site.reading not in (SiteKind.STATEMENTS, SiteKind.EXPRESSION):
         for use in (use for name, use in uses.items() if name in folded):
             use.others = True
         return
-    nodes = list(walk(parsed))
+    nodes = list(walk(text_site.parsed(Dialect.SCL).tree))
     counted: set[int] = set()
     for node in nodes:
         if isinstance(node, n.Call) and (name := _instance(node.callee)) in uses:

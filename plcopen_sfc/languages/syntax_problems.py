@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.grafcet_conditions import condition_problem
 from plcopen_sfc.languages.problems import Lines, Problem
-from plcopen_sfc.languages.st import Parsed, parse_condition, parse_declarations, parse_expression, parse_statements
+from plcopen_sfc.languages.st import (
+    parse_body,
+    parse_condition,
+    parse_declarations,
+    parse_expression,
+    parse_statements,
+)
 from plcopen_sfc.languages.st.nodes import EmbeddedCode
 from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.model.conditions import Expression
-from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import Dimension
 
@@ -101,7 +105,7 @@ def syntax_problems(
 def _problems(project: Project, *, grafcet: bool) -> Iterator[tuple[TextSite, Sequence[Problem]]]:
     for text_site in text_sites(project):
         if text_site.reading is SiteKind.STATEMENTS:
-            yield text_site, _statements(text_site.text, project.dialect).problems
+            yield text_site, parse_body(text_site.text, project.dialect).problems
         elif grafcet and isinstance(text_site.holder, Expression):
             problem = condition_problem(text_site.text, project.dialect)
             yield text_site, [problem] if problem is not None else []
@@ -115,12 +119,3 @@ def _problems(project: Project, *, grafcet: bool) -> Iterator[tuple[TextSite, Se
 def _is_any_size(text_site: TextSite) -> bool:
     """True for the bounds of ``ARRAY [*]``, which are no expression."""
     return isinstance(text_site.holder, Dimension) and text_site.text == "*"
-
-
-def _statements(text: str, dialect: Dialect) -> Parsed[Any]:
-    """Return statements, or the condition that the body of a transition may be."""
-    parsed = parse_statements(text, dialect)
-    if not parsed.problems:
-        return parsed
-    condition = parse_condition(text, dialect)
-    return parsed if condition.problems else condition

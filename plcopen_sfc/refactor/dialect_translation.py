@@ -17,7 +17,14 @@ from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.s7_globals import local_tags, names_from_s7, names_in_s7
 from plcopen_sfc.languages.s7_programs import names_of_programs
 from plcopen_sfc.languages.s7_types import S7Types, s7_types
-from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements, render, transform, walk
+from plcopen_sfc.languages.st import (
+    parse_body,
+    parse_condition,
+    parse_expression,
+    render,
+    transform,
+    walk,
+)
 from plcopen_sfc.languages.st.literals import INTEGER_RANGES
 from plcopen_sfc.languages.st.nodes import Assignment, Call, Expression, Member, Name, Node, Operation, Statements
 from plcopen_sfc.languages.st.printing import print_node
@@ -137,8 +144,7 @@ def _number_bits(project: Project, target: Dialect) -> list[TranslatedText]:
     for text_site in list(text_sites(project)) if values.names else ():
         if not text_site.is_program_text or not may_have.search(text_site.text):
             continue
-        parse = parse_statements if text_site.reading is SiteKind.STATEMENTS else parse_condition
-        parsed = parse(text_site.text, project.dialect)
+        parsed = text_site.parsed(project.dialect)
         if parsed.problems:
             continue
         notes = Notes(text_site.text)
@@ -220,8 +226,7 @@ def _calculates_otherwise(text_site: TextSite, source: Dialect, target: Dialect,
     """True if arithmetic gives something else in `target`: CODESYS has 32 bits, IEC 61131-3 the types."""
     if not _CALCULATES.search(text_site.text):
         return False
-    is_statements = text_site.reading is SiteKind.STATEMENTS
-    parsed = (parse_statements if is_statements else parse_condition)(text_site.text, source)
+    parsed = text_site.parsed(source)
     if parsed.problems:
         return False
     context = _with_types(TranslationContext(), text_site.site, resolver, text_site)
@@ -236,10 +241,9 @@ def _without_widening(text_site: TextSite, source: Dialect, target: Dialect, res
     """
     if not _CALCULATES.search(text_site.text) or not _WIDENS.search(text_site.text):
         return None
-    parse = parse_statements if text_site.reading is SiteKind.STATEMENTS else parse_condition
-    parsed = parse(text_site.text, source)
+    parsed = text_site.parsed(source)
     text = render(parsed, transform(parsed.tree, _narrowed))
-    back = parse(text, target)
+    back = parse_body(text, target) if isinstance(parsed.tree, Statements) else parse_condition(text, target)
     if parsed.problems or back.problems or text == text_site.text:
         return None
     context = _with_types(TranslationContext(), text_site.site, resolver, text_site)
@@ -270,8 +274,7 @@ def _only_of_codesys(text_site: TextSite, dialect: Dialect, resolver: Resolver) 
     """Note what stays in a text for IEC 61131-3 though only tools of CODESYS compile it."""
     if not _MAY_DIFFER.search(text_site.text):
         return
-    is_statements = text_site.reading is SiteKind.STATEMENTS
-    parsed = (parse_statements if is_statements else parse_condition)(text_site.text, dialect)
+    parsed = text_site.parsed(dialect)
 
     def type_of(value: Expression) -> str:
         type_ = resolver.type_of(value, text_site.site)
@@ -396,12 +399,7 @@ def _translated(
         if not expression.problems:
             found = translate(expression, target, context)
             return replace(found, text=f"{found.text};")
-    if text_site.reading is SiteKind.STATEMENTS:
-        statements = parse_statements(text_site.text, source)
-        # the body of a transition may be a condition
-        condition = parse_condition(text_site.text, source) if statements.problems else None
-        return translate(statements if condition is None or condition.problems else condition, target, context)
-    return translate(parse_condition(text_site.text, source), target, context)
+    return translate(text_site.parsed(source), target, context)
 
 
 def _with_types(

@@ -29,7 +29,7 @@ from plcopen_sfc.languages.method_calls import (
     without_function,
 )
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_expression, parse_statements, render, transform, walk
+from plcopen_sfc.languages.st import parse_statements, render, transform, walk
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.renames import KeptNames, keep_names, kept_names
@@ -386,16 +386,6 @@ def _with_methods(text_site: TextSite, found: Mapping[str, _Kept], dialect: Dial
         )
         return n.Call(callee, tuple(rest))
 
-    text = text_site.text
-    if text_site.reading is SiteKind.STATEMENTS:
-        statements = parse_statements(text, dialect)
-        new = text if statements.problems else render(statements, transform(statements.tree, change))
-    else:
-        condition = parse_expression(text, dialect)
-        new = (
-            text
-            if condition.problems or condition.tree is None
-            else render(condition, transform(condition.tree, change))
-        )
+    new = text_site.rewritten(dialect, change)
     left |= {name for name in found if name in new.casefold()}
     return new, left

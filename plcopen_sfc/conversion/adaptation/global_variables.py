@@ -28,9 +28,7 @@ from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, t
 from plcopen_sfc.languages.s7_globals import is_retained, type_named
 from plcopen_sfc.languages.s7_programs import is_void
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_condition, parse_statements, print_node
-from plcopen_sfc.languages.st.printing import render
-from plcopen_sfc.languages.st.walking import transform
+from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7
 from plcopen_sfc.languages.start_values import filled
 from plcopen_sfc.languages.task_schedules import FREEWHEELING
@@ -413,12 +411,7 @@ class _Unqualifier:
                 return node
             return node.name
 
-        if text_site.reading is SiteKind.STATEMENTS:
-            statements = parse_statements(text_site.text, Dialect.CODESYS)
-            if not statements.problems:
-                return render(statements, transform(statements.tree, change))
-        condition = parse_condition(text_site.text, Dialect.CODESYS)
-        return text_site.text if condition.problems else render(condition, transform(condition.tree, change))
+        return text_site.rewritten(Dialect.CODESYS, change)
 
     def _names_in(self, site: Site) -> set[str]:
         """Return the names that hide global ones."""

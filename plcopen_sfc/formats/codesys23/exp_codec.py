@@ -43,13 +43,13 @@ from plcopen_sfc.formats.text_patch import (
     numbered_blocks,
     section_block,
 )
-from plcopen_sfc.languages.binding.text_sites import SiteKind, text_sites
+from plcopen_sfc.languages.binding.text_sites import text_sites
 from plcopen_sfc.languages.declarations import write_type, write_value
 from plcopen_sfc.languages.declarations.declaration_comments import LINE_END
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.pragmas import RemainderEntry, changes, plain_fields
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_condition, parse_statements, print_node, transform, walk
+from plcopen_sfc.languages.st import print_node, transform, walk
 from plcopen_sfc.languages.st.lexer import CommentKind, Token, tokenize
 from plcopen_sfc.languages.st.printing import render
 from plcopen_sfc.languages.text_edits import Edit, apply_edits, without
@@ -475,10 +475,9 @@ def replace_later_language(project: Project, report: ConversionReport) -> None:
     enumerations = {each.name.casefold() for each in project.data_types if isinstance(each.type, EnumType)}
     plain = partial(_plain, _unique_values(project))
     for site in text_sites(project):
-        if not site.is_program_text or site.reading not in (SiteKind.STATEMENTS, SiteKind.EXPRESSION):
+        if not site.is_program_text:
             continue
-        parse = parse_statements if site.reading is SiteKind.STATEMENTS else parse_condition
-        parsed = parse(site.text, project.dialect)
+        parsed = site.parsed(project.dialect)
         tree = transform(parsed.tree, plain)
         if tree is not parsed.tree and tree != parsed.tree:
             site.put(render(parsed, tree))

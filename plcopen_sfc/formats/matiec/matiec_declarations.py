@@ -19,10 +19,10 @@ from plcopen_sfc.errors import ModelError
 from plcopen_sfc.formats.matiec.matiec_functions import pass_globals
 from plcopen_sfc.formats.matiec.matiec_pou import UNDECLARED_PREFIX
 from plcopen_sfc.languages.binding import Names
-from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
+from plcopen_sfc.languages.binding.text_sites import TextSite, text_sites
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_expression, parse_statements, render, transform, walk
+from plcopen_sfc.languages.st import render, transform, walk
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.words import EDGES, IEC_KEYWORDS, without_accents
 from plcopen_sfc.model.pou import Pou, PouKind
@@ -455,8 +455,7 @@ def _use(text_site: TextSite, globals_: _Globals, project: Project) -> None:
         return
     own = frozenset(v.name.casefold() for v in pou.variables()) | frozenset(_steps(pou))
     used = globals_.used.setdefault(pou.name, {})
-    read = parse_statements if text_site.reading is SiteKind.STATEMENTS else parse_expression
-    parsed = read(text_site.text, project.dialect)
+    parsed = text_site.parsed(project.dialect)
     if parsed.problems:
         return
     tree = transform(parsed.tree, _Resolver(globals_, own, used))

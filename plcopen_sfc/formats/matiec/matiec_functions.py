@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.effects import effects
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_expression, parse_statements, render, transform, walk
+from plcopen_sfc.languages.st import parse_statements, walk
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.network import Block
@@ -81,19 +81,12 @@ def _own_names(text_site: TextSite) -> set[str]:
     return {variable.name.casefold() for section in own for variable in section.variables}
 
 
-def _tree(text_site: TextSite, project: Project) -> n.Node | None:
-    if text_site.reading is SiteKind.STATEMENTS:
-        return parse_statements(text_site.text, project.dialect).tree
-    return parse_expression(text_site.text, project.dialect).tree
-
-
 def _called(text_site: TextSite, functions: Mapping[str, Pou], project: Project) -> set[str]:
     """Return the functions that a text calls, in lower case."""
     if not any(name in text_site.text.casefold() for name in functions):
         return set()
-    tree = _tree(text_site, project)
     found: set[str] = set()
-    for each in walk(tree) if tree is not None else ():
+    for each in walk(text_site.parsed(project.dialect).tree):
         if isinstance(each, n.Call) and isinstance(each.callee, n.Name):
             found.add(each.callee.identifier.casefold())
     return found & functions.keys()
@@ -174,10 +167,4 @@ class _Passing:
             passed = (n.Argument(n.Name(name), n.Name(name) if is_named else None) for name in names)
             return n.Call(node.callee, (*node.arguments, *passed))
 
-        if text_site.reading is SiteKind.STATEMENTS:
-            statements = parse_statements(text_site.text, self.project.dialect)
-            return render(statements, transform(statements.tree, change)), lacking
-        condition = parse_expression(text_site.text, self.project.dialect)
-        if condition.tree is None:
-            return text_site.text, lacking
-        return render(condition, transform(condition.tree, change)), lacking
+        return text_site.rewritten(self.project.dialect, change), lacking

@@ -27,7 +27,7 @@ from plcopen_sfc.languages.expression_types import (
 )
 from plcopen_sfc.languages.il import CALLS
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, render, transform, walk
+from plcopen_sfc.languages.st import parse_statements, print_node, render, transform, walk
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
 from plcopen_sfc.languages.text_edits import Edit, apply_edits, without
 from plcopen_sfc.model.dialect import Dialect
@@ -272,14 +272,12 @@ def fit_expressions(project: Project, report: ConversionReport) -> None:
     for text_site in list(text_sites(project)):
         if not text_site.is_program_text:
             continue
-        parsed = (parse_statements if text_site.reading is SiteKind.STATEMENTS else parse_expression)(
-            text_site.text, project.dialect
-        )
+        parsed = text_site.parsed(project.dialect)
         if parsed.problems:
             continue
         fitter = _ExpressionFitter(text_site, resolver)
         tree = transform(parsed.tree, fitter)
-        if not fitter.missing and tree is not None:
+        if not fitter.missing:
             found = _TypeCheck(ExpressionTypes(Dialect.IEC, fitter.type_of)).mistakes(tree)
             fitter.missing += (("operation", f"matiec has no {each}") for each in found)
         if tree is not parsed.tree:

@@ -9,16 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import lru_cache
-from typing import Any
 
 from plcopen_sfc.formats.simaticml.added_elements import RETURN
 from plcopen_sfc.formats.simaticml.declaration_spelling import write_type
 from plcopen_sfc.formats.simaticml.element_reader import NotUnderstoodError
-from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
+from plcopen_sfc.languages.binding.text_sites import TextSite, text_sites
 from plcopen_sfc.languages.networks.network_graph import wires_of
 from plcopen_sfc.languages.s7_programs import RESULT
-from plcopen_sfc.languages.st import Parsed, parse_condition, parse_statements, render, transform, walk
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import render, transform, walk
 from plcopen_sfc.languages.st.literals import INTEGER_RANGES, SHORT_TYPES, LiteralError, LiteralKind, literal_value
 from plcopen_sfc.languages.standard_blocks import S7_CONVERTED, S7_VERSION, StandardBlock, Tool, standard_block
 from plcopen_sfc.model.base import ExtensionData
@@ -219,7 +218,7 @@ def _put_flip_flops(
     texts = [
         text_site for text_site in texts if not (isinstance(text_site.holder, Block) and text_site.key == "instance")
     ]
-    parsed = [(text_site, _parsed(text_site, project.dialect)) for text_site in texts]
+    parsed = [(text_site, text_site.parsed(project.dialect)) for text_site in texts]
     kept = {name for _, found in parsed for name in _otherwise_used(found.tree, instances)}
     for name in sorted(kept):
         why = "TIA Portal has no such function block, and the text uses it otherwise than a box could"
@@ -260,12 +259,6 @@ def _blocks(body: object) -> Iterator[Block]:
 
 def _name(instance: str | None) -> str:
     return (instance or "").removeprefix("#").strip('"').casefold()
-
-
-def _parsed(text_site: TextSite, dialect: Dialect) -> Parsed[Any]:
-    if text_site.reading is SiteKind.STATEMENTS:
-        return parse_statements(text_site.text, dialect)
-    return parse_condition(text_site.text, dialect)
 
 
 def _value(node: n.Node, instances: Mapping[str, Variable]) -> n.Node:

@@ -17,7 +17,7 @@ from plcopen_sfc.languages.il import CALLS, JUMPS, STORING, instructions
 from plcopen_sfc.languages.networks import Helper, body_statements, chart_statements, condition_reader
 from plcopen_sfc.languages.networks.exported_networks import SOURCES, network_statements
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements
+from plcopen_sfc.languages.st import parse_body, parse_expression
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
@@ -137,12 +137,9 @@ def _content(value: Any) -> Any:
 
 def _bound(body: Body, dialect: Dialect) -> BoundBody:
     if isinstance(body, StBody):
-        parsed = parse_statements(body.text, dialect)
-        if not parsed.problems:
-            return BoundBody(body, dialect, parsed.tree.statements, parsed.tree.statements)
-        condition = parse_condition(body.text, dialect)  # of a transition, with nothing around it
-        if not condition.problems:
-            return BoundBody(body, dialect, trees=(condition.tree,))
+        parsed = parse_body(body.text, dialect)
+        if not isinstance(parsed.tree, n.Statements):  # of a transition, with nothing around it
+            return BoundBody(body, dialect, trees=(parsed.tree,))
         unknown = tuple(UnknownPart(problem.message) for problem in parsed.problems)
         return BoundBody(body, dialect, parsed.tree.statements, parsed.tree.statements, unknown)
     if isinstance(body, FbdBody | LdBody):
@@ -308,9 +305,10 @@ class BoundText:
         text_site = self.text_site
         if isinstance(text_site.holder, StBody | IlBody | OpaqueBody):
             return bind(text_site.holder, self.dialect).trees
-        if text_site.reading is SiteKind.STATEMENTS:
-            return parse_statements(text_site.text, self.dialect).tree.statements
-        return (parse_condition(text_site.text, self.dialect).tree,) if text_site.reading is SiteKind.EXPRESSION else ()
+        if text_site.reading not in (SiteKind.STATEMENTS, SiteKind.EXPRESSION):
+            return ()
+        tree = text_site.parsed(self.dialect).tree
+        return tree.statements if isinstance(tree, n.Statements) else (tree,)
 
     @cached_property
     def uses(self) -> Sequence[Reference]:

@@ -13,7 +13,7 @@ from plcopen_sfc.languages.declarations.kept_texts import kept_entries
 from plcopen_sfc.languages.grafcet_conditions import OVERLINE, program_parts
 from plcopen_sfc.languages.il import CALLS, JUMPS, instructions
 from plcopen_sfc.languages.networks.exported_networks import network_operands
-from plcopen_sfc.languages.st import Parsed, parse_condition, parse_expression, parse_statements
+from plcopen_sfc.languages.st import Parsed, parse_body, parse_condition, parse_expression
 from plcopen_sfc.languages.st import declaration_nodes as d
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
@@ -50,9 +50,8 @@ class Reference:
 
 def in_statements(text: str, dialect: Dialect) -> Iterator[Reference]:
     """Yield every name in statements, or in the condition that the body of a transition may be."""
-    parsed = parse_statements(text, dialect)
-    condition = parse_condition(text, dialect) if parsed.problems else None  # of a transition, with nothing around it
-    yield from in_tree(condition.tree if condition is not None and not condition.problems else parsed.tree, dialect)
+    parsed = parse_body(text, dialect)
+    yield from in_tree(parsed.tree, dialect)
     yield from in_pragmas(parsed)
 
 

@@ -16,6 +16,8 @@ from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin
 from plcopen_sfc.languages.declarations.kept_texts import KEPT_DATA, inheritance
 from plcopen_sfc.languages.networks.box_trees import is_box_tree
 from plcopen_sfc.languages.networks.exported_networks import EXPORTS
+from plcopen_sfc.languages.st import Parsed, parse_body, parse_condition, render, transform
+from plcopen_sfc.languages.st.nodes import Node
 from plcopen_sfc.model import body as b
 from plcopen_sfc.model import network as n
 from plcopen_sfc.model import sfc as s
@@ -23,6 +25,7 @@ from plcopen_sfc.model import types as t
 from plcopen_sfc.model.actions import ForcingOrder
 from plcopen_sfc.model.base import ExtensionData, ForeignData, Model
 from plcopen_sfc.model.conditions import Expression, NamedCondition
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.late import LateElement
 from plcopen_sfc.model.pou import Action, DataBlock, Method, NamedTransition, Pou
 from plcopen_sfc.model.project import (
@@ -127,6 +130,15 @@ class TextSite:
         """The text as it is now."""
         text: str = self.holder[self.key] if isinstance(self.key, int) else getattr(self.holder, self.key)
         return text
+
+    def parsed(self, dialect: Dialect) -> Parsed[Any]:
+        """Return a program text as a tree: statements, or an expression with what may be around a condition."""
+        return (parse_body if self.reading is SiteKind.STATEMENTS else parse_condition)(self.text, dialect)
+
+    def rewritten(self, dialect: Dialect, change: Callable[[Node], Node]) -> str:
+        """Return a program text with `change` applied to its tree, as by `transform`; itself if it cannot be read."""
+        parsed = self.parsed(dialect)
+        return self.text if parsed.problems else render(parsed, transform(parsed.tree, change))
 
     def put(self, text: str) -> None:
         """Put another text in its place."""

@@ -9,6 +9,7 @@ makes `nodes` and `declaration_nodes` of. `walking` goes through trees, `printin
 
 from plcopen_sfc.languages.st.parsing import (
     Parsed,
+    parse_body,
     parse_condition,
     parse_declarations,
     parse_expression,
@@ -20,6 +21,7 @@ from plcopen_sfc.languages.st.walking import children, transform, walk, without_
 __all__ = [
     "Parsed",
     "children",
+    "parse_body",
     "parse_condition",
     "parse_declarations",
     "parse_expression",

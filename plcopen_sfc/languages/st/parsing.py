@@ -351,6 +351,13 @@ def parse_condition(text: str, dialect: Dialect = Dialect.IEC) -> Parsed[n.Expre
     return _parse(text, Dialect(dialect), "condition")
 
 
+def parse_body(text: str, dialect: Dialect = Dialect.IEC) -> Parsed[Any]:
+    """Return the statements of a body, or the condition alone that the body of a transition may be. Never raises."""
+    statements = parse_statements(text, dialect)
+    condition = parse_condition(text, dialect) if statements.problems else statements
+    return statements if condition.problems else condition
+
+
 def parse_declarations(text: str, dialect: Dialect = Dialect.IEC) -> Parsed[Declarations]:
     """Heads of POUs, variable sections and types. Bodies must not be in it. Never raises: see `Parsed.problems`."""
     return _parse(text, Dialect(dialect), "declarations")
