@@ -22,7 +22,7 @@ from plcopen_sfc.analysis.domains import NotProvableError, Probe, Split, Symboli
 from plcopen_sfc.analysis.product import Branching, LeftOutError, end_of, hidden_reason
 from plcopen_sfc.analysis.timers import Clocking, StepTimes, WaitingTimer, step_times, waiting_timers
 from plcopen_sfc.errors import ModelError, SfcError, SimulationError
-from plcopen_sfc.languages.binding import names_in
+from plcopen_sfc.languages.binding import names_in, uncalled_actions
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.languages.s7_globals import TABLE
 from plcopen_sfc.model.pou import Pou
@@ -49,6 +49,7 @@ from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.subjects import (
     Subject,
     Watched,
+    executed_alone,
     following_situation,
     is_written,
     step_flags,
@@ -155,7 +156,7 @@ class ProgramSystem:
         times: StepTimes | None = None,
         known_types: Mapping[str, Type] | None = None,
     ) -> None:
-        self.subject = subject
+        self.subject = subject = executed_alone(subject)
         self.clock = clock
         self.profile = profile
         self._free_inputs = tuple(free_inputs)
@@ -521,18 +522,10 @@ class ProgramSystem:
     @cached_property
     def uncalled_actions(self) -> tuple[str, ...]:
         """The actions of a POU that no text of the project names and whose body is no chart: nothing executes them."""
-        pou, dialect = self.subject.pou, self.subject.project.dialect
+        pou = self.subject.pou
         if pou.chart is not None:
             return ()
-        inside = {id(action): names_in(action, dialect) for action in pou.actions}
-        others = [each for each in self.subject.project.pous if each.name != pou.name]
-        owners = (*pou.bodies, *pou.methods, *pou.transitions, *others)
-        named = {name for each in owners for name in names_in(each, dialect)}
-        waiting = list(pou.actions)
-        while called := [action for action in waiting if action.name.casefold() in named]:
-            waiting = [action for action in waiting if action not in called]
-            named |= {name for action in called for name in inside[id(action)]}
-        return tuple(f"{pou.name}.{action.name}" for action in waiting)
+        return tuple(f"{pou.name}.{action.name}" for action in uncalled_actions(pou, self.subject.project))
 
     def called_pous(self) -> dict[str, Pou]:
         """Return the POUs of the project whose texts it executes besides its own, by their names."""

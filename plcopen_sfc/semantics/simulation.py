@@ -29,7 +29,16 @@ from plcopen_sfc.semantics.profile import profile as profile_named
 from plcopen_sfc.semantics.programs.controller import Controller, Instance
 from plcopen_sfc.semantics.programs.runtime_types import Direction
 from plcopen_sfc.semantics.signals import Signal, Value
-from plcopen_sfc.semantics.subjects import Subject, Watched, is_written, resolve, signal_of, step_marking, watched
+from plcopen_sfc.semantics.subjects import (
+    Subject,
+    Watched,
+    executed_alone,
+    is_written,
+    resolve,
+    signal_of,
+    step_marking,
+    watched,
+)
 from plcopen_sfc.semantics.trace import Column, Trace
 
 Inputs = InputSource | InputFunction | Trace | str | os.PathLike[str] | None
@@ -102,8 +111,7 @@ class Simulation:
     ) -> None:
         check_argument(functions, (Mapping, type(None)), "functions are a mapping from their names")
         chosen = default_profile(subject.project) if profile is None else profile_named(profile)
-        subject = as_executed(subject, chosen)
-        self.subject = subject
+        self.subject = subject = executed_alone(as_executed(subject, chosen))
         self.profile = chosen
         self.scan_time = nanoseconds(scan_time)
         self.controller = Controller(

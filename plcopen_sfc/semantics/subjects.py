@@ -13,6 +13,7 @@ from itertools import product
 from typing import Any
 
 from plcopen_sfc.errors import ModelError, check_argument
+from plcopen_sfc.languages.binding import uncalled_actions
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
@@ -218,6 +219,18 @@ class Subject:
     project: Project
     pou: Pou
     name: str
+
+
+def executed_alone(subject: Subject) -> Subject:
+    """Return a subject without the actions of its POU that nothing executes where an action runs as its body.
+
+    What they would write keeps its value then, or is an input: the bodies that execute them do not run.
+    """
+    if subject.name == subject.pou.name:
+        return subject
+    unused = {id(action) for action in uncalled_actions(subject.pou, subject.project)}
+    kept = [action for action in subject.pou.actions if id(action) not in unused]
+    return replace(subject, pou=subject.pou.model_copy(update={"actions": kept}))
 
 
 def resolve(subject: SfcNetwork | Pou | Project, pou: str | None = None, *, project: Project | None = None) -> Subject:

@@ -11,7 +11,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.lowering.proof import prove
-from plcopen_sfc.model import ActionAssociation, ActionEvent, Project, Qualifier, StBody, conditions
+from plcopen_sfc.model import Action, ActionAssociation, ActionEvent, Project, Qualifier, StBody, conditions
 from plcopen_sfc.semantics.subjects import resolve
 
 
@@ -79,6 +79,27 @@ def test_outputs_of_instances_that_nothing_calls_are_frozen_and_can_be_inputs(na
     assert (freed.inputs, freed.frozen) == (("Other.Q",), ())
     with pytest.raises(ModelError, match="is no variable that nothing writes"):
         equivalent(UNCALLED, UNCALLED, "iec", free_inputs="Own.Q")
+
+
+def test_what_only_other_actions_of_its_pou_write_is_frozen_where_an_action_runs_alone() -> None:
+    """They do not run then: what they write was taken for FALSE for ever, and steps were proven unreachable."""
+    whole = UNCALLED.model_copy(deep=True)
+    pou = whole.pou("Main")
+    pou.actions.append(Action(name="Home", body=pou.bodies[0]))
+    pou.actions.append(Action(name="Timers", body=StBody(text="Other(IN := Ready, PT := T#1s); Ready := NOT Ready;")))
+    pou.bodies = [StBody(text="Timers(); Home();")]
+    action = resolve(whole, "Main.Home")
+    alone = equivalent(action, action, "iec")
+    assert alone.frozen == ("Other.Q",)
+    assert "unreachable (proven)" not in str(alone)
+    assert "Ready" not in str(alone)
+    freed = equivalent(action, action, "iec", free_inputs="all")
+    assert (freed.proven, freed.inputs) == (True, ("Other.Q",))
+    trace = sfc.simulate(
+        whole, pou="Main.Home", free_inputs="all", inputs=lambda scan, _: {"Other.Q": scan == 1}, scans=3
+    )
+    assert [trace.active(scan) for scan in range(3)] == [("A",), ("B",), ("B",)]
+    assert equivalent(whole.pou("Main"), whole.pou("Main"), "iec").frozen == ()
 
 
 @pytest.mark.parametrize("name", ["Q", "Stopp"])

@@ -22,6 +22,7 @@ from plcopen_sfc.languages.binding.bound_bodies import (
     names_in,
     step_effects,
     texts_in,
+    uncalled_actions,
 )
 from plcopen_sfc.languages.binding.name_uses import Names, find_uses
 from plcopen_sfc.languages.binding.shared_scans import STORING, Row, SharedScans, told_orders, told_step_actions
@@ -53,4 +54,5 @@ __all__ = [
     "texts_in",
     "told_orders",
     "told_step_actions",
+    "uncalled_actions",
 ]

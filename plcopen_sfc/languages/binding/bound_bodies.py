@@ -326,6 +326,19 @@ def names_in(thing: Model, dialect: Dialect) -> set[str]:
     return {use.name.casefold() for text in texts_in(thing, dialect) for use in text.uses}
 
 
+def uncalled_actions(pou: Pou, project: Project) -> list[Action]:
+    """Return the actions of a POU that no text names which its bodies or other POUs of the project can execute."""
+    dialect = project.dialect
+    others = [each for each in project.pous if each.name != pou.name]
+    owners = (*pou.bodies, *pou.methods, *pou.transitions, *others)
+    named = {name for each in owners for name in names_in(each, dialect)} if pou.actions else set()
+    waiting = list(pou.actions)
+    while called := [action for action in waiting if action.name.casefold() in named]:
+        waiting = [action for action in waiting if action not in called]
+        named |= {name for action in called for name in names_in(action, dialect)}
+    return waiting
+
+
 def is_named_elsewhere(pou: Pou, project: Project) -> bool:
     """True if the text of another POU names this one, or may do so: ``Main.x``."""
     declared = Declaration(Kind.POU, pou.name, (pou,))
