@@ -37,6 +37,8 @@ class Change:
     was removed, of the first. `what` is the kind of thing (``step``), `aspect` what has changed of it (``maximum
     time``), empty for the whole thing. `before` and `after` are as people read them; None: nothing is there. Of what
     was added or removed, they tell it in short. `lines` is the difference of program text, as `difflib` writes it.
+    `path_before` and `path_after` are the places in the first and the second project that are not `path`: of what has
+    moved, and of transitions that lead elsewhere.
     """
 
     kind: ChangeKind
@@ -46,6 +48,8 @@ class Change:
     before: str | None = None
     after: str | None = None
     lines: tuple[str, ...] = ()
+    path_before: str = ""
+    path_after: str = ""
 
     @property
     def place(self) -> str:
@@ -97,7 +101,7 @@ class Change:
     def as_dict(self) -> dict[str, Any]:
         """Return the change as plain data, for JSON."""
         data: dict[str, Any] = {"kind": self.kind.value, "path": self.path, "what": self.what}
-        for name in ("aspect", "before", "after"):
+        for name in ("aspect", "before", "after", "path_before", "path_after"):
             if getattr(self, name):
                 data[name] = getattr(self, name)
         return data | ({"lines": list(self.lines)} if self.lines else {})

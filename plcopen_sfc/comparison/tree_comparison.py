@@ -55,6 +55,7 @@ class TreeComparison:
         self.is_written = is_written
         self.layout = layout
         self._found: list[tuple[Change, Key, Part]] = []
+        self._there: dict[str, str] = {}
 
     def changes(self, left: Part, right: Part) -> list[Change]:
         """Return the changes from one listing to another."""
@@ -62,6 +63,8 @@ class TreeComparison:
         return list(self._with_moves())
 
     def _compare(self, key: Key, left: Part, right: Part) -> None:
+        if left.path.casefold() != right.path.casefold():
+            self._there[left.path] = right.path
         self._aspects(key, left, right)
         matched = matches(left, right)
         if key.kind in _CHARTS:
@@ -194,12 +197,15 @@ class TreeComparison:
                 if origin is not None:
                     origins[id(change)] = origin
         gone = set(map(id, origins.values()))
-        for change, _, _ in self._found:
+        for change, _, part in self._found:
             origin = origins.get(id(change))
             if origin is not None:
-                yield Change(ChangeKind.MOVED, change.path, change.what, "", _around(origin), _around(change))
+                around = _around(origin), _around(change)
+                yield Change(ChangeKind.MOVED, change.path, change.what, "", *around, path_before=origin.path)
             elif id(change) not in gone:
-                yield change
+                there = self._there.get(part.path, "")
+                is_known = change.kind in (ChangeKind.ADDED, ChangeKind.REMOVED) or change.path == there
+                yield change if is_known else replace(change, path_after=there)
 
 
 def matches(left: Part, right: Part) -> dict[Key, Key]:

@@ -15,7 +15,7 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.pages.conversion_items import ItemLists
 from plcopen_sfc.pages.conversion_overview import counts, provenance, tasks, tool_of, verdicts
-from plcopen_sfc.pages.html_text import Html, document, element, link, picture_figure
+from plcopen_sfc.pages.html_text import Html, document, element, joined, link, picture_figure
 from plcopen_sfc.pages.page_index import PageIndex
 from plcopen_sfc.pages.page_words import Words
 from plcopen_sfc.pages.project_page import file_name_of, title_of
@@ -47,9 +47,9 @@ def diff_page(a: Project, b: Project, changes: ProjectDiff, *, lang: str = "en")
     ]
     sides = _Side(first, captions[0]), _Side(_index(b, "b-"), captions[1])
     for change in changes.changes:
-        for side, absent in zip(sides, (ChangeKind.ADDED, ChangeKind.REMOVED), strict=True):
+        for side, path, absent in zip(sides, _paths(change), (ChangeKind.ADDED, ChangeKind.REMOVED), strict=True):
             if change.kind is not absent:
-                side.mark_change(change)
+                side.mark_change(change.kind, path)
     pairs = [pair for pair in _pairs(*sides) if any(side.has_marks(prefix) for side, prefix in pair)]
     charts = list(_charts(pairs, words))
     shown = tuple(prefix for pair in pairs for _, prefix in pair if prefix)
@@ -132,11 +132,11 @@ class _Side:
     caption: str
     marks: dict[str, dict[str, None]] = field(default_factory=dict)
 
-    def mark_change(self, change: Change) -> None:
-        """Mark what a change is about; what has a change inside of it is changed."""
-        anchor = self.index.anchor_at(change.path)
-        inside = anchor == self.index.anchor_at(ObjectPath.of(change.path).around)
-        kind = ChangeKind.CHANGED if inside and change.kind is not ChangeKind.LAYOUT else change.kind
+    def mark_change(self, kind: ChangeKind, path: str) -> None:
+        """Mark what a change at a path is about; what has a change inside of it is changed."""
+        anchor = self.index.anchor_at(path)
+        inside = anchor == self.index.anchor_at(ObjectPath.of(path).around)
+        kind = ChangeKind.CHANGED if inside and kind is not ChangeKind.LAYOUT else kind
         self.marks.setdefault(anchor, {})[f"diff-{kind}"] = None
 
     def has_marks(self, prefix: str) -> bool:
@@ -203,11 +203,25 @@ def _charts(pairs: Iterable[_Pair], words: Words, *, converted: bool = False) ->
                 for side, prefix in pair
             )
             captions = [side.caption for side, _ in pair]
+            parts.insert(1, _legend(pair[0], words))
             parts += [
                 element("h3", words("Step by step")),
                 steps_side_by_side(one, other, dict(_same_steps(pair)), captions),
             ]
         yield element("section", *parts, id=f"chart-{number}", data_name=path)
+
+
+def _legend(half: tuple[_Side, str], words: Words) -> Html:
+    """Return the meaning of the colours in the picture of the source."""
+    side, prefix = half
+    found = {mark for anchor, marks in side.marks.items() if anchor.startswith(prefix) for mark in marks}
+    told = dict.fromkeys(mark for mark in _MARKS.values() if mark in found)
+    kinds = [[words(outcome.value) for outcome, own in _MARKS.items() if own == mark] for mark in told]
+    coloured = [
+        element("span", element("b", ", ".join(kind)), class_=mark.replace("found", "is"))
+        for mark, kind in zip(told, kinds, strict=True)
+    ]
+    return element("p", words("Colours"), ": ", *(joined(each, " ") for each in coloured)) if coloured else Html("")
 
 
 def _pou_of(side: _Side, prefix: str) -> Pou | None:
@@ -268,12 +282,17 @@ def _title(a: Project, b: Project) -> str:
     return " \u2192 ".join(names)
 
 
+def _paths(change: Change) -> tuple[str, str]:
+    """Return the places of a change in the first and in the second project."""
+    return change.path_before or change.path, change.path_after or change.path
+
+
 def _change(change: Change, sides: tuple[_Side, _Side], shown: tuple[str, ...], words: Words) -> Iterator[str]:
     """Yield the words of a change, with links to what it is about in the charts of the prefixes `shown`."""
     news = change.told(lambda text: words.place(words.message(text)))
     yield from (element("b", words.place(change.place)), ": ", news)
-    for side, name in zip(sides, "AB", strict=True):
-        anchor = side.index.anchor_at(change.path)
+    for side, path, name in zip(sides, _paths(change), "AB", strict=True):
+        anchor = side.index.anchor_at(path)
         if anchor in side.marks and anchor.startswith(shown):
             yield from (" ", link(anchor, name))
     if change.lines:

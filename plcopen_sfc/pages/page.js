@@ -64,21 +64,31 @@ const resize = (figure, scale) => {
 for (const button of all("button.fit")) {
   button.addEventListener("click", () => {
     const figure = button.closest("figure");
-    if (figure.classList.toggle("fitted")) arrange();
-    else resize(figure, 1);
+    if (!figure.classList.toggle("fitted")) resize(figure, 1);
+    arrange();
   });
 }
 
-/* pictures beside each other: of one scale, as large as the page has room; below each other where that is too small */
+/* pictures beside each other: of one scale, as large as the page has room; where that is too small they are scrolled */
+for (const figure of all(".pair figure")) figure.classList.add("fitted");
 function arrange() {
+  const phone = matchMedia("(max-width: 48rem)").matches;
   for (const pair of all(".pair")) {
-    const figures = all("figure.fitted", pair);
+    const figures = all("figure.fitted", pair).filter((each) => each.querySelector("svg"));
     const widths = figures.map((each) => each.querySelector("svg").viewBox.baseVal.width);
     const room = pair.closest("section").clientWidth - 16; /* of the pair itself it may not be known yet */
     const together = room / widths.reduce((sum, each) => sum + each, 0);
-    const alone = together < 0.6 || matchMedia("(max-width: 48rem)").matches;
-    const scales = widths.map((each) => (alone ? room / each : together));
+    const scrolled = figures.length === 2 && together < 0.6 && !phone;
+    const bar = 20, half = Math.min(0.75, (room / 2 - bar) / Math.min(...widths)); /* the narrower one has half of it */
+    const scales = widths.map((each) => (scrolled ? half : phone ? room / each : together));
     figures.forEach((each, index) => resize(each, Math.min(1, Math.max(0.6, scales[index]))));
+    pair.classList.toggle("scrolled", scrolled);
+    for (const figure of all("figure", pair)) figure.style.flexBasis = "";
+    if (scrolled) {
+      const [one, other] = widths.map((each) => Math.max(0.6, half) * each + bar);
+      const first = Math.min(one, Math.max(room / 2, room - other));
+      [first, room - first].forEach((width, index) => { figures[index].style.flexBasis = `${width}px`; });
+    }
   }
   for (const button of all("button.fit")) { /* what fits in full size needs none */
     const room = button.closest("figure").querySelector(".scroll");
@@ -88,6 +98,14 @@ function arrange() {
 arrange();
 addEventListener("resize", arrange);
 addEventListener("toggle", arrange, true); /* what was closed had no width */
+
+for (const pair of all(".pair")) { /* the same steps are at one height */
+  pair.addEventListener("scroll", (event) => {
+    const moved = event.target;
+    if (!pair.classList.contains("scrolled") || !moved.matches(":hover, :focus-within")) return;
+    for (const each of all("figure.fitted > .scroll", pair)) each.scrollTop = moved.scrollTop;
+  }, true);
+}
 
 /* on paper all is open */
 let closed = [];

@@ -113,16 +113,17 @@ class _ProjectContent:
 
     def coverage_section(self, verdict: Verdict, coverage: Coverage) -> Html:
         """Return the verdict of a comparison with what it did not reach."""
-        items = []
+        items, behind = [], []
         for each, anchors in self._unreached:
-            kind = self.words("never possible" if each.impossible else "not reached")
             told = self.words.verdict(each.name) if each.kind == "action" else each.name
-            name = link(anchors[0], told) if anchors else told
-            items.append(
-                element(
-                    "li", element("b", kind), f" {self.words(each.kind)} ", name, f": {self.words.verdict(each.why)}"
-                )
-            )
+            name = joined(f"{self.words(each.kind)} ", link(anchors[0], told) if anchors else told)
+            if each.follows:
+                behind.append(joined(", " if behind else "", name))
+                continue
+            kind = self.words("never possible" if each.impossible else "not reached")
+            items.append(element("li", element("b", kind), " ", name, f": {self.words.verdict(each.why)}"))
+        if behind:  # the verdict does not count it
+            items.append(element("li", element("b", self.words("not reached behind these steps")), ": ", *behind))
         return element(
             "section",
             element("h2", self.words("Verdict")),

@@ -87,6 +87,28 @@ def test_a_diff_marks_partial_charts_and_what_changed_in_them() -> None:
     ]
 
 
+def test_a_diff_marks_and_links_transitions_that_lead_elsewhere_on_both_sides() -> None:
+    text = """PROGRAM P
+INITIAL_STEP S1: END_STEP
+STEP S2: END_STEP
+STEP S3: END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+TRANSITION FROM S3 TO S1 := c; END_TRANSITION
+END_PROGRAM
+"""
+    a, b = (sfc.loads(each.encode()) for each in (text, text.replace("S2 TO S1", "S2 TO S3")))
+    changes = sfc.diff(a, b)
+    tree = parse(sfc.diff_page(a, b, changes))
+    assert marked(tree, "a", "changed") == ["Transition S2 -> S1"]
+    assert marked(tree, "b", "changed") == ["Transition S2 -> S3"]
+    (item,) = tree.xpath("//li[contains(@class, 'change')]")
+    titles = [tree.get_element_by_id(link[1:]).findtext("title") for link in item.xpath(".//a/@href")]
+    assert titles == ["Transition S2 -> S1: b", "Transition S2 -> S3: b"]
+    (told,) = changes.as_dict()["changes"]
+    assert (told["path"], told["path_after"]) == ("POU P / transition S2 -> S1", "POU P / transition S2 -> S3")
+
+
 def test_equal_projects() -> None:
     project = sfc.load(FIXTURES / "iectext" / "mixing_plant.st")
     tree = parse(sfc.diff_page(project, project, sfc.diff(project, project)))
@@ -230,6 +252,31 @@ def test_a_report_fits_in_its_window(browser: Browser, station: Path, width: int
             for side, name in (("a", one), ("b", other))
         ]
         assert tops[0] == pytest.approx(tops[1], abs=1), one
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [1280, 1920])
+def test_a_chart_that_is_far_wider_is_scrolled_beside_the_other(browser: Browser, tmp_path: Path, width: int) -> None:
+    source = sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml")
+    report = sfc.save(source, tmp_path / "drill.xml", format="codesys", partial=True)
+    page = tmp_path / "drill.html"
+    text = sfc.conversion_page(source, report, sfc.load(tmp_path / "drill.xml", as_tool=True))
+    page.write_text(text, encoding="ascii")
+    browser.open(page, width=width)
+    browser.evaluate("document.querySelector('.pair').scrollIntoView()")
+    places = "all('.pair figure').map((each) => each.getBoundingClientRect())"
+    assert browser.evaluate(f"{places}.map((each) => each.top).filter((each, at, tops) => each !== tops[0])") == []
+    left, right = browser.evaluate(f"{places}.map((each) => each.width)")
+    assert min(left, right) > 0.3 * width
+    assert browser.evaluate("document.documentElement.scrollWidth") <= width
+    assert browser.evaluate("all('.pair .scroll').map((each) => each.scrollWidth > each.clientWidth)") == [False, True]
+    assert (
+        words_of(parse(text).xpath("//section[starts-with(@id, 'chart-')]/p")[0]) == "Colours: not executed translated"
+    )
+    browser.evaluate("all('.pair .fit').at(-1).click()")
+    tops = browser.evaluate(f"{places}.map((each) => each.top)")
+    assert tops[0] < tops[1], "in full size it has the width of the window"
+    assert browser.messages == []
 
 
 @pytest.mark.slow
