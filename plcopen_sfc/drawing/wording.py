@@ -33,7 +33,7 @@ class ActionLine:
 
     `qualifier` is also the kind of an action of GRAFCET (`KINDS`), ``entry``, ``main`` or ``exit`` of a step action,
     and ``macro`` or ``encloses`` of a step that has other charts inside, in the language of the reader, as
-    `excluded` is, which is empty where the action is executed.
+    `excluded` is, which is empty where the action is executed. `indicator` is the variable that tells that it is done.
     """
 
     what: str
@@ -41,12 +41,15 @@ class ActionLine:
     event: str = ""
     duration: str = ""
     condition: str = ""
+    indicator: str = ""
     excluded: str = ""
 
     def __str__(self) -> str:
-        """Return the action in one line: ``D T#2s Lamp``, ``on event n := 5 [a]``."""
+        """Return the action in one line: ``D T#2s Lamp (Lit)``, ``on event n := 5 [a]``."""
+        when = self.event, self.qualifier, self.duration
         condition = f"[{self.condition}]" if self.condition else ""
-        return " ".join(filter(None, (self.event, self.qualifier, self.duration, self.what, condition, self.excluded)))
+        indicator = f"({self.indicator})" if self.indicator else ""
+        return " ".join(filter(None, (*when, self.what, condition, indicator, self.excluded)))
 
 
 EXCLUDED = "(excluded)"
@@ -153,6 +156,7 @@ class Wording:
             association.event.value if association.event is not None else "",
             association.duration or "",
             self.condition(association.condition),
+            association.indicator or "",
             self.told(EXCLUDED) if association.exclude else "",
         )
 

@@ -190,6 +190,14 @@ class Chart(NamedTuple):
         """Its place in the words of messages and reports: ``POU Main / action Fill``."""
         return self.pou.report_path_of(self.name)
 
+    def to_svg(self, *, style: str | None = None, theme: str = "light", fresh: bool = False) -> str:
+        """Return a picture of the chart, see `SfcNetwork.to_svg`."""
+        return self.chart.to_svg(style=style, theme=theme, fresh=fresh)
+
+    def _repr_svg_(self) -> str:
+        """Show the chart as a picture in Jupyter."""
+        return self.to_svg()
+
 
 class Source(Protocol):
     """The file or folder that a project was read from, as the model needs it; see `plcopen_sfc.documents`."""

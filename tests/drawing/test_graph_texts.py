@@ -32,14 +32,16 @@ def test_edges_are_the_links_of_the_chart(kind: str, chart: SfcNetwork) -> None:
 
 def test_labels_have_what_a_step_does_and_a_transition_waits_for() -> None:
     chart = make(2, [([0], [1])])
-    chart.steps[0].actions = [sfc.ActionAssociation(id=9, qualifier="D", duration="T#2s", target="Motor")]
+    chart.steps[0].actions = [
+        sfc.ActionAssociation(id=9, qualifier="D", duration="T#2s", target="Motor", indicator="Runs")
+    ]
     chart.transitions[0].condition, chart.transitions[0].priority = "a > b", 1
     assert mermaid_text(chart).splitlines()[1:4] == [
-        '    step0[["S0<br>D T#35;2s Motor"]]',
+        '    step0[["S0<br>D T#35;2s Motor (Runs)"]]',
         '    step1["S1"]',
         '    transition2(["1: a #62; b"])',
     ]
-    assert 'step0 [label="S0\\nD T#2s Motor", shape=box, peripheries=2]' in dot_text(chart)
+    assert 'step0 [label="S0\\nD T#2s Motor (Runs)", shape=box, peripheries=2]' in dot_text(chart)
     assert 'transition2 [label="1: a > b", shape=plaintext]' in dot_text(chart)
 
 

@@ -433,6 +433,9 @@ class TestChoices:
     def test_jupyter_shows_charts(self) -> None:
         chart = make(2, [([0], [1])])
         assert chart._repr_svg_() == chart.to_svg()
+        (listed,) = sfc.load(FIXTURES / "iectext" / "mixing_plant.st").charts()
+        assert listed._repr_svg_() == listed.to_svg() == listed.chart.to_svg()
+        assert "sfc-print" in listed.to_svg(theme="print")
 
     def test_the_picture_names_itself_and_its_elements(self) -> None:
         project = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
