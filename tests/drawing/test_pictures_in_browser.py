@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import html
 import re
 import shutil
+import string
 import subprocess
 from pathlib import Path
 
@@ -46,6 +48,20 @@ def test_texts_fit_into_their_elements(tmp_path: Path) -> None:
     pictures = "".join(chart.chart.to_svg() for _, chart in fixture_charts())
     dom = look(tmp_path, f"{pictures}<script>{_MEASURE}</script>")
     assert re.search(r'<p id="wide">(.*?)</p>', dom, re.DOTALL)[1] == ""
+
+
+@pytest.mark.slow
+def test_lines_of_one_letter_fit_too(tmp_path: Path) -> None:
+    """Browsers round the width of each letter: a line of asterisks crossed its frame."""
+    chart = sfc.SfcNetwork()
+    for number, letter in enumerate(
+        [*string.ascii_letters, *string.digits, *string.punctuation, *"\u00e4\u00c4\u00c6\u2192\u0449"]
+    ):
+        step = chart.add_step(f"{letter * 14}{number}", comment=letter * 90)
+        step.actions = [sfc.ActionAssociation(id=1000 + number, body=sfc.StBody(text=letter * 90))]
+        chart.add_transition(step, step, letter * 90).name = letter * 14
+    dom = look(tmp_path, f"{chart.to_svg()}<script>{_MEASURE}</script>")
+    assert html.unescape(re.search(r'<p id="wide">(.*?)</p>', dom, re.DOTALL)[1]) == ""
 
 
 @pytest.mark.slow

@@ -39,15 +39,32 @@ _GROUPS = {
     778: "GOQ",
     833: "Mm",
     889: "%",
-    944: "W",
+    944: "W\u00e6\u0153",
+    1000: "\u2026\u2014\u2192\u00c6\u0152",
     1015: "@",
 }
+_BOLD_GROUPS = {
+    238: "'",
+    278: "ijl",
+    280: "|",
+    333: "!:;[]ft",
+    389: "r{}",
+    474: '"',
+    556: "Jcksvxy",
+    584: "^",
+    611: "?Lbdghnopqu",
+    722: "&ABK",
+    778: "w",
+    889: "m",
+    975: "@",
+}
+"""The letters that are wider in bold type, or narrower."""
 _WIDTHS = {letter: width for width, letters in _GROUPS.items() for letter in letters}
+_BOLD_WIDTHS = _WIDTHS | {letter: width for width, letters in _BOLD_GROUPS.items() for letter in letters}
 _WIDE = 1000
-_OTHER = 700
-_BOLD = 1.07
+_OTHER = 833
 _ROOM = 1.03
-"""Fonts that stand in for Arial are this much wider at most; those of screens round each letter."""
+"""Fonts that stand in for Arial are this much wider at most."""
 
 _JOINING = re.compile(r"\s+(?=(?:AND|OR|XOR|AND_THEN|OR_ELSE|&)(?:\s|$))", re.IGNORECASE)
 """Blanks before what joins the operands of a long condition."""
@@ -56,26 +73,42 @@ _PARTS = re.compile(r".+?(?:[._,()\[\]]|(?<=[a-z])(?=[A-Z])|$)")
 """Parts of a long name, where it may be broken: ``Check_``, ``Stamp_``, ``Automatic``, ``Execute``."""
 
 
-@lru_cache(maxsize=1024)
-def _letter(letter: str) -> int:
-    if letter in _WIDTHS:
-        return _WIDTHS[letter]
-    if unicodedata.combining(letter):
-        return 0
-    if unicodedata.east_asian_width(letter) in "WF":
-        return _WIDE
-    base = unicodedata.normalize("NFD", letter)[0]
-    return _WIDTHS.get(base, _OTHER)
+class _LetterWidths(dict[str, float]):
+    """Widths of letters in the unit of their font size, found as they are asked for.
+
+    Screens with whole pixels round each letter: an asterisk of 4.7 pixels is 5 wide, and lines of them are common.
+    """
+
+    def __init__(self, size: int, *, bold: bool) -> None:
+        super().__init__()
+        self._size = size
+        self._known = _BOLD_WIDTHS if bold else _WIDTHS
+
+    def __missing__(self, letter: str) -> float:
+        exact = self._thousandths(letter) * self._size / 1000
+        width = self[letter] = max(exact * _ROOM, int(exact + 0.5))
+        return width
+
+    def _thousandths(self, letter: str) -> int:
+        if letter in self._known:
+            return self._known[letter]
+        if unicodedata.combining(letter):
+            return 0
+        if unicodedata.east_asian_width(letter) in "WF":
+            return _WIDE
+        base = unicodedata.normalize("NFD", letter)[0]
+        return self._known.get(base, _OTHER)
+
+
+@lru_cache
+def _letter_widths(size: int, bold: bool) -> _LetterWidths:
+    return _LetterWidths(size, bold=bold)
 
 
 @lru_cache(maxsize=8192)
 def text_width(text: str, size: int, *, bold: bool = False) -> int:
     """Return the width of one line of text, in the unit of its font `size`."""
-    return ceil(sum(map(_letter, text)) * _scale(size, bold=bold))
-
-
-def _scale(size: int, *, bold: bool) -> float:
-    return size * (_BOLD if bold else 1) * _ROOM / 1000
+    return ceil(sum(map(_letter_widths(size, bold).__getitem__, text)))
 
 
 def widest(lines: list[str], size: int, *, bold: bool = False) -> int:
@@ -146,11 +179,11 @@ def _units(words: list[str]) -> list[str]:
 def _head(word: str, size: int, width: int, bold: bool) -> str:
     """Return as much of a word as fits, up to a point, an underscore or the like if one is in its second half."""
     fitting = 1  # letters are counted on from word to word: a line of a thousand would be measured a thousand times
-    wide = _letter(word[0])
-    most = width / _scale(size, bold=bold)
+    widths = _letter_widths(size, bold)
+    wide = widths[word[0]]
     while fitting < len(word):
-        wide += _letter(word[fitting])
-        if wide > most:
+        wide += widths[word[fitting]]
+        if wide > width:
             break
         fitting += 1
     end = 0
