@@ -36,12 +36,14 @@ _PDF_PIXELS = 19_200
 class PictureFile(NamedTuple):
     """A picture in a file: the `name` of its chart or of its body in FBD or LD (``Main.Fill``) and the `path`.
 
-    `missing`: letters that the font of this machine does not have. They are boxes in a PNG or PDF.
+    `missing`: letters that the font of this machine does not have. They are boxes in a PNG or PDF. `scale`: pixels for
+    each of the SVG, below 1 where a PNG or PDF is made smaller because programs could not show it else.
     """
 
     name: str
     path: Path
     missing: str = ""
+    scale: float = 1.0
 
 
 def draw(
@@ -77,10 +79,10 @@ def draw(
     contents: dict[Path, bytes] = {}
     drawn = []
     for named, whole in pairs:
-        data, missing = _pictures(named, kind, style, theme, paper, fresh=fresh)
+        data, missing, scale = _pictures(named, kind, style, theme, paper, fresh=fresh)
         files = _numbered(whole, data)
         contents |= files
-        drawn += [PictureFile(named.name, file, missing) for file, _ in files]
+        drawn += [PictureFile(named.name, file, missing, scale) for file, _ in files]
     write_all(contents)
     return drawn
 
@@ -105,18 +107,18 @@ def _format(path: str, wanted: str | None) -> str:
 
 def _pictures(
     named: NamedBody, kind: str, style: str | None, theme: str, paper: str | None, *, fresh: bool
-) -> tuple[list[bytes], str]:
-    """Return a picture as the content of a file, or of several where it is on several sheets, and missing letters."""
+) -> tuple[list[bytes], str, float]:
+    """Return a picture as the content of a file, or of one for each sheet, with its missing letters and its scale."""
     body = named.body
     if kind in _TEXTS and isinstance(body, SfcBody):
-        return [_TEXTS[kind](body.chart).encode("utf-8")], ""
+        return [_TEXTS[kind](body.chart).encode("utf-8")], "", 1.0
     if isinstance(body, SfcBody):
         svg = chart_svg(body.chart, style, theme, fresh=fresh)
     elif isinstance(body, FbdBody | LdBody):
         svg = body_svg(body, theme, named.name)
     parts = sheets(svg, paper) if paper is not None else [svg]
     if kind == "svg":
-        return [each.encode("ascii") for each in parts], ""
+        return [each.encode("ascii") for each in parts], "", 1.0
     try:
         from cairosvg import surface as cairo_svg  # noqa: PLC0415  # an extra
     except (ImportError, OSError) as error:  # OSError: its library cairo is not on this machine
@@ -125,13 +127,15 @@ def _pictures(
         raise SfcError(f"{missing} is missing: {kind.upper()} cannot be written", hint=hint) from None
     missing = _missing(cairo_svg.cairo, svg)
     parts = [_OVERLINED.sub(r'<tspan font-family="DejaVu Sans">\g<0></tspan>', each) for each in parts]
+    usual, most = (1.0, _PDF_PIXELS) if kind == "pdf" else (_PNG_SCALE, _PNG_PIXELS)
+    scales = [_scale(each, usual, most) for each in parts]
     if kind == "pdf":
-        return [_pdf(cairo_svg, parts)], missing
+        return [_pdf(cairo_svg, parts, scales)], missing, min(scales)
     made = (
-        cairo_svg.PNGSurface.convert(each.encode("ascii"), scale=_scale(each, _PNG_SCALE, _PNG_PIXELS))
-        for each in parts
+        cairo_svg.PNGSurface.convert(each.encode("ascii"), scale=scale)
+        for each, scale in zip(parts, scales, strict=True)
     )
-    return list(made), missing
+    return list(made), missing, min(scales)
 
 
 def _missing(cairo: Any, svg: str) -> str:
@@ -153,7 +157,7 @@ def _scale(svg: str, usual: float, most: int) -> float:
 _NO_DATE = "2000-01-01T00:00:00"
 
 
-def _pdf(cairo_svg: Any, parts: list[str]) -> bytes:
+def _pdf(cairo_svg: Any, parts: list[str], scales: list[float]) -> bytes:
     """Return a PDF with a page for each picture, of its size."""
     output = BytesIO()
     document = cairo_svg.cairo.PDFSurface(output, 1, 1)
@@ -166,9 +170,9 @@ def _pdf(cairo_svg: Any, parts: list[str]) -> bytes:
     class Page(cairo_svg.PDFSurface):  # type: ignore[misc]  # the extra has no types
         surface_class = staticmethod(page)
 
-    for part in parts:
+    for part, scale in zip(parts, scales, strict=True):
         tree = cairo_svg.Tree(bytestring=part.encode("ascii"))
-        Page(tree, None, 96, scale=_scale(part, 1.0, _PDF_PIXELS))
+        Page(tree, None, 96, scale=scale)
         document.show_page()
     document.finish()
     return output.getvalue()

@@ -109,13 +109,16 @@ def test_texts_for_other_programs(cli, fixtures, tmp_path, name, extension):
 
 
 @pytest.mark.slow
-def test_long_charts_are_images_that_programs_can_show(tmp_path):
+def test_long_charts_are_images_that_programs_can_show_and_draw_says_that_they_are_small(cli, tmp_path):
     require_cairo()
     chart = make(600, [([i], [(i + 1) % 600]) for i in range(600)])
     project = sfc.Project(pous=[sfc.Pou(name="A", kind=sfc.PouKind.PROGRAM, bodies=[sfc.SfcBody(chart=chart)])])
-    sfc.draw(project, tmp_path / "x.png")
+    sfc.save(project, tmp_path / "a.json")
+    outcome = cli("draw", tmp_path / "a.json", tmp_path / "x.png")
+    assert re.search(r"A is too long for one image, and drawn at \d\d%: .* --paper A4", " ".join(outcome.err.split()))
     width, height = struct.unpack(">II", (tmp_path / "x.png").read_bytes()[16:24])
     assert width < height <= 32_767
+    assert "too long" not in cli("draw", tmp_path / "a.json", tmp_path / "x.svg").err
 
 
 def require_cairo() -> None:

@@ -57,6 +57,12 @@ def _draw(how: DrawOptions, screen: Screen, source: str, target: str | None) -> 
     missing = "".join(sorted({letter for each in drawn for letter in each.missing}))
     if missing:
         screen.note(f"no font of this machine shows these letters, they are boxes: {missing}; SVG has them as text")
+    for each in drawn:
+        if each.scale < 1:  # letters of less than 12 pixels
+            what = f"{each.name} is too long for one image, and drawn at {each.scale:.0%}"
+            screen.note(
+                f"{what}: its texts may be too small to read; --paper A4 divides it into sheets, SVG has any size"
+            )
     if not screen.as_json and not screen.quiet and target != STANDARD_STREAM:
         if len(written) == 1:
             screen.line("written: ", (written[0][1], "bold"))
