@@ -113,7 +113,8 @@ class _ProjectContent:
 
     def coverage_section(self, verdict: Verdict, coverage: Coverage) -> Html:
         """Return the verdict of a comparison with what it did not reach."""
-        items, behind = [], []
+        items: list[Html] = []
+        behind: list[Html] = []
         for each, anchors in self._unreached:
             told = self.words.verdict(each.name) if each.kind == "action" else each.name
             name = joined(f"{self.words(each.kind)} ", link(anchors[0], told) if anchors else told)
