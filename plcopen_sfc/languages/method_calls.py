@@ -7,19 +7,21 @@ A method has parameters and variables of its own, and sees those of its block. A
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import zip_longest
+from itertools import chain, zip_longest
 
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.name_scopes import parameters_of
 from plcopen_sfc.languages.binding.name_sites import named
 from plcopen_sfc.languages.binding.text_sites import Site
-from plcopen_sfc.languages.declarations.kept_texts import bases_of, names_of_bases
+from plcopen_sfc.languages.declarations.kept_texts import bases_of, keep, names_of_bases
 from plcopen_sfc.languages.s7_programs import names_of_programs
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, walk
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
+from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Method, Pou
@@ -27,8 +29,11 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import SimpleValue, Variable
 from plcopen_sfc.model.variables import PASSED, Interface, SectionKind, VariableSection
 
-_IMPLICIT = frozenset({"fb_init", "fb_reinit", "fb_exit"})
+_START = "fb_init"
+_IMPLICIT = frozenset({_START, "fb_reinit", "fb_exit"})
 """Methods that CODESYS calls by itself."""
+_AFTER_START = re.compile(r"""(?<=['"])call_after_init(?=['"])""", re.IGNORECASE)
+"""The attribute of a block, and of a method that CODESYS calls when all variables have their start values."""
 _NO_FUNCTIONS = "it is no function here"
 _ITSELF = frozenset({"this^", "super^"})
 """Paths by which a block names itself: the methods and variables of its base are its own."""
@@ -44,6 +49,33 @@ class MethodFunction:
     around: list[str]
 
 
+def called_at_start(pou: Pou) -> list[Method]:
+    """Return the methods of a block that CODESYS calls by itself when an instance is made, in their order.
+
+    FB_Init comes first; those with the attribute ``call_after_init`` follow, if the block has it too. In a project of
+    another tool nothing calls them.
+    """
+    first = [method for method in pou.methods if method.name.casefold() == _START]
+    later = [method for method in pou.methods if _has_attribute(method)] if _has_attribute(pou) else []
+    return first + later
+
+
+def _has_attribute(thing: Pou | Method) -> bool:
+    interface = thing.interface or Interface()
+    kept_data = [each.data for each in (thing.extension_data, interface.extension_data) if each is not None]
+    texts = [interface.declaration or "", *(data.content for data in chain.from_iterable(kept_data))]
+    return any(_AFTER_START.search(text) for text in texts)
+
+
+def without_typed_declaration(interface: Interface) -> None:
+    """Leave out the text of a declaration, but for the attribute that lets CODESYS call the method of it."""
+    if _AFTER_START.search(interface.declaration or ""):
+        added = keep({"attributes": "{attribute 'call_after_init'}"}) or ExtensionData()
+        before = interface.extension_data or ExtensionData()
+        interface.extension_data = before.model_copy(update={"data": [*before.data, *added.data]})
+    interface.declaration = None
+
+
 def without_function(
     owner: Pou, method: Method, pous: Mapping[str, Pou], names: Callable[[Pou], Iterable[str]] = names_of_bases
 ) -> str:
@@ -51,7 +83,7 @@ def without_function(
 
     `pous` and `names` are those of `bases_of`.
     """
-    if method.name.casefold() in _IMPLICIT:
+    if method.name.casefold() in _IMPLICIT or any(method is each for each in called_at_start(owner)):
         return "its tool calls it when an instance is made or goes"
     key, around = method.name.casefold(), owner.name.casefold()
     for pou in pous.values():

@@ -12,6 +12,7 @@ from plcopen_sfc.languages.binding.name_resolution import Resolver, Type
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.expression_types import BIT_STRINGS, CALCULATING, ExpressionTypes
 from plcopen_sfc.languages.il import statements as instruction_statements
+from plcopen_sfc.languages.method_calls import without_typed_declaration
 from plcopen_sfc.languages.networks import body_statements, condition_reader, is_empty_network
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.s7_globals import local_tags, names_from_s7, names_in_s7
@@ -124,7 +125,9 @@ def translate_project(
             text_site.put(result.text)
         found.append(TranslatedText(text_site.report_path, changed, result.notes))
     for text_site in text_sites(project):
-        if text_site.reading is SiteKind.DECLARATIONS and not isinstance(text_site.key, int):
+        if isinstance(text_site.holder, Interface):
+            without_typed_declaration(text_site.holder)
+        elif text_site.reading is SiteKind.DECLARATIONS and not isinstance(text_site.key, int):
             setattr(text_site.holder, text_site.key, None)
     found += translate_declarations(project, renames, target)
     for path, severity, why in renumber_declared(project, *counting):

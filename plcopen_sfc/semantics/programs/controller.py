@@ -292,10 +292,18 @@ class Controller:
             circles = Resolver(self.project, dialect_of(self.project)).endless_types()
             why = next(map(circle_text, circles), "an instance is nested too deeply")
             raise SimulationError(why, location=where) from None
+        library.processor.left = self.max_steps
         self._initialise(frame)
         for value in library.frame.v:
             self._initialise(value)
         return Instance(self, unit, frame)
+
+    def _check_start(self, field: Field, value: Any) -> None:
+        """Refuse start values of an instance that calls methods when it is made: these come in between."""
+        unit = self.library.unit_of_layout(value.layout) if field.preset and isinstance(value, Frame) else None
+        if unit is not None and (calls := unit.starting()):
+            message = f"{field.name} has start values beside {calls[0].name}: the simulator does not know which remain"
+            raise SimulationError(message, location=Location(path=unit.pou.name))
 
     def _initialise(self, value: Any) -> None:
         """Bring charts of new frames into their initial situation: those of nested instances too."""
@@ -306,6 +314,8 @@ class Controller:
             unit: TranslatedPou | None = self.library.unit_of_layout(value.layout)
             for item in value.v:
                 self._initialise(item)
+            for field in value.layout.fields:
+                self._check_start(field, value.v[field.slot])
             if unit is not None:
                 unit.initialise(value)
         elif isinstance(value, list):

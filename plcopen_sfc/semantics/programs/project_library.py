@@ -203,13 +203,13 @@ class Initials:
         self._library = library
 
     def give(self, field: Field, value: m.Value | None, scope: Scope) -> None:
-        """Give a variable the value of its declaration, or that of its type."""
+        """Give a variable the value of its declaration, or of its type, which a wrong one leaves."""
+        default = field.initial = self._library.default(field.type)
         if value is None or (isinstance(value, m.SimpleValue) and not (value.text or "").strip()):
-            field.initial = self._library.default(field.type)
             return
         code = self.source(field.type, value, scope)
         field.initial = code.text
-        field.preset = code.text != self._library.default(field.type)
+        field.preset = code.text != default
         if code.constant:
             field.value = code.value if field.direction is Direction.CONSTANT else None
         elif isinstance(field.type, t.ScalarType | t.ReferenceType) or _OWN_FRAME.search(code.text):

@@ -6,11 +6,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from typing import Any, Protocol
 
-from plcopen_sfc.errors import SimulationError
+from plcopen_sfc.errors import Location, SimulationError
 from plcopen_sfc.languages.binding.name_resolution import preferred
 from plcopen_sfc.languages.binding.name_scopes import Scopes
 from plcopen_sfc.languages.binding.symbols import Level
 from plcopen_sfc.languages.binding.text_sites import Role
+from plcopen_sfc.languages.method_calls import called_at_start
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Quoting
 from plcopen_sfc.model import types as m
@@ -493,9 +494,29 @@ class TranslatedPou(Callee):
         for method in self.methods.values():
             method.scope.finish()
 
+    def starting(self) -> list[Method]:
+        """Return the methods that the tool calls when an instance is made."""
+        return called_at_start(self.pou) if self.library.dialect in (Dialect.CODESYS, Dialect.TWINCAT) else []
+
+    def _start(self, method: TranslatedMethod, frame: Frame) -> None:
+        names = [field.name for field in method.parameters]
+        unknown = next((name for name in names if name.casefold() not in _AT_START), None)
+        if unknown is not None:
+            message = (
+                f"the declaration of an instance gives {method.name} its {unknown}: the simulator does not know it"
+            )
+            raise SimulationError(message, location=Location(path=method.scope.path))
+        method.enter(frame, *(_AT_START[name.casefold()] for name in names))
+
     def initialise(self, frame: Frame) -> None:
-        """Bring the charts of a new frame into their initial situation."""
+        """Call what the tool calls for a new frame, and bring its charts into their initial situation."""
         if self.base is not None:
             self.base.initialise(frame)
+        for method in self.starting():
+            self._start(self.methods[method.name.casefold()], frame)
         for _, chart in self.charts:
             chart.initialise(frame)
+
+
+_AT_START = {"binitretains": True, "bincopycode": False}
+"""What ``FB_Init`` gets where a controller starts with fresh variables (CODESYS and TwinCAT 3, help on FB_Init)."""

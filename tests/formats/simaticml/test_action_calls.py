@@ -503,16 +503,28 @@ def test_a_method_is_a_function_with_the_variables_that_it_uses() -> None:
 @pytest.mark.parametrize(
     ("change", "why"),
     [
-        (lambda method: setattr(method, "name", "FB_Init"), "its tool calls it when an instance is made or goes"),
-        (lambda method: setattr(method, "body", m.StBody(text="run := THIS^.Toggle();")), "it calls itself"),
+        (lambda pou: setattr(pou.methods[0], "name", "FB_Init"), "its tool calls it when an instance is made or goes"),
+        (lambda pou: setattr(pou.methods[0], "body", m.StBody(text="run := THIS^.Toggle();")), "it calls itself"),
     ],
 )
 def test_a_method_that_no_function_holds_says_why(change: object, why: str) -> None:
     project = project_of(methods)
-    change(project.pous[1].methods[0])  # type: ignore[operator]
+    change(project.pous[1])  # type: ignore[operator]
     report = sfc.convert(project, "simaticml", partial=True).report
     (item,) = [item for item in report.with_outcome(Outcome.NOT_EXECUTED) if item.what == "method"]
     assert why in item.why
+
+
+@pytest.mark.parametrize("target", ["simaticml", "plcopen-2.01"])
+def test_a_method_that_codesys_calls_is_not_executed_elsewhere(target: str) -> None:
+    project = project_of(methods)
+    motor = project.pou("Motor")
+    for thing, head in ((motor, "FUNCTION_BLOCK Motor"), (motor.methods[0], "METHOD Toggle")):
+        assert thing.interface is not None
+        thing.interface.declaration = f"{{attribute 'call_after_init'}}\n{head}\n"
+    report = sfc.convert(project, target, partial=True).report
+    told = [item.why for item in report.with_outcome(Outcome.NOT_EXECUTED) if item.path == "POU Motor / method Toggle"]
+    assert any("its tool calls it when an instance is made or goes" in why for why in told)
 
 
 @pytest.mark.parametrize("call", ["axis.motor.Toggle(a, g)", "axis.motor.Toggle(slow := a, quick := g)"])

@@ -410,3 +410,54 @@ def test_an_in_out_that_a_call_leaves_out_is_an_error(use: str) -> None:
     END_FUNCTION_BLOCK"""
     with pytest.raises(SimulationError, match="VAR_IN_OUT that leads to nothing"):
         main("fb : Block;", "fb();", more=more)
+
+
+STARTING = """FUNCTION_BLOCK Base
+VAR n : INT := 1; END_VAR
+METHOD FB_Init : BOOL
+VAR_INPUT bInitRetains, bInCopyCode : BOOL; END_VAR
+IF bInitRetains AND NOT bInCopyCode THEN n := n * 10 + 2; END_IF;
+END_METHOD
+END_FUNCTION_BLOCK
+{attribute 'call_after_init'}
+FUNCTION_BLOCK Derived EXTENDS Base
+METHOD FB_Init : BOOL
+n := n * 10 + 3;
+END_METHOD
+{attribute 'call_after_init'}
+METHOD Ready : BOOL
+n := n * 10 + 4;
+END_METHOD
+METHOD Later : BOOL
+n := 0;
+END_METHOD
+END_FUNCTION_BLOCK
+TYPE Group : STRUCT fb : ARRAY [0..1] OF Derived; END_STRUCT; END_TYPE
+"""
+
+
+@pytest.mark.parametrize(
+    ("dialect", "declared", "path", "expected"),
+    [
+        (Dialect.CODESYS, "a : Base;", "a.n", 12),
+        (Dialect.TWINCAT, "a : Derived;", "a.n", 1234),
+        (Dialect.CODESYS, "g : Group;", "g.fb[1].n", 1234),
+        (Dialect.IEC, "a : Derived;", "a.n", 1),
+    ],
+)
+def test_codesys_calls_methods_when_an_instance_is_made(
+    dialect: Dialect, declared: str, path: str, expected: int
+) -> None:
+    assert main(declared, "", dialect, STARTING)[path] == expected
+
+
+@pytest.mark.parametrize(
+    ("declared", "more", "why"),
+    [
+        ("a : Base := (n := 7);", STARTING, "the simulator does not know which remain"),
+        ("a : Base;", STARTING.replace("bInCopyCode : BOOL", "bInCopyCode : BOOL; x : INT"), "gives FB_Init its x"),
+    ],
+)
+def test_what_a_declaration_gives_beside_fb_init_is_refused(declared: str, more: str, why: str) -> None:
+    with pytest.raises(SimulationError, match=why):
+        main(declared, "", Dialect.CODESYS, more)

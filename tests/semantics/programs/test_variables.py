@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+import plcopen_sfc as sfc
 from plcopen_sfc.errors import ModelError, SimulationError
 from plcopen_sfc.model import DataBlock, Interface, MemberValue, StructValue, Tag, TagTable, Variable, VariableSection
 from plcopen_sfc.model.dialect import Dialect
@@ -284,3 +285,17 @@ def test_characters_of_strings() -> None:
     declared = "s : STRING := 'abc'; c : CHAR; b : BYTE; i : INT := 1;"
     assert main(declared, "#c := #s[#i];", Dialect.SCL)["c"] == "a"
     assert main(declared, "b := s[i];", Dialect.CODESYS)["b"] == ord("b")
+
+
+def test_a_comparison_tells_a_start_value_of_a_member_that_is_not_there() -> None:
+    text = """
+        TYPE Part : STRUCT a : INT; END_STRUCT; END_TYPE
+        PROGRAM Main
+        VAR_OUTPUT n : INT; END_VAR
+        VAR p : Part := (%s := 1); END_VAR
+        n := p.a;
+        END_PROGRAM"""
+    right, wrong = (project_of(text % member) for member in "ab")
+    verdict = sfc.equivalent(right.pou("Main"), wrong.pou("Main"))
+    assert not verdict.equal
+    assert "Part has no member b" in str(verdict)
