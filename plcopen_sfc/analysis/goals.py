@@ -24,6 +24,7 @@ from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.analysis.unreachable import Unreachable
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.languages.binding import bind
+from plcopen_sfc.languages.binding.name_scopes import given, parameters_of
 from plcopen_sfc.languages.networks import normal_form
 from plcopen_sfc.languages.networks.wires import joined
 from plcopen_sfc.languages.st import nodes as n
@@ -195,29 +196,30 @@ class Goals:
         own = {variable.name.casefold() for variable in pou.variables() if variable.name not in external}
         own |= {step.casefold() for step in steps}
         members = {name: parse_expression(f"{path}.{name}", self._project.dialect).tree for name in own}
-        calls: dict[str, dict[str, Expression]] = {}
+        parameters = [variable.name.casefold() for variable in parameters_of(pou.interface)]
+        calls: dict[str, Mapping[str, Expression]] = {}
         assigned: dict[str, Expression] = {}
         for _, _, body in caller.named_bodies():
             for node in chain.from_iterable(map(walk, bind(body, self._project.dialect).statements)):
                 match node:
                     case n.Call(callee) if print_node(callee).casefold() == path.casefold():
-                        given = _arguments(node)
-                        calls.setdefault(str({name: print_node(value) for name, value in given.items()}), given)
+                        passed = {name: n.Parenthesized(value) for name, value in given(node, parameters).items()}
+                        calls.setdefault(str({name: print_node(value) for name, value in passed.items()}), passed)
                     case n.Assignment(n.Member(base, name), value) if print_node(base).casefold() == path.casefold():
                         assigned[name.identifier.casefold()] = n.Parenthesized(value)
 
-        def changed(node: n.Node, given: Mapping[str, Expression]) -> n.Node:
+        def changed(node: n.Node, way: Mapping[str, Expression]) -> n.Node:
             match node:
                 case n.Name(identifier):
                     key = identifier.casefold()
-                    return given.get(key) or members.get(key) or node
+                    return way.get(key) or members.get(key) or node
                 case n.Member(base, _):
-                    return replace(node, base=cast("Expression", changed(base, given)))
+                    return replace(node, base=cast("Expression", changed(base, way)))
                 case n.Call():
                     return node
-            return with_children(node, lambda inner: changed(inner, given))
+            return with_children(node, lambda inner: changed(inner, way))
 
-        ways = [assigned | given for given in [*calls.values()][:_MOST_CALLS]] or [assigned]
+        ways = [{**assigned, **passed} for passed in [*calls.values()][:_MOST_CALLS]] or [assigned]
 
         def seen_from_outside(tree: Expression) -> Expression:
             found = {print_node(each): each for each in (cast("Expression", changed(tree, way)) for way in ways)}
@@ -648,15 +650,6 @@ class Goals:
         if names and isinstance(value, int) and not isinstance(value, bool):
             return next((name for name, number in names.items() if number == value), None)
         return value
-
-
-def _arguments(call: n.Call) -> dict[str, Expression]:
-    """Return what a call passes to the inputs of a block, by their names in lower case."""
-    return {
-        each.name.identifier.casefold(): n.Parenthesized(each.value)
-        for each in call.arguments
-        if each.name is not None and each.value is not None and not each.output
-    }
 
 
 def _inlined(tree: Expression, assigned: Mapping[str, Expression]) -> Expression:

@@ -19,7 +19,7 @@ from plcopen_sfc.analysis.marking import MarkingGraph
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.languages.binding import bind, names_in, texts_in
-from plcopen_sfc.languages.binding.name_scopes import parameters_of
+from plcopen_sfc.languages.binding.name_scopes import given, parameters_of
 from plcopen_sfc.languages.binding.symbols import inside
 from plcopen_sfc.languages.networks.wires import inverted
 from plcopen_sfc.languages.st import nodes as n
@@ -28,7 +28,6 @@ from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.chart_settings import SfcFlag
-from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
 from plcopen_sfc.model.types import PointerType
@@ -138,17 +137,18 @@ class Unreachable:
         project, name = self._system.subject.project, function.name.casefold()
         texts = [text for pou in project.pous if pou is not function for text in texts_in(pou, project.dialect)]
         nodes = [node for text in texts for tree in text.trees for node in walk(tree)]
-        calls = [node for node in nodes if isinstance(node, n.Call) and _variable(node.callee) == name]
+        order = [variable.name.casefold() for variable in parameters_of(function.interface)]
+        calls = [given(node, order) for node in nodes if isinstance(node, n.Call) and _variable(node.callee) == name]
         if len(calls) != sum(use.name.casefold() == name for text in texts for use in text.uses):
             return {}  # a box calls it, too, or a text that cannot be read
         changed = [path for body in function.bodies for path in bind(body, project.dialect).effects.writes]
-        order = [variable.name.casefold() for variable in parameters_of(function.interface)]
         found = {}
         for variable in function.variables(SectionKind.INPUT):
             key = variable.name.casefold()
-            given = {_given_value(call, key, order.index(key), project.dialect) for call in calls}
-            if len(given) == 1 and not any(not path or path[0].casefold() == key for path in changed):
-                found[key] = given.pop()
+            constants = [constant_of(passed[key], project.dialect, None) if key in passed else None for passed in calls]
+            values = {constant.value if constant is not None else None for constant in constants}
+            if len(values) == 1 and not any(not path or path[0].casefold() == key for path in changed):
+                found[key] = values.pop()
         return {key: value for key, value in found.items() if value is not None}
 
     def is_never_tested(self, name: str, transition: NetTransition, tree: Expression) -> bool:
@@ -429,15 +429,6 @@ def _entered(net: Net, never: set[int]) -> set[int]:
 def _variable(tree: n.Expression) -> str | None:
     """Return the name (lower case) that an expression is."""
     return tree.identifier.casefold() if isinstance(tree, n.Name) else None
-
-
-def _given_value(call: n.Call, name: str, place: int, dialect: Dialect) -> bool | int | float | str | date | None:
-    """Return the value of the literal that a call gives an input; None: it gives something else, or nothing."""
-    named = [each.value for each in call.arguments if each.name is not None and each.name.identifier.casefold() == name]
-    by_place = [each.value for each in call.arguments if each.name is None][place : place + 1]
-    value = next(iter(named or by_place), None)
-    constant = constant_of(value, dialect, None) if value is not None else None
-    return constant.value if constant is not None else None
 
 
 def _variables(tree: Expression) -> Iterator[str]:

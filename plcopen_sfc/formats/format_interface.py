@@ -68,6 +68,12 @@ def head_of(data: bytes) -> FileHead:
 SOURCE_CHART_FIELD = "source_chart"
 """In the mark of a chart: the chart of the source, in whose place another one is written."""
 
+
+def may_have(content: bytes, field: str) -> bool:
+    """True if data of this package in a file may have a field: it is asked before anything of that is read."""
+    return f'"{field}"'.encode() in content
+
+
 Marks: TypeAlias = Mapping[int, Mapping[str, Any]]
 """Fields to keep beside objects that were rewritten, by their `id()`."""
 

@@ -8,7 +8,7 @@ A method has parameters and variables of its own, and sees those of its block. A
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, zip_longest
 
@@ -17,6 +17,7 @@ from plcopen_sfc.languages.binding.name_scopes import parameters_of
 from plcopen_sfc.languages.binding.name_sites import named
 from plcopen_sfc.languages.binding.text_sites import Site
 from plcopen_sfc.languages.declarations.kept_texts import bases_of, keep, names_of_bases
+from plcopen_sfc.languages.effects import Path, path_of
 from plcopen_sfc.languages.s7_programs import names_of_programs
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, walk
@@ -109,6 +110,19 @@ def function_of_method(
     passed = [v.name for section in around if section.kind in PASSED for v in section.variables]
     filled = Interface(sections=[*around, *sections], return_type=interface.return_type)
     return filled, MethodFunction(name, parameters, outputs, passed)
+
+
+def passed_in_out(tree: n.Node, called: Mapping[Path, object]) -> Iterator[str]:
+    """Yield the variables that a tree passes to in-out parameters of what it calls; `called` is that by its path."""
+    for call in walk(tree):
+        block = called.get(path_of(call.callee)) if isinstance(call, n.Call) else None
+        if not isinstance(call, n.Call) or not isinstance(block, Pou):
+            continue
+        changed = {variable.name.casefold() for variable in block.variables(SectionKind.IN_OUT)}
+        for argument in call.arguments:
+            is_changed = argument.name is None or argument.name.identifier.casefold() in changed
+            if changed and is_changed and argument.value is not None and (path := path_of(argument.value)):
+                yield path[0]
 
 
 class NoStatementsError(Exception):

@@ -18,19 +18,20 @@ from plcopen_sfc.conversion.adaptation.called_programs import (
     show_variables,
 )
 from plcopen_sfc.formats.plcopen.source_marks import pou_digest
+from plcopen_sfc.languages.binding.name_scopes import is_instance
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.declarations.kept_texts import kept
-from plcopen_sfc.languages.effects import effects
+from plcopen_sfc.languages.effects import Path, effects
 from plcopen_sfc.languages.method_calls import (
     InlinedText,
     MethodCalls,
     MethodFunction,
     function_of_method,
+    passed_in_out,
     without_function,
 )
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, render, transform, walk
-from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.renames import KeptNames, keep_names, kept_names
 from plcopen_sfc.languages.translation.translation_context import family
@@ -41,7 +42,7 @@ from plcopen_sfc.model.network import BlockVariable
 from plcopen_sfc.model.pou import Method, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcBody
-from plcopen_sfc.model.types import DataType, DerivedType, Variable
+from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -179,9 +180,11 @@ class _Functions:
         parsed = parse_statements(found.text, self.project.dialect)
         if text is None or parsed.problems or found.problems:
             return found.problems[0] if found.problems else "its text cannot be read"
+        made = (each.block for each in self._found.values() if isinstance(each, _Made))
+        functions: dict[Path, Pou] = {(each.name.casefold(),): each for each in (*self.project.pous, *made)}
         effect = effects(parsed.tree.statements)
         used = {path[0] for path in effect.reads | effect.writes | effect.calls if path} - own
-        written = {path[0] for path in effect.writes if path} | set(self._passed_in_out(parsed.tree))
+        written = {path[0] for path in effect.writes if path} | set(passed_in_out(parsed.tree, functions))
         for name in (step.name for body in owner.bodies if isinstance(body, SfcBody) for step in body.chart.steps):
             if name.casefold() in used:
                 return f"it uses data of the step {name}, which no call passes"
@@ -216,35 +219,12 @@ class _Functions:
                 if is_constant:
                     constants.variables.append(variable.model_copy(deep=True))
                     continue
-                is_instance = self._is_instance(variable.type)
-                if is_instance and not self.with_instances:
+                is_block = is_instance(variable.type, self.project)
+                if is_block and not self.with_instances:
                     return f"{variable.name} is an instance, which functions do not get in {self.tool}"
-                place = in_outs if is_instance or name in written else inputs
+                place = in_outs if is_block or name in written else inputs
                 place.variables.append(Variable(name=variable.name, type=variable.type.model_copy(deep=True)))
         return [section for section in (constants, in_outs, inputs) if section.variables]
-
-    def _is_instance(self, type_: DataType) -> bool:
-        if not isinstance(type_, DerivedType):
-            return False
-        name = type_.name.rpartition(".")[2].casefold()
-        own = next((pou for pou in self.project.pous if pou.name.casefold() == name), None)
-        standard = standard_block(name.upper())
-        return own is not None or (standard is not None and standard.stateful)
-
-    def _passed_in_out(self, tree: n.Node) -> Iterator[str]:
-        """Yield the variables that calls in a text may change: those passed to functions with in-out parameters."""
-        blocks = [*self.project.pous, *(made.block for made in self._found.values() if isinstance(made, _Made))]
-        changing = {
-            pou.name.casefold(): {v.name.casefold() for v in pou.variables(SectionKind.IN_OUT)} for pou in blocks
-        }
-        for call in walk(tree):
-            if not isinstance(call, n.Call) or not isinstance(call.callee, n.Name):
-                continue
-            names = changing.get(call.callee.identifier.casefold(), set())
-            for argument in call.arguments if names else ():
-                is_changed = argument.name is None or argument.name.identifier.casefold() in names
-                if is_changed and argument.value is not None:
-                    yield from (path[0] for path in effects([argument.value]).reads if path)
 
     def _of_itself(self, text: str, own: set[str]) -> str | None:
         """Return the text of a method without ``THIS^.``; None where a variable of the method hides what that names."""

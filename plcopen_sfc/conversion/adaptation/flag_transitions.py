@@ -20,7 +20,7 @@ from plcopen_sfc.analysis.marking import marking_graph
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.conversion.adaptation.chart_rewriting import taken_names
 from plcopen_sfc.conversion.executed_parts import HIDDEN_FLAG, told_flag
-from plcopen_sfc.formats.format_interface import SOURCE_CHART_FIELD, WriteOptions
+from plcopen_sfc.formats.format_interface import SOURCE_CHART_FIELD, WriteOptions, may_have
 from plcopen_sfc.formats.plcopen.source_marks import SourceMarks
 from plcopen_sfc.languages.binding import Effects, Names, bind
 from plcopen_sfc.languages.effects import may_change, path_of
@@ -61,7 +61,7 @@ _ENDED = "actions that it ends, stored or delayed ones, go on there"
 
 def has_flags(project: Project, options: WriteOptions) -> bool:
     """True if `execute_flags` changes or reports something of a project."""
-    is_known = f'"{SOURCE_CHART_FIELD}"'.encode() in options.source if options.same else options.of_codesys
+    is_known = may_have(options.source, SOURCE_CHART_FIELD) if options.same else options.of_codesys
     return is_known and any(_flags_of(chart) for chart in project.charts())
 
 

@@ -20,7 +20,7 @@ from plcopen_sfc.conversion.adaptation.global_variables import (
     has_lists,
     report_types,
 )
-from plcopen_sfc.formats.format_interface import ChartHost, Format, Marks, WriteOptions
+from plcopen_sfc.formats.format_interface import ChartHost, Format, Marks, WriteOptions, may_have
 from plcopen_sfc.formats.plcopen.source_marks import (
     NO_RESULT_FIELD,
     RETAINED_FIELD,
@@ -389,7 +389,7 @@ def is_rewritten_throughout(project: Project, content: bytes, kind: Format) -> b
     if host is None:
         return kind.codec().is_rewritten(project, content)
     return (
-        f'"{REWRITTEN_FIELD}"'.encode() in content
+        may_have(content, REWRITTEN_FIELD)
         or has_globals(project)
         or any(_without_result(project))
         or any(_with_system_data(project))

@@ -47,10 +47,10 @@ from plcopen_sfc.formats.codesys_export.export_entries import (
 )
 from plcopen_sfc.formats.codesys_export.export_notation import SINGLE, line_elements, member, value
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
-from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext, line_of
+from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext
 from plcopen_sfc.formats.plcopen.tc6_versions import V2_0
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle, write_xml
-from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines, line_of, parse_xml
 from plcopen_sfc.languages.s7_boxes import put_logic
 from plcopen_sfc.model.checked import first_misfit
 from plcopen_sfc.model.dialect import Dialect

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Hashable, Iterator
 from dataclasses import dataclass, field
-from typing import cast
 
 from lxml import etree
 
@@ -19,6 +18,7 @@ from plcopen_sfc.formats.grafcet.grafcet_xmi_terms import (
 )
 from plcopen_sfc.formats.remainder_comments import DAMAGED, OUTDATED, put_back, read_entries
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK
+from plcopen_sfc.formats.xml.xml_parsing import line_of
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind
 from plcopen_sfc.model.actions import ActionKind, ForcedSituation, ForcingOrder
 from plcopen_sfc.model.conditions import Expression
@@ -153,7 +153,7 @@ class XmiReader:
         return f"POU {name}" + (f" / {partial.name}" if partial is not None else "")
 
     def _line(self, path: str, element: etree._Element) -> None:
-        if (line := _line_of(element)) is not None:
+        if (line := line_of(element)) is not None:
             self.lines.setdefault(path, line)
 
     def _interface(self) -> Interface | None:
@@ -297,7 +297,7 @@ class XmiReader:
 
     def _ignored(self, code: str, what: str, element: etree._Element) -> None:
         message = f"{what}: it is never executed, and left out where the file is written for another one"
-        where = Location(self._file, _line_of(element))
+        where = Location(self._file, line_of(element))
         self._diagnostics.append(Diagnostic(code, Severity.WARNING, message, where))
 
     def _action(self, element: etree._Element) -> ActionAssociation:
@@ -354,11 +354,7 @@ class XmiReader:
         return found
 
     def _wrong(self, message: str, element: etree._Element) -> StructureError:
-        return StructureError(message, location=Location(self._file, _line_of(element)))
+        return StructureError(message, location=Location(self._file, line_of(element)))
 
     def _note(self, kind: str, message: str, _offset: int) -> None:
         self._diagnostics.append(Diagnostic(_CODES[kind], Severity.WARNING, message, Location(self._file)))
-
-
-def _line_of(element: etree._Element) -> int | None:
-    return cast("int | None", element.sourceline)

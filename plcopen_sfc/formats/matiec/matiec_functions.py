@@ -11,16 +11,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
+from plcopen_sfc.languages.binding.name_scopes import is_instance
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.effects import effects
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, walk
-from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.types import DerivedType, Variable
+from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import PASSED, Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -45,7 +45,8 @@ def pass_globals(
     needed = {key: names for key, names in needed.items() if names}
     passing = _Passing(project, functions, needed)
     lost = {name for each in sites for name in needed if _is_drawn(each, name)}
-    lost |= {key for key, names in needed.items() if any(_is_instance(project, variables[name]) for name in names)}
+    instances = {name for name, variable in variables.items() if is_instance(variable.type, project)}
+    lost |= {key for key, names in needed.items() if not instances.isdisjoint(names)}  # no function gets one
     for text_site, called in calls:
         hidden = _own_names(text_site)
         lost |= {name for name in called & needed.keys() if not hidden.isdisjoint(needed[name])}
@@ -98,15 +99,6 @@ def _is_drawn(text_site: TextSite, name: str) -> bool:
     if text_site.reading is SiteKind.INSTRUCTIONS:
         return name in text
     return isinstance(text_site.holder, Block) and text_site.key == "type_name" and text == name
-
-
-def _is_instance(project: Project, variable: Variable) -> bool:
-    """True for an instance of a function block, which matiec passes to no function."""
-    if not isinstance(variable.type, DerivedType):
-        return False
-    name = variable.type.name.casefold()
-    standard = standard_block(name.upper())
-    return any(pou.name.casefold() == name for pou in project.pous) or (standard is not None and standard.stateful)
 
 
 def _add_parameters(

@@ -38,7 +38,6 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     extension_data,
     keep_attributes,
     keep_element,
-    line_of,
     read_comment,
     read_common,
     read_fields,
@@ -64,7 +63,7 @@ from plcopen_sfc.formats.plcopen.tc6_writing import (
 )
 from plcopen_sfc.formats.xml.extension_data import misfit
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle
-from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines, line_of, parse_xml
 from plcopen_sfc.languages.s7_boxes import put_logic
 from plcopen_sfc.model.project import Configuration, Project, Scaling
 from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork

@@ -19,15 +19,12 @@ from typing import Any, TypeVar
 
 from lxml import etree
 
-from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.plcopen.tc6_versions import XHTML, Tc6Version
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, inner_markup, markup
-from plcopen_sfc.formats.xml.xml_parsing import SourceLines
+from plcopen_sfc.formats.xml.xml_parsing import ElementReading, SourceLines
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.drawing import StepActionKind
 from plcopen_sfc.model.sfc import SfcNetwork
-from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.whole_numbers import xml_number
 
 Fields = dict[str, Any]
@@ -94,7 +91,7 @@ def merge_fields(fields: Fields, found: Fields) -> None:
             fields[name] = value
 
 
-class Tc6ReadContext:
+class Tc6ReadContext(ElementReading):
     """State of reading one file: its version, the findings so far, and who understands which foreign data."""
 
     def __init__(
@@ -107,15 +104,13 @@ class Tc6ReadContext:
         usual_text_element: str = "p",
         placeless: bool = False,
     ) -> None:
+        super().__init__(file, lines)
         self.version = version
         self.tags = version.tags
-        self.file = file
-        self.lines = lines
         self.data_readers = data_readers or {}
         self.text_element = _XHTML_TAG + usual_text_element
         self.placeless = placeless
         """True if the tool exports no layout."""
-        self.diagnostics: list[Diagnostic] = []
         self.comment_reader: DataReader | None = None
         self.finish_chart: Callable[[Tc6ReadContext, Fields], None] | None = None
         self.pous: list[Fields] = []
@@ -124,29 +119,6 @@ class Tc6ReadContext:
         """Lists of global variables of the project that those of a configuration replace."""
         self.resource_place = ""
         """`Pou.place` of POUs in the resource being read."""
-        self.place: list[str] = []
-        """Names of the objects around the one being read, for messages."""
-
-    def report(self, code: str, severity: Severity, message: str, element: etree._Element, subject: str = "") -> None:
-        """Say something about `element` of the file."""
-        path = ObjectPath(*self.place, subject)
-        line = self.lines.line(element) if self.lines is not None else line_of(element)
-        location = Location(self.file, line, None, path or None)
-        self.diagnostics.append(Diagnostic(code, severity, message, location))
-
-    def warn(self, code: str, message: str, element: etree._Element, subject: str = "") -> None:
-        """Report a warning."""
-        self.report(code, Severity.WARNING, message, element, subject)
-
-    def error(self, code: str, message: str, element: etree._Element, subject: str = "") -> None:
-        """Report an error that does not keep the file from being loaded."""
-        self.report(code, Severity.ERROR, message, element, subject)
-
-
-def line_of(element: etree._Element) -> int | None:
-    """Return the line of `element` in its file."""
-    line = element.sourceline
-    return line if isinstance(line, int) else None
 
 
 def attributes(element: etree._Element) -> dict[str, str]:

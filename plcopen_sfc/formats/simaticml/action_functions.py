@@ -15,7 +15,7 @@ it, as CODESYS has one chart: it goes on from where it was when it was last exec
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, field
 
 from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup
@@ -23,7 +23,7 @@ from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_si
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.languages.effects import ANYTHING, Effects, Path, effects, path_of
 from plcopen_sfc.languages.library_blocks import library_blocks
-from plcopen_sfc.languages.method_calls import MethodFunction, function_of_method, without_function
+from plcopen_sfc.languages.method_calls import MethodFunction, function_of_method, passed_in_out, without_function
 from plcopen_sfc.languages.networks import Helper, body_statements
 from plcopen_sfc.languages.s7_actions import ActionCalls
 from plcopen_sfc.languages.s7_globals import global_names
@@ -331,7 +331,7 @@ class ActionFunctions:
         """Return the variables that statements of `pou` read and write, but for a block's own."""
         called = self._called(pou, tree)
         found = effects(tree.statements, set(called))
-        return Effects(found.reads, found.writes | {(name,) for name in _passed_in_out(tree, called)}, found.calls)
+        return Effects(found.reads, found.writes | {(name,) for name in passed_in_out(tree, called)}, found.calls)
 
     def _called(self, pou: Pou, tree: n.Statements) -> dict[Path, Pou | StandardBlock]:
         """Return the functions and the instances that statements of `pou` call, by their paths."""
@@ -569,16 +569,3 @@ def _path(text: str) -> str:
 
 def _sections(pou: Pou) -> list[VariableSection]:
     return pou.interface.sections if pou.interface is not None else []
-
-
-def _passed_in_out(tree: n.Node, called: Mapping[Path, Pou | StandardBlock]) -> Iterator[str]:
-    """Yield the variables that a tree passes to in-out parameters of what it calls."""
-    for call in walk(tree):
-        block = called.get(path_of(call.callee) or ()) if isinstance(call, n.Call) else None
-        if not isinstance(call, n.Call) or not isinstance(block, Pou):
-            continue
-        changed = {variable.name.casefold() for variable in block.variables(SectionKind.IN_OUT)}
-        for argument in call.arguments:
-            is_changed = argument.name is None or argument.name.identifier.casefold() in changed
-            if changed and is_changed and argument.value is not None and (path := path_of(argument.value)):
-                yield path[0]

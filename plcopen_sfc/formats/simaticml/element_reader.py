@@ -14,14 +14,11 @@ from xml.etree import ElementTree as ET
 from lxml import etree
 from pydantic import ValidationError
 
-from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.simaticml.tia_versions import TiaVersion, neutral, schema_of
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, markup, misfit
-from plcopen_sfc.formats.xml.xml_parsing import SourceLines
+from plcopen_sfc.formats.xml.xml_parsing import ElementReading, SourceLines
 from plcopen_sfc.model.base import ExtensionData, Model
 from plcopen_sfc.model.checked import first_misfit
-from plcopen_sfc.object_path import ObjectPath
 
 M = TypeVar("M", bound=Model)
 
@@ -43,16 +40,14 @@ class NotUnderstoodError(Exception):
     """An element holds something that the model cannot express: it is kept whole."""
 
 
-class DocumentReading:
+class DocumentReading(ElementReading):
     """State of reading one file."""
 
     def __init__(self, version: TiaVersion, *, file: str | None = None, lines: SourceLines | None = None) -> None:
+        super().__init__(file, lines)
         self.version = version
-        self.file = file
-        self.lines = lines
         self.schemas: dict[str, int] = {}
         """Schema numbers that the file uses, by kind."""
-        self.diagnostics: list[Diagnostic] = []
         self.of_tia = True
         """True if the project is one of TIA Portal, by its header."""
         self.trusting = True
@@ -65,22 +60,6 @@ class DocumentReading:
         """True in a block in which a network that controls an action was edited: all of these networks count."""
         self.edited_copies: set[str] = set()
         """Objects that were added for TIA Portal and edited since, in lower case."""
-        self.place: list[str] = []
-        """Names of the objects around the one being read, for messages."""
-
-    def report(self, code: str, severity: Severity, message: str, element: etree._Element) -> None:
-        """Add a finding about `element` of the file."""
-        line = self.lines.line(element) if self.lines is not None else None
-        location = Location(self.file, line, None, ObjectPath(*self.place) or None)
-        self.diagnostics.append(Diagnostic(code, severity, message, location))
-
-    def warn(self, code: str, message: str, element: etree._Element) -> None:
-        """Report a warning."""
-        self.report(code, Severity.WARNING, message, element)
-
-    def error(self, code: str, message: str, element: etree._Element) -> None:
-        """Report an error that does not keep the file from being loaded."""
-        self.report(code, Severity.ERROR, message, element)
 
     def note_schema(self, element: etree._Element) -> None:
         """Remember of which schema version `element` is."""

@@ -7,6 +7,7 @@ from typing import Any
 
 from lxml import etree
 
+from plcopen_sfc.formats.format_interface import may_have
 from plcopen_sfc.formats.simaticml.action_controls import action_controls, are_rows_alone, told_late_actions
 from plcopen_sfc.formats.simaticml.action_functions import ActionFunctions
 from plcopen_sfc.formats.simaticml.action_rows import functions_of
@@ -263,7 +264,7 @@ def _note_method(ctx: DocumentWriting, functions: ActionFunctions, pou: Pou, met
 
 def _may_have_controls(ctx: DocumentWriting) -> bool:
     """True unless associations act one after the other, as in matiec, or the chart stays as TIA Portal wrote it."""
-    is_untouched = ctx.body_name in ctx.options.untouched and f'"{CONTROLLED}"'.encode() not in ctx.options.source
+    is_untouched = ctx.body_name in ctx.options.untouched and not may_have(ctx.options.source, CONTROLLED)
     return not ctx.options.of_matiec and not is_untouched
 
 

@@ -15,7 +15,7 @@ from pydantic import ValidationError
 
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.diagnostics import Diagnostic
-from plcopen_sfc.formats.format_interface import SOURCE_CHART_FIELD, ReadResult, WriteOptions
+from plcopen_sfc.formats.format_interface import SOURCE_CHART_FIELD, ReadResult, WriteOptions, may_have
 from plcopen_sfc.formats.simaticml.action_rows import action_functions
 from plcopen_sfc.formats.simaticml.added_elements import mark_added, seal_marks
 from plcopen_sfc.formats.simaticml.document_reader import IDS, PRODUCT, SCHEMA, find_version, read_project
@@ -359,8 +359,8 @@ class SimaticmlCodec(FolderCodec):
 
         Charts with SFC flags are written otherwise as well.
         """
-        has_flags = f'"{SOURCE_CHART_FIELD}"'.encode() in content
-        return has_flags or (b'"actions"' in content and any(pou.actions for pou in project.pous))
+        has_actions = may_have(content, "actions") and any(pou.actions for pou in project.pous)
+        return has_actions or may_have(content, SOURCE_CHART_FIELD)
 
     def adapt(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
         """Adapt `project`, a copy, to this format."""

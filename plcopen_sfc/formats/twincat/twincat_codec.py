@@ -25,11 +25,11 @@ from plcopen_sfc.formats.archives.object_elements import (
     write_pou,
 )
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
-from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext, line_of
+from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext
 from plcopen_sfc.formats.plcopen.tc6_versions import V2_0
 from plcopen_sfc.formats.xml.source_patch import patch_xml
 from plcopen_sfc.formats.xml.xml_codec import FolderCodec, ProjectPart, XmlStyle, write_xml
-from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines, line_of, parse_xml
 from plcopen_sfc.languages.s7_boxes import put_logic
 from plcopen_sfc.languages.task_schedules import FREEWHEELING, cycle_literal, nanoseconds, schedule_of
 from plcopen_sfc.model.checked import first_misfit

@@ -25,7 +25,9 @@ from xml.parsers import expat
 
 from lxml import etree
 
+from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import EncodingError, FormatError, Location, UnsafeXmlError, XmlSyntaxError
+from plcopen_sfc.object_path import ObjectPath
 
 MAX_DEPTH = 256
 """Deepest nesting accepted: libxml2's own limit. Real exports stay below 50; recursive readers need some bound."""
@@ -302,6 +304,11 @@ _TAGS = re.compile(
 _LAST_EXACT_LINE = 65534
 
 
+def line_of(element: etree._Element) -> int | None:
+    """Return the line of `element` in its file; beyond 65,535 lines it is off by a few (`SourceLines`)."""
+    return cast("int | None", element.sourceline)
+
+
 class SourceLines:
     """Line numbers of elements, right in files of any length.
 
@@ -341,6 +348,31 @@ class SourceLines:
                 break
             if line > _LAST_EXACT_LINE:
                 self._table[element] = line
+
+
+class ElementReading:
+    """State of reading the elements of one file: the findings so far, and the place of the one being read."""
+
+    def __init__(self, file: str | None, lines: SourceLines | None) -> None:
+        self.file = file
+        self.lines = lines
+        self.diagnostics: list[Diagnostic] = []
+        self.place: list[str] = []
+        """Names of the objects around the one being read, for messages."""
+
+    def report(self, code: str, severity: Severity, message: str, element: etree._Element, subject: str = "") -> None:
+        """Add a finding about `element` of the file."""
+        line = self.lines.line(element) if self.lines is not None else line_of(element)
+        location = Location(self.file, line, None, ObjectPath(*self.place, subject) or None)
+        self.diagnostics.append(Diagnostic(code, severity, message, location))
+
+    def warn(self, code: str, message: str, element: etree._Element, subject: str = "") -> None:
+        """Report a warning."""
+        self.report(code, Severity.WARNING, message, element, subject)
+
+    def error(self, code: str, message: str, element: etree._Element) -> None:
+        """Report an error that does not keep the file from being loaded."""
+        self.report(code, Severity.ERROR, message, element)
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import TypeVar
 
 from plcopen_sfc.languages.binding.name_sites import Reference
@@ -19,6 +19,8 @@ from plcopen_sfc.languages.binding.symbols import (
 )
 from plcopen_sfc.languages.binding.text_sites import Site, TextSite
 from plcopen_sfc.languages.declarations.kept_texts import inheritance, kept_inheritance
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.declaration import Declaration, Kind
@@ -332,6 +334,23 @@ def parameters_of(interface: Interface | None) -> list[t.Variable]:
     """Return the variables that a call passes, in their order."""
     sections = interface.sections if interface is not None else []
     return [variable for section in sections if section.kind in PASSED for variable in section.variables]
+
+
+def given(call: n.Call, parameters: Iterable[str]) -> dict[str, n.Expression]:
+    """Return what a call passes to `parameters`, in lower case, by their names: those by place are in this order."""
+    by_place, found = iter(parameters), dict[str, n.Expression]()
+    for argument in call.arguments:
+        name = argument.name.identifier.casefold() if argument.name is not None else next(by_place, None)
+        if name is not None and argument.value is not None and not argument.output:
+            found[name] = argument.value
+    return found
+
+
+def is_instance(type_: DataType, project: Project) -> bool:
+    """True for the type of an instance: of a function block of the project, or of a standard one."""
+    name = type_.name.rpartition(".")[2].casefold() if isinstance(type_, DerivedType) else ""
+    standard = standard_block(name.upper())
+    return any(pou.name.casefold() == name for pou in project.pous) or (standard is not None and standard.stateful)
 
 
 def namespace_place(project: Project, namespace: Resource | Configuration) -> str:
