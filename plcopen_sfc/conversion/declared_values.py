@@ -17,7 +17,7 @@ from plcopen_sfc.conversion.meaning import Meaning, literal_form
 from plcopen_sfc.formats.codesys import codesys_names as codesys
 from plcopen_sfc.formats.iectext.text_source import unwrapped
 from plcopen_sfc.languages.binding.text_sites import Role, TextSite
-from plcopen_sfc.languages.declarations.kept_texts import inheritance, kept
+from plcopen_sfc.languages.declarations.kept_texts import inheritance, kept, pragma_attributes
 from plcopen_sfc.languages.declarations.type_names import is_quoted_in_scl
 from plcopen_sfc.languages.s7_types import S7Types, number_of
 from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
@@ -226,7 +226,7 @@ def _runs(value: Value) -> Iterator[tuple[int, int, Value]]:
 
 _HARMLESS = {
     "accessmodifiers": "the compiler alone looks at who may use a name",
-    "attributes": "pragmas for the compiler and for what shows variables",
+    "attributes": "those that act are looked at where they are read",
     "buildproperties": "whether the linker keeps what nothing calls",
     "enumvaluedocumentation": "comments",
     "fbd/implementationattributes": "how the editor shows a network",
@@ -282,7 +282,6 @@ def tell_inheritance(part: Part, pou: Pou) -> None:
         part.tell(aspect, Meaning.of(tuple(map(str.casefold, names)), ", ".join(names)) if names else None)
 
 
-_ATTRIBUTE = re.compile(r"""<Attribute\s+Name=["']([^"']*)["']\s+Value=["']([^"']*)["']""")
 _MODIFIER = re.compile(r"<(Public|Private|Protected|Internal|Final|Abstract)\b", re.IGNORECASE)
 
 
@@ -297,24 +296,47 @@ def tell_declaration(part: Part, thing: Element, typed: Sequence[str] = (), decl
     written = _HEAD.search(declaration or "")
     if written is not None:
         part.tell("modifiers", Meaning.of(" ".join(written[1].upper().split())))
-    texts = kept(thing.extension_data)
-    attributes = [texts.get("pragmas", texts.get("attributes", "")), *typed]
     for data in thing.extension_data.data if thing.extension_data is not None else ():
         place, text = unwrapped(data.content) or ("", "")
         if place == "modifiers":
             part.tell("modifiers", Meaning.of(text.upper(), text))
-        elif place == "pragma":
-            attributes.append(text)
-        elif data.name.endswith("/attributes") and not typed:
-            attributes += [
-                f"{{attribute '{name}'" + (f" := '{value}'}}" if value else "}")
-                for name, value in _ATTRIBUTE.findall(data.content)
-            ]
         elif data.name.endswith("/accessmodifiers") and written is None:
             words = " ".join(word.upper() for word in _MODIFIER.findall(data.content))
             part.tell("modifiers", Meaning.of(words) if words else None)
-    found = " ".join(" ".join(attributes).split())
+    found = " ".join(" ".join(_attributes(thing, typed)).split())
     part.tell("attributes", Meaning.of(found) if found else None)
+
+
+def tell_acting_attributes(part: Part, thing: Element, typed: Sequence[str] = ()) -> None:
+    """Note the attributes of what is declared that change what a machine does; `typed` as in `tell_declaration`."""
+    found = acting_attributes(thing, typed)
+    part.tell("attributes", Meaning.of(frozenset(map(str.casefold, found)), ", ".join(found)) if found else None)
+
+
+def acting_attributes(thing: Element, typed: Sequence[str] = ()) -> list[str]:
+    """Return the attributes of what is declared that change what a machine does; `typed` as in `tell_declaration`."""
+    lines = [line for text in _attributes(thing, typed) for line in text.splitlines()]
+    found = [named for line in lines for named in pragma_attributes(line) or ()]
+    return [f"{name} := {value}" if value else name for name, value in found if name.casefold() in _ACTING]
+
+
+def _attributes(thing: Element, typed: Sequence[str]) -> Sequence[str]:
+    """Return the attributes of what is declared: those in its declaration, which others repeat, or those beside it."""
+    if typed:
+        return typed
+    texts = kept(thing.extension_data)
+    kept_data = thing.extension_data.data if thing.extension_data is not None else []
+    wrapped = (unwrapped(data.content) or ("", "") for data in kept_data)
+    return [texts.get("pragmas", texts.get("attributes", "")), *(text for place, text in wrapped if place == "pragma")]
+
+
+_ACTING = frozenset(
+    """call_after_init call_after_global_init_slot call_after_online_change_slot call_before_global_exit_slot
+    call_on_type_change global_init_slot init_on_onlchange initialize_on_call instance-path is_connected no_init no-init
+    noinit no_virtual_actions pack_mode parameterstringof relative_offset tccallafteroutputupdate tcinitonreset tclinkto
+    tcrpcenable tcswapdword tcswapword""".split()
+)
+"""Attributes of CODESYS and TwinCAT that change what is initialised, called, connected, or where members are."""
 
 
 def typed_attributes(declaration: str | None) -> Mapping[str, Sequence[str]]:

@@ -15,6 +15,7 @@ from typing import cast
 from plcopen_sfc.conversion.declared_values import (
     StartValues,
     add_kept,
+    tell_acting_attributes,
     tell_declaration,
     tell_inheritance,
     tell_type,
@@ -182,6 +183,8 @@ class _Reader:
             tell_type(part, declaration.type, declaration)
             if self.detail is Detail.WRITTEN:
                 tell_declaration(part, declaration)
+            else:
+                tell_acting_attributes(part, declaration, typed_attributes(declaration.declaration).get("", ()))
             self.tell_comment(part, declaration)
             whole = Variable(name=declaration.name, type=declaration.type, initial=declaration.initial)
             if self.detail and isinstance(declaration.type, StructType):
@@ -480,7 +483,7 @@ class _Reader:
             part.tell("persistent", Meaning.of(True, "PERSISTENT") if section.persistent else None)
             for name, value in variable.attributes.items():
                 part.tell(name, Meaning.of(value))
-            tell_declaration(part, variable, self._typed.get(variable.name.casefold(), ()))
+        self._attributes(part, variable, variable.name.casefold())
         self.tell_comment(part, variable)
         edge = kept(variable.extension_data).get("edge")
         part.tell("edge", Meaning.of(edge) if edge else None)
@@ -493,6 +496,14 @@ class _Reader:
                 part.tell("static", Meaning.of(True, "VAR_STAT"))
         return part
 
+    def _attributes(self, part: Part, thing: Element, name: str, declaration: str | None = None) -> None:
+        """Note the attributes of what is declared, `name` in the text at hand: all, or those that act."""
+        typed = self._typed.get(name, ())
+        if self.detail is Detail.WRITTEN:
+            tell_declaration(part, thing, typed, declaration)
+        else:
+            tell_acting_attributes(part, thing, typed)
+
     # -- POUs
 
     def _pou(self, pou: Pou) -> None:
@@ -501,11 +512,11 @@ class _Reader:
         self.tell_comment(part, pou)
         is_program = pou.kind is PouKind.FUNCTION_BLOCK and pou.name.casefold() in self.programs.values()
         part.tell("kind", Meaning.of(PouKind.PROGRAM.value if is_program else pou.kind.value))
+        typed = pou.interface.declaration if pou.interface is not None else None
+        self._typed = typed_attributes(typed)
         if self.detail is Detail.WRITTEN:
             part.tell("number", Meaning.of(pou.number) if pou.number is not None else None)
-            typed = pou.interface.declaration if pou.interface is not None else None
-            self._typed = typed_attributes(typed)
-            tell_declaration(part, pou, self._typed.get("", ()), typed)
+        self._attributes(part, pou, "", typed)
         tell_inheritance(part, pou)
         if pou.interface is not None:
             self._result(part, pou.interface.return_type)
@@ -533,12 +544,12 @@ class _Reader:
             self.own = self._hiding(pou, method)
             inner.tell("code", self.code(method.body))
             self.own = self._hiding(pou)
+            typed = method.interface.declaration if method.interface is not None else None
+            self._typed = typed_attributes(typed)
             if self.detail is Detail.WRITTEN:
-                typed = method.interface.declaration if method.interface is not None else None
-                self._typed = typed_attributes(typed)
                 self._result(inner, method.interface.return_type if method.interface is not None else None)
-                tell_declaration(inner, method, self._typed.get("", ()), typed)
                 self.tell_comment(inner, method)
+            self._attributes(inner, method, "", typed)
             for section in method.interface.sections if method.interface is not None and self.detail else ():
                 for variable in section.variables:
                     self._variable(inner, "variable", variable, section, "")

@@ -362,7 +362,7 @@ def _is_noticed(difference: ExecutionDifference, noticed: set[str], around_notic
 
 _LEFT_TO_THE_READER = frozenset(
     {"address", "static", "arguments", "edge", "extends", "implements", "union", "drawn logic", "order of transitions"}
-    | {"section", "max time", BOOLEAN_ACTIONS}
+    | {"section", "max time", "attributes", BOOLEAN_ACTIONS}
 )
 """Aspects of which no writer speaks: what the target does not say is found when it is read back."""
 
@@ -535,6 +535,7 @@ _MISSING = {
     "implements": "the {kind} does not implement `{left}` in {tool}",
     "union": "the members of the UNION do not share their memory in {tool}",
     "negation": "the actions of the step do not act while it is NOT active in {tool}",
+    "attributes": "attributes of the {kind} that have no effect in {tool}: {left}",
     "static": "each instance has a `{name}` of its own in {tool}: VAR_STAT is one for all",
     "arguments": "the program instance does not get its arguments in {tool}: {left}",
     "interval": "{name} does not run every {left} in {tool}",

@@ -327,3 +327,41 @@ def test_libraries_of_twincat_are_none_of_codesys() -> None:
         assert {item.what for item in found} == {"undeclared name", "undeclared type"}, target
     for project, target in ((of_twincat, "iec-text"), (of_codesys, "codesys-export")):
         assert sfc.convert(project, target, partial=True).report.losses == [], target
+
+
+PRAGMAS = HEAD + (
+    "{attribute 'qualified_only'}\n{attribute 'strict'}\nTYPE Mode : (Idle, Run); END_TYPE\n"
+    "FUNCTION_BLOCK Drive\nVAR\n    {attribute 'no_init'}\n    n : INT;\n"
+    "    {attribute 'monitoring' := 'call'}\n    k : INT;\nEND_VAR\nn := n + 1;\n"
+    "{attribute 'call_after_init'}\nMETHOD Setup\n n := 5;\nEND_METHOD\nEND_FUNCTION_BLOCK\n"
+    "{attribute 'qualified_only'}\nVAR_GLOBAL\n    x : BOOL;\nEND_VAR\n{attribute 'pack_mode' := '1'}\n"
+    "TYPE Job : STRUCT a : BYTE; b : INT; END_STRUCT; END_TYPE\n"
+)
+
+
+def test_attributes_of_declarations_go_to_codesys_and_to_twincat_and_back(tmp_path: Path) -> None:
+    project = sfc.loads(PRAGMAS.encode(), format="iec-text")
+    project.global_variables[0].name = "Io"
+    data, _ = sfc.convert(project, "codesys", partial=True)
+    text = " ".join(data.decode("utf-8-sig").split())
+    assert text.count('<Attribute Name="qualified_only" Value="" />') == 2
+    assert text.count('<Attribute Name="monitoring" Value="call" />') == 1
+    assert "urn:plcopen-sfc:declaration" not in text
+    (tmp_path / "plc").mkdir()
+    sfc.save(sfc.loads(data, as_tool=True), tmp_path / "plc", format="twincat", limit=0)
+    for name, line in {"Io.TcGVL": "qualified_only", "Mode.TcDUT": "strict", "Drive.TcPOU": "no_init"}.items():
+        [file] = tmp_path.rglob(name)
+        assert f"{{attribute '{line}'}}" in file.read_text(encoding="utf-8")
+    back, _ = sfc.convert(sfc.load(tmp_path / "plc"), "codesys")
+    diff = sfc.diff(sfc.loads(data, as_tool=True), sfc.loads(back, as_tool=True))
+    assert [change for change in diff.changes if change.aspect in ("attributes", "")] == []
+
+
+def test_attributes_that_change_what_a_machine_does_are_told_where_they_have_no_effect() -> None:
+    asked = {("POU Drive / method Setup", "attributes")}
+    assert losses(PRAGMAS, "codesys").keys() == asked
+    found = losses(PRAGMAS, "plcopen-2.01")
+    assert "call_after_init" in found["POU Drive / method Setup", "method"]
+    assert found["POU Drive / n", "attributes"].endswith(": no_init")
+    assert found["type Job", "attributes"].endswith(": pack_mode := 1")
+    assert not any("please report" in why for why in found.values())

@@ -17,6 +17,7 @@ from plcopen_sfc.conversion.adaptation.called_programs import (
     make_programs_of_blocks,
     show_variables,
 )
+from plcopen_sfc.conversion.declared_values import acting_attributes, typed_attributes
 from plcopen_sfc.formats.plcopen.source_marks import pou_digest
 from plcopen_sfc.languages.binding.name_scopes import is_instance
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
@@ -171,6 +172,8 @@ class _Functions:
         if not isinstance(method.body, StBody | None):
             return "its body is no list of statements"
         interface = method.interface or Interface()
+        if acting := acting_attributes(method, typed_attributes(interface.declaration).get("", ())):
+            return f"it has attributes that no function has: {', '.join(acting)}"
         if any(kept(section.extension_data).get("keyword") in _KEPT_INSIDE for section in interface.sections):
             return "its variables keep their values"
         own = {variable.name.casefold() for variable in interface.variables()} | {method.name.casefold()}

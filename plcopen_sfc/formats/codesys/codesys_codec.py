@@ -41,6 +41,7 @@ from plcopen_sfc.formats.codesys.element_data import (
 from plcopen_sfc.formats.codesys.object_data import (
     mark_as_codesys,
     read_application,
+    read_attributes,
     read_declaration,
     read_global_variables,
     read_hidden_data_type,
@@ -216,6 +217,7 @@ DATA_READERS: dict[str, DataReader] = {
     names.SFC_ELEMENT: read_element_attributes,
     names.SFC_SETTINGS: read_settings,
     names.PLAIN_TEXT: read_declaration,
+    names.ATTRIBUTES: read_attributes,
     names.OBJECT_ID: read_object_id,
     names.POU: read_hidden_pou,
     names.DATA_TYPE: read_hidden_data_type,
@@ -271,11 +273,13 @@ NATIVE_FIELDS = {
 }
 """The fields that this module writes, by the kind of their owner."""
 
-NATIVE_TEXTS = frozenset({"extends", "implements"})
-"""The texts kept of declarations that this module writes."""
+_INHERITANCE = frozenset({names.POU_INHERITANCE, names.TYPE_INHERITANCE})
+NATIVE_TEXTS = {"extends": _INHERITANCE, "implements": _INHERITANCE, "pragmas": frozenset({names.ATTRIBUTES})}
+"""The texts kept of declarations that this module writes, by the names of the data with them."""
 
 DATA_RANK = {
     KEPT_DATA: 1,
+    names.ATTRIBUTES: 2,
     names.POU_INHERITANCE: 5,
     names.TYPE_INHERITANCE: 5,
     names.DATA_TYPE: 5,

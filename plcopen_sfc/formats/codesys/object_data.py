@@ -38,11 +38,18 @@ from plcopen_sfc.formats.plcopen.tc6_reading import Fields, Tc6ReadContext, attr
 from plcopen_sfc.formats.plcopen.tc6_versions import XHTML
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, Written, finish_element
 from plcopen_sfc.formats.xml.extension_data import legal_text
-from plcopen_sfc.languages.declarations.kept_texts import Inheritance, kept_inheritance
+from plcopen_sfc.languages.declarations.kept_texts import (
+    Inheritance,
+    attribute_pragmas,
+    keep,
+    kept,
+    kept_inheritance,
+    pragma_attributes,
+)
 from plcopen_sfc.model.base import ExtensionData, Model, UnknownDataRule
 from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou
 from plcopen_sfc.model.project import Configuration, Project, Resource, Task, TreeNode
-from plcopen_sfc.model.types import DataTypeDeclaration
+from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.model.variables import Interface, VariableSection
 from plcopen_sfc.report import ConversionReport
 
@@ -91,6 +98,42 @@ def _write_declaration(
         holder = etree.Element(ctx.version_tag("InterfaceAsPlainText"), nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
         etree.SubElement(holder, f"{{{XHTML}}}xhtml", nsmap={None: XHTML}).text = legal_text(text)  # type: ignore[dict-item]
         yield names.PLAIN_TEXT, UnknownDataRule.IMPLEMENTATION, holder
+
+
+def read_attributes(_ctx: Tc6ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:
+    """``attributes`` of a list, a type or a variable: the pragmas before its declaration (``qualified_only``)."""
+    element = only_child(data, "Attributes")
+    if element is None or owner not in ("globalVars", "dataType", "variable") or element.attrib:
+        return False
+    found: list[tuple[str, str]] = []
+    for child in element:
+        if local_name(child) != "Attribute" or len(child) or child.keys() != ["Name", "Value"]:
+            return False
+        found.append((child.get("Name", ""), child.get("Value", "")))
+    text = attribute_pragmas(found)
+    if pragma_attributes(text) != found or data.get("handleUnknown") != "implementation":
+        return False
+    known = fields.get("extension_data")
+    texts = kept(ExtensionData.model_validate(known)) if known else {}
+    if texts.get("pragmas") != text:
+        pragmas = keep({"pragmas": text})
+        extension_data(fields)["data"] += [each.model_dump(mode="json") for each in pragmas.data] if pragmas else []
+    return True
+
+
+def _write_attributes(ctx: Tc6WriteContext, extension_data: ExtensionData | None) -> Iterator[Written]:
+    found = pragma_attributes(kept(extension_data).get("pragmas", ""))
+    if found is not None:
+        element = etree.Element(ctx.version_tag("Attributes"), nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
+        for name, value in found:
+            etree.SubElement(
+                element, ctx.version_tag("Attribute"), {"Name": legal_text(name), "Value": legal_text(value)}
+            )
+        yield names.ATTRIBUTES, UnknownDataRule.IMPLEMENTATION, element
+
+
+def _write_variable(ctx: Tc6WriteContext, variable: Variable, _owner: str) -> Iterator[Written]:
+    yield from _write_attributes(ctx, variable.extension_data)
 
 
 def read_object_id(_ctx: Tc6ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:
@@ -268,6 +311,7 @@ _OF_A_PART = frozenset({"kind", "name", "variables", "constant", "retain", "nonr
 def _write_declared(
     ctx: Tc6WriteContext, thing: DataTypeDeclaration | VariableSection, _owner: str
 ) -> Iterator[Written]:
+    yield from _write_attributes(ctx, thing.extension_data)
     yield from _write_declaration(ctx, thing)
     yield from _write_object_id(ctx, thing.object_id)
     if id(thing) in ctx.parts:
@@ -445,6 +489,7 @@ _OBJECT_WRITERS: Writers = (
     (Interface, _write_interface),
     (DataTypeDeclaration, _write_data_type),
     (VariableSection, _write_declared),
+    (Variable, _write_variable),
     (Resource, _write_resource),
     (Configuration, _write_configuration),
     (Task, _write_task),

@@ -50,11 +50,11 @@ _IDS = re.compile(rb"<!--" + COMMENT_MARK.encode() + rb' ?\{"(?:id|entries)"')
 class Tc6Dialect:
     """TC6 XML as one tool or family of tools writes it.
 
-    `data_writer` gives the tool's own data of an object (its fields in `native_fields` are no extension data, nor do
-    texts of its declaration that are kept under one of `native_texts`), `data_rank` its place among the others.
-    `text_element` is the XHTML element of texts. `states_actions`: qualifier, duration and indicator are always
-    written. `lacks` names what is written but not understood by the tools that the file is for, each with the reason:
-    it is in the report as approximated.
+    `data_writer` gives the tool's own data of an object (its fields in `native_fields` are no extension data, nor are
+    texts of its declaration, by the names of the data that hold them in `native_texts`), `data_rank` its place among
+    the others. `text_element` is the XHTML element of texts. `states_actions`: qualifier, duration and indicator are
+    always written. `lacks` names what is written but not understood by the tools that the file is for, each with the
+    reason: it is in the report as approximated.
     """
 
     version: Tc6Version
@@ -64,7 +64,7 @@ class Tc6Dialect:
     tool: Tool | None = None
     lacks: dict[str, str] = field(default_factory=dict)
     native_fields: dict[str, frozenset[str]] = field(default_factory=dict)
-    native_texts: frozenset[str] = frozenset()
+    native_texts: dict[str, frozenset[str]] = field(default_factory=dict)
     data_writer: Callable[[Tc6WriteContext, Model, str], Iterable[Written]] | None = None
     data_rank: dict[str, int] = field(default_factory=dict)
 
@@ -317,7 +317,7 @@ def _merged(ctx: Tc6WriteContext, data: ForeignData, written: set[str]) -> bool:
     """True if the dialect has put extension data into its own data already."""
     texts = kept(ExtensionData(data=[data]))
     if texts:
-        return texts.keys() <= ctx.dialect.native_texts
+        return all(ctx.dialect.native_texts.get(name, _NONE) & written for name in texts)
     return data.name in written and ctx.dialect.data_writer is not None
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 from xml.sax.saxutils import escape, unescape
 
@@ -41,6 +41,22 @@ def kept(extension_data: ExtensionData | None) -> dict[str, str]:
         return {}
     entries = (entry for data in extension_data.data if data.name == KEPT_DATA for entry in kept_entries(data.content))
     return {name: unescape(text) for name, text, _ in entries}
+
+
+_ATTRIBUTE = re.compile(r"\{attribute\s+'(?P<name>[^']*)'(?:\s*:=\s*'(?P<value>[^']*)')?\s*\}", re.IGNORECASE)
+
+
+def attribute_pragmas(attributes: Sequence[tuple[str, str]]) -> str:
+    """Return attributes, by name with their values, as the pragmas before a declaration of CODESYS, a line each."""
+    values = [f" := '{value}'" if value else "" for _, value in attributes]
+    return "\n".join(f"{{attribute '{name}'{text}}}" for (name, _), text in zip(attributes, values, strict=True))
+
+
+def pragma_attributes(pragmas: str) -> list[tuple[str, str]] | None:
+    """Return the names and values of attributes in pragmas; None where one of the lines is something else."""
+    found = [_ATTRIBUTE.fullmatch(line.strip()) for line in pragmas.splitlines()]
+    named = [(each["name"], each["value"] or "") for each in found if each is not None]
+    return named if named and len(named) == len(found) else None
 
 
 class Inheritance(NamedTuple):
