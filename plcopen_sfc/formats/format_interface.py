@@ -218,7 +218,7 @@ class ChartHost:
     negated. Other tools take bodies in place, with the qualifiers P1 and P0. `has_tasks`: its files hold tasks.
     `has_methods`: its language is object-oriented, with the keywords for that. `il_conditions`: conditions may be
     instruction list. `keeps_bodies`: a step without associations has its main action in place. `by_bytes`: words at
-    direct addresses have the number of a byte.
+    direct addresses have the number of a byte. `names_lists`: texts name a variable with its list, ``GVL_IO.x``.
     """
 
     title: str
@@ -228,6 +228,7 @@ class ChartHost:
     il_conditions: bool = False
     keeps_bodies: bool = False
     by_bytes: bool = False
+    names_lists: bool = True
 
     @property
     def addresses(self) -> Dialect:

@@ -183,7 +183,7 @@ FORMATS: tuple[Format, ...] = (
         dialect=Dialect.IEC,
         one_sheet=True,
         standard="TC6",
-        charts=ChartHost("TC6", is_codesys=False),
+        charts=ChartHost("TC6", is_codesys=False, names_lists=False),
     ),
     Format(
         name="simaticml",
@@ -291,6 +291,7 @@ FORMATS: tuple[Format, ...] = (
             has_methods=False,
             il_conditions=True,
             keeps_bodies=True,
+            names_lists=False,
         ),
     ),
     Format(

@@ -50,8 +50,28 @@ def test_tc6_names_the_variables_without_their_list() -> None:
     assert action.body == m.StBody(text="n := n + y + z;")
 
 
+def test_codesys23_names_the_variables_without_their_list_and_gives_it_back() -> None:
+    """CoDeSys 2.3 has lists, with names that mean nothing in texts."""
+    project = listed()
+    chart = project.pou("Main").sfc
+    assert chart is not None
+    chart.step("S1").max_time = "GVL1.t"
+    project.applications[0].global_variables[0].variables += [
+        m.Variable.model_validate({"name": "t", "type": "TIME", "initial": {"kind": "simple", "text": "T#3s"}})
+    ]
+    data, report = sfc.convert(project, "codesys23")
+    assert "global variables" in {item.what for item in report.with_outcome(Outcome.TRANSLATED)}
+    text = sfc.convert(sfc.loads(data, as_tool=True), "codesys23")[0].decode()
+    assert "GVL1." not in text
+    assert "(* @SFCMAXTIME := 't' *)" in text
+    back = sfc.loads(sfc.convert(sfc.loads(data), "codesys")[0])
+    assert sfc.diff(project, back).changes == ()
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(("target", "flavour"), [("plcopen", ""), ("plcopen", "beremiz"), ("simaticml", "")])
+@pytest.mark.parametrize(
+    ("target", "flavour"), [("plcopen", ""), ("plcopen", "beremiz"), ("simaticml", ""), ("codesys23", "")]
+)
 def test_variables_of_lists_and_their_members_are_the_same_in_a_run(target: str, flavour: str) -> None:
     """TIA Portal has tags for addresses: the same word has another number there than in CODESYS."""
     text = PROGRAM.format(local="k", step="S1").replace("GVL1.y > 3", "job.count > 3 AND GVL1.w > 2")
@@ -70,9 +90,10 @@ def test_variables_of_lists_and_their_members_are_the_same_in_a_run(target: str,
     assert report.compared["POU Main"].startswith(("equal", "not all was reached")), report.compared
 
 
+@pytest.mark.parametrize("target", ["plcopen", "codesys23"])
 @pytest.mark.parametrize("source", [{"local": "y"}, {"step": "y"}, {"lists": ("GVL1", "GVL2")}])
-def test_a_variable_that_another_name_hides_keeps_its_list_and_is_told(source: dict[str, object]) -> None:
-    data, report = sfc.convert(listed(**source), "plcopen", partial=True)  # type: ignore[arg-type]
+def test_a_variable_that_another_name_hides_keeps_its_list_and_is_told(source: dict[str, object], target: str) -> None:
+    data, report = sfc.convert(listed(**source), target, partial=True)  # type: ignore[arg-type]
     told = [item.path for item in report.with_outcome(Outcome.NOT_EXECUTED) if item.what == "text"]
     assert "POU Main / action Act" in told
     assert len(told) == 2

@@ -320,8 +320,11 @@ def _lists(project: Project) -> Iterator[VariableSection]:
             yield section
 
 
-def declare_lists(project: Project, report: ConversionReport, marks: SourceMarks) -> None:
-    """Move the lists of `project`, a copy, into a configuration, and take their names out of its texts."""
+def declare_lists(project: Project, host: ChartHost, report: ConversionReport, marks: SourceMarks) -> None:
+    """Take the names of lists out of the texts of `project`, a copy, and move the lists into a configuration.
+
+    CoDeSys 2.3 has lists, with names that mean nothing in texts.
+    """
     counts = Counter(v.name.casefold() for section in _lists(project) for v in section.variables)
     members: dict[str, set[str]] = {}
     for section in _lists(project):
@@ -329,16 +332,20 @@ def declare_lists(project: Project, report: ConversionReport, marks: SourceMarks
             members.setdefault(section.name.casefold(), set()).update(v.name.casefold() for v in section.variables)
     shared = {name for name, count in counts.items() if count > 1}
     for name in sorted(shared):
-        why = "several lists have a variable of this name, and TC6 knows no lists: what names it does not compile"
+        why = f"several lists have one of this name, and {host.title} knows no lists: what names it does not compile"
         report.add(Outcome.NOT_EXECUTED, "global variable", f"global variable {name}", why)
     unqualifier = _Unqualifier(project, members, shared, marks)
     unqualifier.run()
     for path in dict.fromkeys(unqualifier.left):
-        why = "it names a variable with its list, which TC6 does not know: it does not compile"
+        why = f"it names a variable with its list, which {host.title} does not know: it does not compile"
         report.add(Outcome.NOT_EXECUTED, "text", path, why)
     for path, name in dict.fromkeys(unqualifier.hidden):
-        why = f"{name} keeps its list, which TC6 does not know, as another {name.rpartition('.')[2]} hides it"
+        why = f"{name} keeps its list, which {host.title} does not know, as another {name.rpartition('.')[2]} hides it"
         report.add(Outcome.NOT_EXECUTED, "text", path, f"{why}: it does not compile")
+    if host.is_codesys:
+        for around in dict.fromkeys(section.name for section in _lists(project) if section.name):
+            report.add(Outcome.TRANSLATED, "global variables", f"global variables {around}", "named without their list")
+        return
     moved: list[VariableSection] = []
     for section in project.global_variables:
         source = section.model_dump(mode="json", exclude_none=True)

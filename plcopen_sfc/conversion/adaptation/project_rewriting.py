@@ -117,11 +117,11 @@ def _code_in_c(this: ProjectAdaptation) -> None:
 
 
 def _has_foreign_lists(this: ProjectAdaptation) -> bool:
-    return has_lists(this.project) and not this.host.is_codesys
+    return has_lists(this.project) and not (this.host.names_lists or this.options.same)
 
 
 def _lists(this: ProjectAdaptation) -> None:
-    declare_lists(this.project, this.report, this.marks)
+    declare_lists(this.project, this.host, this.report, this.marks)
 
 
 def _charts(this: ProjectAdaptation) -> None:
@@ -227,8 +227,8 @@ RULES = (
     ),
     AdaptationRule(
         "a list of global variables, `GVL_IO.x`",
-        "TC6",
-        "variables of the configuration, `x`",
+        "TC6, CoDeSys 2.3",
+        "variables of the configuration, in CoDeSys 2.3 of the list, `x`",
         _has_foreign_lists,
         _lists,
         keeps_source=True,
@@ -238,7 +238,7 @@ RULES = (
         "all",
         "a chart in the terms of the target",
         lambda this: (
-            _has_foreign_lists(this)  # their names are in texts of charts
+            (_has_foreign_lists(this) and not this.host.is_codesys)  # their names are in texts of charts
             or any(needs_rewriting(chart, this.host, this.options) for chart in this.project.charts())
         ),
         _charts,

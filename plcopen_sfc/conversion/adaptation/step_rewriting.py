@@ -161,7 +161,8 @@ class StepRewriter:
             if step.main_action is not None:
                 self._main_action(step)
         for name in _KEPT_ONLY:
-            setattr(step, name, getattr(source, name))
+            if name != "max_time" or not self._host.is_codesys:  # where it sets SFCError
+                setattr(step, name, getattr(source, name))
         self._mark(step)
 
     def _mark(self, step: Step) -> None:

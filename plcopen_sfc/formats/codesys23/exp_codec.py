@@ -46,7 +46,7 @@ from plcopen_sfc.formats.text_patch import (
 from plcopen_sfc.languages.binding.text_sites import text_sites
 from plcopen_sfc.languages.declarations import write_type, write_value
 from plcopen_sfc.languages.declarations.declaration_comments import LINE_END
-from plcopen_sfc.languages.declarations.kept_texts import kept
+from plcopen_sfc.languages.declarations.kept_texts import kept, pragma_attributes
 from plcopen_sfc.languages.pragmas import RemainderEntry, changes, plain_fields
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, transform, walk
@@ -372,8 +372,12 @@ def _section(section: VariableSection) -> WrittenBlock:
 
 
 def _each_text(block: WrittenBlock) -> WrittenBlock:
-    """Return a block of declarations in the terms of CoDeSys 2.3, at the start of the line as it has them."""
-    text = _bare_lists(_block_comments(block.text))
+    """Return a block of declarations in the terms of CoDeSys 2.3, at the start of the line as it has them.
+
+    It has no attributes before declarations: a comment keeps them with all else that the text does not express.
+    """
+    lines = [line for line in block.text.split("\n") if pragma_attributes(line) is None]
+    text = _bare_lists(_block_comments("\n".join(lines)))
     if block.key[0] in ("head", "end"):
         text = "\n".join(line.lstrip() for line in text.split("\n"))
     else:
