@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from plcopen_sfc.conversion import Part, executed
 from plcopen_sfc.conversion.adaptation import rewrite_project
 from plcopen_sfc.conversion.adaptation.called_methods import adapt_calls
+from plcopen_sfc.conversion.adaptation.extended_types import include_bases
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.documents.legal_names import give_legal_names
 from plcopen_sfc.documents.target_differences import note_differences
@@ -75,6 +76,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         # letters of a GRAFCET follow rules of their own
         give_legal_names(copy, kind.dialect, kind.tool, report, with_letters=not of_grafcet)
         _write_calls_as_statements(copy, kind, dialect, options, report)
+        if not kind.extends:
+            include_bases(copy, report)
         adapt_calls(copy, dialect, kind.tool, report, with_instances=not options.flavour)
     if kind.xml and kind.name != TIA_FORMAT and project.dialect is Dialect.SCL and dialect not in (None, Dialect.SCL):
         translate_boxes(copy, dialect, kind.tool, report)

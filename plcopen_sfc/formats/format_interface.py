@@ -263,8 +263,9 @@ class Format:
     networks in its files, `one_sheet`: all networks of a body are on one. `il_conditions`, `il_bodies`: the conditions
     of its charts, and bodies, may be in IL. `used_first`: its files have each block behind those that it names, so that
     the order of blocks and types is not kept. `flags_as_conditions`: its charts have no SFC flags, and get conditions
-    that obey them. `extension_data`: its files keep what only this package reads. `charts` has the abilities of its
-    charts, where other charts are put into their terms. `standard` is what its versions are of.
+    that obey them. `extends`: its tools know types that extend others. `extension_data`: its files keep what only this
+    package reads. `charts` has the abilities of its charts, where other charts are put into their terms. `standard` is
+    what its versions are of.
     """
 
     name: str
@@ -291,6 +292,7 @@ class Format:
     il_bodies: bool = True
     used_first: bool = False
     flags_as_conditions: bool = False
+    extends: bool = False
     extension_data: bool = True
     charts: ChartHost | None = None
     standard: str = ""

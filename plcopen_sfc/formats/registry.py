@@ -158,6 +158,7 @@ FORMATS: tuple[Format, ...] = (
         standard="TC6",
         il_conditions=False,
         charts=ChartHost("CODESYS", is_codesys=True),
+        extends=True,
     ),
     Format(
         name="plcopen",
@@ -235,6 +236,7 @@ FORMATS: tuple[Format, ...] = (
         il_bodies=False,
         extension_data=False,
         charts=ChartHost("TwinCAT", is_codesys=True, by_bytes=True),
+        extends=True,
     ),
     Format(
         name="codesys-export",
@@ -253,6 +255,7 @@ FORMATS: tuple[Format, ...] = (
         il_bodies=False,
         extension_data=False,
         charts=ChartHost("CODESYS", is_codesys=True, has_tasks=False),
+        extends=True,
     ),
     Format(
         name="json",

@@ -35,8 +35,10 @@ END_FUNCTION_BLOCK
 
 @pytest.mark.parametrize("target", ["plcopen-1.01", "plcopen-2.01", "simaticml", "scl"])
 def test_what_types_and_blocks_extend_is_named_where_the_target_has_no_such(target: str) -> None:
-    found = losses(HEAD + BASES + MAIN % ("d : Der; f : FbDer;", "n := d.x + f.o;"), target)
-    assert "does not extend `Base`" in found["type Der", "extends"]
+    foreign = "TYPE Own EXTENDS Library.Part : STRUCT y : INT; END_STRUCT; END_TYPE\n"
+    found = losses(HEAD + BASES + foreign + MAIN % ("d : Der; f : FbDer;", "n := d.x + f.o;"), target)
+    assert "does not extend `Library.Part`" in found["type Own", "extends"]
+    assert ("type Der", "extends") not in found  # has the members of its base
     assert "does not extend `FbBase`" in found["POU FbDer", "extends"]
     assert "does not implement `IThing`" in found["POU FbDer", "implements"]
     assert not any("please report" in why for why in found.values())

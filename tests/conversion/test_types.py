@@ -41,6 +41,26 @@ def test_initial_values_of_types_are_those_of_arrays_and_members(target: str) ->
     assert sfc.simulate(result, pou="Main", scans=1)["n"] == [35]
 
 
+EXTENDED = """{plcopen_sfc project.dialect := 'codesys'}
+TYPE Third EXTENDS second : STRUCT c : INT := 3; END_STRUCT; END_TYPE
+TYPE Second EXTENDS First : STRUCT b : INT := 2; END_STRUCT; END_TYPE
+TYPE First : STRUCT a : INT := 1; END_STRUCT; END_TYPE
+FUNCTION_BLOCK Main
+VAR_OUTPUT n : INT; END_VAR
+VAR x : Third := (c := 5, a := 7); y : Second; END_VAR
+n := n + x.a * 1000 + x.b * 100 + x.c * 10 + y.a;
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.mark.parametrize("target", ["simaticml", "scl", "codesys", "plcopen", "codesys23"])
+def test_structures_have_the_members_of_those_that_they_extend(target: str) -> None:
+    data, report = sfc.convert(sfc.loads(EXTENDED.encode(), format="iec-text"), target)
+    assert report.losses == []
+    result = sfc.loads(data, format=target, as_tool=True)
+    assert sfc.simulate(result, pou="Main", scans=2)["n"] == [7251, 14502]
+
+
 FUNCTION = """FUNCTION F : INT
 VAR_INPUT x : INT := 5; y : INT; END_VAR
 VAR CONSTANT k : INT := 2; END_VAR

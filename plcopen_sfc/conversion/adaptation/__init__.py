@@ -8,6 +8,7 @@
 `sequence_loops`      sequences that a chart of the target cannot hold, as a loop of each step
 `global_variables`    tags, data blocks and lists of global variables
 `called_methods`      methods as functions, before texts are translated; `called_programs`: programs that others call
+`extended_types`      structures that extend others
 `chart_rewriting`     a chart that is being rewritten
 `flag_transitions`    SFC flags of CODESYS in S7-GRAPH, with `boxes_before_conditions` for timers and edges;
                       `flags_in_tc6`: in TC6
