@@ -15,6 +15,7 @@ from plcopen_sfc.documents.legal_names import give_legal_names
 from plcopen_sfc.documents.target_differences import note_differences
 from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, NetworkForm, WriteOptions
 from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
+from plcopen_sfc.languages.library_blocks import put_flip_flops
 from plcopen_sfc.languages.s7_boxes import translate_boxes
 from plcopen_sfc.languages.s7_programs import has_results, name_results
 from plcopen_sfc.languages.translation.translation_context import family
@@ -79,6 +80,10 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         if not kind.extends:
             include_bases(copy, report)
         adapt_calls(copy, dialect, kind.tool, report, with_instances=not options.flavour)
+    if dialect is Dialect.SCL and project.dialect is not Dialect.SCL and not options.same:
+        for path, block in put_flip_flops(copy):
+            why = f"SCL calls no flip-flops: it is an instance of {block}, whose statements are in the file"
+            report.add(Outcome.TRANSLATED, "instance", path, why)
     if kind.xml and kind.name != TIA_FORMAT and project.dialect is Dialect.SCL and dialect not in (None, Dialect.SCL):
         translate_boxes(copy, dialect, kind.tool, report)
     if of_grafcet:

@@ -91,3 +91,31 @@ def loaded_boxes(data: bytes) -> list[m.Block]:
     body = sfc.loads(data).pou("Main").bodies[0]
     assert isinstance(body, m.FbdBody)
     return [node for network in body.networks for node in network.nodes if isinstance(node, m.Block)]
+
+
+CALLED = """FUNCTION_BLOCK Main
+VAR_INPUT a, b : BOOL; END_VAR
+VAR_OUTPUT q : BOOL; END_VAR
+VAR f : %s; END_VAR
+f(%s := a, %s := b); q := f.Q1;
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.mark.parametrize("target", ["simaticml", "scl"])
+@pytest.mark.parametrize(
+    ("kind", "pins", "dialect"),
+    [(kind, pins, m.Dialect.IEC) for kind, pins in PINS.items()]
+    + [("SR", ("SET1", "RESET"), m.Dialect.CODESYS), ("RS", ("SET", "RESET1"), m.Dialect.CODESYS)],
+)
+def test_a_flip_flop_that_texts_call_is_a_block_of_its_own_in_s7(
+    kind: str, pins: tuple[str, str], dialect: m.Dialect, target: str
+) -> None:
+    project = sfc.loads((CALLED % (kind, *pins)).encode(), format="iec-text")
+    project.dialect = dialect
+    assert values(project) == EXPECTED[kind]
+    data, report = sfc.convert(project, target)
+    assert report.losses == []
+    seen = sfc.loads(data, format=target, as_tool=True)
+    assert values(seen) == EXPECTED[kind]
+    assert values(sfc.loads(sfc.convert(seen, "plcopen-2.01")[0], as_tool=True)) == EXPECTED[kind]

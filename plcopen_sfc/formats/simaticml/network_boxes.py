@@ -14,10 +14,11 @@ from plcopen_sfc.formats.simaticml.added_elements import RETURN
 from plcopen_sfc.formats.simaticml.declaration_spelling import write_type
 from plcopen_sfc.formats.simaticml.element_reader import NotUnderstoodError
 from plcopen_sfc.languages.binding.text_sites import TextSite, text_sites
+from plcopen_sfc.languages.library_blocks import FLIP_FLOPS, flip_flop_instances, is_output, more_than_outputs
 from plcopen_sfc.languages.networks.network_graph import wires_of
 from plcopen_sfc.languages.s7_programs import RESULT
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import render, transform, walk
+from plcopen_sfc.languages.st import render, transform
 from plcopen_sfc.languages.st.literals import INTEGER_RANGES, SHORT_TYPES, LiteralError, LiteralKind, literal_value
 from plcopen_sfc.languages.standard_blocks import S7_CONVERTED, S7_VERSION, StandardBlock, Tool, standard_block
 from plcopen_sfc.model.base import ExtensionData
@@ -26,7 +27,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block, BlockCall, BlockVariable, InputPin, LogicNetwork
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Variable
+from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import PASSED, Interface, SectionKind
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -184,20 +185,19 @@ def template_type(name: str) -> str:
     return "Cardinality" if name in CARDINALITIES else "Type"
 
 
-_FLIP_FLOPS = frozenset({"RS", "SR"})
 _EDGES = frozenset({"R_TRIG", "F_TRIG"})
 
 
 def put_operands(project: Project, report: ConversionReport) -> None:
     """Make variables of the instances of flip-flops, and boxes with an instance of edges that have one."""
     own = {pou.name.upper() for pou in project.pous}
-    flip_flops, edges = _FLIP_FLOPS - own, _EDGES - own
+    flip_flops, edges = FLIP_FLOPS - own, _EDGES - own
     texts: dict[int, list[TextSite]] = {}
-    for text_site in text_sites(project) if any(_instances(pou, flip_flops) for pou in project.pous) else ():
+    for text_site in text_sites(project) if any(flip_flop_instances(pou, flip_flops) for pou in project.pous) else ():
         if text_site.is_program_text and text_site.site.pou is not None:
             texts.setdefault(id(text_site.site.pou), []).append(text_site)
     for pou in project.pous:
-        _put_flip_flops(project, pou, _instances(pou, flip_flops), texts.get(id(pou), []), report)
+        _put_flip_flops(project, pou, flip_flop_instances(pou, flip_flops), texts.get(id(pou), []), report)
     for _, body in _drawn(project):
         for block in _blocks(body):
             if block.type_name.upper() in edges and block.instance:
@@ -219,7 +219,7 @@ def _put_flip_flops(
         text_site for text_site in texts if not (isinstance(text_site.holder, Block) and text_site.key == "instance")
     ]
     parsed = [(text_site, text_site.parsed(project.dialect)) for text_site in texts]
-    kept = {name for _, found in parsed for name in _otherwise_used(found.tree, instances)}
+    kept = {name for _, found in parsed for name in more_than_outputs(found.tree, instances)}
     for name in sorted(kept):
         why = "TIA Portal has no such function block, and the text uses it otherwise than a box could"
         report.add(Outcome.APPROXIMATED, "instance", f"POU {pou.name} / {instances[name].name}", why)
@@ -240,11 +240,6 @@ def _put_flip_flops(
         report.add(Outcome.TRANSLATED, "instance", f"POU {pou.name} / {variable.name}", why)
 
 
-def _instances(pou: Pou, types: frozenset[str]) -> dict[str, Variable]:
-    derived = ((v, v.type) for v in pou.variables() if isinstance(v.type, DerivedType))
-    return {v.name.casefold(): v for v, type_ in derived if type_.name.upper() in types}
-
-
 def _drawn(project: Project) -> Iterator[tuple[Pou, object]]:
     """Yield the bodies of blocks and of permanent instructions, each with its block."""
     yield from ((pou, body) for _, pou, body in project.bodies())
@@ -263,19 +258,7 @@ def _name(instance: str | None) -> str:
 
 def _value(node: n.Node, instances: Mapping[str, Variable]) -> n.Node:
     """Return the variable itself for its output ``Q1``."""
-    if isinstance(node, n.Member) and isinstance(node.base, n.Name) and node.name.identifier.upper() in ("Q1", "Q"):
-        return node.base if node.base.identifier.casefold() in instances else node
-    return node
-
-
-def _otherwise_used(tree: n.Node, instances: Mapping[str, Variable]) -> Iterator[str]:
-    """Yield the instances of which a text uses more than their output."""
-    nodes = list(walk(tree))
-    fine = {id(node.base) for node in nodes if isinstance(node, n.Member) and _value(node, instances) is not node}
-    members = {id(node.name) for node in nodes if isinstance(node, n.Member | n.Argument)}
-    for node in nodes:
-        if isinstance(node, n.Name) and id(node) not in fine | members and node.identifier.casefold() in instances:
-            yield node.identifier.casefold()
+    return node.base if isinstance(node, n.Member) and is_output(node, instances) else node
 
 
 _CALLS = {PouKind.FUNCTION_BLOCK: BlockCall.FUNCTION_BLOCK, PouKind.FUNCTION: BlockCall.FUNCTION}
