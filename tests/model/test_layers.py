@@ -40,6 +40,7 @@ def test_no_module_of_the_model_names_a_higher_layer():
                 assert name.split(".")[1] in BELOW, f"{path.name} names {name}"
 
 
+DEFINED = re.compile(r"^ *(?:def|class) (\w+)|^(\w+)(?:: .*)? =|^    (\w+):(?: |$)|^    ([A-Z]\w*) =", re.MULTILINE)
 CLASS = re.compile(r"^class ([A-Z]\w*)", re.MULTILINE)
 IMPORT = re.compile(r"^ *(?:from (plcopen_sfc[\w.]*) import (\([^)]*\)|.*)|import (plcopen_sfc[\w.]*))", re.MULTILINE)
 
@@ -82,10 +83,20 @@ def test_each_package_maps_its_modules_and_contributing_names_files_that_there_a
         named = {word for _, code in re.findall(r"(`+)(.+?)\1", told) for word in re.findall(r"\w+", code)}
         unmapped += [str(init.parent / name) for name in sorted(modules - named - {"__init__"})]
     assert unmapped == []
-    named = set(re.findall(r"`(?:[\w/]+/)?(\w+\.py)`", (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")))
+    contributing = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"`(?:[\w/]+/)?(\w+\.py)`", contributing))
     known = {path.name for folder in ("plcopen_sfc", "tests") for path in (ROOT / folder).rglob("*.py")}
     assert len(named) > 40
     assert named - known == set()
+    stations = set(re.findall(r"`([A-Za-z_]\w+)`", contributing[contributing.index("## Where things are") :]))
+    assert len(stations) > 40
+    assert stations - {"iec2c", "mypy", "corpus", "lib", "MATIEC_LIB", "diff"} - set(_defined()) == set()
+
+
+def _defined() -> Iterator[str]:
+    """Yield the names of functions, classes, fields and constants of the package."""
+    for path in (ROOT / "plcopen_sfc").rglob("*.py"):
+        yield from (name for names in DEFINED.findall(path.read_text(encoding="utf-8")) for name in names if name)
 
 
 @pytest.mark.slow
