@@ -485,6 +485,10 @@ class ExecutedChartReader:
     # -- around the steps
 
     def _settings(self, chart: Part) -> None:
+        """Tell what operates and watches the chart: SFC flags, parameters of S7-GRAPH, settings of its block.
+
+        Where texts are compared as they are written (`detail`), settings are told that no controller executes.
+        """
         resting = self.owner.flags_at_rest(self.pou, self.flags) if not self.owner.detail else set()
         for flag in sorted(self.flags):
             name = flag.variable

@@ -507,6 +507,7 @@ class _Reader:
     # -- POUs
 
     def _pou(self, pou: Pou) -> None:
+        """Add a POU: its declarations, bodies and methods, and the actions that its bodies do not bring along."""
         part = self.whole.add("POU", pou.name, pou.report_path, pou)
         self.own = self._hiding(pou)
         self.tell_comment(part, pou)

@@ -75,6 +75,7 @@ def compare(
 
 
 def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Iterator[ExecutionDifference]:
+    """Yield the differences between two parts and all inside them; `steps` are those around, for the report."""
     for aspect in dict.fromkeys((*left.aspects, *right.aspects)):
         mine, theirs = left.aspects.get(aspect), right.aspects.get(aspect)
         if aspect == "order of transitions":

@@ -81,8 +81,11 @@ def in_order(chart: SfcNetwork, drawing: Drawing) -> bool:
 
 
 def _complete(chart: SfcNetwork, drawing: Drawing) -> bool:
-    # Files are written from the drawing: a symbol too few or too many, or wired otherwise, is a chart that does
-    # something else.
+    """True if a drawing has each step, transition and association of its chart once, where it belongs.
+
+    Files are written from the drawing: a symbol too few or too many, or wired otherwise, is a chart that does
+    something else.
+    """
     steps = {step.id: step for step in chart.steps}
     transitions = {t.id: t for t in chart.transitions}
     nodes = {node.id for node in chart.logic}
@@ -124,6 +127,7 @@ def _complete(chart: SfcNetwork, drawing: Drawing) -> bool:
             return False
     if len(drawn) != len(transitions) or set(drawn) != transitions.keys():
         return False
+    # conditions are drawn in one way: all beside their transitions, or all wired to symbols of their own
     if len(set(expressions)) != len(expressions) or 0 < inline < len(expressions):
         return False
     if any(i not in symbols or symbols[i].kind is not SymbolKind.EXPRESSION for i in expressions):

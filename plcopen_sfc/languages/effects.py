@@ -91,7 +91,7 @@ def reads(node: Expression | Statement) -> frozenset[Path]:
         elif isinstance(item, n.Assignment | n.AssignmentExpression):
             waiting += [item.value, *_read_to_find(item.target)]
         elif isinstance(item, n.Index):
-            found.add(path_of(item))
+            found.add(path_of(item))  # that of the array: which element it is, only a run tells
             waiting += [item.base, item.indices]
         elif isinstance(item, n.Name | n.Member | n.Address | n.Dereference | n.Peripheral):
             found.add(path_of(item))
@@ -99,7 +99,7 @@ def reads(node: Expression | Statement) -> frozenset[Path]:
                 waiting += [at for at in walk(item) if isinstance(at, n.Index | n.Call)]
         elif isinstance(item, n.Call):
             waiting.append(item.arguments)
-            if not isinstance(item.callee, n.Name):
+            if not isinstance(item.callee, n.Name):  # a method or an action: the instance before it is read
                 found.add(path_of(item.callee))
         elif isinstance(item, n.CallStatement) and isinstance(item.call, n.Name):
             pass  # an action

@@ -457,6 +457,10 @@ class _Chart:
     # -- actions
 
     def _actions(self, path: str) -> None:
+        """Rewrite all actions. Those of several steps that write one variable decide about it together.
+
+        A continuous action is FALSE where its step is inactive, so each row would switch off what another one holds.
+        """
         conditional: dict[str, list[_Use]] = {}
         timed: dict[str, list[_Use]] = {}
         stored: dict[str, list[ActionAssociation]] = {}

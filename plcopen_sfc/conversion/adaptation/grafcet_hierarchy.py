@@ -243,6 +243,11 @@ class Rules:
                     self._edged |= {each.id for each in made}
 
     def _rule(self, ruled: RuledChart, idle: Step | None) -> None:
+        """Let orders and enclosing steps act on a chart: by transitions from each step to the one that they activate.
+
+        `idle` is the added step of a chart that has times without any active step. A transition of the chart does not
+        fire while an order holds, nor in the scan in which the enclosing step activates the step that it leaves.
+        """
         steps = [self._flat.steps[i] for i in indexes(ruled.steps)]
         own = self._of(ruled)
         waits = [(self._steps(order.steps), order.imposed) for order in ruled.orders]

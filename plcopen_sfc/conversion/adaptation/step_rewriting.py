@@ -421,6 +421,7 @@ class StepRewriter:
         return plain and row.event in _PULSES and not self._host.is_codesys
 
     def _row(self, step: Step, row: ActionAssociation, rows: _Rows) -> None:
+        """Sort a row into `rows`: kept, kept with another qualifier, as a statement, or left out with a reason."""
         if row.exclude and not self._host.is_codesys:
             self._note(
                 Outcome.TRANSLATED, "excluded action", step, f"`{_called(row)}` is left out: CODESYS excludes it"

@@ -167,6 +167,7 @@ class _Reader:
     # -- lines
 
     def _statement(self, line: str, start: int) -> None:
+        """Read a line, without blanks around it, that begins at an offset. Raises `StructureError` for any other."""
         end = start + len(line)
         if line.startswith("//"):
             if not _OWN.match(line):

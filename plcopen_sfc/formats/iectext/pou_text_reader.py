@@ -245,6 +245,7 @@ def _body_region(
 
 
 def _read_part(src: TextSource, part: TextPart, gap: tuple[int, int], container: UnitText) -> None:
+    """Read a part of a unit into `container`; `gap` is the text before it, whose comments and pragmas belong to it."""
     place = container.path
     if part.kind is PartKind.VAR:
         sections = read_section(src, part, gap, place)

@@ -206,6 +206,11 @@ class ChartTextWriter:
     def _association(
         self, association: ActionAssociation, number: int, in_place: list[tuple[str, Body]], index: int, path: str
     ) -> str:
+        """Return the line of an association in its step.
+
+        `wanted` are the fields that the line has, `read_back` those that a reader gets from it, and `intended` those
+        of the association: the pragmas beside the line have the difference of the last two.
+        """
         inner = self.indent + INDENT
         step, name = self.chart.steps[index], self.names[index]
         body = association.body

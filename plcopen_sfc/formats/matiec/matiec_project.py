@@ -93,6 +93,7 @@ def _typed_functions(project: Project) -> dict[str, DataType]:
 
 
 def _fit_pou(unit: FittedPou, final_scan: bool | None, *, same_loops: bool, relies: bool) -> None:
+    """Change a POU into one that matiec compiles: one body, actions of its chart only, statements in its spelling."""
     pou = unit.pou
     if pou.kind is PouKind.ORGANIZATION_BLOCK:
         pou.kind = PouKind.PROGRAM

@@ -76,6 +76,10 @@ def read_node(ctx: Tc6ReadContext, element: etree._Element, local: str) -> Field
 
 
 def _read_node_child(ctx: Tc6ReadContext, child: etree._Element, owner: str, fields: Fields) -> None:
+    """Read a child of the drawn element `owner` into its fields.
+
+    A child that TC6 has for other elements only is kept as extension data, as unknown ones are.
+    """
     local = ctx.tags.get(child.tag)
     if local == "position":
         point = read_point(child)

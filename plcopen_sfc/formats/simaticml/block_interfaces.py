@@ -352,6 +352,7 @@ def write_member(
     if _reports_type(ctx, variable, type_, spelled):
         native.discard("type")
         reported.add("type")
+    # the comment keeps fields of the source beside what is written for them; the digest tells an edit of the latter
     if "type" not in native or also or (variable.initial is not None and "initial" not in native):
         also[WRITTEN] = member_digests(element)
     finish(ctx, element, variable, frozenset(native), also=also, reported=frozenset(reported))

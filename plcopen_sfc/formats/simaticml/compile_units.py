@@ -183,6 +183,8 @@ def _read_unit(ctx: DocumentReading, unit: etree._Element, late: Fields) -> tupl
             keep_attribute(own, f"@{key}", value)
     read_comments(ctx, unit, own)
     parts = children(source) if source is not None else []
+    # `written` is the digest of what was written in place of a text or body of the source: the comment keeps that, and
+    # it counts only while the network was not edited
     written = own.pop(WRITTEN, None)
     if written is not None and source is not None and written != code_digest(source):
         warn_of_edit(ctx, "the text", unit)

@@ -258,7 +258,7 @@ def read_project(
     fields["tag_tables"] = []
     _find_schemas(ctx, root)
     ranks = [_rank(local(child)) for child in children(root) if local(child) not in ("Engineering", "DocumentInfo")]
-    usual = ranks == sorted(ranks)
+    usual = ranks == sorted(ranks)  # else ids tell in which order the objects of all kinds are
     frame: set[str] = set()
     for place, child in enumerate(root):
         kind = local(child)

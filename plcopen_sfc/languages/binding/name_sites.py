@@ -98,6 +98,7 @@ def in_tree(node: n.Node, dialect: Dialect, access: str = "") -> Iterator[Refere
         yield from in_tree(node.target, dialect)
         yield from _expecting(node.target, node.value, dialect)
     elif isinstance(node, n.Operation) and node.operator in (n.Operator.EQUAL, n.Operator.UNEQUAL):
+        # as in an assignment, a bare name may be a value of the enumeration on the other side
         left, right = node.operands
         yield from _expecting(right, left, dialect)
         yield from _expecting(left, right, dialect)

@@ -379,12 +379,13 @@ def _collect_fields(thing: Model, where: _Where, found: list[TextSite]) -> None:
 
 
 def _add_named(holder: Any, key: str | int, how: tuple[SiteKind, Role], where: _Where, found: list[TextSite]) -> None:
+    """Add the text of a field, read as the objects around it tell where its class alone does not."""
     reading, role = how
     owner = where.owner
     if isinstance(holder, n.Connection):
         owner = (where.nodes or {}).get(holder.source)
         if not isinstance(owner, n.Block | n.VendorElement):
-            return
+            return  # the pins of all other elements have no names that something declares
     elif isinstance(holder, ForeignData) and isinstance(owner, VariableSection) and holder.name.endswith(_PARTS):
         reading = SiteKind.REPEATED
     elif isinstance(holder, ForeignData) and holder.name == KEPT_DATA:
@@ -395,7 +396,7 @@ def _add_named(holder: Any, key: str | int, how: tuple[SiteKind, Role], where: _
         return  # a name of its own
     elif isinstance(holder, TreeNode):
         if holder.folder:
-            return
+            return  # the name of a folder, which is no declaration
     elif isinstance(holder, n.Block) and key == "type_name" and holder.instance:
         role = Role.TYPE
     if not isinstance(key, int) and key not in _UNSAID:

@@ -235,6 +235,7 @@ class NetworkReader:
     # -- elements
 
     def _execute(self, node: Node) -> None:
+        """Add what an element does to the statements, in its turn, and put its value on the wires that leave it."""
         self.comment(node.id, node.comment)
         if isinstance(node, Block):
             parameters = node.parameters

@@ -166,6 +166,9 @@ def tokenize(
     `comments_of`: the dialect of its comments where that is another one. `embedded_code`: ``{{ .. }}`` is a token, as
     it is executed where it is among statements; else it is a pragma.
     """
+    # Every text goes through this loop: it is one function, with bound methods in local names, as calls would take
+    # longer than the work. What depends on the token before is decided here, so that the grammar needs no look-ahead:
+    # keywords behind a dot are members, and ``S=`` is an assignment behind an operand only.
     words = _words(dialect, keywords)
     known = words.get
     tokens: list[Token] = []

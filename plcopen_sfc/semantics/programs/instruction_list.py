@@ -83,6 +83,10 @@ class InstructionTranslator:
             self._one(instruction)
 
     def _one(self, instruction: Instruction) -> None:
+        """Translate an instruction (ed. 3, table 68). Raises `SimulationError` for an unknown one.
+
+        `_result` is None where nothing was loaded yet, or where no way leads to.
+        """
         word = instruction.operator.upper()
         trees: list[n.Expression] = []
         for operand in instruction.operands:
