@@ -18,8 +18,8 @@ from plcopen_sfc.analysis.knowledge import Knowledge, ValueKind, VariableValues,
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.languages.effects import targets
 from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
+from plcopen_sfc.languages.st import names_of, parse_condition, walk
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_condition, walk
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model.conditions import Expression as Condition
 from plcopen_sfc.model.dialect import Dialect
@@ -222,9 +222,5 @@ def _written(condition: NetworkExpression) -> frozenset[str]:
     found = {helper.name.casefold() for helper in condition.helpers}
     for statement in condition.before:
         written = [*targets(statement), *(node.callee for node in walk(statement) if isinstance(node, n.Call))]
-        found |= {name for each in written for name in _names(each)}
+        found |= {name for each in written for name in names_of(each)}
     return frozenset(found)
-
-
-def _names(tree: n.Node) -> set[str]:
-    return {node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name)}

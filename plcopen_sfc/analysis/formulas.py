@@ -31,8 +31,8 @@ from plcopen_sfc.analysis.knowledge import (
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.effects import is_standard_call, path_of
 from plcopen_sfc.languages.networks import normal_form
+from plcopen_sfc.languages.st import names_of, print_node, walk
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.literals import LiteralKind, LiteralValue, write_literal
 from plcopen_sfc.languages.st.nodes import Expression, Operator
 from plcopen_sfc.languages.words import folded
@@ -534,7 +534,7 @@ class Formula:
         return constant_of(tree, self.dialect, self.knowledge)
 
     def _domain(self, tree: Expression) -> VariableValues | None:
-        if self.knowledge is None or not isinstance(tree, n.Name | n.Member | n.Index | n.Address):
+        if self.knowledge is None or not isinstance(tree, n.Operand):
             return None
         known = self.knowledge(tree)
         return known if isinstance(known, VariableValues) else None
@@ -592,8 +592,7 @@ class Formula:
         calls = [node for node in walk(tree) if isinstance(node, n.Call)]
         if any(not is_standard_call(call) for call in calls):
             return f"{text} at {id(tree)}"
-        names = {node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name)}
-        return f"{text} in condition {self._side}" if names & self._own else text
+        return f"{text} in condition {self._side}" if names_of(tree) & self._own else text
 
     def _unknown(self, tree: Expression, why: str) -> Any:
         z3, context = z3_context()

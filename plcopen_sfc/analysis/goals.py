@@ -331,7 +331,7 @@ class Goals:
                     yield Goal(goal.name, tree, goal.chart, goal.bit, goal.sources)
 
     def _reads_inputs(self, tree: Expression) -> bool:
-        paths = (node for node in walk(tree) if isinstance(node, n.Name | n.Member | n.Index | n.Address))
+        paths = (node for node in walk(tree) if isinstance(node, n.Operand))
         return any(self._input(print_node(node)) is not None for node in paths)
 
     def constants(self, signal: Signal) -> Iterator[Value]:
@@ -511,7 +511,7 @@ class Goals:
         for node in walk(tree):
             if isinstance(node, n.Call):
                 return None
-            if isinstance(node, n.Name | n.Member | n.Index | n.Address) and self._input(print_node(node)) is not None:
+            if isinstance(node, n.Operand) and self._input(print_node(node)) is not None:
                 return None
         instance = self.system.instance
         try:

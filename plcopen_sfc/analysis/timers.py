@@ -23,7 +23,7 @@ from plcopen_sfc.languages.effects import plain_path
 from plcopen_sfc.languages.networks.network_graph import wires_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk
-from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
+from plcopen_sfc.languages.st.literals import duration_of
 from plcopen_sfc.languages.st.walking import children
 from plcopen_sfc.model.conditions import Expression, WiredCondition
 from plcopen_sfc.model.dialect import Dialect
@@ -83,7 +83,7 @@ def clocking(subjects: Sequence[Subject], scan_time: int | None) -> Clocking:
 def _constants(texts: Iterable[BoundText]) -> set[int]:
     """Return the durations that times are compared with, or that timers are started with."""
     literals = (node for text in texts for tree in _trees(text) for node in walk(tree) if isinstance(node, n.Literal))
-    return {value for literal in literals if (value := _duration(literal)) is not None and value > 0}
+    return {value for literal in literals if (value := duration_of(literal)) is not None and value > 0}
 
 
 def _own_charts(subject: Subject) -> list[SfcNetwork]:
@@ -98,7 +98,7 @@ def step_times(subject: Subject, scan_time: int) -> StepTimes:
     steps = [step for chart in charts for step in chart.steps]
     durations = [a.duration for step in steps for a in step.actions]
     durations += [time for step in steps for time in (step.min_time, step.max_time, step.warning_time)]
-    known = all(duration is None or _is_duration(duration.strip()) for duration in durations)
+    known = all(duration is None or duration_of(duration) is not None for duration in durations)
     plain = all(read.is_compared for read in reads)
     limit = max(_constants(texts), default=0) + scan_time if plain and known else None
     return StepTimes(limit, *_steps_read(charts, [read.step for read in reads], subject.project.dialect))
@@ -158,7 +158,7 @@ def _reads_of_times(text: BoundText) -> Iterator[_TimeRead]:
         for node in walk(tree):
             if isinstance(node, n.Operation) and node.operator in n.COMPARISONS:
                 time, constant = node.operands
-                if isinstance(constant, n.Literal) and _is_duration(constant.text):
+                if isinstance(constant, n.Literal) and duration_of(constant) is not None:
                     compared.add(id(time))
             elif isinstance(node, n.Member) and node.name.identifier.upper() in _TIMES:
                 yield _TimeRead(_last_name(node.base), id(node) in compared)
@@ -201,19 +201,6 @@ def _texts(subject: Subject) -> list[BoundText]:
     for declared in (*project.global_variables, *project.data_types):
         found += texts_in(declared, dialect)
     return found
-
-
-def _is_duration(text: str) -> bool:
-    return _duration(n.Literal(text)) is not None
-
-
-def _duration(literal: n.Literal) -> int | None:
-    """Return the nanoseconds of a literal; None where it is no duration."""
-    try:
-        value = literal_value(literal)
-    except LiteralError:
-        return None
-    return value.value if value.kind is LiteralKind.DURATION and isinstance(value.value, int) else None
 
 
 _ON_DELAYS = frozenset({"TON", "LTON", "TON_TIME", "TON_LTIME"})
@@ -337,13 +324,7 @@ class _Uses:
     def _duration(self, node: n.Expression | None) -> int | None:
         """Return the value of a literal duration in nanoseconds; None: it is none."""
         node = n.bare(node) if node is not None else None
-        if not isinstance(node, n.Literal):
-            return None
-        try:
-            literal = literal_value(node, self._dialect)
-        except LiteralError:
-            return None
-        return literal.value if literal.kind is LiteralKind.DURATION and isinstance(literal.value, int) else None
+        return duration_of(node, self._dialect) if isinstance(node, n.Literal) else None
 
 
 STEADY = 2

@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from plcopen_sfc.languages.problems import Lines
+from plcopen_sfc.languages.st import names_of
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.lexer import Token, tokenize
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Span
 from plcopen_sfc.languages.st.parsing import Parsed, parse_expression
@@ -492,22 +492,22 @@ class _Following:
         else:
             self.statements.append(n.Assignment(target, negated(current) if word == "STN" else current))
             stored = True
-        if _names(target) & _names(current):
+        if names_of(target) & names_of(current):
             # what was stored is the result itself; after another write it would be computed from other values
             self.result.current = target if word == "ST" and isinstance(target, n.Name) else None
-        return stored and self._outlives(_names(target))
+        return stored and self._outlives(names_of(target))
 
     def _call(self, word: str, call: n.Expression) -> bool:
         # ``CAL t``: structured text needs the parentheses, ``t();``, of an instance as of an action
         called = call if isinstance(call, n.Call) else n.Call(call, ())
         done = self._when(word.removeprefix("CAL"), n.CallStatement(called))
-        if self.result.current is not None and _names(call) & _names(self.result.current):
+        if self.result.current is not None and names_of(call) & names_of(self.result.current):
             self.result.current = None
-        return done and self._outlives(_names(call))
+        return done and self._outlives(names_of(call))
 
     def _outlives(self, written: frozenset[str]) -> bool:
         """True if no operation that waits for its operand in parentheses reads what was written."""
-        return not any(written & _names(before) for _, before in self.result.waiting)
+        return not any(written & names_of(before) for _, before in self.result.waiting)
 
     def _when(self, suffix: str, statement: n.Statement) -> bool:
         """Write what happens always, or only if the current result is TRUE (C) or FALSE (CN)."""
@@ -520,7 +520,3 @@ class _Following:
         condition = current if suffix == "C" else negated(current)
         self.statements.append(n.If((n.Branch(condition, (statement,)),)))
         return True
-
-
-def _names(tree: n.Node) -> frozenset[str]:
-    return frozenset(node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name))

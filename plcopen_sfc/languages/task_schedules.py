@@ -15,7 +15,7 @@ from collections.abc import Container
 from dataclasses import dataclass
 from typing import Any
 
-from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
+from plcopen_sfc.languages.st.literals import duration_of
 from plcopen_sfc.model.project import Task, TaskSettings
 from plcopen_sfc.whole_numbers import whole_number
 
@@ -147,13 +147,7 @@ def duration_literal(interval: str | None) -> str | None:
 def nanoseconds(interval: str | None) -> int | None:
     """Return the length of an interval; None where it is none, or the name of a variable."""
     literal = duration_literal(interval) or ""
-    if "#" not in literal:
-        return None
-    try:
-        found = literal_value(literal)
-    except LiteralError:
-        return None
-    return found.value if found.kind is LiteralKind.DURATION and isinstance(found.value, int) else None
+    return duration_of(literal) if "#" in literal else None
 
 
 def iso_duration(interval: str | None) -> str | None:

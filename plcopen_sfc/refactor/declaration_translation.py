@@ -10,7 +10,7 @@ from plcopen_sfc.languages.binding.constant_values import ConstantValues
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.symbols import inside
 from plcopen_sfc.languages.binding.text_sites import text_sites
-from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value, string_literal
+from plcopen_sfc.languages.st.literals import LiteralKind, known_literal, string_literal
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, S7_COUNTERS_OF_CODESYS, S7_INSTANCES, S7_VERSION
 from plcopen_sfc.languages.translation import (
     NameScope,
@@ -226,11 +226,13 @@ def _kept_variables(project: Project) -> Iterator[tuple[str, Variable]]:
 
 def _cut_text(text: str, length: int, dialect: Dialect) -> str | None:
     """Return the literal of a text without what goes beyond `length`; None where it fits, or is no literal."""
-    try:
-        found = literal_value(text, dialect)
-    except LiteralError:
-        return None
-    if found.kind is not LiteralKind.STRING or not isinstance(found.value, str) or len(found.value) <= length:
+    found = known_literal(text, dialect)
+    if (
+        found is None
+        or found.kind is not LiteralKind.STRING
+        or not isinstance(found.value, str)
+        or len(found.value) <= length
+    ):
         return None
     return string_literal(found.value[:length], dialect, wide=found.type.startswith("W"))
 

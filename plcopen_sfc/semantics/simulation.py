@@ -8,7 +8,7 @@ from datetime import timedelta
 from typing import Any
 
 from plcopen_sfc.errors import ArgumentError, InputError, ModelError, check_argument, listed_names, nearest
-from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
+from plcopen_sfc.languages.st.literals import duration_of
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -268,14 +268,10 @@ def nanoseconds(time: str | int | timedelta) -> int:
     if isinstance(time, timedelta):
         found = (time // timedelta(microseconds=1)) * 1000
     elif isinstance(time, str):
-        text = time.strip()
-        try:
-            literal = literal_value(text if "#" in text else f"T#{text}")
-        except LiteralError as error:
-            raise InputError(f"{time!r} is no scan time", hint="Write it as 10ms or 1.5s.") from error
-        if literal.kind is not LiteralKind.DURATION or not isinstance(literal.value, int):
+        duration = duration_of(time if "#" in time else f"T#{time.strip()}")
+        if duration is None:
             raise InputError(f"{time!r} is no scan time", hint="Write it as 10ms or 1.5s.")
-        found = literal.value
+        found = duration
     else:
         check_argument(time, int, "a scan time is a text such as 10ms, a timedelta, or nanoseconds")
         found = time

@@ -428,7 +428,7 @@ class CheckedProject:
 
     def _last_name(self, text: str) -> str:
         tree = parse_condition(text, self.dialect).tree if text else None
-        path = path_of(tree) if isinstance(tree, n.Name | n.Member | n.Index | n.Address) else ()
+        path = path_of(tree) if isinstance(tree, n.Operand) else ()
         return path[-1] if path else ""
 
     def _charts(self) -> Iterator[SfcNetwork]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Finding, Rule
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
+from plcopen_sfc.languages.st.literals import duration_of
 
 
 def _pairs(chart: CheckedChart) -> Iterator[Finding]:
@@ -113,13 +113,7 @@ LIM01 = Rule(
 
 def _nanoseconds(text: str | None) -> int | None:
     """Return a time literal; None for anything else, and for 0, which tools write for no time."""
-    if not text:
-        return None
-    try:
-        found = literal_value(text)
-    except LiteralError:
-        return None
-    return found.value if found.kind is LiteralKind.DURATION and isinstance(found.value, int) and found.value else None
+    return (duration_of(text) or None) if text else None
 
 
 def _order(chart: CheckedChart) -> Iterator[Finding]:

@@ -407,14 +407,11 @@ def _has_state(call: n.Call, chart: CheckedChart) -> bool:
     return block is not None and block.stateful
 
 
-_VARIABLES = n.Name | n.Member | n.Index | n.Address
-
-
 def _reading_outputs(chart: CheckedChart) -> Iterator[Finding]:
     outputs = output_operands(chart) | continuous_operands(chart)
     for sheet, transition in _transitions(chart):
         tree = chart.condition(sheet, transition).tree
-        variables = [each for each in walk(tree) if isinstance(each, _VARIABLES)] if tree is not None else []
+        variables = [each for each in walk(tree) if isinstance(each, n.Operand)] if tree is not None else []
         members = {id(each.name) for each in variables if isinstance(each, n.Member)}  # T1.Q is no output Q
         whole = (each for each in variables if id(each) not in members)
         read = {path: print_node(each) for each in whole if (path := path_of(each)) in outputs}

@@ -26,8 +26,8 @@ from plcopen_sfc.languages.expression_types import (
     fits,
 )
 from plcopen_sfc.languages.il import CALLS
+from plcopen_sfc.languages.st import names_of, parse_statements, print_node, render, transform, walk
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_statements, print_node, render, transform, walk
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
 from plcopen_sfc.languages.text_edits import Edit, apply_edits, without
 from plcopen_sfc.model.dialect import Dialect
@@ -174,7 +174,7 @@ def _obstacle(loop: n.For) -> str:
         return "it has CONTINUE"
     if not _number(loop.step):
         return "its step is no literal"
-    fixed = {node.identifier.casefold() for node in walk(loop.end) if isinstance(node, n.Name)}
+    fixed = names_of(loop.end)
     if fixed and any(isinstance(node, n.Call) for node in inside):
         return "what it calls may change its end"
     targets = [node.target for node in inside if isinstance(node, n.Assignment)] + [loop.variable]

@@ -19,7 +19,7 @@ from plcopen_sfc.languages.networks.network_graph import wires_of
 from plcopen_sfc.languages.s7_programs import RESULT
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import render, transform
-from plcopen_sfc.languages.st.literals import INTEGER_RANGES, SHORT_TYPES, LiteralError, LiteralKind, literal_value
+from plcopen_sfc.languages.st.literals import INTEGER_RANGES, SHORT_TYPES, LiteralKind, known_literal
 from plcopen_sfc.languages.standard_blocks import S7_CONVERTED, S7_VERSION, StandardBlock, Tool, standard_block
 from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import FbdBody, LdBody
@@ -129,12 +129,9 @@ _PREFIXES = {each.upper(): each for each in _COMPARED} | {
 
 def _number(text: str) -> int | None:
     """Return a whole number without a type."""
-    try:
-        value = literal_value(text, Dialect.SCL)
-    except LiteralError:
-        return None
-    is_number = value.kind is LiteralKind.INTEGER and not value.type and isinstance(value.value, int)
-    return int(value.value) if is_number else None  # type: ignore[arg-type]  # it is an integer
+    found = known_literal(text, Dialect.SCL)
+    is_number = found is not None and found.kind is LiteralKind.INTEGER and not found.type
+    return found.value if is_number and isinstance(found.value, int) else None  # type: ignore[union-attr]
 
 
 def _holds(kind: str, number: int) -> bool:

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from plcopen_sfc.languages.binding.bound_bodies import bind
 from plcopen_sfc.languages.expression_types import CALCULATING, INSTANTS, ORDER, REALS, ExpressionTypes
 from plcopen_sfc.languages.il import statements as il_statements
+from plcopen_sfc.languages.st import names_of, print_node, walk
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, StandardBlock, standard_block
 from plcopen_sfc.model.body import IlBody
@@ -158,7 +158,7 @@ class _Check:
             trees = whole.statements if whole is not None else trees
         for node in (node for tree in trees for node in walk(tree)):
             for message, about in self._mistakes_in(node):
-                named = {each.identifier.casefold() for each in walk(about) if isinstance(each, n.Name)}
+                named = names_of(about)
                 if named & self._names:
                     yield f"{message}: {print_node(about)}"
 

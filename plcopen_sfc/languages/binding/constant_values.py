@@ -22,7 +22,7 @@ from plcopen_sfc.languages.st.literals import (
     LiteralError,
     LiteralKind,
     LiteralValue,
-    literal_value,
+    known_literal,
     real_literal,
     write_literal,
 )
@@ -108,11 +108,8 @@ class ConstantValues:
     def _value(self, tree: n.Expression, site: Site, depth: int) -> LiteralValue | None:
         match n.bare(tree):
             case n.Literal() as literal:
-                try:
-                    value = literal_value(literal, self._resolver.dialect)
-                except LiteralError:
-                    return None
-                return value if value.kind in _KINDS else None
+                value = known_literal(literal, self._resolver.dialect)
+                return value if value is not None and value.kind in _KINDS else None
             case n.Unary(operator, operand):
                 inner = self._value(operand, site, depth)
                 return None if inner is None else _signed(operator, inner)

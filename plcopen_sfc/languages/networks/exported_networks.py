@@ -32,8 +32,8 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from plcopen_sfc.languages.networks.box_trees import box_tree_operands, box_tree_statements, is_box_tree
+from plcopen_sfc.languages.st import names_of, parse_expression, print_node
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_expression, print_node, walk
 from plcopen_sfc.languages.st.nodes import Operator
 from plcopen_sfc.languages.standard_blocks import BlockKind, Tool, standard_block
 from plcopen_sfc.model.dialect import Dialect
@@ -167,9 +167,9 @@ class _Networks:
         return _Output(self._operand(), negated, word == "_SET")
 
     def _assign(self, value: n.Expression, outputs: list[_Output]) -> None:
-        read = _names(value)
+        read = names_of(value)
         for output in outputs:
-            if output is not outputs[-1] and _names(output.target) & read:
+            if output is not outputs[-1] and names_of(output.target) & read:
                 raise _UnknownWordError  # all outputs get the same value, and the next would compute it again
             if output.is_set:
                 stored = n.Assignment(output.target, n.Literal("FALSE" if output.negated else "TRUE"))
@@ -229,7 +229,3 @@ class _Networks:
 
 def _negated_if(value: n.Expression, negated: bool) -> n.Expression:
     return n.Unary(Operator.NOT, value) if negated else value
-
-
-def _names(tree: n.Node) -> frozenset[str]:
-    return frozenset(node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name))

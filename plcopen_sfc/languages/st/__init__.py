@@ -16,11 +16,12 @@ from plcopen_sfc.languages.st.parsing import (
     parse_statements,
 )
 from plcopen_sfc.languages.st.printing import print_node, render
-from plcopen_sfc.languages.st.walking import children, transform, walk, without_parentheses
+from plcopen_sfc.languages.st.walking import children, names_of, transform, walk, without_parentheses
 
 __all__ = [
     "Parsed",
     "children",
+    "names_of",
     "parse_body",
     "parse_condition",
     "parse_declarations",

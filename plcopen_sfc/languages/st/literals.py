@@ -89,6 +89,21 @@ _INTEGER = re.compile(r"([+-]?)(?:(\d+)#)?([0-9A-Za-z]+(?:_+[0-9A-Za-z]+)*)")
 _REAL = re.compile(r"[+-]?\d[\d_]*(?:\.\d[\d_]*)?(?:[eE][+-]?\d+)?")
 
 
+def known_literal(literal: Literal | str, dialect: Dialect = Dialect.IEC) -> LiteralValue | None:
+    """Return the type and value of a literal of any type; None where the text is none."""
+    try:
+        return literal_value(literal, dialect)
+    except LiteralError:
+        return None
+
+
+def duration_of(literal: Literal | str, dialect: Dialect = Dialect.IEC) -> int | None:
+    """Return the nanoseconds of a literal of a duration; None for anything else."""
+    found = known_literal(literal, dialect)
+    is_duration = found is not None and found.kind is LiteralKind.DURATION and isinstance(found.value, int)
+    return found.value if is_duration else None  # type: ignore[union-attr,return-value]  # it is an integer
+
+
 def literal_value(literal: Literal | str, dialect: Dialect = Dialect.IEC) -> LiteralValue:
     """Type and value of a literal of any type. Raises `LiteralError` where the text is none.
 

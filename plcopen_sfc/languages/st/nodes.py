@@ -193,6 +193,8 @@ Expression: TypeAlias = (
     " | Parenthesized | AssignmentExpression | TypeOperand"
 )
 """Any expression."""
+Operand: TypeAlias = Name | Member | Index | Address
+"""What has the value of a variable or of a part of one, but for pointers."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 from functools import partial
 from typing import Any, TypeVar, cast
 
-from plcopen_sfc.languages.st.nodes import Node, Parenthesized
+from plcopen_sfc.languages.st.nodes import Name, Node, Parenthesized
 
 AnyNode = TypeVar("AnyNode", bound=Node)
 
@@ -48,6 +48,11 @@ def walk(node: Node) -> Iterator[Node]:
                 inner += [item for item in value if isinstance(item, Node)]
         inner.reverse()
         waiting += inner
+
+
+def names_of(node: Node) -> frozenset[str]:
+    """Return the names in a tree, in lower case, those of members and parameters too."""
+    return frozenset([found.identifier.casefold() for found in walk(node) if isinstance(found, Name)])
 
 
 def transform(node: AnyNode, change: Callable[[Node], Node]) -> AnyNode:

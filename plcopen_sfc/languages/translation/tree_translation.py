@@ -9,7 +9,7 @@ from typing import TypeVar, cast
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.expression_types import ExpressionTypes
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
+from plcopen_sfc.languages.st.literals import LiteralKind, known_literal
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Node, Operator, Quoting, Statement
 from plcopen_sfc.languages.st.walking import transform, walk, with_children
 from plcopen_sfc.languages.translation.call_translation import CallTranslator
@@ -381,10 +381,8 @@ def _without_enclosure(operand: Expression) -> Expression:
 
 
 def _is_enumerated(node: n.Literal, source: Dialect) -> bool:
-    try:
-        return literal_value(node, source).kind is LiteralKind.ENUMERATED
-    except LiteralError:
-        return False
+    found = known_literal(node, source)
+    return found is not None and found.kind is LiteralKind.ENUMERATED
 
 
 def _is_object(node: Expression) -> bool:
