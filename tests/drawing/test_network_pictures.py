@@ -14,6 +14,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc.drawing.pictures.network_picture import Box, NetworkLayout, Wire, feedback_wires
 from plcopen_sfc.model import network as n
 from plcopen_sfc.model.body import FbdBody, LdBody
+from tests.drawing.pictures import points
 
 ROOT = Path(__file__).resolve().parents[2]
 SVG = "{http://www.w3.org/2000/svg}"
@@ -142,6 +143,31 @@ def test_a_ladder_diagram() -> None:
     below = found["contact Latch"].get("data-area").split()
     assert (left, top) == (int(below[0]), top)
     assert int(below[1]) > top
+
+
+def test_networks_that_share_their_rails_are_below_their_titles() -> None:
+    """The right rail is at the top of the sheet: it drew all networks there, and their titles at the bottom."""
+
+    def wire(source: int) -> n.InputPin:
+        return n.InputPin(connections=[n.Connection(source=source)])
+
+    nodes: list[n.Node] = [n.LeftPowerRail(id=0)]
+    for number in (1, 2):
+        nodes += [
+            n.CommentBox(id=10 * number, content=f"Title {number}", position=(20, 100 * number)),
+            n.Coil(id=10 * number + 1, variable=f"Q{number}", input=wire(0), position=(20, 100 * number + 20)),
+        ]
+    nodes[4:4] = [
+        n.InputVariable(id=31, expression="Value", position=(20, 140)),
+        n.OutputVariable(id=32, expression="Result", input=wire(31), position=(90, 140)),
+    ]
+    nodes.append(n.RightPowerRail(id=99, inputs=[wire(11), wire(21)], position=(200, 0)))
+    tree = etree.fromstring(LdBody(networks=[n.LogicNetwork(nodes=nodes)]).to_svg().encode("ascii"))
+    areas = {g.findtext(f"{SVG}title"): list(map(int, g.get("data-area").split())) for g in tree.iter(f"{SVG}g")}
+    order = ["Title 1", "coil Q1", "Value", "Title 2", "coil Q2"]
+    assert sorted(order, key=lambda name: areas[name][1]) == order
+    (rail,) = (points(path)[0][0] for path in tree.iterfind(f"{SVG}path[@class='bar']"))
+    assert areas["Value"][0] > rail, "the rail does not go through it"
 
 
 def test_a_signal_that_comes_back_is_a_link() -> None:

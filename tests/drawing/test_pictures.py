@@ -274,6 +274,8 @@ class TestSymbols:
 
     def test_without_priorities_a_selection_has_an_asterisk(self) -> None:
         assert drawn(make(3, [([0], [1]), ([0], [2])])).texts().count("*") == 1
+        grafcet = sfc.load(FIXTURES / "grafcet" / "every_symbol.gct").pous[0].chart
+        assert 'class="star"' not in grafcet.to_svg(style="iec"), "in GRAFCET all of them fire together"
 
     def test_branches_that_a_file_draws_in_another_order_have_their_turns(self) -> None:
         """Above them was the asterisk, by which they are tried from left to right, and they are not."""

@@ -27,6 +27,11 @@ for (const group of document.querySelectorAll("g[data-area]")) {
     const box = text.getBBox();
     if (box.x < left - 2 || box.x + box.width > left + width + 2) wide.push(text.textContent);
   }
+  const boxes = [...group.querySelectorAll(":scope > text")].map((text) => [text.getBBox(), text.textContent]);
+  for (const [one, told] of boxes) for (const [other, name] of boxes) {
+    const apart = one.x + one.width <= other.x || other.x + other.width <= one.x;
+    if (one !== other && !apart && Math.abs(one.y - other.y) < 9) wide.push(`${told} on ${name}`);
+  }
 }
 document.body.innerHTML = "<p id=result>" + document.querySelectorAll("text").length + "</p><p id=wide></p>";
 document.getElementById("wide").textContent = wide.join("|");
@@ -45,7 +50,11 @@ def look(tmp_path: Path, body: str) -> str:
 
 @pytest.mark.slow
 def test_texts_fit_into_their_elements(tmp_path: Path) -> None:
-    pictures = "".join(chart.chart.to_svg() for _, chart in fixture_charts())
+    marked = sfc.SfcNetwork()
+    step = marked.add_step("Initialisation of all", initial=True)
+    step.entry_action, step.exit_action = "In", "Out"
+    pictures = "".join(marked.to_svg(style=style) for style in ("iec", "grafcet", "s7graph"))
+    pictures += "".join(chart.chart.to_svg() for _, chart in fixture_charts())
     dom = look(tmp_path, f"{pictures}<script>{_MEASURE}</script>")
     assert re.search(r'<p id="wide">(.*?)</p>', dom, re.DOTALL)[1] == ""
 

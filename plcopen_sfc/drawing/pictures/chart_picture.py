@@ -118,10 +118,12 @@ def _arranged(chart: SfcNetwork, look: _Look, prefix: str, told: Told) -> list[C
         for enclosure in step.encloses or ()
     }
     dialect = chart.project.dialect if chart.project is not None else Dialect.IEC
+    in_turn = look.style is PictureStyle.IEC and usual_style(chart) is not PictureStyle.GRAFCET
     for number, part in enumerate(parts):
         starred = activated.get(part.name, frozenset()) if number else frozenset()
         wording = Wording(part.chart, dialect, told)
-        sheet = PictureSheet(part.chart, look.style, wording, prefix + part_prefix(number), starred, narrow=look.narrow)
+        start = prefix + part_prefix(number)
+        sheet = PictureSheet(part.chart, look.style, wording, start, starred, narrow=look.narrow, in_turn=in_turn)
         drawn = None if look.fresh else FileArrangement.of(sheet)
         part.arrangement = drawn or Arrangement(sheet)
     return parts

@@ -19,7 +19,6 @@ from plcopen_sfc.drawing.pictures.svg_canvas import DOUBLE, Canvas
 from plcopen_sfc.drawing.pictures.symbol_pictures import (
     JumpSymbol,
     PictureSheet,
-    PictureStyle,
     StepSymbol,
     Symbol,
     TransitionSymbol,
@@ -150,7 +149,7 @@ class FileArrangement:
             return None
         if any(boxes.on_way(link.points) for link in links) or _cross([link.points for link in links]):
             return None
-        if sheet.style is PictureStyle.IEC:
+        if sheet.in_turn:
             for link in links:
                 shown = link.user.shown
                 if link.source.kind is SymbolKind.SELECTION_DIVERGENCE and isinstance(shown, TransitionSymbol):
@@ -221,7 +220,7 @@ def _turns(sheet: PictureSheet, drawing: Drawing) -> dict[int, int | None]:
     """
     competing = _competing(sheet.chart)
     turns: dict[int, int | None] = {each.id: None for row in competing for each in row}
-    if sheet.style is not PictureStyle.IEC:
+    if not sheet.in_turn:
         return turns
     places = {symbol.id: symbol.position[0] for symbol in drawing.symbols if symbol.kind is SymbolKind.TRANSITION}
     for row in competing:

@@ -493,24 +493,29 @@ class _Sheet:
             symbol.measure()
             symbol.box.first = symbol.look == "rail" and bool(symbol.outputs)
             symbol.box.last = symbol.look in ("coil", "rail") and is_ladder and not symbol.box.first
-        self._groups = list(
-            _connected([symbol for symbol in self.symbols if not symbol.is_at_pin], self.symbols, wires)
+        # a rail that networks share is above the first one; what it is wired to tells the places of the others
+        shown = sorted(
+            (symbol for symbol in self.symbols if not symbol.is_at_pin), key=lambda each: each.look == "rail"
         )
-        self.width = max((layout.width for _, layout in self._groups), default=0)
+        self._groups = list(_connected(shown, self.symbols, wires))
+        self._indents = [self._indent(symbols) for symbols, _ in self._groups]
+        widths = (indent + layout.width for indent, (_, layout) in zip(self._indents, self._groups, strict=True))
+        self.width = max(widths, default=0)
         self.height = sum(layout.height + _BETWEEN for _, layout in self._groups)
 
     def draw(self, canvas: Canvas, x: int, y: int) -> None:
         """Draw the network with its upper left corner at `x`, `y`."""
         rails: list[tuple[int, int]] = []
-        for symbols, layout in self._groups:
+        for indent, (symbols, layout) in zip(self._indents, self._groups, strict=True):
+            left = x + indent
             for path in layout.paths:
                 for line in path.lines:
                     if line[0] != line[1]:
-                        canvas.wire(*((x + a, y + b) for a, b in line))
+                        canvas.wire(*((left + a, y + b) for a, b in line))
                 for a, b in path.dots:
-                    canvas.circle("head", x + a, y + b, 3)
+                    canvas.circle("head", left + a, y + b, 3)
             for symbol in symbols:
-                symbol.draw(canvas, x + symbol.box.x, y + symbol.box.y)
+                symbol.draw(canvas, left + symbol.box.x, y + symbol.box.y)
                 if symbol.box.first:
                     rails += [
                         (x + symbol.body, y + symbol.box.y),
@@ -519,6 +524,11 @@ class _Sheet:
             y += layout.height + _BETWEEN
         if rails:
             canvas.wire(min(rails), max(rails), kind="bar")
+
+    def _indent(self, symbols: Sequence[_Symbol]) -> int:
+        """Return the room that symbols keep from a left rail that goes past them."""
+        is_apart = not any(symbol.box.first or symbol.look == "note" for symbol in symbols)
+        return 2 * _PAD if is_apart and self._rails else 0
 
     def _operands_to_pins(self, nodes: Sequence[n.Node]) -> None:
         """Write operands that feed one pin of a block at this pin: no wire is needed."""

@@ -87,7 +87,7 @@ class ActionBlock:
         top = y
         for number, row in enumerate(self._rows):
             if number and self._spread:
-                canvas.wire((x, top - 4), (x, top + 6 + row.lead + 4))
+                canvas.wire((x, top), (x, top + 6 + row.lead))
                 top += 6
             kind = "action excluded" if row.excluded else "action"
             with canvas.element(kind, row.identifier, row.title, (x, top, self.width, row.lead + row.height)):
@@ -196,7 +196,8 @@ class PictureSheet:
     """Common facts of symbols of one chart.
 
     `prefix` begins the ids of its elements, `activated` are starred steps. `narrow`: the picture is set beside another
-    one. `room`: how much longer the wire above a step is, by its id.
+    one. `in_turn`: competing transitions are tried one after the other, with an asterisk where they have no
+    priorities. `room`: how much longer the wire above a step is, by its id.
     """
 
     chart: SfcNetwork
@@ -205,6 +206,7 @@ class PictureSheet:
     prefix: str = ""
     activated: frozenset[str] = frozenset()
     narrow: bool = False
+    in_turn: bool = False
     room: Mapping[int, int] = field(default_factory=dict)
     steps: dict[int, Step] = field(init=False)
     transitions: dict[int, Transition] = field(init=False)
