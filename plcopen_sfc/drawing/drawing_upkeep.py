@@ -26,6 +26,7 @@ from plcopen_sfc.model.network import InputPin, OutputPin
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Body, BodyCondition, Condition, SfcBody, SfcNetwork
 from plcopen_sfc.model.wiring import trace_drawing
+from plcopen_sfc.reachability import reached
 
 _TWO_SIDED = STEPS | {SymbolKind.TRANSITION}
 
@@ -251,15 +252,7 @@ class _Redrawing:
 
     def stale(self, old: WireClusters, new: WireClusters) -> set[int]:
         """Return the sides of symbols in all stale clusters of both drawings."""
-        found: set[int] = set()
-        pending = self.changed(old)
-        while pending:
-            side = pending.pop()
-            if side not in found:
-                found.add(side)
-                pending += old.around(side)
-                pending += new.around(side)
-        return found
+        return reached(self.changed(old), lambda side: [*old.around(side), *new.around(side)])
 
     def changed(self, old: WireClusters) -> list[int]:
         """Return the sides of steps and transitions at which the chart differs from the old drawing."""

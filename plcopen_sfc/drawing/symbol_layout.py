@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from plcopen_sfc.drawing.attached_symbols import block_owner
 from plcopen_sfc.drawing.document_order import feeding, input_pins_of
 from plcopen_sfc.drawing.forward_edges import ROOT, ForwardEdges
-from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
+from plcopen_sfc.model.conditions import WiredCondition
 from plcopen_sfc.model.drawing import BARS, STEPS, ActionEntry, Drawing, Symbol, SymbolKind
 from plcopen_sfc.model.network import (
     Block,
@@ -31,7 +31,7 @@ from plcopen_sfc.model.network import (
     OutputVariable,
     Point,
 )
-from plcopen_sfc.model.sfc import ActionAssociation, BodyCondition, SfcNetwork, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork
 
 LETTER = 8
 """Upper bound of the mean width of a letter."""
@@ -101,17 +101,7 @@ class SymbolSizes:
     def condition_text(self, symbol: Symbol) -> str:
         """Return the text beside a transition."""
         transition = self.transitions.get(symbol.transitions[0] if symbol.transitions else symbol.id)
-        return condition_text(transition) if transition is not None else ""
-
-
-def condition_text(transition: Transition) -> str:
-    """Return the condition of a transition as an editor shows it beside the transition."""
-    condition = transition.condition
-    if isinstance(condition, Expression):
-        return condition.text
-    if isinstance(condition, NamedCondition | BodyCondition):
-        return condition.name
-    return ""
+        return transition.shown_condition if transition is not None else ""
 
 
 def _row_text(row: ActionAssociation) -> str:

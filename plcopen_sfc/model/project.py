@@ -140,6 +140,10 @@ class Resource(Element):
     instances: list[PouInstance] = Field(default_factory=list)
     object_id: str | None = None
 
+    def every_instance(self) -> list[PouInstance]:
+        """Return the instances without a task, then those of each task."""
+        return [*self.instances, *(instance for task in self.tasks for instance in task.instances)]
+
 
 class Configuration(Element):
     """A configuration: resources, global variables, access paths, VAR_CONFIG. A CODESYS device is one."""

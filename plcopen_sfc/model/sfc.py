@@ -251,6 +251,13 @@ class Transition(Element):
     duplicate: bool = False
     monitoring: Monitoring = Monitoring.NONE
 
+    @property
+    def shown_condition(self) -> str:
+        """The condition as an editor shows it beside the transition: an expression, or the name of what it names."""
+        if isinstance(self.condition, Expression):
+            return self.condition.text
+        return self.condition.name if isinstance(self.condition, NamedCondition | BodyCondition) else ""
+
 
 class PermanentOperation(Element):
     """A network or call that S7-GRAPH executes in every cycle, before or after the sequences.

@@ -12,6 +12,7 @@ from plcopen_sfc.languages.st import parse_condition
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.sfc import Condition, Macro, SfcBody, SfcNetwork, Step, Transition, by_priority
+from plcopen_sfc.reachability import reached
 from plcopen_sfc.refactor.builder import append_branch
 from plcopen_sfc.refactor.journal import Journal
 from plcopen_sfc.refactor.queries import dialect_in, pou_of
@@ -309,19 +310,13 @@ def remove_branch(journal: Journal, chart: SfcNetwork, start: Transition | Step,
 
 def _reachable(chart: SfcNetwork, without: Mapping[int, set[int]]) -> set[int]:
     """The ids of the steps that transitions lead to from initial ones; `without` targets, by `id` of the transition."""
-    waiting = [step.id for step in chart.initial_steps or chart.steps[:1]]
-    found = set(waiting)
     leaving: dict[int, list[int]] = {}
     for each in chart.transitions:
         targets = [i for i in each.targets if i not in without.get(id(each), ())]
         for source in each.sources:
             leaving.setdefault(source, []).extend(targets)
-    while waiting:
-        for number in leaving.get(waiting.pop(), ()):
-            if number not in found:
-                found.add(number)
-                waiting.append(number)
-    return found
+    first = [step.id for step in chart.initial_steps or chart.steps[:1]]
+    return reached(first, lambda number: leaving.get(number, ()))
 
 
 # -- numbers

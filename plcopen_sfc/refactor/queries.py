@@ -21,6 +21,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork, Step, StepKey, Transition
 from plcopen_sfc.model.text import plain
+from plcopen_sfc.reachability import reached
 
 
 def matches(pattern: str, path: str) -> bool:
@@ -180,19 +181,12 @@ def _closure(chart: SfcNetwork, start: StepKey, sides: Callable[[Transition], tu
     first = start if isinstance(start, Step) else chart.step(start)
     if not any(step is first for step in chart.steps):
         return set()
-    found: set[int] = set()
-    waiting = [first.id]
     leading: dict[int, list[int]] = {}
     for transition in chart.transitions:
         before, after = sides(transition)
         for each in before:
             leading.setdefault(each, []).extend(after)
-    while waiting:
-        for each in leading.get(waiting.pop(), ()):
-            if each not in found:
-                found.add(each)
-                waiting.append(each)
-    return found
+    return reached(leading.get(first.id, ()), lambda step: leading.get(step, ()))
 
 
 def _check_patterns(*patterns: str | None) -> None:

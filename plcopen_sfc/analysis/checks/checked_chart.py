@@ -397,7 +397,7 @@ class CheckedProject:
         found += [section.name or "" for section in self.project.global_sections()]
         found += [configuration.name for configuration in project.configurations]
         found += [resource.name for resource in resources]
-        found += [i.name for r in resources for i in (*r.instances, *(j for task in r.tasks for j in task.instances))]
+        found += [i.name for r in resources for i in r.every_instance()]
         return frozenset(name.casefold() for name in found)
 
     def is_first(self, chart: SfcNetwork) -> bool:

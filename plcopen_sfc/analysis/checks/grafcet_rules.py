@@ -16,6 +16,7 @@ from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondit
 from plcopen_sfc.model.network import Block, Contact, Edge, InputVariable
 from plcopen_sfc.model.sfc import BodyCondition, Condition, PartialChart, PartialChartKind, Step
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, PointerType
+from plcopen_sfc.reachability import reached
 from plcopen_sfc.semantics.net import NetProblemKind, NetStep
 
 _ARROWS = "↑↓"
@@ -273,19 +274,8 @@ def _circles(chart: CheckedChart) -> Iterator[Finding]:
         below.setdefault(owner(sheet), []).append((order.chart.casefold(), place))
     for upper, lower in below.items():
         for name, place in lower:
-            if upper in _reached(name, below):
+            if upper in reached([name], lambda ruled: [lower for lower, _ in below.get(ruled, ())]):
                 yield Finding(place, "the chart is ruled by one that it rules itself")
-
-
-def _reached(start: str, below: dict[str, list[tuple[str, FindingPlace]]]) -> set[str]:
-    found: set[str] = set()
-    waiting = [start]
-    while waiting:
-        name = waiting.pop()
-        if name not in found:
-            found.add(name)
-            waiting += [lower for lower, _ in below.get(name, ())]
-    return found
 
 
 def _rulers(chart: CheckedChart) -> Iterator[tuple[NetStep, FindingPlace, str, str]]:

@@ -19,6 +19,7 @@ from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource
 from plcopen_sfc.model.types import DerivedType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.reachability import reached
 from plcopen_sfc.report import ConversionReport, Outcome
 
 
@@ -97,13 +98,7 @@ def _users(project: Project, programs: Mapping[str, Pou]) -> dict[str, set[str]]
 
 def _is_its_own_user(program: str, users: Mapping[str, set[str]]) -> bool:
     """True if programs use each other in a circle: their blocks would need each other's declaration first."""
-    found: set[str] = set()
-    waiting = [program]
-    while waiting:
-        new = users.get(waiting.pop(), set()) - found
-        found |= new
-        waiting += new
-    return program in found
+    return program in reached(users.get(program, ()), lambda user: users.get(user, ()))
 
 
 def _named_outside(project: Project, program: Pou, key: str) -> tuple[set[str], set[str]]:

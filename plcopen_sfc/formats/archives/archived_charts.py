@@ -54,7 +54,6 @@ from plcopen_sfc.formats.archives.object_archive import (
     type_of,
 )
 from plcopen_sfc.formats.codesys.codesys_codec import LACKS
-from plcopen_sfc.formats.codesys.element_data import condition_text
 from plcopen_sfc.formats.plcopen.tc6_chart_meaning import DrawnChart, Line
 from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext, extension_data
 from plcopen_sfc.model.actions import Qualifier
@@ -566,7 +565,7 @@ class ChartWriter:
         add_list(written, "EmbeddedTransitionProperties")
         place = f"transition {self._chart.label(transition)}"
         condition = transition.condition
-        text = condition_text(transition)
+        text = transition.shown_condition
         if getattr(condition, "negated", False) or not isinstance(condition, Expression | NamedCondition | None):
             text = "condition_is_not_written"  # which does not compile
             why = "conditions in CODESYS are expressions and transition objects; nothing that is right can be written"

@@ -21,10 +21,9 @@ from plcopen_sfc.formats.xml.extension_data import legal_text, markup, parsed_ma
 from plcopen_sfc.model.actions import Monitoring, SymbolAccess
 from plcopen_sfc.model.base import ExtensionData, Model, UnknownDataRule
 from plcopen_sfc.model.chart_settings import SfcFlag, SfcSettings
-from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.drawing import Symbol, SymbolKind
 from plcopen_sfc.model.network import Block, BlockCall, VendorElement
-from plcopen_sfc.model.sfc import ActionAssociation, BodyCondition, SfcBody, Step, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, SfcBody, Step, Transition
 
 _FLAGS = {flag.value for flag in SfcFlag}
 
@@ -272,23 +271,13 @@ def _comment(comment: object) -> str | None:
     return comment if isinstance(comment, str) else getattr(comment, "text", None)
 
 
-def condition_text(transition: Transition) -> str:
-    """Return the text of a transition in the editor: the expression, or the name of the transition object."""
-    condition = transition.condition
-    if isinstance(condition, Expression):
-        return condition.text
-    if isinstance(condition, NamedCondition | BodyCondition):
-        return condition.name
-    return ""
-
-
 def _write_transition(ctx: Tc6WriteContext, transition: Transition, _owner: str) -> Iterator[Written]:
     duplicate = transition.duplicate or _modern(ctx, 3, 5, 10)
     monitoring = transition.monitoring is not Monitoring.NONE or _modern(ctx, 3, 5, 13)
     table = _attribute_table(
         transition.extension_data,
         [
-            (names.NAME, condition_text(transition)),
+            (names.NAME, transition.shown_condition),
             (names.COMMENT, _comment(transition.comment)),
             (names.EXCLUDE, _truth(transition.exclude)),
             (names.SYMBOL, _SYMBOLS[transition.symbol]),

@@ -270,7 +270,7 @@ def _configure(project: Project, report: ConversionReport, lists: frozenset[str]
             for task in resource.tasks:
                 _fit_task(task, report, lists)
                 task.name = _free(task.name, used, f"task {task.name}", report)
-            for instance in (*resource.instances, *(i for task in resource.tasks for i in task.instances)):
+            for instance in resource.every_instance():
                 if not instance.type_name:
                     instance.type_name = instance.name
                 instance.name = _free(instance.name, used, f"instance {instance.name}", report)
@@ -289,9 +289,9 @@ def _leave_out_idle_resources(project: Project) -> None:
         return  # the programs get a task in one of them
     for configuration in project.configurations:
         for resource in configuration.resources:
-            if not _instances_in(resource):
+            if not resource.every_instance():
                 configuration.global_variables += resource.global_variables
-        configuration.resources = [each for each in configuration.resources if _instances_in(each)]
+        configuration.resources = [each for each in configuration.resources if each.every_instance()]
     project.configurations = [each for each in project.configurations if each.resources]
 
 
@@ -321,11 +321,7 @@ def _fit_task(task: Task, report: ConversionReport, lists: frozenset[str]) -> No
 
 
 def _instances(configuration: Configuration) -> list[PouInstance]:
-    return [instance for resource in configuration.resources for instance in _instances_in(resource)]
-
-
-def _instances_in(resource: Resource) -> list[PouInstance]:
-    return [*resource.instances, *(instance for task in resource.tasks for instance in task.instances)]
+    return [instance for resource in configuration.resources for instance in resource.every_instance()]
 
 
 def _free(name: str, used: set[str], path: str, report: ConversionReport) -> str:

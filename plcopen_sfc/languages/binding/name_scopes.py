@@ -374,7 +374,7 @@ def _of_resource(resource: Resource, place: str, project: Project) -> Iterator[t
     yield place, Declaration(Kind.NAMESPACE, resource.name, (resource,))
     for section in resource.global_variables:
         yield from ((place, declaration) for declaration in _listed(section, project))
-    for instance in (*resource.instances, *(i for task in resource.tasks for i in task.instances)):
+    for instance in resource.every_instance():
         if instance.type_name:
             yield place, Declaration(Kind.INSTANCE, f"{resource.name}.{instance.name}", (instance,))
 

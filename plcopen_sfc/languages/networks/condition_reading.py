@@ -26,6 +26,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Coil, Node
 from plcopen_sfc.model.pou import NamedTransition
 from plcopen_sfc.model.sfc import Body, BodyCondition, Condition, SfcNetwork, Transition
+from plcopen_sfc.reachability import reached
 
 
 def shown_condition(
@@ -185,14 +186,12 @@ def kept_conditions(
 
 def _feeding(reader: NetworkReader, pins: Iterable[Iterable[tuple[int, str | None]]]) -> set[int]:
     """Return the ids of all elements upstream of `pins`."""
-    found: set[int] = set()
-    waiting = [source for sources in pins for source, _ in sources]
-    while waiting:
-        number = waiting.pop()
-        if number in reader.graph.nodes and number not in found:
-            found.add(number)
-            waiting += [s for sources in reader.graph.sources(reader.graph.nodes[number]) for s, _ in sources]
-    return found
+    nodes, sources_of = reader.graph.nodes, reader.graph.sources
+
+    def among(pins: Iterable[Iterable[tuple[int, str | None]]]) -> list[int]:
+        return [source for sources in pins for source, _ in sources if source in nodes]
+
+    return reached(among(pins), lambda number: among(sources_of(nodes[number])))
 
 
 class _ConditionReader:
