@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 
 from plcopen_sfc.errors import ModelError
+from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.languages.s7_types import is_system_data
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.languages.words import free_name, identifier
@@ -77,6 +78,41 @@ def give_legal_names(
     paths = {id(each.holder): each.path for each in (Names(copy).declarations() if done else ())}
     rows = [(paths[id(each.holder)], name, each.name) for each, name in done if leaves]
     keep_names(copy, KeptNames.DECLARED, rows)
+
+
+def with_legal_names(project: Project, kind: Format, flavour: str) -> tuple[Project, dict[str, str], ConversionReport]:
+    """Return `project` with names that the tools of a format can have, for code that is made of its charts.
+
+    Steps keep their names, which only comments of the code have. The project itself where all can stay; also the new
+    names of POUs by the old ones in lower case, and what was renamed.
+    """
+    from plcopen_sfc.languages.binding import Names  # noqa: PLC0415  # brings the parser
+    from plcopen_sfc.refactor.rename import rename_many  # noqa: PLC0415
+
+    report = ConversionReport()
+    target, own = family(kind.dialect or project.dialect), family(project.dialect)
+    spelled = bool(flavour) or (target is not own and Dialect.SCL in (own, target) and target is not Dialect.SCL)
+    spelled = spelled or (own is Dialect.IEC and target is Dialect.CODESYS)
+    if not spelled:
+        return project, {}, report
+    tool = flavour.capitalize() or kind.tool
+
+    def wishes(project: Project) -> dict[Declaration, tuple[str, str]]:
+        names = Names(project)
+        declared = list(dict.fromkeys(map(names.resolver.original, names.declarations())))
+        found = _legal(project, declared, tool, is_codesys=True, with_letters=True)
+        return {each: new for each, new in found.items() if each.kind is not Kind.STEP}
+
+    if not wishes(project):
+        return project, {}, report
+    copy = project.model_copy(deep=True)
+    wanted = wishes(copy)
+    places, old = _places(copy), {each: each.name for each in wanted}
+    rename_many(copy, {each: new for each, (new, _) in wanted.items()})
+    for each, (new, why) in wanted.items():
+        report.add(Outcome.TRANSLATED, "name", places.get(id(each.holder), old[each]), f"{new} in {tool}: {why}")
+    pous = {old[each].casefold(): new for each, (new, _) in wanted.items() if each.kind is Kind.POU}
+    return copy, pous, report
 
 
 def illegal_names(project: Project, dialect: Dialect, tool: str) -> Iterator[tuple[str, str]]:

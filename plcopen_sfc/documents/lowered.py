@@ -20,6 +20,7 @@ from plcopen_sfc.analysis.verdict import UntestedError
 from plcopen_sfc.conversion.adaptation.grafcet_variables import with_declarable_variables
 from plcopen_sfc.conversion.executed_parts import UNDECLARED, UNDECLARED_TYPE
 from plcopen_sfc.documents.file_documents import refuse_losses
+from plcopen_sfc.documents.legal_names import with_legal_names
 from plcopen_sfc.documents.storage import (
     SaveOptions,
     Source,
@@ -129,6 +130,11 @@ def lower_to_file(
     check_argument(target, (str, os.PathLike), "lower_to_file needs the path to write to")
     name = format_to_write(project, format, tia, target)
     project, declared = with_declarable_variables(project, format_named(name)[0])
+    project, renamed, legal = with_legal_names(project, format_named(name)[0], flavour)
+    declared.items += legal.items
+    if pou is not None:
+        owner, dot, inner = pou.partition(".")
+        pou = f"{renamed.get(owner.casefold(), owner)}{dot}{inner}"
     searching: Searching = {
         "free_inputs": free_inputs,
         "functions": functions or {},

@@ -334,8 +334,10 @@ def _code(
     source: ChartSource, dialect: Dialect, rules: LoweringRules, language: Language, project: Project
 ) -> LoweredCode:
     """Return empty code that knows its target and the names that are taken."""
-    code = LoweredCode(Naming(dialect, [*source.names(), *names_in_conditions(rules, dialect)], rules.part))
-    code.tool = tool_of(rules.target, dialect)
+    tool = tool_of(rules.target, dialect)
+    taken = [*source.names(), *names_in_conditions(rules, dialect)]
+    code = LoweredCode(Naming(dialect, taken, rules.part, ascii=rules.target is not None and tool is not Tool.S7))
+    code.tool = tool
     code.known_types = {kind.name.casefold() for kind in project.data_types}
     code.texts = rules.texts
     code.instances = source.instances

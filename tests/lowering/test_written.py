@@ -182,3 +182,41 @@ def test_a_chart_of_an_action_is_checked_where_the_target_has_actions(tmp_path: 
         file = str(tmp_path / f"chain.{target}")
         made = sfc.lower_to_file(project, file, format=target, pou="Ablauf.Blink", verify=False, partial=True)
         assert [each.name for each in made.pous] == ["Ablauf.Blink"]
+
+
+GERMAN = """PROGRAM Maßstab
+VAR_INPUT drück, stop : BOOL; END_VAR
+VAR_OUTPUT Rührer : BOOL; n : INT; END_VAR
+INITIAL_STEP Grundstellung: END_STEP
+TRANSITION FROM Grundstellung TO Füllen := drück; END_TRANSITION
+STEP Füllen: Rührer(N); Zählen(P1); END_STEP
+TRANSITION FROM Füllen TO Grundstellung := stop; END_TRANSITION
+ACTION Zählen: n := (n + 1) MOD 3; END_ACTION
+END_PROGRAM
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("asked", "of_s7", "target"),
+    [
+        ({}, False, "codesys"),
+        ({"states": "enumeration"}, False, "plcopen"),
+        ({"construction": "flipflop"}, False, "beremiz"),
+        ({}, True, "codesys23"),
+        ({}, True, "beremiz"),
+        ({"construction": "flipflop", "language": "ST"}, True, "codesys"),
+    ],
+)
+def test_code_is_proven_under_the_names_that_the_target_takes(
+    asked: dict[str, str], of_s7: bool, target: str, tmp_path: Path
+) -> None:
+    project = sfc.loads(GERMAN.encode(), format="iec-text")
+    if of_s7:
+        project = sfc.loads(sfc.dumps(project, format="simaticml"), as_tool=True)
+    file = str(tmp_path / "plant")
+    form = {"format": "plcopen", "flavour": "beremiz"} if target == "beremiz" else {"format": target}
+    made = sfc.lower_to_file(project, file, pou="Maßstab", at_rest="all", **form, **asked)
+    assert not made.refused
+    assert made.pous[0].proof is not None
+    assert made.pous[0].proof.proven

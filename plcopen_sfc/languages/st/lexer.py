@@ -93,7 +93,7 @@ _OPERAND_ENDS = frozenset({"NAME", "RSQB", "RPAR", "CARET", "ADDRESS"})
 _SINGLE_QUOTED = r"'[^$'\r\n]*+(?:\$[\s\S][^$'\r\n]*+)*+'"
 _DOUBLE_QUOTED = r'"[^$"\r\n]*+(?:\$[\s\S][^$"\r\n]*+)*+"'
 _NUMBER = r"\d[\d_]*(?:\#[0-9A-Za-z_]+|(?:\.\d[\d_]*)?(?:[eE][+-]?\d+)?)"
-_NUMBERED_NAME = r"\d+(?!(?:[eE]\d+|ms|us|ns|min|[smhd])(?!\w))[^\W\d_]\w*"
+_NUMBERED_NAME = r"\d+(?!(?:[eE][+-]?\d+|ms|us|ns|min|[smhd])(?!\w))[^\W\d_]\w*"
 """A name that begins with digits, as GRAFCETs have for sensors (``1B1``): neither ``1E5`` nor ``3s``."""
 
 

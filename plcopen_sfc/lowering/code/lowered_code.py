@@ -16,7 +16,7 @@ from plcopen_sfc.languages.networks import Helper
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, Tool
-from plcopen_sfc.languages.words import take_name
+from plcopen_sfc.languages.words import take_name, without_accents
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, assignment
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.lowering_options import LOCAL, LoweringRules
@@ -41,11 +41,12 @@ class Naming:
     """Source of names that nothing else in the POU has. `taken` are all names that occur in it.
 
     `part` is behind those that are taken, as they are when the chart around has the same; numbers where that does not
-    help.
+    help. `ascii`: the target takes no other letters, and would get other names than the proof knows.
     """
 
-    def __init__(self, dialect: Dialect, taken: Iterable[str], part: str = "") -> None:
+    def __init__(self, dialect: Dialect, taken: Iterable[str], part: str = "", *, ascii: bool = False) -> None:
         self._part = part
+        self._ascii = ascii
         self._local = n.Quoting.LOCAL if dialect is Dialect.SCL else n.Quoting.NONE
         self.taken = {name.casefold() for name in taken}
         self._numbers: dict[str, int] = {}
@@ -57,6 +58,7 @@ class Naming:
 
     def fresh(self, wanted: str) -> str:
         """Return `wanted` as an identifier, with a number behind it if that is taken."""
+        wanted = without_accents(wanted) if self._ascii else wanted
         name = candidate = _identifier(wanted)
         if self._part and name.casefold() in self.taken:
             name = candidate = _identifier(f"{wanted}_{self._part}")

@@ -180,8 +180,10 @@ class StateNames:
     ) -> list[Expression]:
         """Declare a type of its own: its values are written with its name, so that no other value can be meant."""
         used = {name.casefold() for name in source.names()}
-        name = Naming(source.dialect, {*surroundings, *used}).fresh(f"{source.pou.name}_{self._texts.enumeration}")
-        naming = Naming(source.dialect, ())
+        ascii = rules.target is not None and tool_of(rules.target, source.dialect) is not Tool.S7
+        names = Naming(source.dialect, {*surroundings, *used}, ascii=ascii)
+        name = names.fresh(f"{source.pou.name}_{self._texts.enumeration}")
+        naming = Naming(source.dialect, (), ascii=ascii)
         enumeration = EnumType(values=[])
         self._code.data_types.append(
             DataTypeDeclaration(

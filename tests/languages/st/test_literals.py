@@ -58,6 +58,15 @@ def test_integers(text: str, value: int, type: str) -> None:
     assert literal_value(text) == LiteralValue(LiteralKind.INTEGER, value, type)
 
 
+@pytest.mark.parametrize("dialect", list(Dialect))
+@pytest.mark.parametrize("text", ["1E-3", "2e+4", "5E2", "1.5E-3", "1_0E-1"])
+def test_a_number_with_an_exponent_is_one_literal(text: str, dialect: Dialect) -> None:
+    parsed = parse_expression(f"x + {text}", dialect)
+    assert not parsed.problems
+    assert isinstance(parsed.tree, n.Operation)
+    assert [each.text for each in walk(parsed.tree) if isinstance(each, n.Literal)] == [text]
+
+
 @pytest.mark.parametrize(
     ("text", "kind", "value", "type"),
     [
