@@ -440,12 +440,9 @@ class SfcNetwork(LateElement):
         used = frozenset(flag for flag in SfcFlag if is_used(flag))
         return used if SfcFlag.ERROR in used else used - NEED_ERROR
 
-    def label(self, transition: Transition, names: Mapping[int, str] | None = None) -> str:
-        """Return the name of a transition, or from where to where it leads, numbered where several do.
-
-        `names` are the steps by their ids, for who has them at hand.
-        """
-        names = {step.id: step.name for step in self.steps} if names is None else names
+    def label(self, transition: Transition) -> str:
+        """Return the name of a transition, or from where to where it leads, numbered where several do."""
+        names = {step.id: step.name for step in self.steps}
         number = 1
         for each in self.transitions:
             if each is transition:

@@ -12,6 +12,6 @@
 """
 
 from plcopen_sfc.analysis.checks.checked_chart import Finding, Rule
-from plcopen_sfc.analysis.checks.rule_table import all_rules, check_charts, rule_named
+from plcopen_sfc.analysis.checks.rule_table import all_rules, check_charts
 
-__all__ = ["Finding", "Rule", "all_rules", "check_charts", "rule_named"]
+__all__ = ["Finding", "Rule", "all_rules", "check_charts"]

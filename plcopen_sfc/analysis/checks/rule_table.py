@@ -289,11 +289,6 @@ def all_rules() -> tuple[Rule, ...]:
 _CODE = re.compile(r"[A-Z]{2,4}\d\d")
 
 
-def rule_named(code: str) -> Rule:
-    """Return the rule with this code. `KeyError` where there is none."""
-    return {rule.code: rule for rule in all_rules()}[code.upper()]
-
-
 _GROUPS = {
     "STR": "Structure",
     "NAM": "Names and numbers",

@@ -25,19 +25,18 @@ if TYPE_CHECKING:
 
 
 Keys: TypeAlias = Sequence[tuple[str, str]]
-KeyFunction: TypeAlias = Callable[[str, Mapping[str, str]], Keys]
-"""From tag and attributes of an element to its identifying attributes (name, value), strongest first."""
+"""Identifying attributes of an element (name, value), strongest first."""
 
 
-DEFAULT_KEYS = (
+_KEYS = (
     "localId", "guid", "Guid", "globalId", "UId", "Id", "ID", "Number", "name", "Name", "formalParameter",
     "refLocalId", "targetName",
 )  # fmt: skip
 
 
-def default_keys(_tag: str, attributes: Mapping[str, str]) -> Keys:
+def _keys_of(attributes: Mapping[str, str]) -> Keys:
     """Return the identifying attributes that PLC formats use."""
-    return [(name, attributes[name]) for name in DEFAULT_KEYS if name in attributes]
+    return [(name, attributes[name]) for name in _KEYS if name in attributes]
 
 
 class AlignedItem:
@@ -277,9 +276,8 @@ _FEATURE_LIMIT = 400
 class ElementComparison:
     """Elements made comparable for the alignment, for one source and a pair of trees."""
 
-    def __init__(self, tree: SourceTree, before: etree._Element, after: etree._Element, keys: KeyFunction) -> None:
+    def __init__(self, tree: SourceTree, before: etree._Element, after: etree._Element) -> None:
         self._tree = tree
-        self._keys = keys
         # Plain serialisation is twice as fast but names every namespace in scope: it only compares trees that declare
         # the same ones.
         self._plain = before.nsmap == after.nsmap
@@ -300,14 +298,14 @@ class ElementComparison:
     def tree_item(self, element: etree._Element) -> AlignedItem:
         """Return an element of `before` or `after`."""
         tag = kind_of(element)
-        keys: Keys = () if tag.startswith("#") else self._keys(tag, dict(cast("Any", element.attrib)))
+        keys: Keys = () if tag.startswith("#") else _keys_of(dict(cast("Any", element.attrib)))
         return AlignedItem(tag, keys, partial(self.bytes_of, element), partial(_tree_features, element, keys))
 
     def source_item(self, node: SourceNode) -> AlignedItem:
         """Return a node of the source."""
         tree = self._tree
         tag = tree.tag(node)
-        keys: Keys = self._keys(tag, tree.values(node)) if node.is_element else ()
+        keys: Keys = _keys_of(tree.values(node)) if node.is_element else ()
         return AlignedItem(tag, keys, None, partial(_source_features, tree, node, keys))
 
 

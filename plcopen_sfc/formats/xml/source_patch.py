@@ -22,9 +22,7 @@ from lxml import etree
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.formats.xml.element_alignment import (
     ElementComparison,
-    KeyFunction,
     align,
-    default_keys,
     longest_rising,
     similarity,
 )
@@ -294,13 +292,11 @@ def reindented(text: str, old: str, new: str) -> str:
 class SourceMerge:
     """One three-way merge: collects the edits of the source text that the difference of two trees asks for."""
 
-    def __init__(
-        self, tree: SourceTree, codec: str, before: etree._Element, after: etree._Element, *, keys: KeyFunction
-    ) -> None:
+    def __init__(self, tree: SourceTree, codec: str, before: etree._Element, after: etree._Element) -> None:
         self._tree = tree
         self._before = before
         self._after = after
-        self._comparison = ElementComparison(tree, before, after, keys)
+        self._comparison = ElementComparison(tree, before, after)
         self._style = SourceStyle(tree, codec)
         self._fragments = NewMarkup(self._style, self._reuse)
         self._edits: list[Edit] = []
@@ -620,14 +616,11 @@ def _texts(element: etree._Element) -> list[str]:
     return [element.text or "", *(child.tail or "" for child in element)]
 
 
-def patch_xml(
-    source: bytes, before: etree._Element, after: etree._Element, *, keys: KeyFunction = default_keys
-) -> bytes:
+def patch_xml(source: bytes, before: etree._Element, after: etree._Element) -> bytes:
     """Return `source` with the difference from `before` to `after`; byte for byte the same where they are equal.
 
-    `keys` names the identifying attributes of an element, strongest first. Raises `PatchError` if the result would not
-    be well-formed or `before` does not describe `source`, and `EncodingError` if a new name cannot be written in the
-    encoding of the file.
+    Raises `PatchError` if the result would not be well-formed or `before` does not describe `source`, and
+    `EncodingError` if a new name cannot be written in the encoding of the file.
     """
     if before is after:
         return source
@@ -636,7 +629,7 @@ def patch_xml(
     if not encoding.is_reversible(text, source):
         raise PatchError(f"the source text does not come back the same from {encoding.codec}")
     try:
-        edited = SourceMerge(SourceTree(text), encoding.codec, before, after, keys=keys).run()
+        edited = SourceMerge(SourceTree(text), encoding.codec, before, after).run()
     except ValueError as error:
         # `apply_edits` refuses edits that overlap: a mistake of this package, which must end in an error
         # and not in a damaged file

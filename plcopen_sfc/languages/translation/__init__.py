@@ -12,7 +12,6 @@ from plcopen_sfc.languages.translation.text_translation import (
     is_foreign,
     translate,
     translate_text,
-    translate_tree,
 )
 from plcopen_sfc.languages.translation.translation_context import Note, StepNotation, StepReferences, TranslationContext
 
@@ -29,5 +28,4 @@ __all__ = [
     "is_foreign",
     "translate",
     "translate_text",
-    "translate_tree",
 ]

@@ -11,9 +11,9 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.grafcet_conditions import condition_problem
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
-from plcopen_sfc.languages.st.nodes import Expression, Node, Operator, Statements
+from plcopen_sfc.languages.st.nodes import Node, Operator, Statements
 from plcopen_sfc.languages.st.parsing import Parsed, parse_condition, parse_expression, parse_statements
-from plcopen_sfc.languages.st.printing import print_node, render, tree_edits
+from plcopen_sfc.languages.st.printing import render, tree_edits
 from plcopen_sfc.languages.st.walking import transform, walk
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.arithmetic_translation import ArithmeticTranslator
@@ -164,14 +164,6 @@ def translate_text(
 ) -> Translated:
     """Return a text in another dialect. Never raises: text that does not parse stays unchanged, with a note for why."""
     return translate(_PARSERS[kind](text, source), target, context)
-
-
-def translate_tree(
-    tree: Expression | Statements, source: Dialect, target: Dialect, context: TranslationContext | None = None
-) -> Translated:
-    """Return a tree that has no text in another dialect; the notes are about the text that `source` prints of it."""
-    kind: TextKind = "statements" if isinstance(tree, Statements) else "expression"
-    return translate_text(print_node(tree), kind, source, target, context)
 
 
 def translate(parsed: Parsed[Any], target: Dialect, context: TranslationContext | None = None) -> Translated:

@@ -34,7 +34,7 @@ from plcopen_sfc.semantics.programs.runtime_types import Direction, Field, Frame
 from plcopen_sfc.semantics.programs.scopes import CompiledChart, TranslatedPou
 from plcopen_sfc.semantics.programs.unknown_calls import UnknownCalls
 
-_Store = Callable[[list[Any], int, int | None], tuple[Hashable, ...]]
+_Store = Callable[[list[Any], int], tuple[Hashable, ...]]
 _Load = Callable[[list[Any], Any, int], None]
 
 
@@ -43,7 +43,6 @@ class _Plan:
     """Plan to store a layout and put it back; `counts` are the variables of all layouts in it at that time."""
 
     store: _Store
-    store_limited: _Store
     load: _Load
     counts: dict[Layout, int]
 
@@ -62,13 +61,9 @@ class Snapshots:
     def __init__(self) -> None:
         self._plans: dict[tuple[Layout, frozenset[int]], _Plan] = {}
 
-    def store(self, frame: Frame, now: int, limit: int | None, leave_out: frozenset[int] = frozenset()) -> Hashable:
-        """Return values that `frame` holds, but for some slots.
-
-        Times that go on growing are not stored beyond `limit`.
-        """
-        plan = self._plan(frame.layout, leave_out)
-        return (plan.store if limit is None else plan.store_limited)(frame.v, now, limit)
+    def store(self, frame: Frame, now: int, leave_out: frozenset[int] = frozenset()) -> Hashable:
+        """Return values that `frame` holds, but for some slots."""
+        return self._plan(frame.layout, leave_out).store(frame.v, now)
 
     def load(self, frame: Frame, stored: Any, now: int, leave_out: frozenset[int] = frozenset()) -> None:
         """Put back what `store` gave."""
@@ -85,12 +80,11 @@ class Snapshots:
 class _Writer:
     """Writes the functions of one layout, or the loops of an array at some `depth` of arrays.
 
-    `stored` and `limited` are items of the tuple, `loads` are statements.
+    `stored` are items of the tuple, `loads` are statements.
     """
 
     depth: int = 0
     stored: list[str] = dataclasses.field(default_factory=list)
-    limited: list[str] = dataclasses.field(default_factory=list)
     loads: list[str] = dataclasses.field(default_factory=list)
     counts: dict[Layout, int] = dataclasses.field(default_factory=dict)
     size: int = 0
@@ -100,8 +94,7 @@ class _Writer:
         """Return the functions."""
         self._frame("v", layout, leave_out)
         source = [
-            f"def store(v, now, limit): return ({_items(self.stored)})",
-            f"def store_limited(v, now, limit): return ({_items(self.limited)})",
+            f"def store(v, now): return ({_items(self.stored)})",
             "def load(v, s0, now):",
             *(f" {line}" for line in self.lines()),
         ]
@@ -133,12 +126,7 @@ class _Writer:
         """Plain values in slots behind each other."""
         if slots:
             values = f"{v}[{slots[0]}:{slots[-1] + 1}]"
-            self._add(
-                f"*{values}",
-                f"*{values}",
-                f"{values} = s{self.depth}[{self.size}:{self.size + len(slots)}]",
-                len(slots),
-            )
+            self._add(f"*{values}", f"{values} = s{self.depth}[{self.size}:{self.size + len(slots)}]", len(slots))
 
     def _value(self, place: str, type_: Type) -> None:
         """A value that is no plain one."""
@@ -146,34 +134,25 @@ class _Writer:
         if isinstance(type_, t.StructureType):
             self._frame(f"{place}.v", type_.layout)
         elif type_ is t.INSTANT:
-            age = f"now - {place}"
-            self._add(
-                f"None if {place} is None else {age}",
-                f"None if {place} is None else min({age}, limit)",
-                f"{place} = None if {at} is None else now - {at}",
-            )
+            self._add(f"None if {place} is None else now - {place}", f"{place} = None if {at} is None else now - {at}")
         elif type_ is t.ELAPSED:
-            self._add(place, f"min({place}, limit)", f"{place} = {at}")
+            self._add(place, f"{place} = {at}")
         elif isinstance(type_, t.ArrayOf):
             self._array(place, at, type_)
 
     def _array(self, place: str, at: str, type_: t.ArrayOf) -> None:
         if _is_plain(type_.base):
-            self._add(f"tuple({place})", f"tuple({place})", f"{place}[:] = {at}")
+            self._add(f"tuple({place})", f"{place}[:] = {at}")
             return
         element = _Writer(depth=self.depth + 1, counts=self.counts)
         index = f"i{element.depth}"
         element._value(f"{place}[{index}]", type_.base)
-        stored, limited = (
-            f"tuple([({_items(items)}) for {index} in range(len({place}))])"
-            for items in (element.stored, element.limited)
-        )
+        stored = f"tuple([({_items(element.stored)}) for {index} in range(len({place}))])"
         loop = f"for {index}, s{element.depth} in enumerate({at}):"
-        self._add(stored, limited, "\n".join([loop, *(f" {line}" for line in element.lines())]))
+        self._add(stored, "\n".join([loop, *(f" {line}" for line in element.lines())]))
 
-    def _add(self, stored: str, limited: str, load: str, size: int = 1) -> None:
+    def _add(self, stored: str, load: str, size: int = 1) -> None:
         self.stored.append(stored)
-        self.limited.append(limited)
         self.loads.append(load)
         self.size += size
 
@@ -183,11 +162,11 @@ class _Writer:
 
 
 @lru_cache(maxsize=4096)  # a comparison makes the same program more than once
-def _functions(source: str) -> tuple[_Store, _Store, _Load]:
+def _functions(source: str) -> tuple[_Store, _Load]:
     """Return the functions with this source."""
     made: dict[str, Any] = {}
     exec(compile(source, "<snapshot>", "exec"), made)  # noqa: S102  # numbers of slots, nothing else
-    return made["store"], made["store_limited"], made["load"]
+    return made["store"], made["load"]
 
 
 def _is_plain(type_: Type) -> bool:
@@ -658,18 +637,17 @@ class Instance:
         self._unseen = slots
         self._known = -1
 
-    def snapshot(self, limit: int | None = None) -> Hashable:
+    def snapshot(self) -> Hashable:
         """All that a later scan can see: of the instance and of global variables, but not the values of free inputs.
 
-        Times are relative to `controller.now`, so that equal situations at different times have equal snapshots; those
-        that go on growing are not stored beyond `limit` nanoseconds.
+        Times are relative to `controller.now`, so that equal situations at different times have equal snapshots.
         """
         self._find_free()
         for cells, index in self._inner:
             cells[index] = UNREAD
         snapshots, now = self.controller.snapshots, self._processor.now
         own, outer = self._left_out
-        return snapshots.store(self._library.frame, now, limit, outer), snapshots.store(self.frame, now, limit, own)
+        return snapshots.store(self._library.frame, now, outer), snapshots.store(self.frame, now, own)
 
     def restore(self, snapshot: Any) -> None:
         """Put back what `snapshot` gave; times go on from `controller.now`."""

@@ -292,15 +292,6 @@ def test_many_moves_between_parents() -> None:
     assert result == f"<r><a/><b>{own}</b></r>"
 
 
-def test_another_key_function() -> None:
-    source, before = '<r><a k="1" u="x"/><a k="2" u="y"/></r>', '<r><a k="1"/><a k="2"/></r>'
-    after = '<r><a k="2"/></r>'
-    result = patch_xml(
-        source.encode(), etree.fromstring(before), etree.fromstring(after), keys=lambda _tag, found: [("k", found["k"])]
-    )
-    assert result == b'<r><a k="2" u="y"/></r>'
-
-
 @pytest.mark.parametrize(
     ("source", "before", "after", "expected"),
     [

@@ -16,7 +16,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, print_node, transform, walk, without_parentheses
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.st.nodes import Expression, Node, Operator, Quoting
-from plcopen_sfc.languages.translation import TextKind, TranslationContext, translate, translate_text, translate_tree
+from plcopen_sfc.languages.translation import TextKind, TranslationContext, translate, translate_text
 from plcopen_sfc.model.dialect import Dialect
 from tests.languages.st_strategies import laid_out, programs
 
@@ -153,7 +153,7 @@ def _power(node: Node) -> Node:
 @given(pairs, _bodies)
 def test_a_program_says_the_same_in_any_dialect(pair: tuple[Dialect, Dialect], tree: n.Statements) -> None:
     source, target = pair
-    found = translate_tree(in_dialect(tree, source), source, target, CONTEXT)
+    found = translate_text(print_node(in_dialect(tree, source)), "statements", source, target, CONTEXT)
     assert found.notes == ()
     assert found.parsed.problems == ()
     assert meaning_of(found.parsed.tree) == meaning_of(in_dialect(tree, target)), found.text

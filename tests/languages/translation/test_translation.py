@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.translation import TranslationContext, translate_text, translate_tree
+from plcopen_sfc.languages.translation import translate_text
 from plcopen_sfc.model.dialect import Dialect
 from tests.languages.translating import assert_says_the_same, translated
 
@@ -353,13 +352,6 @@ def test_codesys_and_twincat_are_one_language() -> None:
     for source, target in ((CODESYS, TWINCAT), (TWINCAT, CODESYS)):
         found = translate_text(text, "statements", source, target)
         assert (found.text, found.notes, found.parsed.dialect) == (text, (), target)
-
-
-def test_trees_without_text() -> None:
-    tree = n.Operation(n.Operator.AND, (n.Name("a"), n.Name("b", n.Quoting.NONE)))
-    assert translate_tree(tree, IEC, SCL, TranslationContext(locals=["a"])).text == '#a AND "b"'
-    body = n.Statements((n.Assignment(n.Name("x"), tree, n.AssignmentKind.SET),))
-    assert translate_tree(body, CODESYS, IEC).text == "IF a AND b THEN\n    x := TRUE;\nEND_IF;"
 
 
 def test_conditions_as_they_stand_in_a_transition() -> None:
