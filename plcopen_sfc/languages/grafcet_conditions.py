@@ -9,8 +9,8 @@ words of structured text too, since every GRAFCET's condition comes through here
 | or | ``+`` ``∨`` ``OR`` |
 | not | ``/a`` ``!a`` ``¬a`` ``NOT a``, an overline on every character of a name |
 | edges | ``↑a`` ``↓a`` |
-| predicate | ``[C1>3]``, also without brackets |
-| time | ``3s/X2`` ``X2/5s`` ``2s/a/3s`` |
+| predicate | ``[C1>3]``, also without brackets; ``<>`` ``≠`` ``!=`` |
+| time | ``3s/X2`` ``X2/5s`` ``2s/a/3s``; ``1M`` is a name |
 | always, never | ``1`` ``0`` |
 
 A dot between two names without a blank is that of a member (``Timer.Q``); `grafcet-text`, which knows what the GRAFCET
@@ -59,7 +59,9 @@ class _Token:
 
 OVERLINE = "\u0305"
 """The character that draws a line over the one before it."""
-_TIME = r"L?T(?:IME)?\#\w+(?:\.\d+\w*)*|\d+(?:[.,]\d+)?[ \t]*(?:ms|min|s|m|h|d)(?![\w\u0305])"
+_TIME = r"(?i:L?T(?:IME)?)\#\w+(?:\.\d+\w*)*|\d+(?:[.,]\d+)?[ \t]*(?:ms|min|s|m|h|d)(?![\w\u0305])"
+_LIKE_A_TIME = re.compile(r"(?i:\d+(?:ms|min|s|m|h|d))")
+"""A name such as ``2S``, in the place of a time."""
 NAME = rf"\d*[^\W\d](?:\w|{OVERLINE})*|\d(?:{OVERLINE}\w|\w)*{OVERLINE}(?:\w|{OVERLINE})*"
 """A name: it may begin with digits."""
 _PATH = re.compile(rf"(?<![\w.{OVERLINE}])(?:{NAME})(?:\.(?:{NAME}))+(?![\w(\[{OVERLINE}]|\.\d)")
@@ -69,17 +71,17 @@ _TOKEN = re.compile(
   | (?P<literal>\d+\#\w+|[^\W\d]\w*\#(?:'[^']*'|[-+]?\d[\w.#]*|\w+)|'[^']*')
   | (?P<name>"[^"\r\n]+"|%\w+(?:\.\d+)*|{NAME})
   | (?P<number>\d+(?:\.\d+)?)
-  | (?P<compare><>|<=|>=|[=<>≤≥≠])
+  | (?P<compare><>|<=|>=|!=|[=<>≤≥≠])
   | (?P<not>[!¬])
   | (?P<and>[·∧&⋅∙•])
   | (?P<or>∨)
   | (?P<mark>\*\*|[-*+/.()\[\]↑↓^,]|:=|=>)
     )""",
-    re.VERBOSE | re.IGNORECASE,
+    re.VERBOSE,
 )
 _COMPARISON = re.compile(r"[^\s(]+ [<>=]")
 _WORDS = {"AND": "and", "OR": "or", "XOR": "xor", "NOT": "not", "MOD": "mark"}
-_COMPARISONS = {"≤": "<=", "≥": ">=", "≠": "<>"}
+_COMPARISONS = {"≤": "<=", "≥": ">=", "≠": "<>", "!=": "<>"}
 _SAME_LENGTH = str.maketrans("≤≥≠", "<>=")
 """Comparisons of structured text that are as long as those written, so that offsets are the same."""
 _BOOLEAN = {"and": "AND", "or": "OR", "xor": "XOR"}
@@ -217,9 +219,11 @@ class _Reader:
         while position < end:
             word = {"*": "AND", ".": "AND", "+": "OR"}.get(self.tokens[position].text)
             if word is None:
-                raise ConditionError(
-                    f"an operator is missing before {self.tokens[position].text!r}", self.tokens[position].span
-                )
+                why = f"an operator is missing before {self.tokens[position].text!r}"
+                beside = (self.tokens[i].text for i in (position - 1, position + 1) if i < end)
+                if (time := next((each for each in beside if _LIKE_A_TIME.fullmatch(each)), None)) is not None:
+                    why += f": {time} is a name, and a time has small letters, {time.lower()}"
+                raise ConditionError(why, self.tokens[position].span)
             operand, position = self._operand(position + 1, end)
             text += f" {word} {operand}"
         return text
@@ -245,7 +249,8 @@ class _Reader:
         first, last = self.tokens[start].span[0], self.tokens[end - 1].span[1]
         text = self._text[first:last]
         dialect = Dialect.SCL if '"' in text else Dialect.IEC  # "DB".x: this notation has names of S7 in every file
-        problems = parse_expression(text.translate(_SAME_LENGTH), dialect).problems if end > start + 1 else ()
+        readable = text.translate(_SAME_LENGTH).replace("!=", "<>")
+        problems = parse_expression(readable, dialect).problems if end > start + 1 else ()
         if problems:
             why = f"{' '.join(text.split())!r} is no structured text: {problems[0].message}"
             if self._next(start, end, {"compare"}) < end:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from pathlib import Path
 
 import pytest
@@ -143,6 +144,9 @@ def test_strict_conversions_refuse_the_difference() -> None:
         ("    Q1 IF B5 AFTER 3s", "action"),
         ("    ON ACTIVATION B2 := B5 +", "action"),
         ("    ON EVENT ↑B5 : { B2 := ; }", "action"),
+        ("    ON ACTIVATION Q1 := B1 * B2", "action"),
+        ("    ON EVENT ↑B5 : Q1 := 5", "action"),
+        ("    ON DEACTIVATION { Q1 := X1 + 1; }", "action"),
         ("1 -> 2 : B1 B2", "condition"),
     ],
 )
@@ -170,6 +174,15 @@ def test_a_condition_that_cannot_be_read_is_refused(condition: str, form: str) -
     named = "Step2 -> Step1" if form == "simaticml" else "2 -> 1"  # TIA Portal: before names of the source are put back
     assert {item.path for item in lost} == {f"POU Kette / transition {named}"}
     assert any(item.why.startswith("the condition cannot be read: ") for item in lost)
+
+
+@pytest.mark.parametrize("form", TOOLS)
+def test_flags_of_steps_are_those_of_the_tool_in_what_actions_store(form: str) -> None:
+    text = TEXT.replace("ON ACTIVATION n := n + 1", "ON ACTIVATION { Q1 := NOT X1; }")
+    source = sfc.loads(text.replace("Q2 := 1", "Q2 := X2 AND NOT X1").encode())
+    data, report = sfc.convert(source, form, partial=True)
+    assert "action" not in losses(report)
+    assert not re.search(rb"\bX[12]\b", data)
 
 
 DIGITS = TEXT.replace("B1", "1B1").replace("Q1", "1M1")

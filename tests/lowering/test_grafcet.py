@@ -580,6 +580,9 @@ def test_a_chart_on_which_orders_cannot_act_is_refused() -> None:
         ("continuous", {"value": "5"}, "only Booleans"),
         ("onEvent", {}, "no event"),
         ("onActivation", {"value": "("}, "expected"),
+        ("onActivation", {"value": "c1 * c2"}, "no tool compiles the action: . of BOOL and BOOL"),
+        ("onDeactivation", {"value": "5"}, "a number is assigned to BOOL: Q := 5"),
+        ("onEvent", {"value": "X1 + 1", "condition": "↑c1"}, "no tool compiles the action"),
     ],
 )
 def test_actions_without_meaning_are_refused(kind: str, fields: dict[str, object], message: str) -> None:

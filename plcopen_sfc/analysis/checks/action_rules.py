@@ -16,6 +16,7 @@ from plcopen_sfc.analysis.checks.action_targets import (
     body_named,
     by_operand,
     constant,
+    manner_of,
     operand,
     uses,
     written_elsewhere,
@@ -39,10 +40,22 @@ def _mixed(chart: CheckedChart) -> Iterator[Finding]:
             continue
         for use in found:
             if use.manner in _KEEPING:
-                there = f"step {continuous.step.name} writes it continuously ({_how(continuous)})"
                 what = {Manner.SET: "set", Manner.RESET: "reset"}.get(use.manner, "stored")
-                message = f"{use.name} is {what} here ({_how(use)}), and {there}"
+                message = f"{use.name} is {what} here ({_how(use)}), and {_there(continuous)}"
                 yield Finding(use.sheet.at(use.step, use.association), message)
+    continuous_uses = {use.path: use for use in uses(chart) if use.manner is Manner.CONTINUOUS}
+    for sheet in chart.sheets:
+        for step, association in sheet.actions():
+            stores = association.kind is not None and manner_of(association) is Manner.STORED
+            for assigned in assignments(association.body, chart) if stores else ():
+                found_use = continuous_uses.get(path_of(assigned.target))
+                if found_use is not None:
+                    what = f"{print_node(assigned.target)} is stored here ({association.kind})"
+                    yield Finding(sheet.at(step, association), f"{what}, and {_there(found_use)}")
+
+
+def _there(continuous: TargetUse) -> str:
+    return f"step {continuous.step.name} writes it continuously ({_how(continuous)})"
 
 
 def _how(use: TargetUse) -> str:

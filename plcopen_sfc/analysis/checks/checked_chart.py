@@ -16,23 +16,20 @@ from plcopen_sfc.analysis.ruled_situations import RuledSituations
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import Declaration, Names, bind, texts_in
-from plcopen_sfc.languages.binding.compile_mistakes import Parameter, pin_of, type_mistakes, value_mistake
-from plcopen_sfc.languages.binding.name_resolution import Resolver, Type
+from plcopen_sfc.languages.binding.compile_mistakes import type_mistakes, value_mistake
 from plcopen_sfc.languages.binding.name_scopes import charts_inside
 from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of
-from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite
-from plcopen_sfc.languages.declarations.kept_texts import kept
+from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite
 from plcopen_sfc.languages.effects import path_of
 from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_condition, parse_statements, print_node, transform, walk
-from plcopen_sfc.languages.standard_blocks import BlockKind, StandardBlock, standard_block
+from plcopen_sfc.languages.st import parse_condition, parse_statements, transform, walk
 from plcopen_sfc.languages.translation.call_translation import has_function
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.pou import Pou, PouKind
+from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import (
     ActionAssociation,
@@ -45,15 +42,9 @@ from plcopen_sfc.model.sfc import (
     leaving_steps,
 )
 from plcopen_sfc.model.types import (
-    ArrayType,
     DataType,
     DataTypeDeclaration,
     DerivedType,
-    ElementaryType,
-    SimpleValue,
-    StringType,
-    StructType,
-    SubrangeType,
 )
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import TermTexts
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
@@ -219,67 +210,6 @@ class Misfit(NamedTuple):
     message: str
 
 
-class _TypesAt:
-    """Types and parameters at a site, as `type_mistakes` asks for them."""
-
-    def __init__(self, resolver: Resolver, site: Site) -> None:
-        self._resolver, self._site = resolver, site
-
-    def type_of(self, value: n.Expression) -> str:
-        block = self._resolver.standard_block_of(value.base, self._site) if isinstance(value, n.Member) else None
-        if block is not None and isinstance(value, n.Member):
-            name = value.name.identifier
-            pin = pin_of(block, name, is_output=True) or pin_of(block, name, is_output=False)
-            return pin.type if pin is not None else ""
-        return self._name(self._resolver.type_of(value, self._site))
-
-    def type_of_value(self, text_site: TextSite) -> str:
-        """Return the type that an initial value is for, with arrays those of their items; empty for other texts."""
-        if not isinstance(text_site.holder, SimpleValue):
-            return ""
-        type_ = self._resolver.type_of_value(text_site.owner, self._site)
-        while isinstance(type_, ArrayType):
-            type_ = self._resolver.settled(type_.base, self._site.place)
-        return self._name(type_)
-
-    def parameter_of(self, call: n.Call, position: int) -> Parameter | None:
-        """Return the parameter for an argument of a call, as far as it is known."""
-        argument, callee = call.arguments[position], print_node(call.callee)
-        name = argument.name.identifier if argument.name is not None else ""
-        block = self._resolver.standard_block_of(call.callee, self._site)
-        if block is not None:
-            return pin_of(block, name, is_output=argument.output) if name else None
-        function = self._standard_function(call.callee)
-        if function is not None:
-            pins = {pin.name: pin.type for pin in function.input_pins(len(call.arguments))}
-            names = [function.input_name(name)] if name else [*pins][position : position + 1]
-            return next((Parameter(each, function.name, pins.get(each, "")) for each in names if each), None)
-        type_ = self._name(self._resolver.parameter_type(call, position, self._site))
-        return Parameter(name or f"argument {position + 1}", callee, type_, argument.output) if type_ else None
-
-    def _standard_function(self, callee: n.Expression) -> StandardBlock | None:
-        if not isinstance(callee, n.Name) or self._resolver.called(callee, self._site) is not None:
-            return None
-        block = standard_block(callee.identifier)
-        return block if block is not None and block.kind is BlockKind.FUNCTION else None
-
-    def _name(self, type_: Type) -> str:
-        match type_:
-            case ElementaryType(name=name):
-                return name.value
-            case StringType():
-                return "STRING"
-            case SubrangeType(base=base):
-                return self._name(base)
-            case ArrayType():
-                return "ARRAY"
-            case StructType() if "union" not in kept(type_.extension_data):
-                return "STRUCT"
-            case Pou(kind=PouKind.FUNCTION_BLOCK):
-                return "INSTANCE"
-        return ""
-
-
 class CheckedProject:
     """A project as the rules on its charts see it: declared variables, and what writes them.
 
@@ -359,17 +289,15 @@ class CheckedProject:
         for each in self.named.text_sites():
             if not each.is_program_text:
                 continue
-            is_value = each.reading is SiteKind.EXPRESSION
-            parsed = (parse_condition if is_value else parse_statements)(each.text, self.dialect)
+            is_value, text = each.reading is SiteKind.EXPRESSION, each.text
+            if each.key == "value" and isinstance(each.holder, ActionAssociation) and each.holder.target:
+                is_value, text = False, f"{each.holder.target} := {text};"
+            parsed = (parse_condition if is_value else parse_statements)(text, self.dialect)
             if not parsed.problems:
-                types = _TypesAt(self.named.resolver, each.site)
-                found = type_mistakes(parsed.tree, self.dialect, types.type_of, types.parameter_of)
+                found = type_mistakes(parsed.tree, self.named.resolver, each.site)
                 yield from (Misfit(each, message) for message in found)
-                wanted = types.type_of_value(each)
-                if wanted:
-                    value = parse_condition(each.text, self.dialect).tree
-                    message = value_mistake(value, wanted, self.dialect, types.type_of)
-                    yield from (Misfit(each, message),) if message is not None else ()
+                message = value_mistake(parsed.tree, self.named.resolver, each)
+                yield from (Misfit(each, message),) if message else ()
 
     @cached_property
     def knowledge(self) -> ProjectKnowledge:
@@ -563,6 +491,11 @@ class CheckedChart:
                 found = replace(found, tree=self._while_active(sheet, transition, found.tree))
             self._conditions[id(transition)] = found
         return found
+
+    def term(self, condition: Expression) -> n.Expression | None:
+        """Return the condition or the event of an action of a GRAFCET; None where it cannot be read."""
+        parsed = parse_condition(self._terms.read(condition.text), self.dialect)
+        return None if parsed.problems else parsed.tree
 
     def _while_active(self, sheet: CheckedSheet, transition: Transition, tree: n.Expression) -> n.Expression:
         """Return a condition as it is while the steps before its transition are active: their flags are TRUE."""

@@ -6,16 +6,18 @@ import re
 from collections.abc import Iterator
 from itertools import combinations
 
-from plcopen_sfc.analysis.checks.action_targets import Manner, uses
+from plcopen_sfc.analysis.checks.action_targets import Manner, assignments, operand, uses
 from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedSheet, Finding, FindingPlace, Rule
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.effects import path_of
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_condition, walk
+from plcopen_sfc.languages.st import parse_condition, print_node, walk
 from plcopen_sfc.model.actions import ActionKind, ForcedSituation, ForcingOrder
 from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.network import Block, Contact, Edge, InputVariable
 from plcopen_sfc.model.sfc import BodyCondition, Condition, PartialChart, PartialChartKind, Step
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, PointerType
+from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.reachability import reached
 from plcopen_sfc.semantics.net import NetProblemKind, NetStep
 
@@ -166,6 +168,45 @@ TRANSITION FROM S2 TO S1 := b; END_TRANSITION
     severity=Severity.ERROR,
 )
 
+
+def _inputs_written(chart: CheckedChart) -> Iterator[Finding]:
+    if chart.pou is None:
+        return
+    inputs = {
+        variable.name.casefold()
+        for section in (chart.pou.interface.sections if chart.pou.interface is not None else ())
+        for variable in section.variables
+        if section.kind is SectionKind.INPUT
+    }
+    for sheet in chart.sheets:
+        for step, association in sheet.actions():
+            written = {print_node(each.target): path_of(each.target) for each in assignments(association.body, chart)}
+            if association.target:
+                written[association.target] = operand(association.target, chart)
+            for name, path in written.items():
+                if path and path[0] in inputs:
+                    yield Finding(sheet.at(step, association), f"{name} is an input, and the action writes it")
+
+
+ACT20 = Rule(
+    code="ACT20",
+    title="An action writes no input",
+    why="An input is what the machine tells the chart: nothing that an action writes to it stays, or the machine does "
+    "(IEC 60848:2013, 4.8: actions act on outputs and internal variables).",
+    hint="Declare it among the outputs or internals, or correct the name.",
+    example="""
+GRAFCET Example
+INPUTS
+    a
+    b
+INITIAL STEP 1
+    b
+1 -> 1 : ↑a
+""",
+    check=_inputs_written,
+    severity=None,
+    severities={"grafcet": Severity.WARNING},
+)
 
 _MACROS = frozenset(NetProblemKind) - {NetProblemKind.MISSING_SOURCE, NetProblemKind.MISSING_TARGET}
 
@@ -434,10 +475,16 @@ def _macro_names(chart: CheckedChart) -> Iterator[Finding]:
         wanted = {}
         if partial is not None and partial.kind is PartialChartKind.EXPANSION:
             wanted = {partial.entry_step: ("entry step", "E"), partial.exit_step: ("exit step", "S")}
+            for name, (what, letter) in wanted.items():
+                if name is None and sheet.steps:
+                    yield Finding(sheet.place, f"no step of {partial.name} is named as its {what}: {letter}..", _ENDS)
         for step in sheet.steps:
             what, letter = ("macro-step", "M") if step.macro is not None else wanted.get(step.name, ("", ""))
             if not step.name.upper().startswith(letter):
                 yield Finding(sheet.at(step), f"the name of the {what} does not begin with {letter}")
+
+
+_ENDS = "Call the step so, or name it behind FROM or TO. A step without a way in or out is taken for it."
 
 
 def _unused(chart: CheckedChart) -> Iterator[Finding]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 from typing import Protocol, TypeVar
@@ -123,6 +124,8 @@ def _undeclared(chart: CheckedChart) -> Iterator[Finding]:
             continue  # VAR02 lists it
         what = "no step" if each.reference.access.casefold() in _OF_STEPS else "nothing"
         hint = f"Did you mean {like!r}?" if like else ""
+        if is_grafcet and (bare := _without_macrons(name)) != name and bare.casefold() in chart.types:
+            hint = f"Write the negation of {bare} as /{bare}: a macron is part of a letter, and no line over it."
         yield Finding(_place(chart, each), f"{name!r} names {what} that the project declares", hint)
     for each in _own(chart, chart.around.undeclared_types):
         like = _like(chart, each)
@@ -134,6 +137,12 @@ def _undeclared(chart: CheckedChart) -> Iterator[Finding]:
         hint = f"Did you mean {like!r}?" if like else ""
         why = "is no member of what is before it" if callee is None else f"is no parameter of {print_node(callee)}"
         yield Finding(_place(chart, each), f"{name!r} {why}", hint)
+
+
+def _without_macrons(name: str) -> str:
+    """Return a name without the lines over letters that keyboards have: ``ā`` is one letter."""
+    parts = unicodedata.normalize("NFD", name).replace("\u0304", "")
+    return unicodedata.normalize("NFC", parts)
 
 
 def _has_its_rule(occurrence: Occurrence) -> bool:
@@ -206,8 +215,13 @@ def _unreadable_names(chart: CheckedChart) -> Iterator[Finding]:
 
 
 def _misfitting(chart: CheckedChart) -> Iterator[Finding]:
+    of_grafcet = chart.family == "grafcet"
     for each in _own(chart, chart.around.misfits):
-        yield Finding(_place(chart, each), each.message)
+        if not (of_grafcet and isinstance(each.text_site.holder, Expression)):  # a term with * and +: CND10 reads it
+            yield Finding(_place(chart, each), each.message, _IN_ACTIONS if of_grafcet else "")
+
+
+_IN_ACTIONS = "Values are structured text: a AND b, a OR b, NOT a, n + 1, n <> 0, BOOL_TO_INT(a)."
 
 
 def _elements(declaration: Declaration) -> tuple[Element, ...]:
@@ -269,14 +283,15 @@ VAR04 = Rule(
     why="No compiler takes a number where a BOOL is wanted, or a duration where a number is. Numbers, BOOL, durations, "
     "strings, dates, structures, arrays and instances are told apart in structured text, also in arguments of calls "
     "and in initial values; whether one number fits into another is a matter of each tool, and what has an unknown "
-    "type is left alone.",
+    "type is left alone. No tool calculates with BOOL: values of stored actions in a GRAFCET are structured text, "
+    "whose * and + are no AND and OR.",
     hint="Convert the value (REAL_TO_INT, TIME_TO_DINT), or compare it: n <> 0.",
     example="VAR_INPUT Start, b : BOOL; n : INT; END_VAR\n"
     + _RING % ("Count(P1);", "Start")
     + "ACTION Count: n := Start; END_ACTION\n",
     check=_misfitting,
     severity=Severity.WARNING,
-    severities={"grafcet": None},
+    severities={"grafcet": Severity.ERROR},
 )
 
 VAR05 = Rule(

@@ -246,6 +246,7 @@ _ON_CHARTS: tuple[Rule, ...] = (
     action_rules.ACT17,
     action_rules.ACT18,
     action_rules.ACT19,
+    grafcet_rules.ACT20,
     name_rules.VAR01,
     name_rules.VAR02,
     name_rules.VAR03,

@@ -196,6 +196,19 @@ def _duplicates(chart: CheckedChart) -> Iterator[Finding]:
             if key in seen and key:
                 yield Finding(sheet.at(step), f"another step of the chart is called {seen[key]!r}, too")
             seen.setdefault(key, step.name)
+    yield from _flags_of_two(chart) if chart.family == "grafcet" else ()
+
+
+def _flags_of_two(chart: CheckedChart) -> Iterator[Finding]:
+    """Find steps of two charts of a GRAFCET with one name: their flag is that of both."""
+    charts: dict[str, CheckedSheet] = {}
+    for sheet in chart.sheets:
+        for step in sheet.steps:
+            first = charts.setdefault(step.name.casefold(), sheet)
+            if first is not sheet and step.name:
+                place = first.partial.name if first.partial is not None else "the first chart"
+                message = f"{place} has a step {step.name!r}, too: X{step.name} is the flag of both"
+                yield Finding(sheet.at(step), message)
 
 
 def _identifiers(chart: CheckedChart) -> Iterator[Finding]:
@@ -265,7 +278,8 @@ def _together(chart: CheckedChart) -> Iterator[Finding]:
 NAM01 = Rule(
     code="NAM01",
     title="Step names are unique in a chart",
-    why="Jumps and step variables mean the first of them; tools refuse the chart. Case does not matter.",
+    why="Jumps and step variables mean the first of them; tools refuse the chart. Case does not matter. In a GRAFCET "
+    "names of steps are unique in all its partial charts (IEC 60848:2013, 4.3): X2 could be the flag of two steps.",
     hint="Rename one of them.",
     example="""
 INITIAL_STEP S1: END_STEP

@@ -7,7 +7,14 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from plcopen_sfc.analysis.checks.action_targets import continuous_operands, output_operands
-from plcopen_sfc.analysis.checks.checked_chart import MOST_TOGETHER, CheckedChart, CheckedSheet, Finding, Rule
+from plcopen_sfc.analysis.checks.checked_chart import (
+    MOST_TOGETHER,
+    CheckedChart,
+    CheckedSheet,
+    Finding,
+    FindingPlace,
+    Rule,
+)
 from plcopen_sfc.analysis.exclusivity import Truth, covered
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.diagnostics import Severity
@@ -226,23 +233,33 @@ def _no_boolean(chart: CheckedChart) -> Iterator[Finding]:
     steps = {name for name in names if name not in chart.types} if chart.family == "grafcet" else set()
     for sheet in chart.sheets:
         site = Site(chart.pou, charts=(sheet.chart,), place=chart.pou.place if chart.pou is not None else "")
-        for transition in sheet.transitions:
-            if not isinstance(transition.condition, Expression):
-                continue
-            tree = chart.condition(sheet, transition).tree  # in a GRAFCET * and + join Boolean terms
+        for place, condition, tree in _conditions(chart, sheet):
+            text = " ".join(condition.text.split())
             told = _other_type(n.bare(tree), chart, site) if tree is not None else ""
             if told:
-                text = " ".join(transition.condition.text.split())
-                yield Finding(sheet.at(transition), f"the condition {text} is not Boolean: it is {told}")
-            for name, kind in _joined(tree, chart, site) if tree is not None and chart.family == "grafcet" else ():
-                yield Finding(sheet.at(transition), f"{name} is {kind}, and the condition takes it as Boolean")
-            for name in _calculated(tree, chart, site) if tree is not None and chart.family == "grafcet" else ():
-                text = " ".join(transition.condition.text.split())
+                yield Finding(place, f"the condition {text} is not Boolean: it is {told}")
+            if chart.family != "grafcet":
+                continue
+            for name, kind in _joined(tree, chart, site) if tree is not None else ():
+                yield Finding(place, f"{name} is {kind}, and the condition takes it as Boolean")
+            for name in _calculated(tree, chart, site) if tree is not None else ():
                 message = f"{name} is BOOL, and {text} calculates with it"
-                yield Finding(sheet.at(transition), message, "Write [..] around a comparison: a * [n>3].")
-            for name in _names_in(transition.condition.text) if steps else ():
+                yield Finding(place, message, "Write [..] around a comparison: a * [n>3].")
+            for name in _names_in(condition.text) if steps else ():
                 if name.casefold() in steps:  # in the place of its flag
-                    yield Finding(sheet.at(transition), f"{name} is a step and no value: its flag is X{name}")
+                    yield Finding(place, f"{name} is a step and no value: its flag is X{name}")
+
+
+def _conditions(
+    chart: CheckedChart, sheet: CheckedSheet
+) -> Iterator[tuple[FindingPlace, Expression, n.Expression | None]]:
+    """Yield the conditions in text of a network with their places and trees: in a GRAFCET those of actions, too."""
+    for transition in sheet.transitions:
+        if isinstance(transition.condition, Expression):  # in a GRAFCET * and + join Boolean terms
+            yield sheet.at(transition), transition.condition, chart.condition(sheet, transition).tree
+    for step, association in sheet.actions() if chart.family == "grafcet" else ():
+        if isinstance(association.condition, Expression):
+            yield sheet.at(step, association), association.condition, chart.term(association.condition)
 
 
 def _joined(tree: n.Node, chart: CheckedChart, site: Site) -> Iterator[tuple[str, str]]:
@@ -251,7 +268,7 @@ def _joined(tree: n.Node, chart: CheckedChart, site: Site) -> Iterator[tuple[str
         operands = node.operands if isinstance(node, n.Operation) and node.operator in n.CONNECTIVES else ()
         for operand in (node.operand,) if isinstance(node, n.Unary) and node.operator is n.Operator.NOT else operands:
             if kind := _other_type(n.bare(operand), chart, site):
-                yield print_node(operand), kind
+                yield print_node(n.bare(operand)), kind
 
 
 def _calculated(tree: n.Node, chart: CheckedChart, site: Site) -> list[str]:
@@ -302,11 +319,15 @@ def _unreadable(chart: CheckedChart) -> Iterator[Finding]:
                     yield Finding(place, message, "Write * or AND for the dot, or blanks beside it: a * b, a . b.")
         for step, each in sheet.actions():
             body = each.body.text if isinstance(each.body, StBody) else ""
-            for text, parse in ((each.value or "", parse_expression), (body, parse_statements)):
+            expressions = [(text or "", parse_expression) for text in (each.target, each.value)]
+            for text, parse in (*expressions, (body, parse_statements)):
                 problems = parse(text, chart.dialect).problems if text.strip() else ()
                 if problems:
                     message = f"what the action does, {' '.join(text.split())!r}, cannot be read: {problems[0].message}"
-                    yield Finding(sheet.at(step, each), message, "Write a value or statements in structured text.")
+                    yield Finding(sheet.at(step, each), message, _AS_ACTIONS)
+
+
+_AS_ACTIONS = "Write a variable, and values in structured text: a AND b, NOT a, n + 1."
 
 
 def _constant(chart: CheckedChart, truth: Truth) -> Iterator[tuple[CheckedSheet, Transition]]:
@@ -409,20 +430,20 @@ def _has_state(call: n.Call, chart: CheckedChart) -> bool:
 
 def _reading_outputs(chart: CheckedChart) -> Iterator[Finding]:
     outputs = output_operands(chart) | continuous_operands(chart)
-    for sheet, transition in _transitions(chart):
-        tree = chart.condition(sheet, transition).tree
-        variables = [each for each in walk(tree) if isinstance(each, n.Operand)] if tree is not None else []
-        members = {id(each.name) for each in variables if isinstance(each, n.Member)}  # T1.Q is no output Q
-        whole = (each for each in variables if id(each) not in members)
-        read = {path: print_node(each) for each in whole if (path := path_of(each)) in outputs}
-        addresses = sorted(
-            node.text
-            for node in _nodes(chart.condition(sheet, transition))
-            if isinstance(node, n.Address) and node.text[:2].upper() == "%Q"
-        )
-        names = [*read.values(), *addresses]
-        if names:
-            yield Finding(sheet.at(transition), f"the condition reads {', '.join(names)}, which the chart writes")
+    for sheet in chart.sheets:
+        places = [(sheet.at(each), [*_nodes(chart.condition(sheet, each))]) for each in sheet.transitions]
+        for step, association in sheet.actions():
+            tree = chart.term(association.condition) if isinstance(association.condition, Expression) else None
+            places.append((sheet.at(step, association), [*walk(tree)] if tree is not None else []))
+        for place, nodes in places:
+            variables = [each for each in nodes if isinstance(each, n.Operand)]
+            members = {id(each.name) for each in variables if isinstance(each, n.Member)}  # T1.Q is no output Q
+            whole = (each for each in variables if id(each) not in members)
+            read = {path: print_node(each) for each in whole if (path := path_of(each)) in outputs}
+            addresses = (each.text for each in variables if isinstance(each, n.Address))
+            names = [*read.values(), *sorted(each for each in addresses if each[:2].upper() == "%Q")]
+            if names:
+                yield Finding(place, f"the condition reads {', '.join(names)}, which the chart writes")
 
 
 def _unknown_name(chart: CheckedChart) -> Iterator[Finding]:
@@ -525,7 +546,8 @@ CND06 = Rule(
     code="CND06",
     title="A condition reads no output of its chart",
     why="In GRAFCET outputs follow from the situation: continuous actions are assigned when it is stable, and a "
-    "condition that reads one of them sees the value of the situation before.",
+    "condition that reads one of them sees the value of the situation before: that of a transition, of an action, and "
+    "an event.",
     hint="Ask for the step (X12) instead of what it writes.",
     example="""
 GRAFCET Example

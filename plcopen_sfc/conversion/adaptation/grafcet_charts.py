@@ -30,6 +30,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform
 from plcopen_sfc.languages.words import identifier, take_name
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, disjunction
+from plcopen_sfc.lowering.reading.text_reading import ActionTargets
 from plcopen_sfc.model.actions import ActionEvent, ActionKind, ForcedSituation, Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Expression
@@ -117,7 +118,7 @@ class _Terms:
 
 class _Chart:
     def __init__(self, project: Project, pou: Pou, chart: SfcNetwork, note: Note, target: Profile) -> None:
-        self._pou = pou
+        self._project, self._pou = project, pou
         self._chart = chart
         self._note = note
         self._of_graph = target.graph_parameters
@@ -134,6 +135,7 @@ class _Chart:
         self._was_active: dict[int, str] = {}
         self._over: dict[str, n.Expression] = {}
         self._forced: set[str] = set()
+        self._misfits: dict[int, str] = {}
         self._stores: dict[tuple[int, Qualifier], StBody] = {}
         self._inputs = {
             variable.name.casefold()
@@ -158,6 +160,7 @@ class _Chart:
             except HierarchyError as error:
                 self._refuse_hierarchy(path, error)
         self.steps = {step.name.casefold(): step for step in self._chart.steps}
+        self._misfits = {id(each): why for _, each in self._chart.associations() if (why := self._misfit(each))}
         for step in self._chart.steps:
             if step.name.isdecimal():
                 new = f"Step{step.name}"
@@ -487,6 +490,10 @@ class _Chart:
             place = f"{path} / step {step.name} / action {each.target or 'in place'}"
             if problem := _problem_of(each):
                 self._note(Outcome.NOT_EXECUTED, "action", place, f"what it does cannot be read: {problem}")
+            elif id(each) in self._misfits:
+                self._note(Outcome.NOT_EXECUTED, "action", place, f"no tool compiles it: {self._misfits[id(each)]}")
+            else:
+                self._put_flags(each)
             if each.forcing is not None:
                 self._note(Outcome.NOT_EXECUTED, "forcing order", place, "it has no counterpart in this chart")
             elif each.kind in _CONTINUOUS:
@@ -496,6 +503,22 @@ class _Chart:
             elif each.kind is not None:
                 constant = (each.target or "").casefold() in constants
                 self._store(step, each, place, constant=constant and each.body is None)
+
+    def _misfit(self, each: ActionAssociation) -> str:
+        """Return why no tool compiles what an action stores; empty where that is not known."""
+        targets = ActionTargets(self._pou, self._project, Dialect.IEC)
+        statements = parse_statements(_stored_text(each)).tree.statements if each.kind not in _CONTINUOUS else ()
+        return next((why for statement in statements for why in targets.mistakes(statement)), "")
+
+    def _put_flags(self, each: ActionAssociation) -> None:
+        """Put the flags of steps, as the tool has them, into what an action stores."""
+        if each.value is not None:
+            each.value = self._flagged(each.value)
+        if isinstance(each.body, StBody):
+            tree = parse_statements(each.body.text).tree
+            flagged = transform(tree, self._flag)
+            if flagged != tree:
+                each.body = StBody(text=print_node(flagged))
 
     def _share_a_time(self, uses: list[_Use]) -> bool:
         """True if delayed or limited actions of several steps have one time in a tool, which goes on from step to step.
@@ -603,7 +626,7 @@ class _Chart:
             each.kind, each.value = None, each.value or "TRUE"
             return
         else:
-            text = each.body.text if isinstance(each.body, StBody) else f"{each.target} := {each.value or 'TRUE'};"
+            text = _stored_text(each)
             qualifier = Qualifier.P1 if each.kind is ActionKind.ON_ACTIVATION else Qualifier.P0
             self._note(Outcome.TRANSLATED, "action", place, f"{each.kind} is {qualifier} with an action")
             first = self._stores.get((step.id, qualifier))
@@ -624,7 +647,7 @@ class _Chart:
         one scan later, together with the edge.
         """
         happens = rising(each.condition) if each.condition is not None else None
-        text = each.body.text if isinstance(each.body, StBody) else f"{each.target} := {each.value or 'TRUE'};"
+        text = _stored_text(each)
         try:
             if not isinstance(happens, Expression):
                 raise _TermError("it has no event")
@@ -663,6 +686,11 @@ def _problem_of(each: ActionAssociation) -> str:
     value = parse_expression(each.value).problems if each.value else ()
     body = parse_statements(each.body.text).problems if isinstance(each.body, StBody) else ()
     return next((problem.message for problem in (*value, *body)), "")
+
+
+def _stored_text(each: ActionAssociation) -> str:
+    """Return what a stored action executes, as statements."""
+    return each.body.text if isinstance(each.body, StBody) else f"{each.target} := {each.value or 'TRUE'};"
 
 
 def _is_constant(each: ActionAssociation) -> bool:

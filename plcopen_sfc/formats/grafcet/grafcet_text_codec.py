@@ -12,7 +12,15 @@ from dataclasses import replace
 
 from plcopen_sfc.errors import Location, ModelError, StructureError
 from plcopen_sfc.formats.format_interface import ReadResult, TextCodec, WriteOptions
-from plcopen_sfc.formats.grafcet.grafcet_text_reader import CHARTS, SITUATIONS, STORED, TABLES, GrafcetText, read_text
+from plcopen_sfc.formats.grafcet.grafcet_text_reader import (
+    CHARTS,
+    SITUATIONS,
+    STORED,
+    TABLES,
+    GrafcetText,
+    is_address,
+    read_text,
+)
 from plcopen_sfc.formats.grafcet.other_notations import translated
 from plcopen_sfc.formats.grafcet.sfc_losses import report_unexpressed
 from plcopen_sfc.formats.remainder_comments import keys_of
@@ -220,7 +228,11 @@ class _Writer:
 
     def _variable(self, variable: Variable) -> WrittenBlock:
         text = _named(variable.name, f"variable {variable.name}")
-        text += f" {variable.address}" if variable.address is not None else ""
+        if variable.address is not None and is_address(variable.address):
+            text += f" {variable.address}"
+        elif variable.address is not None:
+            why = f"{variable.address} is no address of a GRAFCET"
+            self._lost("address", f"POU {self._pou.name} / {variable.name}", why)
         initial = write_value(variable.initial) if variable.initial is not None else ""
         if '"' in initial:
             self._lost("initial value", f"POU {self._pou.name} / {variable.name}", _QUOTES)

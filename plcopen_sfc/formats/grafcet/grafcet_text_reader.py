@@ -67,8 +67,10 @@ _STEP = re.compile(
 _TRANSITION = re.compile(
     rf"(?:\((?P<name>[^()]+)\)\s*)?(?P<sources>{_NAMES})?\s*->(?:\s*(?P<targets>{_NAMES}))?\s*(?::(?P<condition>.*))?$"
 )
+_OTHER_ARROW = re.compile(rf"(?P<before>(?:\([^()]+\)\s*)?(?:{_NAMES})?\s*)(?:--+>|=+>|[–—]>|→|⇒|➔)(?=\s*{_NAMES})")
 _NO_COLON = re.compile(rf"(?P<steps>(?:{_NAMES})?\s*->\s*{_NAMES})\s+(?P<condition>[^:>]+)$")
 _VARIABLE = re.compile(r"(?P<name>[^\s:]+)(?:\s+(?P<address>%\S+))?\s*(?::(?P<type>.*))?$")
+_ADDRESS = re.compile(r"%(?:[IQMEA][XBWDL]?|DB\d+\.DB[XBWD])(?:\*|\d+(?:\.\d+)*)", re.IGNORECASE)
 _FORCE = re.compile(r"FORCE\s+(?P<chart>[^\s{}]+)\s*\{(?P<situation>[^{}]*)\}$")
 _ON = re.compile(rf"ON\s+(?:(?P<when>{'|'.join(STORED)})|EVENT\s+(?P<event>.+?)\s*:(?!=))\s+(?P<done>.+)$")
 _CONTINUOUS = re.compile(
@@ -121,6 +123,11 @@ class _Chart:
     def new_id(self) -> int:
         self.last_id += 1
         return self.last_id
+
+
+def is_address(text: str) -> bool:
+    """Return True if a variable can have an address."""
+    return _ADDRESS.fullmatch(text) is not None
 
 
 def read_text(source: SourceText, file: str | None = None) -> GrafcetText:
@@ -199,6 +206,10 @@ class _Reader:
             self._new_step(found, comment_text, start, end)
         elif (found := _TRANSITION.match(content)) is not None:
             self._transition(found, comment_text, start, end)
+        elif (found := _OTHER_ARROW.match(content)) is not None:
+            rest = content[found.end() :].strip()
+            shown = f"{found['before'].strip()} -> {rest}".strip()
+            raise self._wrong(f"{content!r} is no transition", f"Write the arrow ->: {shown}")
         elif "->" in content.partition(":")[0]:
             hint = "A transition leads from steps to steps: 1 -> 2 : condition, 1, 2 -> 3 : condition"
             if (found := _NO_COLON.match(content)) is not None:
@@ -287,9 +298,12 @@ class _Reader:
         if declared.problems or len(variables) != 1:
             why = declared.problems[0].message if declared.problems else "a line declares one variable"
             raise self._wrong(f"this is no declaration: {why}", "Write: name %I0.0 : TYPE := value")
+        if found["address"] and not is_address(found["address"]):
+            raise self._wrong(f"{found['address']!r} is no address", _ADDRESSES)
         variable: Variable = variables[0]
         variable.name = found["name"]
         self._section.variables.append(variable)
+        self._note_line(f"{self._opened().path} / variable {variable.name}")
         place = self._add(("variable", variable.name), start, end, 3)
         variable.comment = comment_text
         place.commented = _adding(variable)
@@ -459,6 +473,9 @@ class _Reader:
                 partial.entry_step = partial.entry_step or next((each for each in names if each[:1] in "Ee"), None)
                 partial.exit_step = partial.exit_step or next((each for each in names if each[:1] in "Ss"), None)
         self._separate(self._root.network)
+        for variable in self._variables():  # findings in their types have no "variable"; charts come first
+            line = self._lines[f"{self._root.path} / variable {variable.name}"]
+            self._lines.setdefault(f"{self._root.path} / {variable.name}", line)
         self._root = self._chart = None
 
     def _separate(self, network: SfcNetwork) -> None:
@@ -487,6 +504,7 @@ class _Reader:
         self._diagnostics.append(Diagnostic(_REMAINDER_CODES[kind], Severity.WARNING, message, where))
 
 
+_ADDRESSES = "Addresses begin with %I, %Q or %M: %I0.0, %QW2, %M20.0; %E and %A are those of S7."
 _BEGINNING = "Write a first line such as: GRAFCET Pump"
 _ACTIONS = (
     "Actions are: Q | Q IF condition | Q AFTER 3s | Q FOR 3s | ON ACTIVATION Q := value | ON DEACTIVATION Q := value | "

@@ -10,17 +10,30 @@ from collections.abc import Callable, Collection, Iterator, Set
 from dataclasses import dataclass
 
 from plcopen_sfc.languages.binding.bound_bodies import bind
+from plcopen_sfc.languages.binding.name_resolution import Resolver, Type
+from plcopen_sfc.languages.binding.name_scopes import charts_inside
+from plcopen_sfc.languages.binding.name_sites import named
+from plcopen_sfc.languages.binding.text_sites import Site, TextSite
+from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.expression_types import CALCULATING, INSTANTS, ORDER, REALS, ExpressionTypes
 from plcopen_sfc.languages.il import statements as il_statements
 from plcopen_sfc.languages.st import names_of, print_node, walk
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression
-from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, StandardBlock, standard_block
+from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, BlockKind, StandardBlock, standard_block
 from plcopen_sfc.model.body import IlBody
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.sfc import Body
-from plcopen_sfc.model.types import DerivedType, ElementaryType
+from plcopen_sfc.model.types import (
+    ArrayType,
+    DerivedType,
+    ElementaryType,
+    SimpleValue,
+    StringType,
+    StructType,
+    SubrangeType,
+)
 
 _JOINING = n.CONNECTIVES | n.COMPARISONS
 
@@ -48,35 +61,98 @@ def pin_of(block: StandardBlock, name: str, *, is_output: bool) -> Parameter | N
     return Parameter(name, block.name, pins.get(found, ""), is_output) if found is not None else None
 
 
-def type_mistakes(
-    tree: n.Node,
-    dialect: Dialect,
-    type_of: Callable[[Expression], str],
-    parameter_of: Callable[[n.Call, int], Parameter | None],
-) -> Iterator[str]:
-    """Yield the misfits in statements or in an expression: types of another kind.
-
-    `type_of` is that of `ExpressionTypes`; also `STRUCT`, `ARRAY` and `INSTANCE`. `parameter_of` gives the parameter of
-    a call that an argument is for, by its position.
-    """
-    kinds = _Kinds(dialect, type_of)
+def type_mistakes(tree: n.Node, resolver: Resolver, site: Site) -> Iterator[str]:
+    """Yield the misfits in statements or in an expression at a site: types of another kind."""
+    types = _TypesAt(resolver, site)
+    kinds = _Kinds(resolver.dialect, types.type_of)
     for node in walk(tree):
         for message, about in kinds.mistakes_in(node):
             yield f"{message}: {' '.join(print_node(about).split())}"
         if isinstance(node, n.Call):
             for position, argument in enumerate(node.arguments):
-                parameter = parameter_of(node, position) if argument.value is not None else None
+                parameter = types.parameter_of(node, position) if argument.value is not None else None
                 if parameter is not None and argument.value is not None:
                     yield from kinds.misfit(parameter, argument.value)
 
 
-def value_mistake(value: Expression, wanted: str, dialect: Dialect, type_of: Callable[[Expression], str]) -> str | None:
-    """Return what is wrong with the initial value of a variable of the type `wanted`, as `type_of` names types."""
-    kinds = _Kinds(dialect, type_of)
+def value_mistake(value: n.Node, resolver: Resolver, text_site: TextSite) -> str:
+    """Return what is wrong with an initial value at its site, in arrays with that of an item; empty for other texts."""
+    if not isinstance(text_site.holder, SimpleValue) or not isinstance(value, Expression):
+        return ""
+    types = _TypesAt(resolver, text_site.site)
+    kinds, wanted = _Kinds(resolver.dialect, types.type_of), types.type_of_value(text_site)
     kind = kinds.of(value)
     if kind in ("", kinds.named(wanted)) or not kinds.named(wanted):
-        return None
+        return ""
     return f"the initial value of {wanted} is {kind}: {print_node(value)}"
+
+
+class _TypesAt:
+    """Types and parameters at a site; of what is not elementary `STRUCT`, `ARRAY` and `INSTANCE`."""
+
+    def __init__(self, resolver: Resolver, site: Site) -> None:
+        self._resolver, self._site = resolver, site
+
+    def type_of(self, value: n.Expression) -> str:
+        block = self._resolver.standard_block_of(value.base, self._site) if isinstance(value, n.Member) else None
+        if block is not None and isinstance(value, n.Member):
+            name = value.name.identifier
+            pin = pin_of(block, name, is_output=True) or pin_of(block, name, is_output=False)
+            return pin.type if pin is not None else ""
+        found = self._name(self._resolver.type_of(value, self._site))
+        return "BOOL" if not found and isinstance(value, n.Name) and self._is_flag(value) else found
+
+    def _is_flag(self, name: n.Name) -> bool:
+        """Return True for the flag of a step in a GRAFCET (``X2``) that no declaration hides."""
+        first, step, pou = name.identifier[:1], name.identifier[1:].casefold(), self._site.pou
+        if first not in "Xx" or pou is None or self._resolver.lookup(named(name), self._site).declaration is not None:
+            return False
+        charts = (chart for _, _, body in pou.named_bodies() for chart in charts_inside(body))
+        return any(each.name.casefold() == step for chart in charts for each in chart.steps)
+
+    def type_of_value(self, text_site: TextSite) -> str:
+        """Return the type that an initial value is for, with arrays those of their items."""
+        type_ = self._resolver.type_of_value(text_site.owner, self._site)
+        while isinstance(type_, ArrayType):
+            type_ = self._resolver.settled(type_.base, self._site.place)
+        return self._name(type_)
+
+    def parameter_of(self, call: n.Call, position: int) -> Parameter | None:
+        """Return the parameter for an argument of a call, as far as it is known."""
+        argument, callee = call.arguments[position], print_node(call.callee)
+        name = argument.name.identifier if argument.name is not None else ""
+        block = self._resolver.standard_block_of(call.callee, self._site)
+        if block is not None:
+            return pin_of(block, name, is_output=argument.output) if name else None
+        function = self._standard_function(call.callee)
+        if function is not None:
+            pins = {pin.name: pin.type for pin in function.input_pins(len(call.arguments))}
+            names = [function.input_name(name)] if name else [*pins][position : position + 1]
+            return next((Parameter(each, function.name, pins.get(each, "")) for each in names if each), None)
+        type_ = self._name(self._resolver.parameter_type(call, position, self._site))
+        return Parameter(name or f"argument {position + 1}", callee, type_, argument.output) if type_ else None
+
+    def _standard_function(self, callee: n.Expression) -> StandardBlock | None:
+        if not isinstance(callee, n.Name) or self._resolver.called(callee, self._site) is not None:
+            return None
+        block = standard_block(callee.identifier)
+        return block if block is not None and block.kind is BlockKind.FUNCTION else None
+
+    def _name(self, type_: Type) -> str:
+        match type_:
+            case ElementaryType(name=name):
+                return name.value
+            case StringType():
+                return "STRING"
+            case SubrangeType(base=base):
+                return self._name(base)
+            case ArrayType():
+                return "ARRAY"
+            case StructType() if "union" not in kept(type_.extension_data):
+                return "STRUCT"
+            case Pou(kind=PouKind.FUNCTION_BLOCK):
+                return "INSTANCE"
+        return ""
 
 
 class _Kinds:
@@ -108,9 +184,11 @@ class _Kinds:
                 "a number",
             ):
                 yield f"{operator.value} of {self.of(operands[0])}", node
-            case n.Operation(operator, operands) if operator in CALCULATING and self._differ(operands):
+            case n.Operation(operator, operands) if operator in CALCULATING:
                 kinds = [self.of(each) for each in operands]
-                if not _CALCULATED.issuperset(kinds):
+                if "BOOL" in kinds:
+                    yield f"{operator.value} of {' and '.join(kind or '?' for kind in kinds)}", node
+                elif self._differ(operands) and not _CALCULATED.issuperset(kinds):
                     yield " and ".join(filter(None, kinds)), node
 
     def misfit(self, parameter: Parameter, value: Expression) -> Iterator[str]:
@@ -228,5 +306,5 @@ _KINDS = {
 }
 """A character alone is a string in some tools and a number in others: it has no kind."""
 _GENERIC_NUMBERS = frozenset({"ANY_NUM", "ANY_INT", "ANY_REAL"})
-_CALCULATED = frozenset({"", "a number", "BOOL", "TIME", *INSTANTS})
+_CALCULATED = frozenset({"", "a number", "TIME", *INSTANTS})
 """Kinds that one tool or another calculates with together."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from plcopen_sfc.errors import LoweringError, UnknownBehaviourError
@@ -152,8 +152,14 @@ class _Reader(TextReader):
                 if model.value is None:
                     self.variable(model.target, self._targets, path)
                 statements = self.read(f"{model.target} := {model.value or 'TRUE'};", path)
+            self._refuse_misfits(statements, path)
             if statements:
                 yield StoredAction(model.kind, tuple(indexes(owner.steps)), event, statements)
+
+    def _refuse_misfits(self, statements: Iterable[n.Statement], path: str) -> None:
+        """Refuse values that no tool takes, where a GRAFCET's `simulate` converts them: the proof would not tell."""
+        for why in (why for statement in statements for why in self._targets.mistakes(statement)):
+            self.refuse(f"no tool compiles the action: {why}", path, "Convert the value, or compare it: n <> 0.")
 
     def _continuous(self) -> Iterator[ActionSource]:
         """Yield the actions: associations with the same target are one, every body in place is one of its own."""
@@ -172,7 +178,9 @@ class _Reader(TextReader):
                 uses.append(use)
             if model.body is not None:
                 name = f"{owner.path}_{len(found) + 1}"
-                found.append((ActionSource(name, None, self.statements(model.body, path), ()), [use]))
+                statements = self.statements(model.body, path)
+                self._refuse_misfits(statements, path)
+                found.append((ActionSource(name, None, statements, ()), [use]))
         return (replace(action, uses=tuple(uses)) for action, uses in found)
 
     def _action(self, target: str, path: str) -> ActionSource:

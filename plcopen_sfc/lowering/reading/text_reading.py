@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import cached_property
 from typing import NamedTuple, NoReturn
 
 from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.binding.compile_mistakes import type_mistakes
 from plcopen_sfc.languages.binding.name_resolution import Resolver, Untyped
 from plcopen_sfc.languages.binding.name_sites import named
 from plcopen_sfc.languages.binding.text_sites import Role, Site
@@ -72,6 +73,10 @@ class ActionTargets:
             return True
         type_ = self._resolver.type_of_declaration(declaration)
         return isinstance(type_, Pou) or (declaration.kind is Kind.VARIABLE and type_ is Untyped.FOREIGN)
+
+    def mistakes(self, statement: n.Statement) -> Iterator[str]:
+        """Yield what no tool compiles in a statement of the POU: values of another kind."""
+        yield from type_mistakes(statement, self._resolver, self._site)
 
     def other_type(self, target: n.Expression) -> str:
         """Return the type of a variable that is known not to be Boolean; empty if it is, or can be."""

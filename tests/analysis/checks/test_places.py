@@ -118,6 +118,15 @@ CHART G1
 """
 
 
+def test_of_variables_of_a_grafcet(tmp_path: Path) -> None:
+    path = tmp_path / "plan.gct"
+    path.write_text(PLAN.replace("OUTPUTS", "    While\nOUTPUTS\n    V : BOOOL\n    G1"), encoding="utf-8")
+    found = sfc.check(sfc.load(path), select=["VAR01", "VAR06"])
+    at = {finding.message.split("'")[1]: finding.location.line for finding in found}
+    assert (at["While"], at["BOOOL"]) == (4, 6)
+    assert sfc.load(path).locations_of(["POU Plan / G1"])[0].line == 9  # the chart: it has no other path
+
+
 def test_of_actions_of_a_grafcet(tmp_path: Path) -> None:
     path = tmp_path / "plan.gct"
     path.write_text(PLAN, encoding="utf-8")

@@ -793,6 +793,34 @@ EXPANDED += "CHART G2\nINITIAL STEP 10\n10 -> 10 : a\n"
 case("HIE05", of_text(EXPANDED.format("G1{INIT}")), of_text(EXPANDED.format("G2{INIT}")), "rules itself", "grafcet")
 
 
+TABLES = "INPUTS\n    a\n    b\n    n : INT\nOUTPUTS\n    Q\nINTERNALS\n    m : INT\nCHART G1\nINITIAL STEP 1\n    %s\n"
+TABLES += "1 -> 2 : ↑a\nSTEP 2\n2 -> 1 : ↑b\n"
+for wrong, right, told in (
+    ("ON ACTIVATION Q := a * b", "ON ACTIVATION Q := a AND b", "* of BOOL and BOOL: a * b"),
+    ("ON ACTIVATION m := m + a", "ON ACTIVATION m := m + 1", "+ of a number and BOOL: m + a"),
+    ("ON DEACTIVATION Q := 5", "ON DEACTIVATION Q := 1", "a number is assigned to BOOL: Q := 5"),
+    ("ON EVENT ↑a : m := a", "ON EVENT ↑a : m := BOOL_TO_INT(a)", "BOOL is assigned to a number: m := a"),
+    ("ON ACTIVATION m := X2", "ON ACTIVATION Q := X2", "BOOL is assigned to a number: m := X2"),
+    ("ON ACTIVATION { m := a; }", "ON ACTIVATION { Q := a; }", "BOOL is assigned to a number: m := a"),
+):
+    case("VAR04", of_text(TABLES % wrong), of_text(TABLES % right), told, "grafcet")
+case("CND10", of_text(TABLES % "Q IF n * a"), of_text(TABLES % "Q IF [n>2] * a"), "n is of type INT", "grafcet")
+EVENT = "ON EVENT ↑%s : Q := TRUE"
+case("CND10", of_text(TABLES % EVENT % "n"), of_text(TABLES % EVENT % "a"), "n is of type INT", "grafcet")
+case("CND06", of_text(TABLES % EVENT % "Q"), of_text(TABLES % EVENT % "a"), "reads Q, which the chart", "grafcet")
+case("CND06", of_text(TABLES % "R IF Q * b"), of_text(TABLES % "Q IF a * b"), "reads Q, which the chart", "grafcet")
+case("CND09", of_text(TABLES % "3s/Q"), of_text(TABLES % "Q AFTER 3s"), "'3s/Q', cannot be read", "grafcet")
+case("CND09", of_text(TABLES % "Q IF 2S/a"), of_text(TABLES % "Q IF 2s/a"), "2S is a name, and a time has", "grafcet")
+case("CND09", of_text(TABLES % "Q IF [n <>]"), of_text(TABLES % "Q IF [n != 3] * a"), "cannot be read", "grafcet")
+case("ACT20", of_text(TABLES % "b"), of_text(TABLES % "Q"), "b is an input, and the action writes it", "grafcet")
+case("ACT20", of_text(TABLES % "{ b := a; }"), of_text(TABLES % "{ Q := a; }"), "b is an input, and", "grafcet")
+case("VAR01", of_text(TABLES % "Q IF ā"), of_text(TABLES % "Q IF a̅"), "'ā' names nothing", "grafcet")
+MIXED = TABLES % "Q" + "CHART G2\nINITIAL STEP 10\n    ON ACTIVATION { %s := TRUE; }\n10 -> 10 : ↑b"
+case("ACT02", of_text(MIXED % "Q"), of_text(MIXED % "R"), "Q is stored here (onActivation), and step 1", "grafcet")
+TWICE = TABLES % "Q" + "CHART G2\nINITIAL STEP %s\n%s -> %s : ↑b"
+FINE = of_text(TWICE % (3, 3, 3))
+case("NAM01", of_text(TWICE % (2, 2, 2)), FINE, "G1 has a step '2', too: X2 is the flag of both", "grafcet")
+
 MACRO = "MACRO %s EXPANDS M3\n1 -> %s : a\nEXPANSION M3 FROM %s TO S3\nSTEP %s\nSTEP S3"
 OWN = "STEP 2\n    ON EVENT %s : Q := TRUE\n1 -> 2 : a\n2 -> 1 : b"
 case("ACT11", grafcet(OWN % "↑X2 * a"), grafcet(OWN % "↑X1 * a"), "the event ↑X2 never comes", "grafcet")
@@ -803,6 +831,9 @@ case("HIE07", grafcet(MACRO % ("X3", "X3", "E3", "E3")), grafcet(MACRO % ("M3", 
 case(
     "HIE07", grafcet(MACRO % ("M3", "M3", "A", "A")), grafcet(MACRO % ("m3", "m3", "e3", "e3")), "entry step", "grafcet"
 )
+ENDS = "MACRO M3\n1 -> M3 : a\nEXPANSION M3\nSTEP %s\nSTEP %s"
+case("HIE07", grafcet(ENDS % ("E3", "31")), grafcet(ENDS % ("E3", "S3")), "named as its exit step: S..", "grafcet")
+case("HIE07", grafcet(ENDS % ("30", "S3")), grafcet(ENDS % ("E3", "S3")), "named as its entry step: E..", "grafcet")
 LEFT = "STEP 2\n1 -> 2 : %s"
 case("CND02", grafcet(LEFT % "X1/50ms"), grafcet(LEFT % "50ms/X1"), "X1/50ms is always true", "grafcet")
 case("CND02", grafcet(LEFT % "b + X1"), grafcet(LEFT % "b + X2"), "b + X1 is always true", "grafcet")

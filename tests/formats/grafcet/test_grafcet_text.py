@@ -279,6 +279,7 @@ def test_what_the_text_has_no_words_for_comes_back_from_a_comment() -> None:
         ("GRAFCET G\nSTEP 1 ENCLOSES {1}\n", "encloses nothing", 2),
         ("GRAFCET G\nCHART A\nCHART A\n", "there is a chart A already", 3),
         ("GRAFCET G\nINPUTS\n a\nOUTPUTS\n A : INT\n", "there is a variable A already", 5),
+        ("GRAFCET G\nINPUTS\n a %X9.9\n", "'%X9.9' is no address", 3),
         ("GRAFCET G\nINPUTS\n 2.5 : REAL\n", "'2.5' is a number", 3),
         ('GRAFCET G\nSTEP 1\n1 -> 1 : a "words\n', "a quotation mark is missing", 3),
     ],
@@ -300,12 +301,15 @@ def test_a_line_that_is_none_is_refused_with_its_place(text: str, message: str, 
         ("C1++", "ON ACTIVATION C1 := C1 + 1"),
         ("ON DEACTIVATION C1--", "ON DEACTIVATION C1 := C1 - 1"),
         ("ON EVENT ↑a Q := TRUE", "ON EVENT ↑a : Q := TRUE"),
+        ("1 => 1 : a", "1 -> 1 : a"),
+        ("(3) 1 --> 1 : a", "(3) 1 -> 1 : a"),
+        ("1 → 1 : a", "1 -> 1 : a"),
     ],
 )
 def test_a_line_in_another_notation_is_told_as_it_is_written_here(line: str, instead: str) -> None:
     with pytest.raises(StructureError) as caught:
         sfc.loads(f"GRAFCET G\nSTEP 1\n    {line}\n".encode())
-    assert caught.value.hint.endswith(f": {instead}")
+    assert caught.value.hint.endswith(f" {instead}")
     sfc.loads(f"GRAFCET G\nSTEP 1\n    {instead}\n".encode())
 
 
