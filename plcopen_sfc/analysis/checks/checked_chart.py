@@ -45,6 +45,7 @@ from plcopen_sfc.model.types import (
     DataType,
     DataTypeDeclaration,
     DerivedType,
+    SimpleValue,
 )
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import TermTexts
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
@@ -296,8 +297,10 @@ class CheckedProject:
             if not parsed.problems:
                 found = type_mistakes(parsed.tree, self.named.resolver, each.site)
                 yield from (Misfit(each, message) for message in found)
-                message = value_mistake(parsed.tree, self.named.resolver, each)
-                yield from (Misfit(each, message),) if message else ()
+                if isinstance(each.holder, SimpleValue):
+                    value = parse_condition(text, self.dialect).tree
+                    message = value_mistake(value, self.named.resolver, each)
+                    yield from (Misfit(each, message),) if message else ()
 
     @cached_property
     def knowledge(self) -> ProjectKnowledge:

@@ -29,7 +29,6 @@ from plcopen_sfc.model.types import (
     ArrayType,
     DerivedType,
     ElementaryType,
-    SimpleValue,
     StringType,
     StructType,
     SubrangeType,
@@ -75,10 +74,8 @@ def type_mistakes(tree: n.Node, resolver: Resolver, site: Site) -> Iterator[str]
                     yield from kinds.misfit(parameter, argument.value)
 
 
-def value_mistake(value: n.Node, resolver: Resolver, text_site: TextSite) -> str:
-    """Return what is wrong with an initial value at its site, in arrays with that of an item; empty for other texts."""
-    if not isinstance(text_site.holder, SimpleValue) or not isinstance(value, Expression):
-        return ""
+def value_mistake(value: Expression, resolver: Resolver, text_site: TextSite) -> str:
+    """Return what is wrong with an initial value at its site, in arrays with that of an item."""
     types = _TypesAt(resolver, text_site.site)
     kinds, wanted = _Kinds(resolver.dialect, types.type_of), types.type_of_value(text_site)
     kind = kinds.of(value)
