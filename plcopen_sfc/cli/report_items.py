@@ -65,7 +65,9 @@ def show_items(screen: Screen, items: Iterable[Item]) -> None:
     shown = groups if screen.verbose else groups[:_LINES]
     for group in shown:
         item = group.items[0]
-        place = f"{item.what} {_listed(_places(group))}" if group.items[1:] else item.place + _position(item)
+        listed = _listed(_places(group))
+        kind = "" if listed.startswith(f"{item.what} ") else f"{item.what} "  # POU Main, and not POU POU Main
+        place = f"{kind}{listed}" if group.items[1:] else item.place + _position(item)
         screen.line(
             (item.outcome.value, _STYLES.get(item.outcome, "")),
             f": {place}{f': {group.reason if group.items[1:] else item.why}' if item.why else ''}",

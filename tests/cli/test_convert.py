@@ -387,6 +387,7 @@ def test_a_chart_that_nothing_executes_in_the_target_is_a_finding(cli: Any, tmp_
     result = cli("convert", source, target, "--to", "csv")
     assert result.code == 1
     assert "POU Main: not compared, as nothing executes a step list" in result.out
+    assert "not run in both tools: 1 chart: --accept-untested" in " ".join(result.err.split())
     assert cli("convert", source, target, "--to", "csv", "--accept-untested").code == 0
 
 

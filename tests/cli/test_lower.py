@@ -231,6 +231,8 @@ def test_a_source_of_scl_has_no_blocks_for_charts_that_were_not_asked_for(cli: C
     seen = sfc.load(line / "out.scl", as_tool=True)
     assert [pou.name for pou in seen.pous if pou.kind is not m.PouKind.FUNCTION] == ["Ablauf"]
     assert "not asked for" in (line / "r.json").read_text("utf-8")
+    assert "not executed: POU " in done.out
+    assert "POU POU" not in done.out
 
 
 def test_a_project_without_charts_says_so(cli: Cli, tmp_path: Path, fixtures: Path) -> None:

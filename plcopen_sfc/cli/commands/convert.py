@@ -28,6 +28,7 @@ from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import FIELD, LOSSES, SEQUENCE, ConversionReport, Outcome
+from plcopen_sfc.whole_numbers import counted
 
 _FINDINGS = 1
 
@@ -173,8 +174,9 @@ def _convert(how: ConvertOptions, target: str, screen: Screen, source: str, plac
     if report.untested and not how.accept_untested:
         is_run = any(not report.compared[path].startswith("not compared") for path in report.untested)
         longer = "a longer --limit, or " if is_run else ""
-        charts = "1 chart" if len(report.untested) == 1 else f"{len(report.untested)} charts"
-        screen.note(f"not all of {charts} was run in both tools: {longer}--accept-untested if you have looked")
+        charts = counted(len(report.untested), "chart")
+        told = f"of {charts} not all was run in both tools" if is_run else f"not run in both tools: {charts}"
+        screen.note(f"{told}: {longer}--accept-untested if you have looked")
         screen.exit_code = _FINDINGS
     screen.exit_code = exit_code_for(screen, project.diagnostics)
     return report.as_dict()
