@@ -70,7 +70,12 @@ def converted(project: sfc.Project) -> bytes:
     return sfc.dumps(project, format="codesys", partial=True)
 
 
-@pytest.mark.parametrize("operation", [sfc.check, orders, converted], ids=["check", "orders of actions", "conversion"])
+def drawn(project: sfc.Project) -> str:
+    """Draw a chart."""
+    return project.pous[0].chart.to_svg()
+
+
+@pytest.mark.parametrize("operation", [sfc.check, orders, converted, drawn, sfc.page])
 def test_a_chart_of_twice_the_length_takes_twice_the_work(operation: Callable[[sfc.Project], object]) -> None:
     operation(ring(3))  # what is imported and prepared once
     projects = [ring(steps) for steps in (12, 24, 48)]

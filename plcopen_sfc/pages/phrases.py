@@ -72,7 +72,7 @@ def german_table(name: str) -> Mapping[str, str]:
 
 def german_label(text: str) -> str:
     """Return a text in which the labels of transitions that lead nowhere, or come from nowhere, are German."""
-    return _FROM_NOWHERE.sub("von nirgends -> ", _TO_NOWHERE.sub(" -> nirgendwohin", text))
+    return _FROM_NOWHERE.sub("nirgends -> ", _TO_NOWHERE.sub(" -> nirgendwohin", text))
 
 
 _FROM_NOWHERE, _TO_NOWHERE = re.compile(r"\bnowhere -> "), re.compile(r" -> nowhere\b")

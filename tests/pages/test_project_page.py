@@ -214,6 +214,8 @@ def test_a_german_page_has_german_pictures_and_values() -> None:
         for each in tree.xpath("//figure[not(.//*[@id='timing'])]//g[contains(@class, 'step')]/title")
     }
     assert titles == {"Initialschritt", "Schritt", "Makroschritt", "Einschließender"}
+    sources = {each.text for each in tree.xpath("//g[contains(@class, 'reference')]/title")}
+    assert "Von nirgends -> 5" in sources
     directions = {words_of(row[1]) for row in tree.xpath("//section[@id='trace']//table//tr")}
     assert directions == {"Ausgang", "Eingang", "extern", "lokal"}
     places = words_of(tree.xpath("//section[@class='pou']")[0])
