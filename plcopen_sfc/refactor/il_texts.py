@@ -6,14 +6,15 @@ from collections.abc import Callable, Collection, Iterator
 from functools import partial
 from typing import TypeGuard
 
-from plcopen_sfc.languages.binding.helper_variables import helper_variables
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.name_uses import dialect_of
 from plcopen_sfc.languages.binding.text_sites import Site
+from plcopen_sfc.languages.expression_types import ExpressionTypes
 from plcopen_sfc.languages.il import result_expression, statements
-from plcopen_sfc.languages.networks import body_statements, shown_body, shown_named_condition
+from plcopen_sfc.languages.networks import NetworkText, body_statements, shown_body, shown_named_condition
 from plcopen_sfc.languages.networks.exported_networks import network_statements
-from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
@@ -21,6 +22,7 @@ from plcopen_sfc.model.network import Block, BlockCall
 from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Body, BodyCondition, SfcBody
+from plcopen_sfc.model.types import DataType, DerivedType, Elementary, ElementaryType, StringType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 
@@ -131,7 +133,7 @@ def _with_variables(pou: Pou, owner: Pou | Action | Method, body: FbdBody | LdBo
         return None
     if pou.kind is PouKind.FUNCTION and any(helper.retained for helper in found.helpers):
         return None
-    variables = helper_variables(found, found.tree, resolver, Site(pou=pou, method=method))
+    variables = _helper_variables(found, found.tree, resolver, Site(pou=pou, method=method))
     for variable, helper in zip(variables or (), found.helpers, strict=True) if variables is not None else ():
         holder = method if method is not None and not helper.retained else pou
         if holder.interface is None:
@@ -162,3 +164,54 @@ def _of_instructions(body: Body | str | None, dialect: Dialect) -> StBody | None
     if not isinstance(body, IlBody) or (tree := statements(body.text, dialect)) is None:
         return None
     return StBody(text=print_node(tree), worksheet=body.worksheet)
+
+
+def _helper_variables(found: NetworkText, tree: n.Node, resolver: Resolver, site: Site) -> list[Variable] | None:
+    """Return declarations for the helpers of a network, in their order; None where the type of one is not known.
+
+    `tree` are the statements of the network: a value has the type of the expression that is assigned to it, and what is
+    calculated that of the first variable that gets it, as tools differ in the type of ``n + 1``.
+    """
+    types: dict[str, DataType] = {
+        helper.name.casefold(): _named(helper.type_name) for helper in found.helpers if helper.type_name is not None
+    }
+    wanted = {helper.name.casefold() for helper in found.helpers} - types.keys()
+    assigned = [each for each in walk(tree) if isinstance(each, n.Assignment)] if wanted else []
+
+    def type_of(value: n.Expression) -> DataType | None:
+        known = types.get(value.identifier.casefold()) if isinstance(value, n.Name) else None
+        if known is not None:
+            return known
+        type_ = resolver.type_of(value, site)
+        return type_ if isinstance(type_, ElementaryType | StringType) else None
+
+    expressions = ExpressionTypes(resolver.dialect, lambda value: _elementary(type_of(value)))
+    for each in assigned:
+        key = _name(each.target)
+        if key in wanted - types.keys():
+            calculated = expressions.value(each.value)
+            taken = [target for use in assigned if _name(use.value) == key and (target := type_of(use.target))]
+            of_target = taken[0] if taken and (calculated.is_whole or not calculated.type) else None
+            value = type_of(n.bare(each.value)) or of_target or _known(calculated.type)
+            if value is not None:
+                types[key] = value
+    if wanted - types.keys():
+        return None
+    return [Variable(name=helper.name, type=types[helper.name.casefold()]) for helper in found.helpers]
+
+
+def _name(node: n.Node) -> str:
+    return node.identifier.casefold() if isinstance(node, n.Name) else ""
+
+
+def _named(name: str) -> DataType:
+    return _known(name) or DerivedType(name=name)
+
+
+def _known(name: str) -> DataType | None:
+    elementary = Elementary.__members__.get(name.upper())
+    return ElementaryType(name=elementary) if elementary is not None else None
+
+
+def _elementary(type_: DataType | None) -> str:
+    return type_.name.value if isinstance(type_, ElementaryType) else ""

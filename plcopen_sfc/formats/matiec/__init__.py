@@ -5,5 +5,5 @@
 * `matiec_charts`, `matiec_actions`: the chart of a POU, and the actions that it executes.
 * `matiec_statements`: texts of statements and instructions.
 * `matiec_functions`: global variables as parameters of functions.
-* `matiec_declarations`: types, values, global variables, and names; `matiec_enumerations`: those with other numbers.
+* `matiec_declarations`: types, values, global variables, and names.
 """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from graphlib import CycleError, TopologicalSorter
 
 from plcopen_sfc.formats.format_interface import WriteOptions
@@ -15,7 +16,6 @@ from plcopen_sfc.formats.matiec.matiec_declarations import (
     quote_strings,
     variable_names,
 )
-from plcopen_sfc.formats.matiec.matiec_enumerations import number_enumerations
 from plcopen_sfc.formats.matiec.matiec_pou import FittedPou, give_iec_pins
 from plcopen_sfc.formats.matiec.matiec_statements import (
     compilable_instructions,
@@ -23,20 +23,34 @@ from plcopen_sfc.formats.matiec.matiec_statements import (
     fit_expressions,
     without_for,
 )
+from plcopen_sfc.languages.binding import Names
+from plcopen_sfc.languages.binding.text_sites import TextSite
 from plcopen_sfc.languages.declarations.kept_texts import kept
+from plcopen_sfc.languages.s7_types import Constant, constants_of
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.task_schedules import duration_literal, iec_form, nanoseconds, schedule_of
+from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Task
 from plcopen_sfc.model.sfc import Body, SfcBody
-from plcopen_sfc.model.types import DataType, DataTypeDeclaration, Elementary, ElementaryType, used_types
+from plcopen_sfc.model.types import (
+    DataType,
+    DataTypeDeclaration,
+    Elementary,
+    ElementaryType,
+    EnumType,
+    SimpleValue,
+    used_types,
+)
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _ORDER = (PouKind.FUNCTION, PouKind.FUNCTION_BLOCK, PouKind.PROGRAM)
+
+_QUALIFIER = re.compile(r"\w+\s*[.#]\s*\Z")
 
 
 def fit_project(
@@ -50,7 +64,7 @@ def fit_project(
     own = options.of_matiec
     final_scan = None if own else options.of_codesys
     name_structures(project, report)
-    number_enumerations(project, report)
+    _number_enumerations(project, report)
     give_plain_names(project, report)
     types = TypeFitter(project.data_types, report)
     constants = types.sections(project.global_sections(), "", {})
@@ -87,6 +101,48 @@ def _typed_functions(project: Project) -> dict[str, DataType]:
             pou.bodies = [*pou.bodies, StBody(text=f"{pou.name} := FALSE;")]
         kinds[pou.name.casefold()] = pou.interface.return_type
     return kinds
+
+
+# -- enumerations -----------------------------------------------------------------------------------------------------
+
+
+def _number_enumerations(project: Project, report: ConversionReport) -> None:
+    """Change enumerations of `project`, a copy, that do not count from 0 into types of numbers: matiec counts so.
+
+    Numbers take the places of the values: ``State := 99;`` for ``State := E_State.Fault;``.
+    """
+    numbered = [(each, found) for each in project.data_types if (found := _numbers(each))]
+    numbers = {
+        id(value): constant.number
+        for declaration, found in numbered
+        if isinstance(declaration.type, EnumType)
+        for value, constant in zip(declaration.type.values, found, strict=True)
+    }
+    words = {constant.value for _, found in numbered for constant in found}
+    edits: dict[tuple[int, str | int], tuple[TextSite, list[Edit]]] = {}
+    for occurrence in Names(project).occurrences(*words) if words else ():
+        declared, text_site = occurrence.meaning.declaration, occurrence.text_site
+        number = numbers.get(id(declared.holder)) if declared is not None else None
+        if number is not None:
+            start, end = occurrence.reference.span
+            qualifier = _QUALIFIER.search(text_site.text[:start])
+            edit = Edit(qualifier.start() if qualifier is not None else start, end, str(number))
+            edits.setdefault((id(text_site.holder), text_site.key), (text_site, []))[1].append(edit)
+    for text_site, changes in edits.values():
+        text_site.put(apply_edits(text_site.text, sorted(changes, key=lambda edit: edit.start)))
+    for declaration, constants in numbered:
+        if declaration.initial is None:
+            declaration.initial = SimpleValue(text=str(constants[0].number))
+        base = declaration.type.base if isinstance(declaration.type, EnumType) else None
+        declaration.type = base or ElementaryType(name=Elementary.INT)
+        why = "a type of numbers, which take the places of its values: matiec numbers enumerations from 0"
+        report.add(Outcome.TRANSLATED, "enumeration", f"data type {declaration.name}", why)
+
+
+def _numbers(declaration: DataTypeDeclaration) -> list[Constant]:
+    """Return the values of an enumeration that does not count from 0; none for others."""
+    found = constants_of(declaration)
+    return found if any(each.number != number for number, each in enumerate(found)) else []
 
 
 # -- POUs -------------------------------------------------------------------------------------------------------------

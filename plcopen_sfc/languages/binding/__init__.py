@@ -4,8 +4,8 @@
 (`BoundBody.uses`), what it reads, writes and calls (`BoundBody.effects`), and what of it is not known. `texts_in` gives
 the texts of any other object of the model. `Names` tells what a project declares and where it is used.
 
-`text_sites` has the places of the model that hold text, `name_sites` the names in them; `bound_bodies` has the views,
-`helper_variables` what networks need as text. `symbols` are declarations, `name_scopes` where they are visible,
+`text_sites` has the places of the model that hold text, `name_sites` the names in them; `bound_bodies` has the
+views. `symbols` are declarations, `name_scopes` where they are visible,
 `name_resolution` which of them a name means, `name_uses` (`Names`) where each is used; `constant_values` calculates.
 `shared_scans` finds the actions of a chart whose order counts.
 `compile_mistakes` are the types and parameters that no compiler takes.
