@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Iterator, Mapping
-from itertools import product
+from math import prod
 
 from plcopen_sfc.languages.s7_types import number_of
 from plcopen_sfc.model.types import (
@@ -53,12 +54,13 @@ def _member_type(type_: DataType | None, name: str, types: Types) -> DataType | 
 
 
 def _ranges(type_: DataType | None, types: Types) -> list[range] | None:
-    """Return the indices of an array; None where it is none, or its bounds are no numbers."""
+    """Return the indices of an array; None where it is none, or its bounds are no numbers, or too far apart."""
     array = _plain_type(type_, types)
     if not isinstance(array, ArrayType):
         return None
     bounds = [(number_of(d.lower), number_of(d.upper)) for d in array.dimensions]
-    found = [range(lower, upper + 1) for lower, upper in bounds if lower is not None and upper is not None]
+    known = [(lower, upper) for lower, upper in bounds if lower is not None and upper is not None]
+    found = [range(lower, upper + 1) for lower, upper in known if lower <= upper < lower + sys.maxsize]
     return found if len(found) == len(bounds) else None
 
 
@@ -124,6 +126,15 @@ def _place(indices: tuple[int, ...], ranges: list[range]) -> int:
     return place
 
 
+def _indices(place: int, ranges: list[range]) -> tuple[int, ...]:
+    """Return the indices of the element at a place among all."""
+    found: list[int] = []
+    for indexes in reversed(ranges):
+        place, rest = divmod(place, len(indexes))
+        found.append(indexes[rest])
+    return tuple(reversed(found))
+
+
 def apart(value: Value, type_: DataType | None, types: Types) -> Iterator[tuple[Path, str]]:
     """Yield the single elements that a value gives start values to.
 
@@ -139,16 +150,18 @@ def apart(value: Value, type_: DataType | None, types: Types) -> Iterator[tuple[
     else:
         ranges, array = _ranges(type_, types), _plain_type(type_, types)
         counts = [number_of(item.repetitions) if item.repetitions is not None else 1 for item in value.items]
-        if ranges is None or not isinstance(array, ArrayType) or None in counts or sum(c or 0 for c in counts) > _MOST:
+        if ranges is None or not isinstance(array, ArrayType):
             raise ValuePathError("the elements of an array are not known")
-        ways = product(*ranges)
+        size, place, listed = prod(map(len, ranges)), 0, 0
         for item, count in zip(value.items, counts, strict=True):
             inner = list(apart(item.value, array.base, types))
-            for _ in range(count or 0):
-                indices = next(ways, None)
-                if indices is None:
-                    raise ValuePathError("an array has fewer elements")
+            listed += len(inner) * (count or 0)
+            if count is None or count < 0 or place + count > size or listed > _MOST:
+                raise ValuePathError("an array has fewer elements, or more are given values than can be listed")
+            for number in range(place, place + count) if inner else ():
+                indices = _indices(number, ranges)
                 yield from (((indices, *path), text) for path, text in inner)
+            place += count
 
 
 def filled(value: Value, type_: DataType | None, types: Types) -> Value:

@@ -139,3 +139,14 @@ def test_members_in_an_interface_have_the_types_of_their_data_type(type_: str) -
     found = re.findall(r'<Member Name="m" Datatype="([^>]*?)"(?: ?/)?>', data)
     assert found == [MEMBERS[type_].replace('"', "&quot;")] * 2
     assert '"Mode"' not in data.replace("&quot;", '"').split("SW.Blocks.FB")[1]
+
+
+@pytest.mark.parametrize("bounds", [("0", "99999999999999999999"), ("3", "1"), ("0", "999999999")])
+def test_arrays_of_any_size_are_tried(bounds: tuple[str, str]) -> None:
+    array = ArrayType.model_validate({"dimensions": [{"lower": bounds[0], "upper": bounds[1]}], "base": "INT"})
+    value = ArrayValue.model_validate(
+        {"items": [{"value": {"kind": "simple"}, "repetitions": "500000"}, {"value": "7"}]}
+    )
+    holder = etree.Element("Member")
+    assert write_elements(holder, array, value) == (bounds[1] == "999999999")
+    assert [element.get("Path") for element in holder] == ["500000"] * len(holder)
