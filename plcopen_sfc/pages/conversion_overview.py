@@ -61,13 +61,14 @@ def verdicts(source: Project, report: ConversionReport, words: Words) -> Html:
         verdict = verdict_of(report, path)
         losses = sum(ObjectPath.of(item.path).is_in(path) for item in report.losses)
         seen = [report.compared.get(path, ""), *report.untested.get(path, ())]
+        told = [words.verdict(line) for line in seen if line] or [words("no comparison was asked for")]
         rows.append(
             element(
                 "tr",
                 element("th", words.place(path)),
                 element("td", words(verdict.value), class_=_CLASSES.get(verdict, "")),
                 element("td", str(losses)),
-                element("td", "\n".join(words.verdict(line) for line in seen if line), class_="comment"),
+                element("td", "\n".join(told), class_="comment"),
             )
         )
     if not rows:

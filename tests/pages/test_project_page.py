@@ -299,12 +299,18 @@ class TestInChromium:
         assert browser.evaluate("document.querySelector(':target').localName") == "tr"
         assert browser.messages == []
 
-    def test_on_a_phone_nothing_is_wider_than_the_screen(self, browser: Browser, conveyor: str, tmp_path: Path) -> None:
+    def test_on_a_phone_and_on_paper_nothing_is_wider_than_there_is_room(
+        self, browser: Browser, conveyor: str, tmp_path: Path
+    ) -> None:
         page = tmp_path / "page.html"
         page.write_text(conveyor, encoding="ascii")
         browser.open(page, width=390, height=800)
         assert browser.evaluate("document.documentElement.scrollWidth") <= 390
         assert browser.evaluate("byId('contents').open") is False
+        browser.open(page, width=720, printed=True)  # A4
+        assert browser.evaluate("getComputedStyle(document.querySelector('.steps tr')).display") == "grid"
+        wide = "all('.steps th, .steps td').filter((each) => each.scrollWidth > each.clientWidth)"
+        assert browser.evaluate(f"{wide}.map((each) => each.textContent)") == []
 
     def test_nothing_of_a_project_is_executed(self, browser: Browser, tmp_path: Path) -> None:
         page = tmp_path / "page.html"
