@@ -221,7 +221,9 @@ def _legend(half: tuple[_Side, str], words: Words) -> Html:
         element("span", element("b", ", ".join(kind)), class_=mark.replace("found", "is"))
         for mark, kind in zip(told, kinds, strict=True)
     ]
-    return element("p", words("Colours"), ": ", *(joined(each, " ") for each in coloured)) if coloured else Html("")
+    if not coloured:
+        return Html("")
+    return element("p", words("Colours"), ": ", *(joined(each, " ") for each in coloured), class_="colours")
 
 
 def _pou_of(side: _Side, prefix: str) -> Pou | None:
