@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import asdict, dataclass, replace
@@ -169,6 +170,7 @@ def _refuse_unknown(options: Iterable[str], known: Collection[str]) -> None:
 def _lowered(chart: Subject, rules: LoweringRules, options: ProofOptions | None) -> LoweredPou:
     """Return the code in a copy of the project, compared with `chart` where there are `options`."""
     _refuse_what_was_not_read(chart)
+    _refuse_ambiguous_names(chart)
     with collecting_rarely(), errors_of(chart.project, chart.pou, chart.name):
         made, meant = _constructed(chart, rules)
         project, pou = _with(chart, made.pou, made.blocks, made.data_types)
@@ -255,6 +257,24 @@ def _refuse_what_was_not_read(subject: Subject) -> None:
                 f"the chart was not read completely: {finding.message}",
                 location=finding.location,
                 hint="Repair it in its tool and export it again.",
+            )
+
+
+def _refuse_ambiguous_names(subject: Subject) -> None:
+    """Raise `LoweringError` where the POU has two actions or transitions of one name: each reader takes another one."""
+    for kind, names in (
+        ("action", [action.name for action in subject.pou.actions]),
+        ("transition", [transition.name for transition in subject.pou.transitions]),
+    ):
+        times = Counter(map(str.casefold, names))
+        twice = next((name for name in names if times[name.casefold()] > 1), None)
+        if twice is not None:
+            path = f"{subject.pou.report_path} / {kind} {twice}"
+            raise LoweringError(
+                f"{subject.pou.name} has {times[twice.casefold()]} {kind}s called {twice}: "
+                "nothing tells which of them the chart means",
+                location=subject.project.locations_of([path])[0],
+                hint="Rename or delete all but one.",
             )
 
 

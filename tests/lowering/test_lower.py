@@ -85,3 +85,23 @@ def test_a_step_with_the_name_of_a_variable_is_refused_before_any_code_is_made()
     chart.steps[1].name = original.pous[0].variables()[0].name.swapcase()
     with pytest.raises(LoweringError, match=r"is called .*, too: rename it or the step"):
         lower(original, verify=False)
+
+
+@pytest.mark.parametrize("kind", ["action", "transition"])
+def test_two_parts_of_one_name_are_refused_with_their_place(kind: str) -> None:
+    """A chart that names them would be lowered with the first and executed with the last."""
+    original = project()
+    pou = original.pous[0]
+    assert pou.sfc is not None
+    bodies = [m.StBody(text=text) for text in ("Q1 := TRUE;", "Q1 := FALSE;")]
+    names = zip(("Fill", "FILL"), bodies, strict=True)
+    if kind == "action":
+        pou.sfc.steps[0].entry_action = "Fill"
+        pou.actions = [m.Action(name=name, body=body) for name, body in names]
+    else:
+        pou.sfc.transitions[0].condition = m.NamedCondition(name="Fill")
+        pou.transitions = [m.NamedTransition(name=name, body=body) for name, body in names]
+    with pytest.raises(LoweringError, match=f"2 {kind}s called Fill") as refused:
+        lower(original)
+    assert refused.value.location.path == f"POU Ablauf / {kind} Fill"
+    assert "Rename" in refused.value.hint
