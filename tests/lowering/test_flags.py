@@ -139,6 +139,15 @@ def test_reports(construction: Construction, language: Language) -> None:
     assert {"SFCTrans", "SFCCurrentStep"} <= set(found.compared)
 
 
+@pytest.mark.parametrize("flags", [("SFCReset",), ("SFCInit", "SFCTip", "SFCTipMode")])
+def test_a_case_that_reports_transitions_has_one_state(flags: tuple[str, ...]) -> None:
+    made = lower(chain_with(*flags, outputs=("SFCTrans",)), "case", profile="codesys")
+    assert made.proof is not None
+    assert made.proof.proven, str(made.proof)
+    assert "SFCTrans" in made.proof.compared
+    assert not [variable.name for variable in made.pou.variables() if variable.name.startswith("next_")]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("condition", ["B2 AND (B3 OR NOT B4)", "B2 OR SFCError AND B3"])
 @pytest.mark.parametrize(("construction", "language"), FORMS)

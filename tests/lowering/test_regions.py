@@ -84,6 +84,8 @@ CHARTS = {
     "two sequences, one with a block": ("S1>S2 S2>S1 S5>S6+S7 S6+S7>S5", "S1+S5"),
     "one step at a time": ("S1>S2 S1>S3 S2>S1 S3>S1", "S1"),
     "a step that is left and entered at once": ("S1>S1 S1>S2+S3 S2>S2 S2+S3>S1", "S1"),
+    "a branch that can end, so that the join waits for ever": ("S1>S2+S3 S2>S4 S4> S3+S4>S1", "S1"),
+    "two sequences, one that ends": ("S1>S2 S2>S1 S5>S6 S6> S6>S5", "S1+S5"),
     "a step with the number of no step": ("S0>S1+S2 S1+S2>S0", "S0"),
 }
 

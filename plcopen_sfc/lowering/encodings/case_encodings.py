@@ -57,7 +57,7 @@ from plcopen_sfc.semantics.profile import Evolution, ScanOrder
 
 def no_regions(source: ChartSource) -> str:
     """Return why a chart is not built of regions that one CASE each can hold; empty if it is."""
-    found = regions_of(source.net)
+    found = regions_of(source.region_net)
     return found if isinstance(found, str) else ""
 
 
@@ -120,6 +120,9 @@ class RegionEncoding(ScanSchedule):
         for machine in self.machines:
             if self._must_wait(machine) and not self.states.has_following(machine):
                 self.states.add_following_state(machine)
+        if self._is_announced and SfcFlag.TRANS in self.source.flags:
+            for machine in self.machines:
+                self.last_state(machine)  # asked for when they are assigned already
         for index in self._needing_bits(self.source):
             transition = self.net.transitions[index]
             comment = self.texts.transition_of(transition.path)
@@ -345,7 +348,9 @@ class RegionEncoding(ScanSchedule):
 
     def any_fires(self) -> Expression:
         """Return an expression that is TRUE if any state will be another one, or a step is left and entered at once."""
-        changes = [negation(equal(self.states.following(m), m.state)) for m in self.machines]
+        # announced states are those of the next scan already, where the last ones are those of this scan
+        new, old = (_state, self.last_state) if self._is_announced else (self.states.following, _state)
+        changes = [negation(equal(new(machine), old(machine))) for machine in self.machines]
         return disjunction([*changes, *self._again.values()])
 
     def reentered(self) -> Mapping[int, Expression]:
@@ -426,7 +431,6 @@ class RegionEncoding(ScanSchedule):
             self.profile.order is ScanOrder.ACTIONS_FIRST
             and bool(self._sequence)
             and not (self.source.asked_outside or self.source.logic)
-            and SfcFlag.TRANS not in self.source.flags
             and not (self.blocking and self.modes.selecting is not None)
         )
 
@@ -557,6 +561,10 @@ class RegionEncoding(ScanSchedule):
             bit=self._bits.get(transition.index),
             also=[assignment(self._again[i], TRUE) for i in loops],
         )
+
+
+def _state(machine: RegionState) -> n.Name:
+    return machine.state
 
 
 @dataclass(frozen=True)

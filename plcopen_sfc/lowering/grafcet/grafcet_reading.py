@@ -14,13 +14,14 @@ from plcopen_sfc.lowering.reading.chart_source import (
     ActionSource,
     ActionUse,
     ChartSource,
+    ConditionText,
     DelayInCondition,
     EdgeInCondition,
     GrafcetSource,
     StoredAction,
 )
 from plcopen_sfc.lowering.reading.step_variables import bits_by_number
-from plcopen_sfc.lowering.reading.text_reading import ActionTargets, ConditionText, TextReader
+from plcopen_sfc.lowering.reading.text_reading import ActionTargets, TextReader
 from plcopen_sfc.lowering.schedule.scan_schedule import refuse_classic
 from plcopen_sfc.model.actions import ActionKind, ForcedSituation, Qualifier
 from plcopen_sfc.model.conditions import Expression

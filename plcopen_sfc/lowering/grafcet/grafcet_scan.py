@@ -60,7 +60,7 @@ def no_case(source: ChartSource, profile: Profile) -> str:
 def no_regions(source: ChartSource, profile: Profile) -> str:
     """Return why several CASEs cannot hold a GRAFCET; empty if they can."""
     assert source.grafcet is not None  # noqa: S101  # only such charts are asked for
-    regions = regions_of(source.net)
+    regions = regions_of(source.region_net)
     if isinstance(regions, str):
         return regions
     for chart in source.grafcet.ruled:

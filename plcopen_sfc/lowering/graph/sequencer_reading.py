@@ -23,7 +23,8 @@ from plcopen_sfc.lowering.graph.sequencer_source import (
     GraphSource,
 )
 from plcopen_sfc.lowering.lowering_options import LoweringRules, tool_of
-from plcopen_sfc.lowering.reading.text_reading import REPAIR, ConditionText, TextReader
+from plcopen_sfc.lowering.reading.chart_source import ConditionText
+from plcopen_sfc.lowering.reading.text_reading import REPAIR, TextReader
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.declaration import Declaration
 from plcopen_sfc.model.dialect import Dialect

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum, auto
 from functools import cached_property
 from itertools import chain
@@ -16,10 +16,8 @@ from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.nodes import Operator
 from plcopen_sfc.languages.st.walking import children
 from plcopen_sfc.lowering.code.boolean_logic import names_in
-from plcopen_sfc.lowering.reading.chart_source import ChartSource
-from plcopen_sfc.lowering.reading.text_reading import ConditionText
+from plcopen_sfc.lowering.reading.chart_source import ChartSource, ConditionText, SourcePart
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
-from plcopen_sfc.semantics.net import Net
 
 COILS = frozenset({Qualifier.N, Qualifier.D, Qualifier.L})
 SWITCHES = frozenset({Qualifier.ON, Qualifier.OFF})
@@ -28,7 +26,7 @@ TIMERS = frozenset({Qualifier.TL, Qualifier.TD, Qualifier.TR, Qualifier.TF})
 
 
 @dataclass(frozen=True)
-class ActionRow:
+class ActionRow(SourcePart):
     """Action of a step. `event` is None where it acts while the step is active, `interlock`: only if that allows.
 
     `target` is an operand, `statements` are executed instead. `value` is the time, or the number a counter is set to.
@@ -83,25 +81,10 @@ class GraphSource(ChartSource):
         """True: all conditions are evaluated before the first transition wins."""
         return True
 
-    @property
-    def region_net(self) -> Net:
-        """Net in which the end of a sequence or a branch leads back to its own step: regions do not differ."""
-        ends = (replace(t, targets=t.targets or t.sources) if len(t.sources) == 1 else t for t in self.net.transitions)
-        return replace(self.net, transitions=tuple(ends))
-
     @cached_property
     def prepared_names(self) -> frozenset[str]:
         """Names (lower case) in what is executed before conditions of transitions: it may change them."""
         return frozenset(names_in(*chain.from_iterable(self.preparations)))
-
-    def _trees(self) -> Iterator[n.Node]:
-        yield from super()._trees()
-        yield from (*self.before, *self.after)
-        for condition in (*self.interlocks.values(), *self.supervisions.values()):
-            yield from (*condition.preparation, condition.value)
-        for row in (row for rows in self.rows for row in rows):
-            yield from row.statements
-            yield from (tree for tree in (row.target, row.value) if tree is not None)
 
 
 QUANTITIES = frozenset("X T U T_MAX T_WARN SNO S1 S0 L1 L0 V1 V0 A1 R1 LS LA VS VA".split())

@@ -13,12 +13,13 @@ from plcopen_sfc.lowering.reading.chart_source import (
     ActionSource,
     ActionUse,
     ChartSource,
+    ConditionText,
     HoldingOperand,
     StepStatements,
     StepTimeLimit,
 )
 from plcopen_sfc.lowering.reading.step_variables import asked_by_contacts, asked_outside
-from plcopen_sfc.lowering.reading.text_reading import REPAIR, ActionTargets, ConditionText, TextReader
+from plcopen_sfc.lowering.reading.text_reading import REPAIR, ActionTargets, TextReader
 from plcopen_sfc.model.actions import ActionKind, Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.chart_settings import SfcFlag
@@ -180,7 +181,7 @@ class _Reader(TextReader):
     def _transition(self, transition: NetTransition) -> ConditionText:
         path = f"transition {transition.path}"
         found = self.condition(transition.chart, transition.transition.condition, path)
-        return found._replace(value=self._boolean(found.value, path))
+        return replace(found, value=self._boolean(found.value, path))
 
     def _boolean(self, condition: n.Expression, path: str) -> n.Expression:
         """Return the same, if no variable of another type is where it must be of type BOOL."""
@@ -291,16 +292,18 @@ class _Reader(TextReader):
         duration = self.expression(association.duration, path) if association.duration else None
         if qualifier.needs_duration and duration is None:
             self.refuse(f"{qualifier} needs a time", path, "Give the action one, such as T#5s.")
-        condition, before = self._guard(owner.chart, association.condition, path)
+        guard = self._guard(owner.chart, association.condition, path)
         # a negated association of a negated step acts while the step is active
         inverted = owner.step.negated is not association.negated
-        return ActionUse(owner.steps, inverted, qualifier, condition, duration, association.comment, before)
+        return ActionUse(
+            owner.steps, inverted, qualifier, guard.value, duration, association.comment, guard.preparation
+        )
 
     def _guard(self, chart: SfcNetwork, condition: Condition | None, path: str) -> ConditionText:
         if condition is None:
             return ConditionText(TRUE, ())
         found = self.condition(chart, condition, path)
-        return found._replace(value=self._boolean(found.value, path))
+        return replace(found, value=self._boolean(found.value, path))
 
     # -- what steps execute
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from itertools import count
-from typing import Any, TypeAlias
+from typing import Any, Self, TypeAlias
 
 from plcopen_sfc.languages.networks import Helper
 from plcopen_sfc.languages.st import nodes as n
@@ -19,9 +19,58 @@ from plcopen_sfc.model.text import Text
 from plcopen_sfc.semantics.charts.grafcet.partial_charts import RuledChart
 from plcopen_sfc.semantics.net import Net, indexes
 
+Change: TypeAlias = Callable[[Any], Any]
+"""Makes another node of the same kind of a node."""
+
 
 @dataclass(frozen=True)
-class EdgeInCondition:
+class SourcePart:
+    """Part of a chart that is lowered. Its fields are texts as syntax trees, other parts, and what is no text."""
+
+    def changed(self, change: Change) -> Self:
+        """Return the same with `change` applied to every text but the targets of actions."""
+
+        def of(value: Any) -> Any:
+            match value:
+                case n.Node():
+                    return change(value)
+                case SourcePart():
+                    return value.changed(change)
+                case tuple():
+                    return tuple(map(of, value))
+                case dict():
+                    return {key: of(each) for key, each in value.items()}
+            return value
+
+        return replace(
+            self, **{each.name: of(getattr(self, each.name)) for each in fields(self) if each.name != "target"}
+        )
+
+    def trees(self) -> Iterator[n.Node]:
+        """Yield every text."""
+        waiting: list[Any] = [getattr(self, each.name) for each in fields(self)]
+        while waiting:
+            match waiting.pop():
+                case n.Node() as tree:
+                    yield tree
+                case SourcePart() as part:
+                    yield from part.trees()
+                case tuple() as several:
+                    waiting += several
+                case dict() as several:
+                    waiting += several.values()
+
+
+@dataclass(frozen=True)
+class ConditionText(SourcePart):
+    """Condition, and what must be executed before it is evaluated."""
+
+    value: n.Expression
+    preparation: tuple[n.Statement, ...]
+
+
+@dataclass(frozen=True)
+class EdgeInCondition(SourcePart):
     """Edge ``↑operand``, or ``↓operand`` where it is not `rising`; conditions have `name` for it.
 
     `words` are the names in it, as they were written.
@@ -34,7 +83,7 @@ class EdgeInCondition:
 
 
 @dataclass(frozen=True)
-class DelayInCondition:
+class DelayInCondition(SourcePart):
     """Delay ``first/operand/last``: TRUE `first` after the operand became TRUE, until `last` after it became FALSE.
 
     Conditions have `name` for it. None: no delay at this end. `words` are the names in it, as they were written.
@@ -48,7 +97,7 @@ class DelayInCondition:
 
 
 @dataclass(frozen=True)
-class StoredAction:
+class StoredAction(SourcePart):
     """Action executed when `steps` (several in a macro-step) become active or no longer are, or on an `event`."""
 
     kind: ActionKind
@@ -58,7 +107,7 @@ class StoredAction:
 
 
 @dataclass(frozen=True)
-class GrafcetSource:
+class GrafcetSource(SourcePart):
     """Contents of a GRAFCET beyond IEC 61131-3: terms of conditions, `stored` and `continuous` actions, forced charts.
 
     `edges` and `delays` have an order in which each needs only those before it, `ruled` one in which each chart is
@@ -72,46 +121,9 @@ class GrafcetSource:
     ruled: tuple[RuledChart, ...]
     step_variables: frozenset[str]
 
-    def changed(self, change: Change) -> GrafcetSource:
-        """Return the same with `change` applied to every text but the targets of actions."""
-
-        def optional(node: Any) -> Any:
-            return change(node) if node is not None else None
-
-        delays = [
-            replace(d, operand=change(d.operand), first=optional(d.first), last=optional(d.last)) for d in self.delays
-        ]
-        stored = [
-            replace(s, event=optional(s.event), statements=tuple(change(each) for each in s.statements))
-            for s in self.stored
-        ]
-        return replace(
-            self,
-            edges=tuple(replace(edge, operand=change(edge.operand)) for edge in self.edges),
-            delays=tuple(delays),
-            stored=tuple(stored),
-            continuous=tuple(action.changed(change) for action in self.continuous),
-        )
-
-    def trees(self) -> Iterator[n.Node]:
-        """Yield every text."""
-        yield from (edge.operand for edge in self.edges)
-        for delay in self.delays:
-            yield from (each for each in (delay.operand, delay.first, delay.last) if each is not None)
-        for stored in self.stored:
-            yield from stored.statements
-            if stored.event is not None:
-                yield stored.event
-        for action in self.continuous:
-            yield from action.trees()
-
-
-Change: TypeAlias = Callable[[Any], Any]
-"""Makes another node of the same kind of a node."""
-
 
 @dataclass(frozen=True)
-class ActionUse:
+class ActionUse(SourcePart):
     """One association of an action: `steps` (indexes of the net; several in a macro-step) drive it by `qualifier`.
 
     `inverted`: they drive it while none of them is active. `condition` is TRUE where there is none, `duration` None.
@@ -128,7 +140,7 @@ class ActionUse:
 
 
 @dataclass(frozen=True)
-class ActionSource:
+class ActionSource(SourcePart):
     """Action: a Boolean variable (`target`) or code (`statements`), with its associations in the order of the chart.
 
     `in_place`: its code is that of its only association, and it has no name. `text`: its code as it was written, as
@@ -144,32 +156,14 @@ class ActionSource:
     text: str = ""
     comment: Text | None = None
 
-    def changed(self, change: Change) -> ActionSource:
+    def changed(self, change: Change) -> Self:
         """Return the same action with `change` applied to every text but its target."""
-
-        def used(use: ActionUse) -> ActionUse:
-            duration = change(use.duration) if use.duration is not None else None
-            preparation = tuple(change(statement) for statement in use.preparation)
-            return replace(use, condition=change(use.condition), duration=duration, preparation=preparation)
-
-        statements = tuple(change(statement) for statement in self.statements)
-        text = self.text if statements == self.statements else ""
-        return replace(self, statements=statements, uses=tuple(used(use) for use in self.uses), text=text)
-
-    def trees(self) -> Iterator[n.Node]:
-        """Yield every text."""
-        yield from self.statements
-        if self.target is not None:
-            yield self.target
-        for use in self.uses:
-            yield use.condition
-            yield from use.preparation
-            if use.duration is not None:
-                yield use.duration
+        found = super().changed(change)
+        return found if found.statements == self.statements else replace(found, text="")
 
 
 @dataclass(frozen=True)
-class StepStatements:
+class StepStatements(SourcePart):
     """Code that a step executes when it becomes active, while it is, and when it no longer is.
 
     `main_text` is the main one as it was written, as long as it means the same; empty for code that is drawn or called.
@@ -181,14 +175,14 @@ class StepStatements:
     exit: tuple[n.Statement, ...] = ()
     main_text: str = ""
 
-    def changed(self, change: Change) -> StepStatements:
+    def changed(self, change: Change) -> Self:
         """Return the same with `change` applied to every statement."""
-        entry, main, exit_ = (tuple(map(change, each)) for each in (self.entry, self.main, self.exit))
-        return replace(self, entry=entry, main=main, exit=exit_, main_text=self.main_text if main == self.main else "")
+        found = super().changed(change)
+        return found if found.main == self.main else replace(found, main_text="")
 
 
 @dataclass(frozen=True)
-class HoldingOperand:
+class HoldingOperand(SourcePart):
     """Operand that keeps a condition from its value: `text` names it, `holds` is TRUE while it does.
 
     `value` is that of the operand meanwhile.
@@ -200,7 +194,7 @@ class HoldingOperand:
 
 
 @dataclass(frozen=True)
-class StepTimeLimit:
+class StepTimeLimit(SourcePart):
     """Longest time that a step may be active, and the reasons why it still is."""
 
     step: int
@@ -209,7 +203,7 @@ class StepTimeLimit:
 
 
 @dataclass(frozen=True)
-class ChartSource:
+class ChartSource(SourcePart):
     """Chart that is lowered, with its texts as syntax trees.
 
     `conditions` are those of `net.transitions`; `preparations` are executed before each of them is evaluated, `logic`
@@ -251,30 +245,9 @@ class ChartSource:
 
     @property
     def region_net(self) -> Net:
-        """Net whose regions are those of the chart."""
-        return self.net
-
-    def changed(self, change: Change) -> ChartSource:
-        """Return the same chart with `change` applied to every text but the targets of actions."""
-
-        def each(nodes: tuple[Any, ...]) -> tuple[Any, ...]:
-            return tuple(change(node) for node in nodes)
-
-        def watched(watch: StepTimeLimit) -> StepTimeLimit:
-            reasons = tuple(replace(reason, holds=change(reason.holds)) for reason in watch.reasons)
-            return replace(watch, time=change(watch.time), reasons=reasons)
-
-        return replace(
-            self,
-            conditions=each(self.conditions),
-            preparations=tuple(each(statements) for statements in self.preparations),
-            logic=each(self.logic),
-            actions=tuple(action.changed(change) for action in self.actions),
-            step_code=tuple(code.changed(change) for code in self.step_code),
-            minimum_times={step: change(time) for step, time in self.minimum_times.items()},
-            watches=tuple(watched(watch) for watch in self.watches),
-            grafcet=self.grafcet.changed(change) if self.grafcet is not None else None,
-        )
+        """Net in which the end of a sequence or a branch leads back to its own step: regions do not differ."""
+        ends = (replace(t, targets=t.targets or t.sources) if len(t.sources) == 1 else t for t in self.net.transitions)
+        return replace(self.net, transitions=tuple(ends))
 
     def names(self) -> set[str]:
         """Return every name that occurs in the POU or in its chart."""
@@ -287,18 +260,7 @@ class ChartSource:
 
     def names_in_texts(self) -> set[str]:
         """Return every name that conditions, actions and times have."""
-        return {node.identifier for tree in self._trees() for node in walk(tree) if isinstance(node, n.Name)}
-
-    def _trees(self) -> Iterator[n.Node]:
-        yield from self.conditions
-        yield from (statement for statements in self.preparations for statement in statements)
-        yield from self.logic
-        yield from self.minimum_times.values()
-        yield from (watch.time for watch in self.watches)
-        yield from (tree for action in self.actions for tree in action.trees())
-        yield from self.grafcet.trees() if self.grafcet is not None else ()
-        for code in self.step_code:
-            yield from (*code.entry, *code.main, *code.exit)
+        return {node.identifier for tree in self.trees() for node in walk(tree) if isinstance(node, n.Name)}
 
 
 _LARGEST_DINT = 2_147_483_647

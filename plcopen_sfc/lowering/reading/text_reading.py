@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import cached_property
-from typing import NamedTuple, NoReturn
+from typing import NoReturn
 
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.binding.compile_mistakes import type_mistakes
@@ -24,6 +24,7 @@ from plcopen_sfc.languages.networks import (
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, walk
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE
+from plcopen_sfc.lowering.reading.chart_source import ConditionText
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.declaration import Kind
 from plcopen_sfc.model.dialect import Dialect
@@ -90,13 +91,6 @@ _NEVER_BOOLEAN = (StringType, ArrayType, StructType, EnumType, SubrangeType)
 
 
 REPAIR = "Repair it in its tool and export it again."
-
-
-class ConditionText(NamedTuple):
-    """Condition, and what must be executed before it is evaluated."""
-
-    value: n.Expression
-    preparation: tuple[n.Statement, ...]
 
 
 class TextReader:
