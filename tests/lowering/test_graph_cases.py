@@ -12,7 +12,17 @@ from plcopen_sfc.lowering import Construction, LoweredPou
 from plcopen_sfc.lowering.proof import prove
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.subjects import resolve
-from tests.lowering.sequencers import STANDARD_INPUTS, STANDARD_OUTPUTS, act, block, guarded, ring, text, verdict
+from tests.lowering.sequencers import (
+    STANDARD_INPUTS,
+    STANDARD_OUTPUTS,
+    act,
+    block,
+    guarded,
+    lowered,
+    ring,
+    text,
+    verdict,
+)
 from tests.lowering.test_graph import sequencers
 from tests.semantics.charts.rig import chain
 from tests.sweeps import examples
@@ -215,6 +225,22 @@ def test_simultaneous_branches(inputs: str) -> None:
 
 def test_simultaneous_branches_are_proven() -> None:
     proven(branches(), "", "Q P", REGIONS)
+
+
+@pytest.mark.parametrize(
+    ("inputs", "own"), [("OFF_SQ INIT_SQ ACK_EF", False), ("SW_AUTO SW_MAN S_SEL:INT S_OFF", True)]
+)
+def test_a_branch_of_one_step_has_a_state_of_its_own_where_it_can_end_alone(inputs: str, own: bool) -> None:
+    chart = m.SfcNetwork()
+    start, one, other = (chart.add_step(f"S{number}", initial=number == 1) for number in (1, 2, 3))
+    chart.add_transition(start, [one, other], "#c1")
+    chart.add_transition([one, other], start, "#c2")
+    one.actions, other.actions = [act("N"), act("S", "P", "V1")], [act("S", "R", "S0")]
+    one.supervision = m.Supervised(condition=m.Expression(text="#c3"))
+    chart.graph_settings = m.GraphSettings(acknowledge_errors_required="ACK_EF" in inputs)
+    names = {variable.name for variable in lowered(block(chart, inputs, "Q P R"), construction=REGIONS).pou.variables()}
+    assert ("step_number_S2" in names) is own
+    proven(chart, inputs, "Q P R", REGIONS)
 
 
 def branches() -> m.SfcNetwork:

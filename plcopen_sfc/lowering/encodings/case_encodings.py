@@ -71,7 +71,7 @@ class RegionEncoding(ScanSchedule):
             self._refuse_firing_together(source)
         self._regions = self.structure(source)
         # a step that is selected by its number needs a state of that number
-        own = OperatingMode.SELECT in self.rules.modes or source.starts_off or source.grafcet is not None
+        own = OperatingMode.SELECT in self.rules.modes or source.ends_single_steps
         merged = frozenset[int]() if own else ending_together(self._regions)
         off = self._regions
         if source.starts_off:

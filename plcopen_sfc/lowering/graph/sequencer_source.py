@@ -77,6 +77,11 @@ class GraphSource(ChartSource):
         return True
 
     @property
+    def ends_single_steps(self) -> bool:
+        """True if steps are switched off by hand."""
+        return "S_OFF" in self.parameters
+
+    @property
     def evaluates_all(self) -> bool:
         """True: all conditions are evaluated before the first transition wins."""
         return True

@@ -136,7 +136,8 @@ class SupervisionChecks:
         """Return the end of what belongs to a step that is left."""
         if not self.early or not self._variables:
             return []
-        return [when(left(), *(assignment(variable, FALSE) for variable in self._variables.values()))]
+        kept = (variable for name, variable in self._variables.items() if name != "fault")  # written before it is read
+        return [when(left(), *(assignment(variable, FALSE) for variable in kept))]
 
     def behind(self, resolve: Resolve, entered: Callable[[], Expression]) -> list[Statement]:
         """Return the checks behind the step change."""
@@ -144,10 +145,10 @@ class SupervisionChecks:
             return []
         if not self.early:
             return self._late(resolve)
-        return [when(entered(), *self._evaluated(resolve, CyclePhase.ENTERED))]
+        return [when(entered(), *self._first_evaluated(resolve, CyclePhase.ENTERED))]
 
-    def _evaluated(self, resolve: Resolve, phase: CyclePhase, acknowledge: Expression | None = None) -> list[Statement]:
-        """Return the checks of an active step. `acknowledge`: None for a step just entered, which has no error yet."""
+    def _evaluated(self, resolve: Resolve, phase: CyclePhase, acknowledge: Expression) -> list[Statement]:
+        """Return the checks of an active step."""
         v = self._variables
         into: list[Statement] = []
         if self._interlock is not None and "LS" in v:
@@ -157,10 +158,25 @@ class SupervisionChecks:
         if self._supervision is not None:
             into += [resolve(each, phase) for each in self._supervision.preparation]
             self._supervision_events(resolve(self._supervision.value, phase), into)
-            if self._remembers and acknowledge is None:
-                into.append(assignment(self._variables["VA"], self._variables["VS"]))
-            elif self._remembers:
-                self._remembered(acknowledge or FALSE, into)
+            if self._remembers:
+                self._remembered(acknowledge, into)
+        return into
+
+    def _first_evaluated(self, resolve: Resolve, phase: CyclePhase) -> list[Statement]:
+        """Return the checks of a step just entered: what they remember is FALSE, so nothing can have ended."""
+        into: list[Statement] = []
+        for stated, result, follow, inverted in (
+            (self._interlock, "LS", ("L1", "LA"), True),
+            (self._supervision, "VS", ("V1", "VA"), False),
+        ):
+            if stated is None or result not in self._variables:
+                continue
+            value = self._variables[result]
+            into += [resolve(each, phase) for each in stated.preparation]
+            into.append(assignment(value, resolve(stated.value, phase)))
+            for name in follow:
+                if name in self._variables:
+                    into.append(assignment(self._variables[name], negation(value) if inverted else value))
         return into
 
     def _late(self, resolve: Resolve) -> list[Statement]:

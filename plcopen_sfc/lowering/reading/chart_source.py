@@ -239,6 +239,11 @@ class ChartSource(SourcePart):
         return False
 
     @property
+    def ends_single_steps(self) -> bool:
+        """True if something else than a transition can end one of several active steps."""
+        return self.grafcet is not None
+
+    @property
     def evaluates_all(self) -> bool:
         """True if all conditions behind active steps are evaluated, also behind one that lets its transition fire."""
         return False
