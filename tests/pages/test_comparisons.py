@@ -276,6 +276,9 @@ def test_a_chart_that_is_far_wider_is_scrolled_beside_the_other(browser: Browser
     browser.evaluate("all('.pair .fit').at(-1).click()")
     tops = browser.evaluate(f"{places}.map((each) => each.top)")
     assert tops[0] < tops[1], "in full size it has the width of the window"
+    browser.open(page, width=390)
+    cut = "all('li').filter((each) => each.scrollWidth > each.clientWidth + 1 && each.clientWidth)"
+    assert browser.evaluate(f"{cut}.map((each) => each.textContent)") == []
     browser.open(page, width=width, printed=True)
     cut = "all('.pair figure').filter((each) => each.querySelector('svg').clientWidth > each.clientWidth)"
     assert browser.evaluate(f"{cut}.length") == 0
