@@ -285,10 +285,12 @@ class TestSymbols:
         assert chart.drawing is not None
         chart.drawing.places = Places.GIVEN
         chart.transitions[:2] = chart.transitions[1::-1]
-        picture = drawn(chart)
-        assert "*" not in picture.texts()
-        for turn, transition in enumerate(chart.transitions[:2], 1):
-            assert str(turn) in picture.texts(element(picture, f"transition-{transition.id}"))
+        for style in ("iec", "s7graph"):
+            picture = drawn(chart, style=style)
+            assert "*" not in picture.texts()
+            for turn, transition in enumerate(chart.transitions[:2], 1):
+                assert str(turn) in picture.texts(element(picture, f"transition-{transition.id}"))
+        assert not {"1", "2"} & set(drawn(chart, style="grafcet").texts())
 
     def test_an_action_block_says_when_what_and_until_when(self) -> None:
         chart = make(1, [])

@@ -401,7 +401,7 @@ class Arrangement:
         kept = [i for i, column in enumerate(columns) if column.items]
         fan = _Fan(divergence.parallel, [columns[i] for i in kept], [divergence.branches[i].joined for i in kept])
         fan.lead = 0 if flush else _BAR_LEAD
-        fan.star = self._sheet.in_turn and not flush and self._links.is_unnumbered(divergence)
+        fan.star = self._sheet.stars and not flush and self._links.is_unnumbered(divergence)
         return fan
 
 

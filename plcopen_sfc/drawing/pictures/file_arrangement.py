@@ -149,7 +149,7 @@ class FileArrangement:
             return None
         if any(boxes.on_way(link.points) for link in links) or _cross([link.points for link in links]):
             return None
-        if sheet.in_turn:
+        if sheet.stars:
             for link in links:
                 shown = link.user.shown
                 if link.source.kind is SymbolKind.SELECTION_DIVERGENCE and isinstance(shown, TransitionSymbol):

@@ -196,8 +196,8 @@ class PictureSheet:
     """Common facts of symbols of one chart.
 
     `prefix` begins the ids of its elements, `activated` are starred steps. `narrow`: the picture is set beside another
-    one. `in_turn`: competing transitions are tried one after the other, with an asterisk where they have no
-    priorities. `room`: how much longer the wire above a step is, by its id.
+    one. `in_turn`: competing transitions are tried one after the other. `room`: how much longer the wire above a step
+    is, by its id.
     """
 
     chart: SfcNetwork
@@ -216,6 +216,11 @@ class PictureSheet:
         self.steps = {step.id: step for step in self.chart.steps}
         self.transitions = {transition.id: transition for transition in self.chart.transitions}
         self.labels = self.chart.labels()
+
+    @property
+    def stars(self) -> bool:
+        """True if an asterisk tells that competing transitions without priorities are tried from left to right."""
+        return self.in_turn and self.style is PictureStyle.IEC
 
     @property
     def text_width(self) -> int:
