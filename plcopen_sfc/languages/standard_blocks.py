@@ -107,6 +107,11 @@ class StandardBlock:
         """Return the IEC name of an output as any tool may call it; case does not matter. None: it is no output."""
         return _names(self, inputs=False).get(pin.casefold())
 
+    def pin_in(self, pin: str, tool: Tool | None) -> str | None:
+        """Return what `tool` calls an input or output that any may name; None: IEC 61131-3. None where it has none."""
+        found = self.input_name(pin) or self.output_name(pin)
+        return found if found is None or tool is None else self.tool_pin(found, tool)
+
 
 @lru_cache(maxsize=1024)
 def _names(block: StandardBlock, *, inputs: bool) -> dict[str, str]:

@@ -9,7 +9,8 @@ from dataclasses import dataclass, field, replace
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding.constant_values import ConstantValues
 from plcopen_sfc.languages.binding.name_resolution import Resolver, Type
-from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
+from plcopen_sfc.languages.binding.name_uses import Names
+from plcopen_sfc.languages.binding.text_sites import Role, Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.expression_types import BIT_STRINGS, CALCULATING, ExpressionTypes
 from plcopen_sfc.languages.il import statements as instruction_statements
 from plcopen_sfc.languages.method_calls import without_typed_declaration
@@ -29,6 +30,8 @@ from plcopen_sfc.languages.st import (
 from plcopen_sfc.languages.st.literals import INTEGER_RANGES
 from plcopen_sfc.languages.st.nodes import Assignment, Call, Expression, Member, Name, Node, Operation, Statements
 from plcopen_sfc.languages.st.printing import print_node
+from plcopen_sfc.languages.standard_blocks import Tool, standard_block
+from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.translation import (
     NameScope,
     Note,
@@ -60,6 +63,7 @@ from plcopen_sfc.model.body import FbdBody, IlBody, LdBody
 from plcopen_sfc.model.conditions import WiredCondition
 from plcopen_sfc.model.declaration import Kind
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.sfc import BodyCondition
 from plcopen_sfc.model.types import (
     DerivedType,
@@ -179,8 +183,9 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
     The others stay as they are: tools of both read most of each other's text. Anything that only CODESYS has is noted.
     """
     known = _Globals(s7_types(project), frozenset(_global_names(project)), {}, {}, None)
+    found = _rename_pins(project, target)
     resolver = Resolver(project, project.dialect)
-    found = _number_bits(project, target)
+    found += _number_bits(project, target)
     enumerations = {each.name.casefold() for each in project.data_types if isinstance(each.type, EnumType)}
     # by its header a file that a tool of CODESYS made, and that was converted for others
     of_codesys = project.header.product.casefold().startswith(("codesys", "twincat"))
@@ -206,6 +211,34 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
             found.append(TranslatedText(text_site.report_path, result.text != text_site.text, result.notes))
             text_site.put(result.text)
     return found
+
+
+def _rename_pins(project: Project, target: Dialect) -> list[TranslatedText]:
+    """Name inputs of flip-flops and counters as the target does: ``R`` of CTU is ``RESET`` in CODESYS."""
+    types = {text_site.text.upper() for text_site in text_sites(project) if text_site.key in ("name", "type_name")}
+    if types.isdisjoint(_OTHER_PINS):
+        return []
+    tool = Tool.CODESYS if family(target) is Dialect.CODESYS else None
+    names = Names(project)
+    edits: dict[int, tuple[TextSite, list[Edit]]] = {}
+    for each in names.everything:
+        reference, site = each.reference, each.text_site.site
+        if isinstance(each.text_site.owner, Block) and reference.role is Role.PARAMETER:
+            block = standard_block(each.text_site.owner.type_name)
+        else:
+            instance = reference.base if reference.base is not None else reference.callee
+            block = names.resolver.standard_block_of(instance, site) if instance is not None else None
+        new = block.pin_in(reference.name, tool) if block is not None and block.name in _OTHER_PINS else None
+        if new is not None and new.casefold() != reference.name.casefold():
+            edits.setdefault(id(each.text_site), (each.text_site, []))[1].append(Edit(*reference.span, new))
+    for text_site, changes in edits.values():
+        text_site.put(apply_edits(text_site.text, changes))
+    paths = dict.fromkeys(text_site.report_path for text_site, _ in edits.values())
+    return [TranslatedText(path, changed=True, notes=()) for path in paths]
+
+
+_OTHER_PINS = frozenset({"SR", "RS", "CTU", "CTD", "CTUD"})
+"""Function blocks whose inputs CODESYS names otherwise than IEC 61131-3."""
 
 
 def texts_that_calculate_otherwise(project: Project, target: Dialect) -> Iterator[str]:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.report import Outcome
 from plcopen_sfc.semantics.programs import Controller
@@ -119,3 +122,57 @@ def test_a_flip_flop_that_texts_call_is_a_block_of_its_own_in_s7(
     seen = sfc.loads(data, format=target, as_tool=True)
     assert values(seen) == EXPECTED[kind]
     assert values(sfc.loads(sfc.convert(seen, "plcopen-2.01")[0], as_tool=True)) == EXPECTED[kind]
+
+
+PINS_IN_TOOLS = {
+    "SR": ("S1 R", "SET1 RESET"),
+    "RS": ("S R1", "SET RESET1"),
+    "CTU": ("CU R PV", "CU RESET PV"),
+    "CTD": ("CD LD PV", "CD LOAD PV"),
+    "CTUD": ("CU CD R LD PV", "CU CD RESET LOAD PV"),
+}
+
+
+def calling(kind: str, pins: str, dialect: m.Dialect) -> m.Project:
+    """A block that calls an instance in ST, IL and a box, and writes one of its inputs."""
+    names = pins.split()
+    values = {name: "3" if name == "PV" else "a" for name in names}
+    call = f"f({', '.join(f'{name} := {value}' for name, value in values.items())})"
+    text = (
+        f"FUNCTION_BLOCK Main VAR_INPUT a : BOOL; END_VAR VAR f, f2 : {kind}; many : ARRAY [0..1] OF {kind}; END_VAR\n"
+    )
+    text += f"{call}; many[1].{names[1]} := a;\n"
+    text += f"ACTION List:\nCAL {call}\nLD a\nST f.{names[1]}\nEND_ACTION\nEND_FUNCTION_BLOCK"
+    project = sfc.loads(text.encode(), format="iec-text")
+    project.dialect = dialect
+    inputs = [m.BlockVariable(name=n, input=m.InputPin(expression=value)) for n, value in values.items()]
+    box = m.Block(id=1, type_name=kind, instance="f2", parameters=m.BlockParameters(inputs=inputs))
+    body = m.FbdBody(networks=[m.LogicNetwork(nodes=[box])])
+    project.pous[0].actions.append(m.Action(name="Drawn", body=body))
+    return project
+
+
+@pytest.mark.parametrize("target", ["codesys", "codesys23", "plcopen-2.01"])
+@pytest.mark.parametrize("kind", PINS_IN_TOOLS)
+def test_inputs_of_flip_flops_and_counters_have_the_names_of_the_tool(kind: str, target: str) -> None:
+    iec, codesys = PINS_IN_TOOLS[kind]
+    to_iec = target.startswith("plcopen")
+    source = calling(kind, codesys, m.Dialect.CODESYS) if to_iec else calling(kind, iec, m.Dialect.IEC)
+    result = sfc.loads(sfc.dumps(source, format=target, partial=True), as_tool=True)
+    mistaken = [each for each in sfc.check(result, select=["VAR01"]) if "parameter" in each.message]
+    assert mistaken == []
+    written = sfc.dumps(result, format="json").decode()
+    wanted, other = (set(each.split()) for each in ((iec, codesys) if to_iec else (codesys, iec)))
+    used = set(re.findall(r"\b(\w+) :=|many\[1\]\.(\w+)|ST f\.(\w+)", written))
+    found = {name for names in used for name in names if name}
+    assert wanted <= found
+    assert not (other - wanted) & found
+
+
+@pytest.mark.parametrize(("dialect", "wrong"), [(m.Dialect.IEC, 1), (m.Dialect.CODESYS, 0), (m.Dialect.SCL, None)])
+def test_inputs_have_the_names_that_their_own_tool_gives_them(dialect: m.Dialect, wrong: int | None) -> None:
+    for kind, names in PINS_IN_TOOLS.items():
+        for number, pins in enumerate(names):
+            project = calling(kind, pins, dialect)
+            bound = Names(project)
+            assert bool(list(bound.undeclared_members())) is (number == wrong), (kind, pins)

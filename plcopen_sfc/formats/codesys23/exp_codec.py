@@ -475,7 +475,7 @@ _CONVERSION = re.compile(r"TO_[A-Z]+", re.IGNORECASE)
 
 
 def replace_later_language(project: Project, report: ConversionReport) -> None:
-    """Write values of enumerations in `project` as CoDeSys 2.3 does, and report what it does not compile."""
+    """Write enumerations and set statements in `project` as CoDeSys 2.3 does, and report what it does not compile."""
     enumerations = {each.name.casefold() for each in project.data_types if isinstance(each.type, EnumType)}
     plain = partial(_plain, _unique_values(project))
     for site in text_sites(project):
@@ -485,7 +485,7 @@ def replace_later_language(project: Project, report: ConversionReport) -> None:
         tree = transform(parsed.tree, plain)
         if tree is not parsed.tree and tree != parsed.tree:
             site.put(render(parsed, tree))
-            why = "values of enumerations without the name of their type, which CoDeSys 2.3 does not write"
+            why = "CoDeSys 2.3 has neither S= and R= nor values of enumerations with the name of their type"
             report.add(Outcome.TRANSLATED, "text", site.report_path, why)
         for word in dict.fromkeys(word for node in walk(tree) for word in _words(node, enumerations)):
             report.add(
@@ -520,7 +520,12 @@ def _plain(unique: Collection[tuple[str, str]], node: n.Node) -> n.Node:
     match node:
         case n.Member(base=n.Name(identifier=base), name=n.Name(identifier=name)):
             return node.name if (base.casefold(), name.casefold()) in unique else node
+        case n.Assignment(target, value, kind) if kind in _SETTING and not isinstance(value, n.AssignmentExpression):
+            return n.If((n.Branch(value, (n.Assignment(target, n.Literal(_SETTING[kind])),)),), span=node.span)
     return node
+
+
+_SETTING = {n.AssignmentKind.SET: "TRUE", n.AssignmentKind.RESET: "FALSE"}
 
 
 def _words(node: n.Node, enumerations: Collection[str]) -> Iterator[str]:
@@ -561,9 +566,6 @@ def _later_types(kind: DataType | None) -> Iterator[str]:
                 yield from _later_types(member.type)
         case _:
             pass
-
-
-"""Name of the project beside its copy in the terms of the tool."""
 
 
 class ExpCodec(TextCodec):

@@ -26,6 +26,7 @@ from plcopen_sfc.languages.binding.symbols import NOTHING, Binding, Level
 from plcopen_sfc.languages.binding.text_sites import Role, Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.grafcet_conditions import OVERLINE
 from plcopen_sfc.languages.problems import Lines
+from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool
 from plcopen_sfc.languages.words import objection
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.chart_settings import SfcFlag
@@ -241,10 +242,16 @@ class Names:
             else:
                 continue
             if block is not None:
-                if block.input_name(reference.name) is None and block.output_name(reference.name) is None:
+                if not self._has_pin(block, reference.name):
                     yield occurrence
             elif isinstance(type_, Level | StructType | Pou | Method) and not scopes.extends_unknown(type_):
                 yield occurrence
+
+    def _has_pin(self, block: StandardBlock, name: str) -> bool:
+        """True if a block has an input or output of this name in the tool of the project; of S7 there are versions."""
+        dialect = self.project.dialect
+        own = block.pin_in(name, Tool.CODESYS if dialect in (Dialect.CODESYS, Dialect.TWINCAT) else None)
+        return own is not None and (dialect is Dialect.SCL or own.casefold() == name.casefold())
 
     def unused(self, *, callable_elsewhere: bool = False) -> list[Declaration]:
         """The actions, named transitions and local variables that nothing in the project names, as far as can be told.

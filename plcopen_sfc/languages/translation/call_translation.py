@@ -238,10 +238,9 @@ class CallTranslator:
         return None if block is None else self._pin(name, block)
 
     def _pin(self, name: n.Name, block: StandardBlock) -> n.Name | None:
-        found = block.input_name(name.identifier) or block.output_name(name.identifier)
-        if found is None:
+        new = block.pin_in(name.identifier, Tool.CODESYS if self._target is Dialect.CODESYS else None)
+        if new is None:
             return None
-        new = block.tool_pin(found, Tool.CODESYS) if self._target is Dialect.CODESYS else found
         return name if new.casefold() == name.identifier.casefold() else n.Name(new, span=name.span)
 
     def _by_name(self, node: n.Call, inputs: Sequence[str]) -> tuple[Argument, ...]:

@@ -154,7 +154,7 @@ END_PROGRAM"""
         ("action", "t1 := TO_TIME(i);", "TO_TIME"),
         ("action", "FOR i := 0 TO 3 DO CONTINUE; END_FOR;", "CONTINUE"),
         ("action", "JMP last; i := 0; last: i := 1;", "jump JMP"),
-        ("action", "q S= a;", "S="),
+        ("action", "i += 2;", "+="),
         ("action", "t1 := LTIME_TO_TIME(LTIME#5us);", "LTIME#5us"),
         ("variable", "w : WSTRING;", "WSTRING"),
         ("variable", "k : ARRAY[0..3] OF LINT;", "LINT"),
@@ -168,6 +168,15 @@ def test_what_only_the_later_codesys_has_is_refused(part: str, text: str, word: 
         match=re.escape(f"CoDeSys 2.3 has no {word}") + r"|literal " + re.escape(word) + "|function " + word,
     ):
         sfc.dumps(project, format="codesys23")
+
+
+def test_set_statements_become_conditions() -> None:
+    text = V3_ONLY.format(condition="a", action="q S= a; q R= NOT a OR i > 3;", variable="")
+    data = sfc.dumps(sfc.loads(text.encode(), format="iec-text"), format="codesys23", strict=True)
+    assert b"S=" not in data
+    statements = " ".join(data.decode("cp1252").split())
+    assert "IF a THEN q := TRUE; END_IF" in statements
+    assert "IF NOT a OR i > 3 THEN q := FALSE; END_IF" in statements
 
 
 def test_values_of_enumerations_have_no_type_before_them() -> None:
