@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import chain
@@ -164,8 +165,13 @@ def locations_of(project: Project, paths: Iterable[str]) -> list[Location]:
         if id(document) not in known:
             known[id(document)] = _lines(document)
         file, lines = known[id(document)]
-        found.append(Location(file, line_of(path, lines), None, path))
+        inside = _IN_PARTIAL_CHART.sub(r" / \2 / \1 ", path, count=1)
+        found.append(Location(file, line_of(inside if inside in lines else path, lines), None, path))
     return found
+
+
+_IN_PARTIAL_CHART = re.compile(r" / (step|transition) (?:\S+\.)?(\w+)\.(?=\S)")
+"""``step G1.M3.E3`` of a net, which has the steps of all partial charts: step E3 of M3."""
 
 
 def _lines(document: Project) -> tuple[str | None, Mapping[str, int]]:

@@ -97,6 +97,30 @@ def test_a_wrong_cell_is_named_by_its_line(cli: Cli, plant: Path) -> None:
     assert "wrong.csv:4: Start: 'yes' is no BOOL" in done.err
 
 
+PLAN = """GRAFCET Plan
+INPUTS
+    C1 : INT
+CHART G1
+    INITIAL STEP 1
+    1 -> M2 : 1
+    MACRO M2
+    M2 -> 1 : C1
+EXPANSION M2
+    STEP E2
+        ON ACTIVATION C1 := C1 + TRUE
+    E2 -> S2 : 1
+    STEP S2
+"""
+
+
+def test_an_error_of_a_grafcet_has_its_line(cli: Cli, tmp_path: Path) -> None:
+    path = tmp_path / "plan.gct"
+    path.write_text(PLAN.replace("+ TRUE", "+ 1"), encoding="utf-8")
+    assert f"{path}:8 (POU Plan / transition G1.M2 -> 1): a INT is where a BOOL" in cli("simulate", path).err
+    path.write_text(PLAN.replace(": C1\n", ": [C1>0]\n"), encoding="utf-8")
+    assert f"{path}:10 (POU Plan / step G1.M2.E2 / line 1): + of INT and BOOL" in cli("simulate", path).err
+
+
 def test_an_error_of_the_program_is_a_finding(cli: Cli, plant: Path) -> None:
     (plant / "b.csv").write_text("A;B\n4;2\n4;1\n4;0\n", encoding="utf-8")
     done = cli("simulate", "sum.st", "--inputs", "b.csv")

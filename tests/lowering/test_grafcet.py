@@ -507,6 +507,82 @@ def test_a_comment_that_is_lost_has_the_line_of_its_chart() -> None:
         assert text in lines[(item.line or 0) - 1], item
 
 
+STOPPED = """GRAFCET G
+INPUTS
+    a
+    b
+    NA
+    n : INT
+OUTPUTS
+    Q
+CHART G1
+    INITIAL STEP 1
+    1 -> 2 : a
+    STEP 2
+        Q
+    2 -> 3 : b
+    STEP 3
+    3 -> 1 : /a
+CHART G2
+    INITIAL STEP 10
+    10 -> 11 : {}
+    STEP 11
+        FORCE G1{{{}}}
+    11 -> 10 : {}
+"""
+
+
+@pytest.mark.parametrize(
+    ("pressed", "situation", "released"),
+    [
+        ("/NA", "INIT", "NA"),
+        ("/NA + b", "INIT", "NA * /b"),
+        ("/(NA * /b)", "INIT", "/b . NA"),
+        ("/NA + [n>3]", "1", "NA * [n<=3]"),
+    ],
+)
+def test_general_reset_conditions_of_textbooks_are_one_input_of_every_step(
+    pressed: str, situation: str, released: str
+) -> None:
+    lowered = lower(sfc.loads(STOPPED.format(pressed, situation, released).encode()).pous[0], style="classic")
+    text = text_of(lowered)
+    assert "X10" not in text
+    assert "NA" in text
+
+
+@pytest.mark.parametrize(
+    ("pressed", "situation", "released"),
+    [("/NA", "INIT", "NA * b"), ("/NA", "2", "NA"), ("↑b", "INIT", "/↑b"), ("3s/b", "INIT", "/3s/b")],
+)
+def test_an_emergency_stop_that_textbooks_do_not_have_is_told_what_must_change(
+    pressed: str, situation: str, released: str
+) -> None:
+    with pytest.raises(LoweringError, match=r"no place for (charts that others|edges|times)") as caught:
+        lower(sfc.loads(STOPPED.format(pressed, situation, released).encode()).pous[0], style="classic")
+    assert "charts that others" not in caught.value.message or "11 -> 10 : /NOT_AUS" in caught.value.hint
+
+
+CONFLICT = STOPPED.format("/NA", "INIT", "NA").replace("INITIAL STEP 10", "INITIAL STEP 10\n        FORCE G1{2}")
+
+
+def test_orders_that_contradict_each_other_at_the_start_are_refused_with_their_line(tmp_path: Path) -> None:
+    path = tmp_path / "plan.gct"
+    order = "CHART G3\n    INITIAL STEP 20\n        FORCE G1{3}\n    20 -> 20 : ↑a\n"
+    path.write_text(CONFLICT + order, encoding="utf-8")
+    with pytest.raises(LoweringError, match="into different situations") as caught:
+        sfc.lower(sfc.load(path))
+    assert path.read_text(encoding="utf-8").splitlines()[(caught.value.location.line or 0) - 1].strip() == (
+        "INITIAL STEP 20"
+    )
+
+
+def test_a_step_that_an_enclosing_one_activates_is_not_said_to_be_dead() -> None:
+    text = "GRAFCET G\nCHART G1\nINITIAL STEP 1\n1 -> 2 : a\nSTEP 2 ENCLOSES G2{20}\n2 -> 1 : /a\n"
+    text += "ENCLOSED G2\nSTEP 20\n20 -> 21 : b\nSTEP 21\n21 -> 20 : /b\n"
+    with pytest.raises(LoweringError, match=r"transitions alone never activate step G2\.20"):
+        sfc.lower(sfc.loads(text.encode()), "regions")
+
+
 @pytest.mark.parametrize("kind", ["onDeactivation", "onEvent"])
 def test_what_textbook_forms_have_no_place_for_is_refused(kind: str) -> None:
     chart = seed_chain()

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from plcopen_sfc.batch import functions_of
 from plcopen_sfc.cli.command_files import load_input
 from plcopen_sfc.cli.screen import Screen, Table
-from plcopen_sfc.errors import InputError, SimulationError
+from plcopen_sfc.errors import InputError, Location, SimulationError
 from plcopen_sfc.files import refuse_unwritable, write_atomic
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.semantics.inputs import CsvInputs, InputSource, RandomInputs
@@ -81,9 +81,19 @@ def run(screen: Screen, file: str, how: SimulateOptions, *, files: TraceFiles) -
         _show(screen, trace)
     _save(screen, files, trace, project)
     if failure is not None:
-        screen.error(failure)
+        screen.error(_in_file(failure, project))
         return _FINDINGS
     return 0
+
+
+def _in_file(failure: SimulationError, project: Project) -> SimulationError:
+    """Return an error with the place of its body in the file, as far as that is known."""
+    place = failure.location
+    (found,) = project.locations_of([f"POU {place.path}"]) if place.path and place.file is None else (Location(),)
+    if found.line is not None:
+        inside = f"{found.path} / line {place.line}" if place.line is not None else found.path
+        failure.location = replace(found, path=inside)
+    return failure
 
 
 def _save(screen: Screen, files: TraceFiles, trace: Trace, project: Project) -> None:

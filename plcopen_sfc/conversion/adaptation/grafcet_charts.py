@@ -22,7 +22,7 @@ from plcopen_sfc.conversion.adaptation.grafcet_hierarchy import (
     step_flag,
 )
 from plcopen_sfc.conversion.executed_parts import FIRST_SCAN, SELECTION, STABILITY, START
-from plcopen_sfc.errors import UnknownBehaviourError
+from plcopen_sfc.errors import ForcingConflictError, UnknownBehaviourError
 from plcopen_sfc.languages.binding.name_sites import in_tree
 from plcopen_sfc.languages.grafcet_conditions import ConditionError, to_structured_text
 from plcopen_sfc.languages.networks import declared_rules, draw_ld
@@ -155,7 +155,7 @@ class _Chart:
             self._forced = _forced_steps(self._chart)
             try:
                 flat = self._flatten(path)
-            except UnknownBehaviourError as error:
+            except (UnknownBehaviourError, ForcingConflictError) as error:
                 self._note(Outcome.NOT_EXECUTED, "hierarchy", path, f"the hierarchy is broken: {error}")
             except HierarchyError as error:
                 self._refuse_hierarchy(path, error)

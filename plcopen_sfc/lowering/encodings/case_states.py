@@ -260,7 +260,11 @@ def regions_of(net: Net) -> Regions | str:
     if isinstance(found, Unstructured):
         return found.message
     never = next((step.path for step in net.steps if found.region_of[step.index] is None), None)
-    return found if never is None else f"step {never} can never become active"
+    if never is None:
+        return found
+    if net.hierarchy:  # enclosing steps and orders activate what no transition leads to
+        return f"transitions alone never activate step {never}"
+    return f"step {never} can never become active"
 
 
 def one_region(net: Net) -> Regions:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from plcopen_sfc.errors import LoweringError, UnknownBehaviourError
+from plcopen_sfc.analysis.exclusivity import Truth, exclusive, truth
+from plcopen_sfc.analysis.search_limits import Answer
+from plcopen_sfc.errors import ForcingConflictError, LoweringError, UnknownBehaviourError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
-from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, is_constant, negation
+from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, disjunction, is_constant
 from plcopen_sfc.lowering.reading.chart_reading import read_chart
 from plcopen_sfc.lowering.reading.chart_source import (
     ActionSource,
@@ -23,7 +25,7 @@ from plcopen_sfc.lowering.reading.chart_source import (
 from plcopen_sfc.lowering.reading.step_variables import bits_by_number
 from plcopen_sfc.lowering.reading.text_reading import ActionTargets, TextReader
 from plcopen_sfc.lowering.schedule.scan_schedule import refuse_classic
-from plcopen_sfc.model.actions import ActionKind, ForcedSituation, Qualifier
+from plcopen_sfc.model.actions import ActionKind, ForcedSituation, ForcingOrder, Qualifier
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
@@ -67,7 +69,11 @@ def read_grafcet(
     once = replace(profile, evolution=Evolution.SINGLE)
     plain = read_chart(copied, chart, dialect, once, surroundings, project=project, grafcet=reader)
     # charts that others enclose start when their step becomes active, not with the program
-    initial = reader.hierarchy.start(plain.net.initial)
+    try:
+        initial = reader.hierarchy.start(plain.net.initial)
+    except ForcingConflictError as error:
+        hint = "Let the steps that give the orders exclude each other."
+        raise LoweringError(error.message, location=error.location, hint=hint) from error
     ruled = replace(plain.net, initial=initial, hierarchy=bool(reader.hierarchy))
     return replace(plain, pou=pou, net=ruled, grafcet=grafcet)
 
@@ -271,7 +277,8 @@ def without_emergency_stop(chart: Subject, profile: Profile) -> tuple[Subject, s
     for partial, read in zip(whole.partial_charts, source.net.chart.partial_charts, strict=True):
         pressed = _pressed(partial.chart, [t for t in source.net.transitions if t.chart is read.chart], source)
         others = [each for each in whole.partial_charts if each is not partial]
-        if pressed is None or whole.steps or [each.name.casefold() for each in others] != _forced(partial.chart):
+        forced = _forced(partial.chart, {each.name.casefold(): each.chart for each in others})
+        if pressed is None or whole.steps or forced != {each.name.casefold() for each in others}:
             continue
         left = [each for each in source.names_in_texts() if each.upper() in {f"X{s.name}" for s in partial.chart.steps}]
         if left:  # something asks for the steps that would be gone
@@ -283,18 +290,26 @@ def without_emergency_stop(chart: Subject, profile: Profile) -> tuple[Subject, s
     return chart, ""
 
 
-def _forced(chart: SfcNetwork) -> list[str]:
+def _forced(chart: SfcNetwork, others: Mapping[str, SfcNetwork]) -> set[str]:
     """Return the charts, in lower case, that the only actions of a chart force into their initial steps."""
     orders = [action.forcing for step in chart.steps for action in step.actions]
-    if not all(order is not None and order.situation is ForcedSituation.INITIAL for order in orders):
-        return []
-    return [order.chart.casefold() for order in orders if order is not None]
+    if not all(order is not None and _is_initial(order, others) for order in orders):
+        return set()
+    return {order.chart.casefold() for order in orders if order is not None}
+
+
+def _is_initial(order: ForcingOrder, charts: Mapping[str, SfcNetwork]) -> bool:
+    """Return True if an order forces a chart into its initial steps: ``{INIT}``, or the names of these."""
+    if order.situation is not ForcedSituation.EXPLICIT or order.chart.casefold() not in charts:
+        return order.situation is ForcedSituation.INITIAL
+    starts = {step.name.casefold() for step in charts[order.chart.casefold()].initial_steps}
+    return {name.casefold() for name in order.steps} == starts
 
 
 def _pressed(chart: SfcNetwork, transitions: Sequence[NetTransition], source: ChartSource) -> n.Expression | None:
     """Return the condition under which the forcing step of two that follow each other is active; None if there is none.
 
-    Each is left on the opposite of what the other one is left on.
+    Each is left on the opposite of what the other one is left on, however that is written.
     """
     acting = [step for step in chart.steps if step.actions]
     if len(chart.steps) != 2 or len(transitions) != 2 or len(acting) != 1:
@@ -304,7 +319,18 @@ def _pressed(chart: SfcNetwork, transitions: Sequence[NetTransition], source: Ch
     if set(leaving) != {acting[0].id, resting.id}:
         return None
     released, pressed = (source.conditions[leaving[step.id].index] for step in (acting[0], resting))
-    return pressed if negation(released) == n.bare(pressed) else None
+    if any(is_term(node.identifier) for node in walk(pressed) if isinstance(node, n.Name)):
+        return None  # an edge or a time holds no chart
+    opposite = exclusive(released, pressed).answer is Answer.YES and truth(disjunction([released, pressed]))
+    return pressed if opposite is Truth.ALWAYS else None
+
+
+_RULED = "charts that others force or enclose"
+_OF_STOPS = (
+    "It takes a chart as the condition of an emergency stop that has two steps, one of which forces {INIT} of all "
+    "other charts and does nothing else, and is left on the opposite of what leads to it, without edges and times: "
+    "10 -> 11 : NOT_AUS * a, 11 -> 10 : /NOT_AUS + /a. The exact form has the rest."
+)
 
 
 def plain_chart(source: ChartSource) -> ChartSource:
@@ -315,10 +341,10 @@ def plain_chart(source: ChartSource) -> ChartSource:
     for what, there in (
         ("edges", grafcet.edges),
         ("times of conditions", grafcet.delays),
-        ("charts that others force or enclose", grafcet.ruled),
+        (_RULED, grafcet.ruled),
     ):
         if there:
-            refuse_classic(source, what)
+            refuse_classic(source, what, hint=_OF_STOPS if what == _RULED else "")
     actions = {action.name.casefold(): action for action in (*source.actions, *grafcet.continuous)}
     for stored in grafcet.stored:
         target, use = _use(source, stored)

@@ -91,11 +91,14 @@ def firing_together(source: ChartSource, profile: Profile) -> NetTransition | No
     return None
 
 
-def refuse_classic(source: ChartSource, what: str, path: str = "") -> NoReturn:
-    """Raise a `LoweringError`: the classic form has no place for something, found at `path` of the chart."""
+def refuse_classic(source: ChartSource, what: str, path: str = "", hint: str = "") -> NoReturn:
+    """Raise a `LoweringError`: the classic form has no place for something, found at `path` of the chart.
+
+    `hint`: what to change, where more can be said than that the exact form has it.
+    """
     place = f"{source.pou.name} / {path}" if path else source.pou.name
     message = f"the classic form has no place for {what}"
-    raise LoweringError(message, location=Location(path=place), hint="The exact form has.")
+    raise LoweringError(message, location=Location(path=place), hint=hint or "The exact form has.")
 
 
 class ScanSchedule(ABC):

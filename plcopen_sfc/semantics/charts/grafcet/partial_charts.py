@@ -204,6 +204,6 @@ class Hierarchy:
         if any(order.imposed != acting[0].imposed for order in acting):
             raise ForcingConflictError(
                 f"the steps {', '.join(order.path for order in acting)} force {chart.name} into different situations",
-                location=Location(path=self._path),
+                location=self._place(acting[-1].path),
             )
         return acting[0]
