@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from math import isfinite
 from typing import NamedTuple
 
 from plcopen_sfc.drawing.pictures import Canvas, Theme, chart_figure, chosen_theme
@@ -21,17 +22,24 @@ _AXIS = 24
 _SCAN = 24
 _LONGEST = 1200
 _TICKS = 80
+_UNREAD = 4
+"""Numbers are a curve where their texts have no room in this part of the time."""
+_NUMBERS = frozenset({SignalKind.INTEGER, SignalKind.REAL, SignalKind.DURATION})
 _SHOWN = frozenset({"input", "output", "in_out", "external"})
 """Directions of what is seen from outside; globals that a program declares as external are such."""
 
 
 class _Row(NamedTuple):
-    """A line of the diagram: its values as texts, each with the scan in which it begins."""
+    """A line of the diagram: its values as texts, each with the scan in which it begins.
+
+    `numbers` are the same values where they are numbers or times: those that change too often to be read are a curve.
+    """
 
     name: str
     kind: str
     is_level: bool
     runs: list[tuple[int, str]]
+    numbers: Sequence[float] = ()
 
 
 def trace_svg(trace: Trace, theme: str = Theme.LIGHT) -> str:
@@ -110,10 +118,24 @@ class TimingDiagram:
 
     def __init__(self, trace: Trace) -> None:
         self.trace = trace
-        self._rows = [*_step_rows(trace), *_variable_rows(trace)]
+        self.width = max(min(len(trace) * _SCAN, _LONGEST), 60)
+        self._rows = [*_step_rows(trace), *map(self._readable, _variable_rows(trace))]
         labels = [text_width(row.name, 12) for row in self._rows]
         self.left = _MARGIN + max(labels, default=0) + 12
-        self.width = max(min(len(trace) * _SCAN, _LONGEST), 60)
+
+    def _readable(self, row: _Row) -> _Row:
+        """Return a row whose numbers are a curve, with their range, where too many have no room for their texts."""
+        ends = [*(start for start, _ in row.runs[1:]), len(self.trace)]
+        scan = self.width / max(len(self.trace), 1)
+        lengths = [(end - start) * scan for (start, _), end in zip(row.runs, ends, strict=True)]
+        hidden = sum(w for w, (_, text) in zip(lengths, row.runs, strict=True) if text_width(text, 11) + 6 > w)
+        if not row.numbers or hidden * _UNREAD < self.width or not all(map(isfinite, row.numbers)):
+            return row._replace(numbers=())
+        shown = [
+            f"{n:.4g}" if isinstance(n, float) else text for n, (_, text) in zip(row.numbers, row.runs, strict=True)
+        ]
+        texts = dict(zip(row.numbers, shown, strict=True))
+        return row._replace(name=f"{row.name} ({texts[min(texts)]} .. {texts[max(texts)]})")
 
     def svg(self, theme: Theme | None, words: Words) -> str:
         """Return the picture; without a `theme` as a part of a page."""
@@ -143,8 +165,14 @@ class TimingDiagram:
             canvas.text("plain", self.left - 10, top + 17, row.name, anchor="end")
             ends = [*(start for start, _ in row.runs[1:]), len(self.trace)]
             levels: list[tuple[int, int]] = []
-            for (start, value), end in zip(row.runs, ends, strict=True):
+            low, high = min(row.numbers, default=0), max(row.numbers, default=0)
+            for number, ((start, value), end) in enumerate(zip(row.runs, ends, strict=True)):
                 left, right = self._x(start), self._x(end)
+                if row.numbers:
+                    share = (row.numbers[number] - low) / (high - low)
+                    level = top + _LOW + 2 - round(share * (_LOW - _HIGH + 4))
+                    levels += [(left, level), (right, level)]
+                    continue
                 if row.is_level:
                     level = top + (_HIGH if value == "1" else _LOW)
                     levels += [(left, level), (right, level)]
@@ -178,10 +206,14 @@ def _variable_rows(trace: Trace) -> Iterator[_Row]:
     shown: list[Column] = [column for column in trace.columns if column.direction in _SHOWN] or list(trace.columns)
     for column in shown:
         is_level = column.signal.kind is SignalKind.BOOL
-        runs = [
-            (scan, str(int(bool(value))) if is_level else column.signal.text(value)) for scan, value in column.runs()
-        ]
-        yield _Row(column.name, column.direction or "variable", is_level=is_level, runs=runs)
+        values = list(column.runs())
+        runs = [(scan, str(int(bool(value))) if is_level else column.signal.text(value)) for scan, value in values]
+        numbers = (
+            [value for _, value in values if isinstance(value, int | float)] if column.signal.kind in _NUMBERS else []
+        )
+        is_known = len(numbers) == len(runs)
+        kind = column.direction or "variable"
+        yield _Row(column.name, kind, is_level=is_level, runs=runs, numbers=numbers if is_known else ())
 
 
 def _round_numbers() -> Iterator[int]:

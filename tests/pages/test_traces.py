@@ -53,6 +53,17 @@ def test_the_diagram_shows_when_values_change(trace: sfc.Trace) -> None:
         trace.to_svg(theme="red")
 
 
+def test_numbers_that_change_too_often_to_be_read_are_a_curve_with_their_range(project: sfc.Project) -> None:
+    """They were a row of empty boxes, so narrow that it looked black."""
+    inputs = {"Start": False, "Selected": "Auto"}
+    trace = sfc.simulate(project, inputs=lambda scan, _: inputs | {"Level": scan * 0.1}, scans=200)
+    row = lines(trace.to_svg())["Level (0 .. 19.9)"]
+    assert row.findall(f"{SVG}rect") == []
+    heights = [int(point.split()[1]) for point in row.find(f"{SVG}path").get("d").strip("M").split("L")]
+    assert heights == sorted(heights, reverse=True)
+    assert heights[0] - heights[-1] > 10
+
+
 def test_a_long_trace_is_not_wider_than_a_short_one(project: sfc.Project) -> None:
     widths = [int(etree.fromstring(sfc.simulate(project, scans=n).to_svg()).get("width")) for n in (100, 5000)]
     assert widths[0] == widths[1] < 1500
