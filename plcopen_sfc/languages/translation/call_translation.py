@@ -78,12 +78,21 @@ def is_called_otherwise(call: n.Call, target: Dialect) -> bool:
         name == "TRUNC" and target is not Dialect.IEC
     ):
         return True
+    if target is Dialect.IEC and _counted_value(call, name) is not None:
+        return True
     block = standard_block(name)
     if block is None or block.stateful:
         return False
     is_long = name == "CONCAT" and len(call.arguments) > 2 and target is not Dialect.IEC
     is_named = any(each.name is not None for each in call.arguments)
     return is_long or is_named or operator_of(block, target) is not None or is_lacking(name, target)
+
+
+def _counted_value(call: n.Call, name: str) -> n.Member | None:
+    """Return the value of ``WORD_TO_X(counter.CV)``, if it is of a counter; None for other calls."""
+    given = call.arguments[0].value if name.startswith("WORD_TO_") and len(call.arguments) == 1 else None
+    value = n.bare(given) if given is not None else None
+    return value if isinstance(value, n.Member) and value.name.identifier.upper() == "CV" else None
 
 
 def is_lacking(name: str, target: Dialect) -> bool:
@@ -274,6 +283,9 @@ class CallTranslator:
 
     def _function(self, node: n.Call, callee: n.Name) -> Expression:
         name = callee.identifier.upper()
+        counted = self._counted(node, name)
+        if counted is not None:
+            return counted
         block = standard_block(name)
         arguments = self._arguments(node.arguments, self._pins_of(block) if block is not None else _as_it_is)
         truncated = translated_truncation(name, self._target, self._type_of_first(node) or "REAL")
@@ -303,6 +315,18 @@ class CallTranslator:
         if name == "CONCAT" and self._target is not Dialect.IEC and values is not None and len(values) > 2:
             return self._nested(node, callee, block, values)
         return self._with(node, callee, self._in_style(node, block, arguments, values))
+
+    def _counted(self, node: n.Call, name: str) -> Expression | None:
+        """Return a conversion of what a counter has counted, which is INT in IEC 61131-3 and WORD in CODESYS."""
+        value = _counted_value(node, name)
+        if value is None or self._target is not Dialect.IEC or self._source is not Dialect.CODESYS:
+            return None
+        block = block_of_type(self._names.type_of(value.base))
+        if block is None or block.output_name("CV") is None:
+            return None
+        own = f"INT_{name.removeprefix('WORD_')}"
+        counted = self._translated(value)
+        return counted if own == "INT_TO_INT" else n.Call(n.Name(own), (Argument(counted),), span=node.span)
 
     def _as_bool(self, node: n.Call, name: str) -> Expression | None:
         """Return a number or bit string as a Boolean, as the source takes it; None where the target takes it so too.
