@@ -220,6 +220,15 @@ def test_operands_modifiers_and_broken_wires() -> None:
     assert [circle.get("class") for circle in tree.findall(f"{SVG}circle")] == ["head"] * 2
 
 
+def test_numbered_pins_are_in_their_order() -> None:
+    """Files of TIA Portal have them in the order of their wires; it draws IN1 above IN2."""
+    names = ["EN", "IN10", "S", "IN2", "R1", "IN1"]
+    inputs = [n.BlockVariable(name=name, input=n.InputPin()) for name in names]
+    block = n.Block(id=1, type_name="X", parameters=n.BlockParameters(inputs=inputs))
+    tree = etree.fromstring(FbdBody(networks=[n.LogicNetwork(nodes=[block])]).to_svg().encode("ascii"))
+    assert texts(tree) == ["X", "EN", "IN1", "S", "IN2", "R1", "IN10"]
+
+
 def test_names_are_text_only() -> None:
     nasty = "<script>x</script>"
     node = n.Block(id=1, type_name=nasty, instance=nasty)

@@ -13,6 +13,7 @@ cross.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -684,6 +685,7 @@ def _pins(parameters: n.BlockParameters) -> tuple[list[_Pin], list[_Pin]]:
                 _modifier(variable.edge, variable.storage),
             )
             left.append(pin)
+    left = _in_order(left)
     for variable in (*parameters.in_outs, *parameters.outputs):
         text = (variable.output.expression if variable.output is not None else None) or ""
         pin = _Pin(variable.name, text)
@@ -691,6 +693,22 @@ def _pins(parameters: n.BlockParameters) -> tuple[list[_Pin], list[_Pin]]:
             pin.negated, pin.modifier = variable.negated, _modifier(variable.edge, variable.storage)
         right.append(pin)
     return left, right
+
+
+_NUMBERED = re.compile(r"(\D*)(\d+)")
+
+
+def _in_order(pins: list[_Pin]) -> list[_Pin]:
+    """Return pins with ``IN1`` above ``IN2``: SimaticML has them in the order of its wires."""
+    numbered = [_NUMBERED.fullmatch(pin.name) for pin in pins]
+    alike: dict[str, list[tuple[int, int]]] = {}
+    for place, found in enumerate(numbered):
+        if found is not None:
+            alike.setdefault(found[1], []).append((int(found[2]), place))
+    ordered = {name: iter(sorted(places)) for name, places in alike.items()}
+    return [
+        pin if found is None else pins[next(ordered[found[1]])[1]] for pin, found in zip(pins, numbered, strict=True)
+    ]
 
 
 def _input(pin: n.InputPin | None) -> _Pin:
