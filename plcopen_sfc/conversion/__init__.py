@@ -12,11 +12,22 @@
 `running`                 source and result run against each other
 `assumed_types`           structures in the place of types that no file declares, for these runs
 `causes`                  differences that a run has shown, in words, with their causes
+`scan_order`              charts whose actions see other inputs, as they are executed before the transitions
 """
 
 from plcopen_sfc.conversion.executed_parts import Detail, Part
 from plcopen_sfc.conversion.executed_projects import executed
 from plcopen_sfc.conversion.execution_differences import ExecutionDifference, compare
 from plcopen_sfc.conversion.reporting import report_errors, report_execution
+from plcopen_sfc.conversion.scan_order import report_inputs_of_actions
 
-__all__ = ["Detail", "ExecutionDifference", "Part", "compare", "executed", "report_errors", "report_execution"]
+__all__ = [
+    "Detail",
+    "ExecutionDifference",
+    "Part",
+    "compare",
+    "executed",
+    "report_errors",
+    "report_execution",
+    "report_inputs_of_actions",
+]

@@ -14,7 +14,7 @@ from plcopen_sfc.model.project import Chart
 from plcopen_sfc.model.sfc import ActionAssociation
 from plcopen_sfc.model.types import SimpleValue
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.report import Item
+from plcopen_sfc.report import INPUTS_OF_ACTIONS, Item
 from plcopen_sfc.semantics.profile import Profile, ScanOrder
 from plcopen_sfc.whole_numbers import counted
 
@@ -73,7 +73,7 @@ def _causes(
     for name in (each.name for each in example.differences if not each.error):
         places = dict.fromkeys(_places(name, example, chart))
         for item in losses:
-            if item.what != FIRST_SCAN and _explains(item, name, places, chart.report_path):
+            if item.what not in _SEPARATE and _explains(item, name, places, chart.report_path):
                 part = "" if item.path == chart.report_path else f" at {ObjectPath.of(item.path).last}"
                 told = f"; a cause is the {item.what}{part}, which the report names"
                 (evolution if evolves and item.what in _OF_EVOLUTION else found)[told] = None
@@ -113,6 +113,8 @@ def _called(place: str) -> str:
 _STEP_ACTIONS = ("entry action", "main action", "exit action")
 
 
+_SEPARATE = frozenset({FIRST_SCAN, INPUTS_OF_ACTIONS})
+"""Subjects of items that explain no difference which stays with the same inputs behind the first scan."""
 _FIRST_SCANS = 2
 _OF_EVOLUTION = frozenset(
     {STABILITY, SELECTION, START, "initial step", "condition", "transition", "min time", "minimum time"}
@@ -220,7 +222,7 @@ def held_inputs(
         changed = any(len({row.get(name) for row in example.inputs}) > 1 for name in times if name.casefold() in used)
         why = "tools differ in when they take up a new time of an action that runs"
         yield HeldInputs(times, times, why, changed)
-    early = _acting_early(profiles, tool)
+    early = acting_early(profiles, tool)
     if early and len(example.inputs) > 1:
         from plcopen_sfc.analysis.verdict import shown_value  # noqa: PLC0415  # charts that differ have brought it
 
@@ -249,13 +251,13 @@ def _read_inputs(example: Counterexample, chart: Chart) -> Iterator[str]:
 
 def told_apart(example: Counterexample, profiles: tuple[Profile, Profile], tool: str) -> str:
     """Return why tools differ that are equal with actions that see earlier inputs, and a first scan at rest."""
-    held, early = _told_held(profiles, tool), _acting_early(profiles, tool)
+    held, early = _told_held(profiles, tool), acting_early(profiles, tool)
     if len(example.inputs) > _FIRST_SCANS and early:  # actions that see other inputs need a step that was entered
         held = ""
     return held + (f"; {early}" if early else "")
 
 
-def _acting_early(profiles: tuple[Profile, Profile], tool: str) -> str:
+def acting_early(profiles: tuple[Profile, Profile], tool: str) -> str:
     """Return which of two tools executes the actions first; empty where both or none do."""
     sides = {True: "the source", False: tool}
     early = [sides[each is profiles[0]] for each in profiles if each.order is ScanOrder.ACTIONS_FIRST]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
@@ -24,14 +24,10 @@ from plcopen_sfc.conversion.executed_parts import (
     UNDECLARED_TYPE,
 )
 from plcopen_sfc.conversion.reporting import in_the_source
+from plcopen_sfc.conversion.scan_order import chart_pairs, is_begun_for_good, reads_inputs
 from plcopen_sfc.errors import SfcError
-from plcopen_sfc.languages.binding import names_in
-from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
-from plcopen_sfc.languages.declarations.kept_texts import inheritance
-from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import ActionAssociation
 from plcopen_sfc.model.types import used_types
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.object_path import ObjectPath
@@ -39,6 +35,7 @@ from plcopen_sfc.report import (
     ARITHMETIC,
     CHART_OF_ACTION,
     FALLING_EDGE,
+    INPUTS_OF_ACTIONS,
     ORDER_OF_ACTIONS,
     ConversionReport,
     Item,
@@ -63,7 +60,8 @@ SHIFTED = "the same but for the inputs that actions see, and the first scan"
 """Begin of the verdict on a chart that does the same in both tools if its actions get the same inputs."""
 
 _APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, FIRST_SCAN, CHART_OF_ACTION, ORDER_OF_ACTIONS, FALLING_EDGE}
-_APART |= {SELECTION, ARITHMETIC, BOOLEAN_ACTIONS, "retain", "address", "interval", "max time", "maximum time"}
+_APART |= {SELECTION, INPUTS_OF_ACTIONS, ARITHMETIC, BOOLEAN_ACTIONS, "retain", "address", "interval"}
+_APART |= {"max time", "maximum time"}
 """Losses beside which a run shows more: what operates a chart rests, nothing looks at addresses or times of tasks, and
 the chart of a GRAFCET may have no step that is only passed or left by two transitions, and begins one scan later. A
 block for the chart of an action may do the same, and actions in another order or calculations of other widths."""
@@ -96,7 +94,7 @@ def report_running(
     undeclared = {item.why.split("`")[1].casefold() for item in report.losses if item.what == UNDECLARED_TYPE}
     assumed = assumed_types(source, undeclared) if undeclared else []
     undeclared -= {declaration.name.casefold() for declaration in assumed}
-    pairs = list(_pairs(source, result, called))
+    pairs = list(chart_pairs(source, result, called))
     asked = with_inputs(result, _kept_inside(pairs, called))
     listed = _listed_variables(source, result)
     running = [with_types(project, assumed) if assumed else project for project in (source, asked)]
@@ -182,7 +180,7 @@ def _run(
             verdict = longer if longer.different or longer.scans > verdict.scans else verdict
         is_cut = verdict.delay.retimed and verdict.equal
         other = profiles[0].order is not profiles[1].order
-        is_cut = is_cut and _lasts(place, source, verdict.inputs, has_other_inputs=other)
+        is_cut = is_cut and (is_begun_for_good(place) or (other and reads_inputs(place, source, verdict.inputs)))
         as_run = compared(delay=Delay(verdict.delay.scans), limit=limit) if is_cut else verdict
     except SfcError as error:
         _note_untested(report, place.report_path, f"not run: {error.message}")
@@ -287,6 +285,8 @@ def _report_run(report: ConversionReport, run: _Run, held: str) -> None:
         if not run.profiles[1].initial_situation_held:  # of which no proof has the first scan
             _note_proven(report, path, FIRST_SCAN, "whose actions have not seen the initial step then")
         _note_proven(report, path, ARITHMETIC, "which calculates with other numbers of bits")
+    if as_run.proven:
+        _note_proven(report, path, INPUTS_OF_ACTIONS, "whose actions see other inputs")
     if verdict.counterexample is not None:
         report.add(Outcome.APPROXIMATED, "chart", path, run.told(verdict.counterexample, report.losses, held))
     elif not as_run.equal:
@@ -294,57 +294,9 @@ def _report_run(report: ConversionReport, run: _Run, held: str) -> None:
         why = "it is not known to do the same"
         if example is not None:
             why = run.told(example, (), told_apart(example, run.profiles, run.tool))
+            # which tells what these items do, with an example
+            report.items = [each for each in report.items if (each.what, each.path) != (INPUTS_OF_ACTIONS, path)]
         report.add(Outcome.APPROXIMATED, "chart", path, why)
-
-
-def _lasts(chart: Chart, project: Project, inputs: Iterable[str], *, has_other_inputs: bool) -> bool:
-    """True if a chart can do something else for good where its actions see other inputs, or in the first scan.
-
-    A Boolean that follows its initial step is late or early once. What is stored, and what statements do, stays.
-    """
-    bodies = {action.name.casefold() for action in chart.pou.actions}
-
-    def follows(each: ActionAssociation) -> bool:
-        is_plain = each.qualifier in (Qualifier.N, Qualifier.L, Qualifier.D) and each.event is None
-        return is_plain and each.body is None and each.value is None and (each.target or "").casefold() not in bodies
-
-    for step in (step for inner in with_inner_charts(chart.chart) for step in inner.initial_steps):
-        if step.entry_action or step.main_action or step.exit_action or not all(map(follows, step.actions)):
-            return True
-    if not has_other_inputs:
-        return False
-    known = {name.casefold().partition("[")[0].rpartition(".")[2] for name in inputs}
-    return any(not known.isdisjoint(names) for names in _names_of_actions(chart, project))
-
-
-def _names_of_actions(chart: Chart, project: Project) -> Iterator[set[str]]:
-    """Yield the names (lower case) in the actions and steps of a chart, then in all POUs that these may call.
-
-    Without the variables that a called POU has of its own. Types of variables that are named tell the blocks.
-    """
-    pous = {pou.name.casefold(): pou for pou in project.pous}
-    types = {declared.name.casefold(): declared.type for declared in project.data_types}
-    global_ = [variable for section in project.global_sections() for variable in section.variables]
-    steps = (step for inner in with_inner_charts(chart.chart) for step in inner.steps)
-    texts = (*chart.pou.actions, *chart.pou.methods, *steps)
-    waiting = [(chart.pou, {name for each in texts for name in names_in(each, project.dialect)})]
-    seen, family = {chart.pou.name.casefold()}, {chart.pou.name.casefold()}
-    while waiting:
-        pou, names = waiting.pop()
-        bases = {base.casefold() for base in inheritance(pou.interface).extends}
-        family |= bases if pou.name.casefold() in family else set()
-        sections = pou.interface.sections if pou.interface is not None and pou.name.casefold() not in family else []
-        own = {v.name.casefold() for each in sections if each.kind is not SectionKind.EXTERNAL for v in each.variables}
-        yield names - own
-        reached = names | bases
-        kinds = [v.type for v in (*pou.variables(), *global_) if v.name.casefold() in names]
-        while kinds:
-            new = {name.casefold() for name in used_types(kinds.pop())} - reached
-            reached |= new
-            kinds += [types[name] for name in new & types.keys()]
-        called = reached & pous.keys() - seen
-        seen |= called
-        waiting += [(pous[each], names_in(pous[each], project.dialect)) for each in called]
 
 
 def _note_proven(report: ConversionReport, path: str, what: str, how: str) -> None:
@@ -428,14 +380,6 @@ def _executed_inputs(report: ConversionReport, chart: Chart) -> dict[str, str]:
 def _note_untested(report: ConversionReport, path: str, found: str, *unreached: str) -> None:
     report.compared[path] = found
     report.untested[path] = list(unreached)
-
-
-def _pairs(source: Project, result: Project, called: Mapping[str, str]) -> Iterator[tuple[Chart, Chart | None]]:
-    """Yield the charts of the source that are not empty, each with that of the result."""
-    found = {in_the_source(chart.report_path, called).casefold(): chart for chart in result.charts()}
-    for chart in source.charts():
-        if chart.chart.steps or chart.chart.partial_charts:
-            yield chart, found.get(chart.report_path.casefold())
 
 
 def _is_apart(item: Item) -> bool:

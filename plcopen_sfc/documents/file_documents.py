@@ -184,7 +184,13 @@ def report_behaviour(
 
     `called` gives the paths in the source of what has another name in the target; for `limit` seconds the charts run.
     """
-    from plcopen_sfc.conversion import compare, executed, report_errors, report_execution  # noqa: PLC0415
+    from plcopen_sfc.conversion import (  # noqa: PLC0415
+        compare,
+        executed,
+        report_errors,
+        report_execution,
+        report_inputs_of_actions,
+    )
     from plcopen_sfc.semantics.profile import PROFILES, default_profile  # noqa: PLC0415
 
     target = PROFILES[flavour] if flavour else None
@@ -204,6 +210,8 @@ def report_behaviour(
     known = {each.code for each in project.diagnostics}
     errors = [each for each in seen.diagnostics if each.severity is Severity.ERROR and each.code not in known]
     report_errors(report, errors, flavour or tool, called)
+    profiles = default_profile(project), target or default_profile(seen)
+    report_inputs_of_actions(report, project, seen, called, profiles=profiles, tool=flavour or tool)
     if limit:
         from plcopen_sfc.conversion.running import report_running  # noqa: PLC0415  # brings the interpreter
 

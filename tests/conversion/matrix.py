@@ -7,13 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from tempfile import TemporaryDirectory
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import Verdict, equivalent
+from plcopen_sfc.analysis.pairing import Delay
 from plcopen_sfc.conversion import executed
 from plcopen_sfc.conversion.assumed_types import with_inputs
+from plcopen_sfc.conversion.scan_order import reads_inputs
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.profile import default_profile
@@ -188,10 +191,17 @@ def same_behaviour(
     written = {v.name for v in source.pou("Main").variables(m.SectionKind.INPUT)}
     inside = {pou.name: {v.name for v in pou.variables(m.SectionKind.LOCAL)} & written for pou in result.pous}
     asked = with_inputs(result, {name: found for name, found in inside.items() if found})
+    chart = next(each for each in source.charts() if each.name == "Main")
+    compared = partial(equivalent, source.pou("Main"), asked.pou("Main"), outputs=outputs, inputs=inputs, cap=2000)
     try:
-        return equivalent(
-            source.pou("Main"), asked.pou("Main"), profiles, delay="auto", outputs=outputs, inputs=inputs, cap=2000
-        )
+        verdict = compared(profiles, delay="auto")
+        if not verdict.equal or not verdict.delay.retimed:
+            return verdict
+        # the machine gives both the same inputs at one time, which matters where actions read some
+        if profiles[0].order is profiles[1].order or not reads_inputs(chart, source, verdict.inputs):
+            return verdict
+        strict = compared(profiles, delay=Delay(verdict.delay.scans))
+        return strict if strict.different else verdict
     except sfc.SfcError:
         return None
 

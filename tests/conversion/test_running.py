@@ -154,6 +154,29 @@ def test_an_input_that_a_called_block_reads_is_no_constant_delay(call: str, valu
     assert ["CODESYS executes the actions before" in item.why for item in report.losses] == [True] * reads_input
 
 
+@pytest.mark.parametrize("target", ["codesys", "plcopen-2.01"])
+@pytest.mark.parametrize(
+    ("call", "value", "told"),
+    [
+        ("", "b", "b"),
+        ("sampler();", "sampler.seen", "b"),
+        ("", "Sample()", "b"),
+        ("plain();", "plain.seen", ""),
+        ("", "kept", ""),
+        ("", "S1.x", ""),
+        ("kept := a;", "kept", "a"),
+    ],
+)
+def test_actions_that_read_inputs_are_told_without_a_run(target: str, call: str, value: str, told: str) -> None:
+    text = CALLED.format(call=call, value=value).replace("VAR sampler", "VAR kept : BOOL := TRUE; sampler")
+    text = text.replace("VAR_INPUT a", "VAR_EXTERNAL b : BOOL; END_VAR VAR_INPUT a")
+    report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), target, partial=True).report
+    found = [(item.outcome, item.path, item.why) for item in report.items if item.what == "inputs of actions"]
+    why = f"its actions read {told}: CODESYS executes the actions before the transitions, and so sees other inputs in"
+    assert found == ([(Outcome.APPROXIMATED, "POU Main", f"{why} them")] if told and target == "codesys" else [])
+    assert all(german(why).startswith("ihre Aktionen lesen ") for _, _, why in found)
+
+
 def test_actions_that_read_no_input_are_only_later() -> None:
     report = saved(chart("q(N);", "Set(S);"), "codesys", strict=True)
     assert report.compared["POU Main"].startswith("equal, second 1 scan later")

@@ -1,0 +1,148 @@
+"""Charts whose actions one tool executes before the transitions, and the other one behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+
+from plcopen_sfc.conversion.causes import acting_early
+from plcopen_sfc.conversion.reporting import in_the_source
+from plcopen_sfc.languages.binding import Effects, actions_by_name, bind, names_in, step_effects
+from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
+from plcopen_sfc.languages.declarations.kept_texts import inheritance
+from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.chart_settings import SfcFlag
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Chart, Project
+from plcopen_sfc.model.sfc import ActionAssociation
+from plcopen_sfc.model.types import used_types
+from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.report import INPUTS_OF_ACTIONS, ConversionReport, Outcome
+from plcopen_sfc.semantics.inputs import MEMBER_NAMES
+from plcopen_sfc.semantics.profile import Profile
+
+_GIVEN = (SectionKind.INPUT, SectionKind.IN_OUT)
+_KEPT = (SectionKind.LOCAL, SectionKind.EXTERNAL, SectionKind.GLOBAL)
+_OPERATING = MEMBER_NAMES | {flag.variable.casefold() for flag in SfcFlag}
+"""Names of variables by which people operate a chart: a run keeps them at rest, or the report names them."""
+
+_SHOWN = 5
+
+
+def report_inputs_of_actions(
+    report: ConversionReport,
+    source: Project,
+    result: Project,
+    called: Mapping[str, str],
+    *,
+    profiles: tuple[Profile, Profile],
+    tool: str,
+) -> None:
+    """Report charts whose actions read inputs, where one tool executes them before the transitions, so a scan later.
+
+    `called` gives the paths in the source of what has another name in the result, `profiles` the rules of both tools.
+    """
+    early = acting_early(profiles, tool)
+    for there, here in chart_pairs(source, result, called) if early else ():
+        read = _inputs_read(there, source) if here is not None else []
+        if read:
+            shown = ", ".join(read[:_SHOWN]) + (", .." if len(read) > _SHOWN else "")
+            why = f"its actions read {shown}: {early}"
+            report.add(Outcome.APPROXIMATED, INPUTS_OF_ACTIONS, there.report_path, why)
+
+
+def _inputs_read(chart: Chart, project: Project) -> list[str]:
+    """Return the variables that the actions of a chart read and that get their values from outside.
+
+    They are inputs of its POU, and other variables without a start value that nothing writes which a scan executes.
+    """
+    (_, _), *others_called = reading = list(_names_of_actions(chart, project))
+    actions = actions_by_name(chart.pou)
+    steps = [step for inner in with_inner_charts(chart.chart) for step in inner.steps]
+    # supervisions are a part of conditions, and macro-steps have steps of their own
+    acting = [step.model_copy(update={"supervision": None, "macro": None}) for step in steps]
+    done = Effects.all(step_effects(step, actions, project.dialect) for step in acting)
+    named = {name for path in done.reads for name in path} | {name for _, names in others_called for name in names}
+    called = {path[-1] for path in done.calls}
+    methods = [method for method in chart.pou.methods if method.name.casefold() in called]
+    named |= {name for method in methods for name in names_in(method, project.dialect)}
+    named -= _OPERATING
+    given = {v.name for kind in _GIVEN for v in chart.pou.variables(kind)}
+    blocks = [block.interface for block in project.data_blocks if block.interface is not None]
+    own = [each for each in (chart.pou.interface, *blocks) if each is not None]
+    sections = [*project.global_sections(), *(section for each in own for section in each.sections)]
+    plain = {each.name.casefold() for each in project.data_types}
+    others = {
+        variable.name
+        for section in sections
+        if section.kind in _KEPT and not section.constant
+        for variable in section.variables
+        if variable.initial is None and plain.issuperset(map(str.casefold, used_types(variable.type)))
+    }
+    wanted = {name for name in given | others if name.casefold() in named}
+    written = _written([pou for pou, _ in reading], project) if wanted - given else set()
+    return sorted(name for name in wanted if name in given or name.casefold() not in written)
+
+
+def _written(pous: Iterable[Pou], project: Project) -> set[str]:
+    """Return the names (lower case) in what some POUs write or call, also of what it is a part of."""
+    effects = [bind(body, project.dialect).effects for pou in pous for _, _, body in pou.named_bodies()]
+    return {name for each in effects for path in (*each.writes, *each.calls) for name in path}
+
+
+def is_begun_for_good(chart: Chart) -> bool:
+    """True if a chart can do something else for good where its first scan is another one.
+
+    A Boolean that follows its initial step is late or early once. What is stored, and what statements do, stays.
+    """
+    bodies = {action.name.casefold() for action in chart.pou.actions}
+
+    def follows(each: ActionAssociation) -> bool:
+        is_plain = each.qualifier in (Qualifier.N, Qualifier.L, Qualifier.D) and each.event is None
+        return is_plain and each.body is None and each.value is None and (each.target or "").casefold() not in bodies
+
+    steps = (step for inner in with_inner_charts(chart.chart) for step in inner.initial_steps)
+    return any(s.entry_action or s.main_action or s.exit_action or not all(map(follows, s.actions)) for s in steps)
+
+
+def reads_inputs(chart: Chart, project: Project, inputs: Iterable[str]) -> bool:
+    """True if the actions of a chart read some of the `inputs` of a run."""
+    known = {name.casefold().partition("[")[0].rpartition(".")[2] for name in inputs}
+    return any(not known.isdisjoint(names) for _, names in _names_of_actions(chart, project))
+
+
+def _names_of_actions(chart: Chart, project: Project) -> Iterator[tuple[Pou, set[str]]]:
+    """Yield the POU of a chart and the names (lower case) in its actions and steps, then all POUs that these may call.
+
+    Without the variables that a called POU has of its own. Types of variables that are named tell the blocks.
+    """
+    pous = {pou.name.casefold(): pou for pou in project.pous}
+    types = {declared.name.casefold(): declared.type for declared in project.data_types}
+    global_ = [variable for section in project.global_sections() for variable in section.variables]
+    steps = (step for inner in with_inner_charts(chart.chart) for step in inner.steps)
+    texts = (*chart.pou.actions, *chart.pou.methods, *steps)
+    waiting = [(chart.pou, {name for each in texts for name in names_in(each, project.dialect)})]
+    seen, family = {chart.pou.name.casefold()}, {chart.pou.name.casefold()}
+    while waiting:
+        pou, names = waiting.pop()
+        bases = {base.casefold() for base in inheritance(pou.interface).extends}
+        family |= bases if pou.name.casefold() in family else set()
+        sections = pou.interface.sections if pou.interface is not None and pou.name.casefold() not in family else []
+        own = {v.name.casefold() for each in sections if each.kind is not SectionKind.EXTERNAL for v in each.variables}
+        yield pou, names - own
+        reached = names | bases
+        kinds = [v.type for v in (*pou.variables(), *global_) if v.name.casefold() in names]
+        while kinds:
+            new = {name.casefold() for name in used_types(kinds.pop())} - reached
+            reached |= new
+            kinds += [types[name] for name in new & types.keys()]
+        called = reached & pous.keys() - seen
+        seen |= called
+        waiting += [(pous[each], names_in(pous[each], project.dialect)) for each in called]
+
+
+def chart_pairs(source: Project, result: Project, called: Mapping[str, str]) -> Iterator[tuple[Chart, Chart | None]]:
+    """Yield the charts of the source that are not empty, each with that of the result."""
+    found = {in_the_source(chart.report_path, called).casefold(): chart for chart in result.charts()}
+    for chart in source.charts():
+        if chart.chart.steps or chart.chart.partial_charts:
+            yield chart, found.get(chart.report_path.casefold())
