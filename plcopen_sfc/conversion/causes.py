@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 from plcopen_sfc.conversion.executed_charts import WRITTEN
 from plcopen_sfc.conversion.executed_parts import FIRST_SCAN, SELECTION, STABILITY, START
-from plcopen_sfc.languages.binding import SharedScans, actions_by_name, step_effects
+from plcopen_sfc.languages.binding import STORING, SharedScans, actions_by_name, step_effects
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.project import Chart
-from plcopen_sfc.model.sfc import ActionAssociation
+from plcopen_sfc.model.sfc import ActionAssociation, Step
 from plcopen_sfc.model.types import SimpleValue
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import INPUTS_OF_ACTIONS, Item
@@ -104,6 +105,13 @@ def _told_start(example: Counterexample, chart: Chart, profiles: tuple[Profile, 
     return ""
 
 
+def _is_begun_once(step: str, example: Counterexample, *, is_late: bool) -> bool:
+    """True if a step is active from the first scan, and not entered again, on the second side where `is_late`."""
+    trace = example.right if is_late else example.left
+    active = [step in trace.active(scan) for scan in range(len(example.inputs))]
+    return active[0] and not any(now and not before for before, now in pairwise(active))
+
+
 def _called(place: str) -> str:
     """Return the name of a part of a chart; an action of a step itself has that of the step."""
     path = ObjectPath.of(place)
@@ -153,18 +161,24 @@ def _places(name: str, example: Counterexample, chart: Chart) -> Iterator[str]:
 
 def _writers(name: str, chart: Chart) -> Iterator[tuple[str, str]]:
     """Yield the writers of a variable: the name of a step, and the action."""
+    return ((step.name, called) for step, called, _ in _writing_rows(name, chart))
+
+
+def _writing_rows(name: str, chart: Chart) -> Iterator[tuple[Step, str, ActionAssociation]]:
+    """Yield the rows that write a variable: the step, the action in words, and the row, also of an action of a step."""
     if chart.pou.project is None:
         return
     scans = SharedScans(chart.chart, chart.pou, chart.pou.project.dialect)
     for owner, row in chart.chart.associations():
         if scans.writes((owner, row), name):
-            yield owner.name, f"action {row.target or 'in place'}"
+            yield owner, f"action {row.target or 'in place'}", row
     for owner in chart.chart.steps:
         for kind in _STEP_ACTIONS:
             action = getattr(owner, kind.replace(" ", "_"))
             own = {"target": action} if isinstance(action, str) else {"body": action}
-            if action is not None and scans.writes((owner, ActionAssociation(id=0, **own)), name):
-                yield owner.name, kind
+            row = ActionAssociation(id=0, **own)
+            if action is not None and scans.writes((owner, row), name):
+                yield owner, kind, row
 
 
 def _listed(names: Sequence[str]) -> str:
@@ -226,35 +240,67 @@ def held_inputs(
     if early and len(example.inputs) > 1:
         from plcopen_sfc.analysis.verdict import shown_value  # noqa: PLC0415  # charts that differ have brought it
 
-        last, before = example.inputs[-1], example.inputs[-2]
-        names = [name for name in _read_inputs(example, chart) if last.get(name) != before.get(name, last.get(name))]
+        before = example.inputs[-2]
+        names = [name for name in _read_inputs(example, chart) if _is_changed(name, example)]
         values = {name: before[name] for name in names}
         texts = {name: shown_value(value, example.left[name].signal) for name, value in values.items()}
         if names:
             yield HeldInputs(values, texts, early, is_changed=False)
 
 
+def _is_changed(name: str, example: Counterexample) -> bool:
+    """True if an input changes in the scan of a difference."""
+    last, before = example.inputs[-1], example.inputs[-2:][0]
+    return last.get(name) != before.get(name, last.get(name))
+
+
 def _read_inputs(example: Counterexample, chart: Chart) -> Iterator[str]:
-    """Yield the inputs that the steps read which write what differs."""
+    """Yield the inputs that the actions read which write what differs: those of active steps, and stored ones."""
     project = chart.pou.project
     if project is None:
         return
-    writers = {step for each in example.differences for step, _ in _writers(each.name, chart)}
-    actions = actions_by_name(chart.pou)
-    steps = (step for step in chart.chart.steps if step.name in writers)
-    reads = {path for step in steps for path in step_effects(step, actions, project.dialect).reads}
+    near = {step for scan in range(len(example.inputs))[-2:] for step in example.left.active(scan)}
+    actions, reads = actions_by_name(chart.pou), set[tuple[str, ...]]()
+    for each in example.differences:
+        for step, _, row in _writing_rows(each.name, chart):
+            if step.name in near or row.qualifier in STORING:
+                none = dict.fromkeys(kind.replace(" ", "_") for kind in _STEP_ACTIONS)
+                alone = step.model_copy(update={"actions": [row], "supervision": None, **none})
+                reads |= step_effects(alone, actions, project.dialect).reads
     for name in example.inputs[-1]:
         wanted = tuple(name.casefold().split("."))
         if any(path and (path == wanted or path == wanted[-1:]) for path in reads):
             yield name
 
 
-def told_apart(example: Counterexample, profiles: tuple[Profile, Profile], tool: str) -> str:
+def told_apart(example: Counterexample, chart: Chart, profiles: tuple[Profile, Profile], tool: str) -> str:
     """Return why tools differ that are equal with actions that see earlier inputs, and a first scan at rest."""
     held, early = _told_held(profiles, tool), acting_early(profiles, tool)
+    evolves = any(each.name.endswith(".X") for each in example.differences)
     if len(example.inputs) > _FIRST_SCANS and early:  # actions that see other inputs need a step that was entered
         held = ""
-    return held + (f"; {early}" if early else "")
+    elif held and evolves:  # steps are others because of a transition
+        early = ""
+    return held + (f"; {_told_early(example, chart, profiles, tool)}" if early else "")
+
+
+def _told_early(example: Counterexample, chart: Chart, profiles: tuple[Profile, Profile], tool: str) -> str:
+    """Return what shows that one of two tools executes the actions first: inputs, the start, or times of steps."""
+    early = acting_early(profiles, tool)
+    is_late = profiles[1].order is ScanOrder.ACTIONS_FIRST
+    first, other = (tool, "the source") if is_late else ("the source", tool)
+    read = [*_read_inputs(example, chart)]
+    if any(_is_changed(name, example) for name in read):
+        return early
+    names = [each.name for each in example.differences if not each.error]
+    begun = {step.name for step in chart.chart.initial_steps if _is_begun_once(step.name, example, is_late=is_late)}
+    if any(step in begun for name in names for step, _ in _writers(name, chart)):
+        what = "the actions of the initial step in its first scan, and others a scan later than"
+        return f"{first} executes {what} {other}"
+    order = f"{first} executes the actions before the transitions"
+    if not read and any(name.endswith(".X") for name in names):
+        return f"{order}, and so compares the times of steps a scan later"
+    return early if read else order
 
 
 def acting_early(profiles: tuple[Profile, Profile], tool: str) -> str:

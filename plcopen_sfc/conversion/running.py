@@ -259,7 +259,7 @@ class _Run(NamedTuple):
         if example is None:
             told = self.seen
         elif self.verdict.equal:
-            told = self.seen + told_apart(example, self.profiles, self.tool)
+            told = self.seen + told_apart(example, self.place, self.profiles, self.tool)
         else:
             told = self.told(example, losses, held)
         return told + _IN_IT
@@ -293,7 +293,7 @@ def _report_run(report: ConversionReport, run: _Run, held: str) -> None:
         example = as_run.counterexample
         why = "it is not known to do the same"
         if example is not None:
-            why = run.told(example, (), told_apart(example, run.profiles, run.tool))
+            why = run.told(example, (), told_apart(example, run.place, run.profiles, run.tool))
             # which tells what these items do, with an example
             report.items = [each for each in report.items if (each.what, each.path) != (INPUTS_OF_ACTIONS, path)]
         report.add(Outcome.APPROXIMATED, "chart", path, why)

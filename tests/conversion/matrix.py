@@ -177,12 +177,17 @@ def converted(original: m.Project, target: str) -> tuple[m.Project, ConversionRe
 
 
 def same_behaviour(
-    source: m.Project, result: m.Project, *, operated: Sequence[str] = (), outputs: Sequence[str] = ()
+    source: m.Project,
+    result: m.Project,
+    *,
+    operated: Sequence[str] = (),
+    outputs: Sequence[str] = (),
+    later_inputs: bool = False,
 ) -> Verdict | None:
     """The comparison of both under the rules of their tools; None if the result cannot run.
 
     `operated`: inputs that only one of the tools knows and that do not rest, besides `OPERATED`. `outputs` are compared
-    besides `OUTPUTS`.
+    besides `OUTPUTS`. `later_inputs`: actions of the later side may see those of a scan later.
     """
     profiles = (default_profile(source), default_profile(result))
     inputs = {n: n for n in (*OPERATED, *operated) if any(v.name == n for v in source.pou("Main").variables())}
@@ -195,7 +200,7 @@ def same_behaviour(
     compared = partial(equivalent, source.pou("Main"), asked.pou("Main"), outputs=outputs, inputs=inputs, cap=2000)
     try:
         verdict = compared(profiles, delay="auto")
-        if not verdict.equal or not verdict.delay.retimed:
+        if not verdict.equal or not verdict.delay.retimed or later_inputs:
             return verdict
         # the machine gives both the same inputs at one time, which matters where actions read some
         if profiles[0].order is profiles[1].order or not reads_inputs(chart, source, verdict.inputs):

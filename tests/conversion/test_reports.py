@@ -47,8 +47,11 @@ def test_rows_of_one_operand_are_compared_by_what_they_do() -> None:
     step.entry_action = m.StBody(text="q := a;")
     step.exit_action = m.StBody(text="q := b;")
     source.dialect = m.Dialect.CODESYS
-    (item,) = losses(source)  # the coil comes before the entry action there
-    assert (item.what, item.path) == ("Boolean actions", "POU Main")
+    found = losses(source)  # the coil comes before the entry action there
+    assert [(item.what, item.path) for item in found] == [
+        ("Boolean actions", "POU Main"),
+        ("inputs of actions", "POU Main"),
+    ]
 
 
 def test_an_action_that_is_not_written_is_not_mistaken_for_a_row_of_another() -> None:
@@ -57,7 +60,10 @@ def test_an_action_that_is_not_written_is_not_mistaken_for_a_row_of_another() ->
     chart_of(source).step("S1").entry_action = m.StBody(text="q := a;")
     source.dialect = m.Dialect.CODESYS
     found = losses(source)
-    assert [(item.what, item.path) for item in found] == [("action", "POU Main / step S1 / action q")]
+    assert [(item.what, item.path) for item in found] == [
+        ("action", "POU Main / step S1 / action q"),
+        ("inputs of actions", "POU Main"),
+    ]
     assert "no qualifier DL" in found[0].why
 
 

@@ -81,7 +81,12 @@ SAMPLED = """ACTION Look: IF b AND m = 0 THEN m := 1; END_IF; IF NOT b AND m = 0
     ("first", "initial", "target", "why"),
     [
         ("Look(N);", "", "codesys", "CODESYS executes the actions before the transitions, and so sees other inputs"),
-        ("", "q(S);", "codesys", "CODESYS executes the actions before the transitions"),
+        (
+            "",
+            "q(S);",
+            "codesys",
+            "CODESYS executes the actions of the initial step in its first scan, and others a scan",
+        ),
         ("", "q(S);", "simaticml", "TIA Portal tests no transition in its first scan"),
     ],
     ids=["an input read on entry", "a stored action of the initial step", "a first scan that waits"],
@@ -97,6 +102,35 @@ def test_inputs_of_the_entry_and_of_the_first_scan_are_no_constant_delay(
     assert why in item.why
     assert report.compared["POU Main"].startswith(SHIFTED)  # a proof alone would say the opposite
     assert german(item.why).startswith("es tut nach ")
+
+
+@pytest.mark.parametrize(
+    ("initial", "condition", "why"),
+    [
+        ("r(R);", "S0.T >= T#20ms", "CODESYS executes the actions before the transitions, and so compares the times"),
+        (
+            "Count(N);",
+            "S0.T >= T#20ms",
+            "CODESYS executes the actions of the initial step in its first scan, and others",
+        ),
+        (
+            "Count(N);",
+            "a",
+            "CODESYS executes the actions of the initial step in its first scan, and others a scan later",
+        ),
+    ],
+)
+def test_what_shows_that_a_tool_executes_actions_first_is_told(initial: str, condition: str, why: str) -> None:
+    """It told of other inputs in actions that read none."""
+    actions = "ACTION Count: m := m + 1; END_ACTION" if "Count" in initial else ""
+    text = CHART.format(first="q(N);", second="", initial="; r : BOOL", edge="", actions=actions)
+    text = text.replace("INITIAL_STEP S0: ", f"INITIAL_STEP S0: {initial} ").replace(
+        "S0 TO S1 := a", f"S0 TO S1 := {condition}"
+    )
+    (item,) = saved(sfc.loads(text.encode(), format="iec-text"), "codesys").losses
+    assert f"; {why}" in item.why
+    assert "other inputs" not in item.why
+    assert "CODESYS executes" not in german(item.why)
 
 
 def test_a_pulse_of_the_initial_step_that_matiec_does_not_execute_is_told_as_such() -> None:

@@ -156,6 +156,13 @@ def test_an_operand_that_two_active_steps_write_in_another_order_is_reported(tar
     assert [item.outcome for item in report.losses] == [Outcome.APPROXIMATED] * verdict.different
 
 
+def test_a_step_that_the_first_scan_does_not_leave_is_told_as_that_alone() -> None:
+    """No action reads what differs, in a tool that executes actions first."""
+    report = sfc.convert(sequencer(**EVENTS["held until acknowledged"]), "codesys", limit=20).report
+    (item,) = [item for item in report.losses if item.what == "chart"]
+    assert item.why.endswith("; the source tests no transition in its first scan")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("number", "fields"), [*enumerate(EVENTS.values())], ids=[*EVENTS])
 def test_events_and_acknowledgements_run_as_in_the_source(number: int, fields: dict[str, Any]) -> None:
@@ -163,9 +170,10 @@ def test_events_and_acknowledgements_run_as_in_the_source(number: int, fields: d
     source = sequencer(**fields)
     for target in in_turn(TARGETS, number):
         data, report = sfc.convert(source, target)
-        assert report.losses == []
+        told = [item.what for item in report.losses]
+        assert told in ([], ["inputs of actions"] if target == "codesys" else [])
         result = sfc.loads(data, format=target, as_tool=True)
-        verdict = same_behaviour(source, result, operated=fields.get("inputs", ()))
+        verdict = same_behaviour(source, result, operated=fields.get("inputs", ()), later_inputs=True)
         assert verdict is not None
         assert verdict.proven, verdict
         assert list(differences(source, as_file(sfc.loads(data, format=target)))) == []
@@ -258,9 +266,15 @@ SHOWN: dict[str, dict[str, Any]] = {
 def test_outputs_show_the_state_of_the_sequence(fields: dict[str, Any], target: str) -> None:
     source = sequencer(**fields)
     data, report = sfc.convert(source, target)
-    assert report.losses == []
+    told = [item.what for item in report.losses]
+    assert told in ([], ["inputs of actions"] if target == "codesys" else [])
     result = sfc.loads(data, format=target, as_tool=True)
-    verdict = same_behaviour(source, result, operated=fields.get("inputs", ()), outputs=fields["outputs"])
+    verdict = same_behaviour(
+        *(source, result),
+        operated=fields.get("inputs", ()),
+        outputs=fields["outputs"],
+        later_inputs=True,
+    )
     assert verdict is not None
     assert verdict.proven, verdict
     assert list(differences(source, as_file(sfc.loads(data, format=target)))) == []
