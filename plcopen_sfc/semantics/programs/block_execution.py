@@ -284,8 +284,7 @@ class BlockTypes:
         }
         if kind:
             return BlockType(_layout(name, _COUNTERS[kind], type_, type_), runs[kind], {kind: runs[kind]})
-        layout = _layout(name, _COUNTERS["CTUD"], type_, type_)
-        layout.by_name["q"] = layout.by_name["qu"]
+        layout = _layout(name, f"{_COUNTERS['CTUD']} Q:BOOL", type_, type_)
         methods = {
             "CTU": lambda frame: _any_counter(frame, least, greatest, up=True),
             "CTD": lambda frame: _any_counter(frame, least, greatest, up=False),
@@ -303,13 +302,14 @@ def _pulse_of_any(frame: Frame, now: int, unit: int) -> None:
 
 
 def _any_counter(frame: Frame, least: int, greatest: int, *, up: bool) -> None:
-    """CTU or CTD on an IEC_COUNTER, which has the slots of both; Q of CTD is QD, but is also read as Q."""
+    """CTU or CTD on an IEC_COUNTER, which has the slots of both; the output Q of the call is one of QU and QD."""
     v = frame.v
     if up:
         v[1] = v[3] = False
     else:
         v[0] = v[2] = False
     count_up_down(frame, least, greatest)
+    v[10] = v[5] if up else v[6]
 
 
 def _layout(name: str, pins: str, value: ScalarType, time: ScalarType) -> Layout:

@@ -345,6 +345,11 @@ def of_text(text: str, type_: ScalarType) -> Any:
     return (number - type_.least) % span + type_.least
 
 
+def to_character(value: int, bits: int) -> str:
+    """Return the character whose code the last bits of a number are: the way back of `of_character`."""
+    return chr(value & ((1 << bits) - 1))
+
+
 def of_character(text: str, type_: ScalarType) -> Any:
     """Return the code of a character."""
     code = ord(text[0]) if text else 0

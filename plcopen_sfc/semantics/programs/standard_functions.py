@@ -371,6 +371,8 @@ class StandardFunctions:
         if not isinstance(source, t.ScalarType):
             raise SimulationError(f"{source.name} cannot become {target.name}")
         text = t.Family.STRING
+        if target.name in ("CHAR", "WCHAR") and source.family in (t.Family.INTEGER, t.Family.BITS):
+            return self._call("to_character", [code], target, target.bits)
         if target.family is text and source.family is not text:
             name = self._library.linker.name(source, "T")
             helper = self._helper("to_text")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.report import Outcome
@@ -241,3 +243,15 @@ def test_permanent_instructions_without_a_network_are_no_loss() -> None:
     chart.permanent_pre = [m.PermanentOperation(body=m.StBody(text="a := TRUE;"))]
     report = sfc.convert(source, "iec-text", fresh=True, partial=True).report
     assert "chart" in {item.what for item in report.losses}
+
+
+@pytest.mark.parametrize(("path", "is_text"), [("R.Main.x", True), ("R.Main.x y", False)])
+def test_instance_addresses_outside_of_a_configuration_come_back(path: str, is_text: bool) -> None:
+    project = m.Project(name="Plant")
+    project.add_program("Main").add_variable("x", "BOOL")
+    bool_, start = m.ElementaryType(name=m.Elementary.BOOL), m.SimpleValue(text="TRUE")
+    entry = m.ConfigVariable(path=path, type=bool_, address="%IX0.0", initial=start)
+    project.config_variables = m.ConfigSection(comment="wiring", variables=[entry])
+    data = sfc.dumps(project, format="iec-text", partial=True)
+    assert (b"VAR_CONFIG\n    R.Main.x AT %IX0.0 : BOOL := TRUE;\nEND_VAR\n" in data) == is_text
+    assert sfc.loads(data).config_variables == project.config_variables

@@ -147,6 +147,24 @@ def test_the_timers_of_s7() -> None:
     assert (instance["c.ET"], instance["c.Q"]) == (0, False)
 
 
+def test_timers_and_counters_of_s7_that_are_of_any_kind() -> None:
+    text = (
+        "PROGRAM Main\nVAR_INPUT x, r : BOOL; END_VAR\n"
+        "VAR t : IEC_TIMER; u, d : IEC_COUNTER; pulse, up, down : BOOL; END_VAR\n"
+        "t.TP(IN := x, PT := T#50ms, Q => pulse); u.CTU(CU := x, R := r, PV := 2, Q => up);\n"
+        "d.CTD(CD := x, LD := r, PV := 2, Q => down);\nEND_PROGRAM"
+    )
+    instance = start(text, Dialect.SCL)
+    seen = []
+    for time, x, r in ((0, 0, 1), (10, 1, 0), (20, 0, 0), (30, 1, 0), (70, 0, 0), (80, 1, 0)):
+        instance["x"], instance["r"] = bool(x), bool(r)
+        scan_at(instance, time)
+        seen.append((instance["pulse"], instance["up"], instance["u.CV"], instance["down"], instance["d.CV"]))
+    off, on = False, True
+    assert seen[:2] == [(off, off, 0, off, 2), (on, off, 1, off, 1)]
+    assert seen[2:] == [(on, off, 1, off, 1), (on, on, 2, on, 0), (off, on, 2, on, 0), (on, on, 3, on, -1)]
+
+
 @settings(deadline=None, max_examples=examples(50))
 @given(s.lists(s.tuples(s.booleans(), s.integers(1, 60)), min_size=1, max_size=40))
 def test_timers_follow_the_history_of_their_input(steps: list[tuple[bool, int]]) -> None:

@@ -135,6 +135,10 @@ def test_dates_and_times(type_: str, expression: str, expected: int) -> None:
         ("Time", "T_SUB(T#1s, T#2s)", -1_000_000_000),
         ("REAL", "DWORD_TO_REAL(16#3F800000)", 1.0),
         ("BOOL", "IS_VALID(1.0)", True),
+        ("REAL", "FRAC(2.75)", 0.75),
+        ("INT", "CHAR_TO_INT('A')", 65),
+        ("CHAR", "INT_TO_CHAR(66)", "B"),
+        ("CHAR", "WORD_TO_CHAR(W#16#4143)", "C"),
     ],
 )
 def test_functions_of_s7(type_: str, expression: str, expected: object) -> None:
