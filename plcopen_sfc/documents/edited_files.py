@@ -73,6 +73,7 @@ def patched(project: Project, source: FileSource, kind: Format, report: Conversi
             options = replace(options, marks=marks)
         prepare(project, _drawing_style(kind), positions=kind.positions)
         data = codec.write(project, options, report)
+        _report_lost(meant, _comparable(codec, data), kind, report)
     if merged is None or not merged.is_same_to_tool:
         _report_edits(report, meant, source, (source.content, data), kind)
     return data
@@ -311,7 +312,18 @@ def _merged(
         is_same = canonical(tree(back, None, ConversionReport())) == canonical(after)
     except FormatError:  # references by position that lead elsewhere now
         return None
+    if is_same:
+        _report_lost(project, back, kind, report)
     return _Merged(data, is_same_to_tool=False) if is_same else None
+
+
+def _report_lost(project: Project, back: Project, kind: Format, report: ConversionReport) -> None:
+    """Report what a file does not bring back of a project beside its objects, such as its header.
+
+    Writers report all that a format has no place for in an object; some write nothing else than objects.
+    """
+    empty: dict[str, list[object]] = {name: [] for name in Project.OBJECTS}
+    verify(project.model_copy(update=empty), kind, back.model_copy(update=empty), report)
 
 
 def _note_limits(written: Project, kind: Format, edited: Collection[str], report: ConversionReport) -> None:

@@ -286,6 +286,26 @@ def test_an_edit_that_the_tool_does_not_execute_is_refused_in_its_own_format() -
     }
 
 
+@pytest.mark.parametrize(
+    "name",
+    ["simaticml/FB_Drill.xml", "codesys-export/mixer.export", "codesys23/distribution_belt.EXP", "scl/filling_line.scl",
+     "twincat-belt/POUs/PLC_PRG.TcPOU", "twincat/press_station.xml", "grafcet/belt.gct", "iectext/mixing_plant.st"],
+)  # fmt: skip
+def test_an_edit_beside_the_objects_comes_back_or_is_told(name: str) -> None:
+    """The header and the data of a project itself: files of single objects have no place for them."""
+    for change in ("header", "data"):
+        project = sfc.load(FIXTURES / name)
+        if change == "header":
+            project.header.company = "ACME"
+        else:
+            project.extension_data = model.ExtensionData(data=[model.ForeignData(name="urn:of-a-script", content="")])
+        assert project.source is not None
+        data, report = sfc.convert(project, project.source.format, partial=True)
+        back = sfc.loads(data, format=project.source.format)
+        comes_back = (back.header.company, back.extension_data) == (project.header.company, project.extension_data)
+        assert comes_back != any(item.outcome == "dropped" for item in report.items)
+
+
 @pytest.mark.slow
 def test_an_edit_says_nothing_of_what_the_file_kept_beside_before() -> None:
     graph = sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml")

@@ -34,8 +34,6 @@ from plcopen_sfc.model.types import (
     SubrangeType,
 )
 
-_JOINING = n.CONNECTIVES | n.COMPARISONS
-
 
 def compile_mistakes(body: Body | None, pou: Pou, dialect: Dialect, names: Set[str]) -> Iterator[str]:
     """Yield mistakes in a body of a POU with variables of these `names`, in lower case, and what cannot be read."""

@@ -20,7 +20,7 @@ from plcopen_sfc.languages.st.printing import INDENT
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.text import Text, plain
-from plcopen_sfc.model.variables import AccessDirection, AccessSection, ConfigSection, Interface, VariableSection
+from plcopen_sfc.model.variables import AccessDirection, AccessSection, ConfigSection, VariableSection
 
 
 def indent_of(dialect: Dialect) -> str:
@@ -214,11 +214,6 @@ def section_rest(section: VariableSection, indent: str) -> list[str]:
 def _kept_lines(texts: dict[str, str], indent: str) -> list[str]:
     unreadable = texts.get("unreadable", "")
     return [indent + unreadable] if unreadable else []
-
-
-def write_interface(interface: Interface, dialect: Dialect = Dialect.IEC, indent: str = "") -> str:
-    """Return all sections, each on lines of its own. The type of the result is in the head, which is not written."""
-    return "\n".join(write_section(section, dialect, indent) for section in interface.sections)
 
 
 def write_access_section(section: AccessSection, dialect: Dialect = Dialect.IEC, indent: str = "") -> str:

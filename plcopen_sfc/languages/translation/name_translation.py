@@ -16,7 +16,6 @@ from plcopen_sfc.model.dialect import Dialect
 
 _OF_THE_LANGUAGE = frozenset({"EN", "ENO"})
 _OF_OBJECTS = frozenset({"THIS", "SUPER"})
-_QUOTED = (Quoting.GLOBAL, Quoting.LOCAL_QUOTED)
 _LOCAL = (Quoting.LOCAL, Quoting.LOCAL_QUOTED)
 
 

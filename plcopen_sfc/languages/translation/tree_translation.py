@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import TypeVar, cast
+from typing import cast
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.expression_types import ExpressionTypes
@@ -116,8 +116,6 @@ class StepTranslator:
             return n.Name(step)
         return n.Name(step, Quoting.LOCAL_QUOTED if needs_quotes(step) else Quoting.LOCAL)
 
-
-AnyNode = TypeVar("AnyNode", bound=Node)
 
 _BOTH_SIDES = {Operator.AND_THEN: Operator.AND, Operator.OR_ELSE: Operator.OR}
 _ARITHMETIC = {
