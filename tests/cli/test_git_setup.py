@@ -53,6 +53,12 @@ def test_git_diff_shows_changes_of_charts_and_lines_of_other_files(repository, c
     assert git("diff", "chain.xml").startswith("diff --git")
 
 
+def test_it_tells_the_files_as_people_write_them(repository, cli):
+    told = cli("git-setup").out
+    assert "git diff shows changes of charts in words: *.xml, *.tcpou, " in told
+    assert "[xX]" not in told
+
+
 @pytest.mark.slow
 def test_git_log_shows_text_and_hides_no_change(repository, cli):
     assert cli("git-setup", "*.xml").code == 0

@@ -38,7 +38,8 @@ def setup(screen: Screen, patterns: Sequence[str], *, undo: bool) -> int:
     if not screen.as_json and not screen.quiet:
         if is_changed:
             screen.line("written: ", (str(attributes), "bold"))
-        screen.line("git diff shows ", "lines of the files again" if undo else f"changes of {', '.join(lines)}")
+        told = ", ".join(re.sub(r"\[(\w)\w\]", r"\1", line.split()[0]) for line in lines)  # *.xml of *.[xX][mM][lL]
+        screen.line("git diff shows ", "lines of the files again" if undo else f"changes of charts in words: {told}")
     screen.result({"attributes": str(attributes), "lines": lines, "config": settings})
     return 0
 
