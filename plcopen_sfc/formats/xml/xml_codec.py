@@ -127,9 +127,10 @@ _BOMS = {
 }
 _DEFAULT = XmlStyle()
 # Two paths, each a single walk in C; one path with "or" takes three times as long.
-_LOOSE_TEXT = etree.XPath("//*[node()[2]]/text()[normalize-space()]")
+# not "//*", nor a condition on each element: libxml2 takes up to three times as long for those
+_LOOSE_TEXT = etree.XPath("descendant-or-self::*[node()[2]]/text()[normalize-space()]")
 _ONLY_COMMENTS = etree.XPath("descendant-or-self::*[comment() and not(*)]")
-_PRESERVED = etree.XPath("//*[@xml:space='preserve']")
+_SPACES = etree.XPath("descendant-or-self::*/@xml:space")
 _RAW = re.compile(r"(<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>)", re.DOTALL)
 
 
@@ -173,7 +174,8 @@ def _indent(root: etree._Element, unit: str) -> None:
 
 def _untouchable(root: etree._Element) -> list[etree._Element]:
     """Return the elements in which white space counts: those with text beside other nodes, and those marked so."""
-    mixed: dict[etree._Element, None] = dict.fromkeys(cast("list[etree._Element]", _PRESERVED(root)))
+    spaces = cast("list[Any]", _SPACES(root))
+    mixed: dict[etree._Element, None] = {space.getparent(): None for space in spaces if space == "preserve"}
     for node in cast("list[etree._Element]", _ONLY_COMMENTS(root)):
         # white space would give content to an element that may have none
         mixed[node] = None

@@ -184,12 +184,12 @@ class Names:
         """
         found: set[str] = set()
         declared: set[tuple[Site, Role, str]] = set()
+        # what extends something unknown: names may be declared there
+        open_ended = {id(each) for each in self.project.pous if self.resolver.scopes.extends_unknown(each)}
         for text_site in self.text_sites():
             own = text_site.site.pou
-            if not text_site.is_program_text or (pou is not None and own is not pou):
+            if not text_site.is_program_text or (pou is not None and own is not pou) or id(own) in open_ended:
                 continue
-            if self.resolver.scopes.extends_unknown(own):
-                continue  # it may be declared there
             for reference in self._references(text_site):
                 name = reference.name.casefold()
                 is_member = reference.base is not None or reference.callee is not None
