@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import pickle
 import signal
 from collections import deque
@@ -9,6 +10,8 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from itertools import islice
+from multiprocessing import parent_process
+from threading import Thread
 from typing import Any, TypeVar
 
 from plcopen_sfc.errors import ArgumentError, SfcError
@@ -52,7 +55,7 @@ def _in_processes(
 ) -> Iterator[Made]:
     waiting = iter(things)
     given: deque[tuple[Given, Future[Made]]] = deque()
-    pool = ProcessPoolExecutor(jobs, initializer=_wait_uninterrupted)
+    pool = ProcessPoolExecutor(jobs, initializer=_begin)
     try:
         while True:
             for thing in islice(waiting, jobs * _AHEAD - len(given)):
@@ -66,7 +69,7 @@ def _in_processes(
                 # it is not known whose process has ended: this thing is tried alone, the others start again
                 pool.shutdown(cancel_futures=True)
                 made = _alone(work, thing, lost)
-                pool = ProcessPoolExecutor(jobs, initializer=_wait_uninterrupted)
+                pool = ProcessPoolExecutor(jobs, initializer=_begin)
                 again = [other for other, _ in given]
                 given = deque((other, _submitted(pool, work, other)) for other in again)
             yield made
@@ -95,12 +98,21 @@ def _unpickled(pickled: bytes) -> Any:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def _wait_uninterrupted() -> None:
+def _begin() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=_end_with_the_parent, daemon=True).start()
+
+
+def _end_with_the_parent() -> None:
+    """End this process when the one that gives it work is killed: it would wait for more for ever."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _alone(work: Callable[[Given], Made], thing: Given, lost: Callable[[Given, str], Made] | None) -> Made:
-    with ProcessPoolExecutor(1, initializer=_wait_uninterrupted) as pool:
+    with ProcessPoolExecutor(1, initializer=_begin) as pool:
         try:
             return _submitted(pool, work, thing).result()
         except BrokenProcessPool:

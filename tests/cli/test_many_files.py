@@ -170,19 +170,35 @@ def test_standard_input_is_one_file(cli: Any, exports: Path) -> None:
     assert "A list of files is @-." in outcome.err
 
 
-@pytest.mark.slow
-@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
-def test_an_interruption_ends_all_processes_without_tracebacks(exports: Path) -> None:
+def _converting(exports: Path) -> subprocess.Popen[str]:
+    """Return the command that converts many files, with two processes that have written some of them."""
     for number in range(30):
         shutil.copy(exports / CODESYS[2], exports / f"more{number}.xml")
     arguments = ["convert", "exports", "out/", "--to", "json", "--jobs", "2", "--resume", "run.journal"]
     command = [sys.executable, "-m", "plcopen_sfc", *arguments]
-    run = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True, process_group=0,
+    run = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, process_group=0,
                            env={"PYTHONPATH": str(FIXTURES.parent)})  # fmt: skip
     for _ in range(600):
         if len(list(Path("out").glob("*.json"))) > 1:
             break
         time.sleep(0.1)
+    return run
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_a_kill_ends_all_processes(exports: Path) -> None:
+    run = _converting(exports)
+    run.kill()
+    run.communicate(timeout=60)  # ends when the last process has that could write there
+    assert run.returncode == -signal.SIGKILL
+    assert 1 < len(list(Path("out").glob("*.json"))) < 30
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_an_interruption_ends_all_processes_without_tracebacks(exports: Path) -> None:
+    run = _converting(exports)
     subprocess.run(["kill", f"-{signal.SIGINT.value}", "--", f"-{run.pid}"], check=True)  # as Ctrl-C does in a terminal
     _, messages = run.communicate(timeout=60)
     assert run.returncode == 130
