@@ -81,6 +81,9 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
             include_bases(copy, report)
         adapt_calls(copy, dialect, kind.tool, report, with_instances=not options.flavour)
     if dialect is Dialect.SCL and project.dialect is not Dialect.SCL and not options.same:
+        from plcopen_sfc.refactor.dialect_translation import rename_pins  # noqa: PLC0415  # brings the parser
+
+        rename_pins(copy, copy.dialect)  # the blocks have the names of one tool, and texts may mix those
         for path, block in put_flip_flops(copy):
             why = f"SCL calls no flip-flops: it is an instance of {block}, whose statements are in the file"
             report.add(Outcome.TRANSLATED, "instance", path, why)

@@ -183,7 +183,7 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
     The others stay as they are: tools of both read most of each other's text. Anything that only CODESYS has is noted.
     """
     known = _Globals(s7_types(project), frozenset(_global_names(project)), {}, {}, None)
-    found = _rename_pins(project, target)
+    found = rename_pins(project, target)
     resolver = Resolver(project, project.dialect)
     found += _number_bits(project, target)
     enumerations = {each.name.casefold() for each in project.data_types if isinstance(each.type, EnumType)}
@@ -213,7 +213,7 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
     return found
 
 
-def _rename_pins(project: Project, target: Dialect) -> list[TranslatedText]:
+def rename_pins(project: Project, target: Dialect) -> list[TranslatedText]:
     """Name inputs of flip-flops and counters as the target does: ``R`` of CTU is ``RESET`` in CODESYS."""
     types = {text_site.text.upper() for text_site in text_sites(project) if text_site.key in ("name", "type_name")}
     if types.isdisjoint(_OTHER_PINS):

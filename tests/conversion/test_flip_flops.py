@@ -109,7 +109,8 @@ END_FUNCTION_BLOCK
 @pytest.mark.parametrize(
     ("kind", "pins", "dialect"),
     [(kind, pins, m.Dialect.IEC) for kind, pins in PINS.items()]
-    + [("SR", ("SET1", "RESET"), m.Dialect.CODESYS), ("RS", ("SET", "RESET1"), m.Dialect.CODESYS)],
+    + [("SR", ("SET1", "RESET"), m.Dialect.CODESYS), ("RS", ("SET", "RESET1"), m.Dialect.CODESYS)]
+    + [("SR", ("S1", "RESET"), m.Dialect.IEC), ("RS", ("S", "RESET1"), m.Dialect.CODESYS)],  # mixed
 )
 def test_a_flip_flop_that_texts_call_is_a_block_of_its_own_in_s7(
     kind: str, pins: tuple[str, str], dialect: m.Dialect, target: str

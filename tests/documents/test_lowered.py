@@ -165,15 +165,15 @@ def test_a_chart_whose_code_is_not_in_the_file_is_refused_and_can_be_skipped(tmp
 def test_code_that_the_target_does_not_compile_is_not_saved(tmp_path: Path) -> None:
     text = b"""PROGRAM Main
     VAR_INPUT a : BOOL; b : BOOL; END_VAR
-    VAR q : BOOL; sr1 : SR; END_VAR
+    VAR q : BOOL; day : INT; END_VAR
     INITIAL_STEP S0: Run(N); END_STEP
     STEP S1: q(N); END_STEP
-    TRANSITION FROM S0 TO S1 := sr1.Q1; END_TRANSITION
+    TRANSITION FROM S0 TO S1 := b; END_TRANSITION
     TRANSITION FROM S1 TO S0 := NOT a; END_TRANSITION
-    ACTION Run: sr1(S1 := a, RESET := b); END_ACTION
+    ACTION Run: day := DAY_OF_WEEK(D#2024-02-29); END_ACTION
     END_PROGRAM"""
     lowered = sfc.lower(sfc.loads(text, format="iec-text"), "case", target="scl")
-    with pytest.raises(LoweringError, match="SCL has no function block SR"):
+    with pytest.raises(LoweringError, match="SCL has no function DAY_OF_WEEK"):
         sfc.save(lowered, tmp_path / "main.scl", format="scl", partial=True)
     assert list(tmp_path.iterdir()) == []
 
