@@ -23,6 +23,7 @@ from plcopen_sfc.analysis.directed import DirectedSearch, Step
 from plcopen_sfc.analysis.domains import Domain
 from plcopen_sfc.analysis.number_terms import explore_terms
 from plcopen_sfc.analysis.pairing import (
+    ASKED_FOR,
     Delay,
     connect,
     delays,
@@ -184,6 +185,8 @@ def equivalent(
     given = seconds(limit)
     tries = _Tries(cap, runs, scans, seed, given, progress, given)
     wanted = [each for each in delays(delay, profiles) if not each.retimed or compared.can_be_retimed]
+    if all(name == ASKED_FOR for name, _ in compared.operated):
+        wanted = [each for each in wanted if not each.operated_later]
     return compared.verdict(wanted[0], tries) if len(wanted) == 1 else _best_of(wanted, compared, tries)
 
 
@@ -425,8 +428,11 @@ class _Compared:
         earlier, later = (left, right) if delay.queued > 0 else (right, left)
         count = abs(delay.queued)
         if delay.retimed:
-            left.delay(begins=later_start, alone=1, at_rest=self._operated(left))
-            right.delay(alone=1, at_rest=self._operated(right))
+            for system, begins in ((left, later_start), (right, 0)):
+                operated = self._operated(system)
+                is_later = delay.operated_later and system.profile.order is ScanOrder.TRANSITIONS_FIRST
+                late = {name: default for name, default in operated.items() if name != ASKED_FOR.casefold()}
+                system.delay(begins=begins, alone=1, at_rest=operated, late=late if is_later else {})
             return
         alone = count if delay.late_start else 0
         earlier.delay(

@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
@@ -44,11 +44,14 @@ class Delay:
         retimed: the scans of a side that executes actions first are cut behind the actions: the transitions of one scan
             and the actions of the next see the same inputs and the same time. And no side tests transitions in its
             first scan.
+        operated_later: inputs that operate a chart come a scan later on the side whose scans are not cut, but for
+            `ASKED_FOR`: the other side computes in its actions what its transitions then ask for.
     """
 
     scans: int = 0
     late_start: bool = False
     retimed: bool = False
+    operated_later: bool = False
 
     @property
     def queued(self) -> int:
@@ -79,7 +82,11 @@ class Delay:
             sides = [name for name, order in zip(("first", "second"), orders, strict=True) if order in _RETIMABLE]
             if not self.scans:
                 return (start,)
-            return (start, *(f"actions of the {side} see the inputs and times of the scan before" for side in sides))
+            cut = [f"actions of the {side} see the inputs and times of the scan before" for side in sides]
+            if self.operated_later:
+                other = "second" if sides == ["first"] else "first"
+                cut.append(f"the {other} gets {', '.join(each for each in operated if each != ASKED_FOR)} 1 scan later")
+            return (start, *cut)
         if not self.scans:
             return ()
         scans = "scan" if count == 1 else f"{count} scans"
@@ -90,10 +97,12 @@ class Delay:
 
     def as_dict(self) -> dict[str, int | bool]:
         """Return the delay as plain data, for JSON."""
-        return {"scans": self.scans, "late_start": self.late_start, "retimed": self.retimed}
+        return asdict(self)
 
 
 NO_DELAY = Delay()
+ASKED_FOR = "ACK_EF"
+"""The operating input that transitions of charts made of S7-GRAPH ask for themselves, without an action before."""
 _RETIMABLE = frozenset({ScanOrder.ACTIONS_FIRST, ScanOrder.RETIMED})
 
 
@@ -133,6 +142,8 @@ def _forms(numbers: Iterable[int], in_retiming: int | None) -> Iterator[Delay]:
             yield Delay(number, late_start=True)
         if number == in_retiming:
             yield Delay(number, retimed=True)
+            if number:
+                yield Delay(number, retimed=True, operated_later=True)
 
 
 def retimed(profile: Profile) -> Profile:

@@ -202,6 +202,8 @@ class ProgramSystem:
         self._begins = self._kept = self._alone = self._waiting = 0
         self._at_rest: Mapping[str, Value] = _NONE
         self._resting: Mapping[str, Value] = _NONE
+        self._late: Mapping[str, Value] = _NONE
+        self._held: dict[str, Value] = {}
         self.is_delayed = False
         """True if it is compared with other scans of the other side."""
         self._queue: tuple[tuple[Any, ...] | SfcError | None, ...] = ()
@@ -403,7 +405,7 @@ class ProgramSystem:
             not_free=self._not_free,
             known_types=self._known_types,
         )
-        made.delay(begins=self._begins, kept=self._kept, alone=self._alone, at_rest=self._at_rest)
+        made.delay(begins=self._begins, kept=self._kept, alone=self._alone, at_rest=self._at_rest, late=self._late)
         made.also_counted = self.also_counted
         for name, kind in self.not_followed.items():
             made.leave_out(name, kind)
@@ -411,15 +413,24 @@ class ProgramSystem:
         made.observe([replace(each, bit=bits[each.path]) if each.bit else each for each in observations])
         return made
 
-    def delay(self, *, begins: int = 0, kept: int = 0, alone: int = 0, at_rest: Mapping[str, Value] = _NONE) -> None:
+    def delay(
+        self,
+        *,
+        begins: int = 0,
+        kept: int = 0,
+        alone: int = 0,
+        at_rest: Mapping[str, Value] = _NONE,
+        late: Mapping[str, Value] = _NONE,
+    ) -> None:
         """Begin some scans later, or be compared with what the other side does some scans later.
 
         In the first `alone` scans, before the other side begins or tests transitions, the inputs `at_rest` have these
-        values. They are named in lower case.
+        values; the inputs `late` have those of the scan before, these at first. They are named in lower case.
         """
         self._begins, self._kept, self._alone, self._at_rest = begins, kept, alone if at_rest else 0, at_rest
-        self.is_delayed = bool(begins or kept or self._alone)
+        self.is_delayed = bool(begins or kept or self._alone or late)
         self._resting = _NONE
+        self._late, self._held = late, dict(late)
 
     @property
     def is_retimable(self) -> bool:
@@ -469,6 +480,7 @@ class ProgramSystem:
         self.instance.scans = 0  # errors tell the scan of this run, not of all that were searched
         self._waiting = self._begins or self._alone
         self._queue = (None,) * self._kept
+        self._held = dict(self._late)
 
     def scan(self, read: InputReader, *, first: bool) -> None:
         """Run one scan."""
@@ -514,7 +526,9 @@ class ProgramSystem:
         self.unknown_calls.begin_scan(searching if isinstance(searching, Branching) else None)
         if not first:
             self._controller.now += self.clock.scan_time
+        given = {name: self._given(name) for name in self._late}  # a later scan asks for them, if this one does or not
         self.instance.scan()
+        self._held = given
         if self.not_followed and any(values := self._not_followed()):
             name, kind = next(each for each, value in zip(self.not_followed.items(), values, strict=True) if value)
             raise kind(f"{name} = TRUE")
@@ -573,7 +587,7 @@ class ProgramSystem:
     def snapshot(self) -> Any:
         """Return the state, without absolute times, and without what no later scan will see."""
         state = self._state()
-        return (state, self._waiting, self._queue) if self.is_delayed else state
+        return (state, self._waiting, self._queue, tuple(self._held.items())) if self.is_delayed else state
 
     def _state(self) -> Any:
         now = self._controller.now
@@ -587,7 +601,8 @@ class ProgramSystem:
     def restore(self, snapshot: Any) -> None:
         """Go back to a state."""
         if self.is_delayed:
-            snapshot, self._waiting, self._queue = snapshot
+            snapshot, self._waiting, self._queue, held = snapshot
+            self._held = dict(held)
         self.instance.restore(snapshot)
 
     def values(self, names: Iterable[str]) -> tuple[Any, ...]:
@@ -618,6 +633,11 @@ class ProgramSystem:
                 cells[slot] = limit
 
     def _input(self, path: str) -> Any:
+        key = path.casefold()
+        return self._held[key] if key in self._late else self._given(path)
+
+    def _given(self, path: str) -> Any:
+        """Return the value that an input gets in this scan."""
         key = path.casefold()
         if key in self._fixed:
             return self._fixed[key]

@@ -409,6 +409,11 @@ def test_inputs_that_are_executed_are_operated_where_both_are_run() -> None:
     assert equal.compared["POU Main"].startswith("equal (proof")
     with pytest.raises(sfc.LossError, match="it does something else"):
         sfc.save(source, io.BytesIO(), format="codesys", limit=60, strict=True)
+    shifted = sfc.save(source, io.BytesIO(), format="codesys", limit=60).compared["POU Main"]
+    assert shifted.startswith(
+        "the same but for the inputs that actions see, and the first scan: equal, second 1 scan later (proof"
+    )
+    assert "the first gets INIT_SQ 1 scan later" in shifted
 
 
 def test_the_refusal_tells_how_to_say_that_nobody_operates_an_input() -> None:
