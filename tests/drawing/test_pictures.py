@@ -169,6 +169,12 @@ class TestEveryChart:
         assert links_in(picture) == links_of(chart)
         assert sorted(text for jump in picture.by_class("jump") for text in picture.texts(jump)) == ["S0", "S1", "S5"]
 
+    def test_a_step_that_two_jumps_come_from_is_named_once(self) -> None:
+        chart = make(4, [([0], [1]), ([1], [2]), ([2], [0]), ([2], [0]), ([1], [3]), ([3], [0])])
+        picture = drawn(chart)
+        names = [name for part in picture.by_class("reference") for name in picture.texts(part)]
+        assert sorted(names) == ["S2", "S3"]
+
     @pytest.mark.slow
     def test_a_long_chart_is_drawn(self) -> None:
         count = 10_000

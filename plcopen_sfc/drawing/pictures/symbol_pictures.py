@@ -515,8 +515,11 @@ Symbol = StepSymbol | TransitionSymbol | JumpSymbol
 
 
 def _shown(references: Sequence[LinkEnd]) -> list[LinkEnd]:
-    """Return references for a picture: of many the first ones, and how many more there are."""
-    found = list(dict.fromkeys(references))
+    """Return references for a picture, no name twice: of many the first ones, and how many more there are."""
+    named: dict[str, LinkEnd] = {}
+    for reference in references:
+        named.setdefault(reference.name, reference)
+    found = list(named.values())
     if len(found) <= _MOST_REFERENCES:
         return found
     more = LinkEnd(f"+{len(found) - _MOST_REFERENCES + 1}", "")
