@@ -227,6 +227,7 @@ def test_simultaneous_branches_are_proven() -> None:
     proven(branches(), "", "Q P", REGIONS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("inputs", "own"), [("OFF_SQ INIT_SQ ACK_EF", False), ("SW_AUTO SW_MAN S_SEL:INT S_OFF", True)]
 )

@@ -232,10 +232,17 @@ def test_what_is_short_and_stays_the_same_has_no_helper() -> None:
 
 
 def test_a_time_is_restarted_only_where_the_step_may_have_changed() -> None:
-    text = lowered(second="q(D, T#2s);", third="p(L, T#3s);")
+    long = "TRANSITION FROM S2 TO S1 := S2.T > T#5s; END_TRANSITION"
+    text = lowered(second="q(D, T#2s);", third="p(L, T#3s);", actions=long)
     assert text.startswith("// Step times\nstep_time(IN := TRUE, PT := T#24d);\n\n// Step sequence")
     assert text.count("step_time(IN := FALSE, PT := T#24d);") == 1
     assert "p := step_number = 3 AND step_time.ET < T#3s;" in text
+
+
+def test_a_time_that_only_actions_read_is_called_behind_the_transitions_only() -> None:
+    text = lowered(second="q(D, T#2s);", third="p(L, T#3s);")
+    assert text.startswith("// Step sequence")
+    assert text.count("step_time(IN := TRUE, PT := T#24d);") == 1
 
 
 @pytest.mark.slow

@@ -89,6 +89,24 @@ def test_random_charts(seed: int, construction: Construction, language: Language
     assert not found.different, str(found)
 
 
+@pytest.mark.parametrize(("edges", "initial"), [("S1>S1 S1>S2 S2>S1", "S1"), ("S1>S2 S2>S3 S3>S2", "S1+S2")])
+@pytest.mark.parametrize(("construction", "language"), FORMS)
+def test_a_delayed_action_stays_when_the_time_of_its_step_begins_again(
+    edges: str, initial: str, construction: Construction, language: Language
+) -> None:
+    """The association decides on nothing then: what it has written stays."""
+    pou = chain(edges)
+    for name in initial.split("+"):
+        chart(pou).step(name).initial = True
+        act(chart(pou), chart(pou).step(name), f"d{name}", m.Qualifier.D, duration="T#20ms")
+    outputs = [m.Variable(name=f"d{name}", type="BOOL") for name in initial.split("+")]
+    assert pou.interface is not None
+    pou.interface.sections.append(m.VariableSection(kind=m.SectionKind.OUTPUT, variables=outputs))
+    found = verdict(pou, construction, language, cap=5_000)
+    assert found.kind is VerdictKind.PROVEN, str(found)
+    assert {f"d{name}" for name in initial.split("+")} <= set(found.compared)
+
+
 @pytest.mark.parametrize("language", list(Language))
 def test_flip_flops_of_charts_that_are_not_safe(language: Language) -> None:
     """A step that is left and entered at once stays active although the reset dominates."""

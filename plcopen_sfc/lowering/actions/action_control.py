@@ -125,23 +125,44 @@ class ActionControlCode:
     def _lasting(self, action: ActionSource, reset: Expression, into: list[Statement]) -> list[Expression]:
         # `ending` acts on what is stored only: a restart makes all other steps inactive anyway
         reset = disjunction([reset, self._ending])
-        makers = (self._level, self._stored, self._limited, self._delayed, self._pulse, self._stored_and_timed)
-        return [term for make in makers for term in make(action, reset, into)]
+        found = [self._input(action, Q.N)]
+        for qualifier in (Q.S, Q.L, Q.D, Q.P, Q.SD, Q.DS, Q.SL):
+            value = self._input(action, qualifier)
+            if not is_constant(value, FALSE):
+                found.append(self._term(qualifier, action, value, reset, into))
+        return found
+
+    def _term(
+        self, qualifier: Qualifier, action: ActionSource, value: Expression, reset: Expression, into: list[Statement]
+    ) -> Expression:
+        """Return when an action is active by its associations with a qualifier, whose steps are active by `value`."""
+        memory, name = self._memory, f"{action.name}_{qualifier}"
+        if qualifier is Q.P:
+            return self._edge(qualifier, action, value, into)
+        if qualifier in (Q.S, Q.SD, Q.SL):
+            value = memory.latch(name, value, reset, into)
+        if qualifier is Q.S:
+            return value
+        if (over := self._late(action, qualifier)) is not None:
+            return conjunction([value, over if qualifier is Q.D else n.Operation(Operator.LESS, over.operands)])
+        timer = name if qualifier in (Q.L, Q.D) else f"{name}_T"
+        late = memory.delayed(timer, value, self._time(action, qualifier, into), into)
+        if qualifier is Q.DS:
+            return memory.latch(name, late, reset, into)
+        return late if qualifier in (Q.D, Q.SD) else conjunction([value, negation(late)])
 
     def _single(self, action: ActionSource, into: list[Statement]) -> list[Expression]:
-        found: list[Expression] = []
-        for qualifier, edge in ((Q.P1, self._memory.rising), (Q.P0, self._memory.falling)):
-            value = self._input(action, qualifier)
-            if is_constant(value, FALSE):
-                continue
-            alone = self._steps_alone([use for use in action.uses if use.qualifier is qualifier], qualifier)
-            if alone is None:
-                found.append(edge(f"{action.name}_{qualifier}", value, into))
-            else:
-                now, before = alone
-                begins = qualifier is Q.P1
-                found.append(conjunction([now, negation(before)] if begins else [negation(now), before]))
-        return found
+        values = ((qualifier, self._input(action, qualifier)) for qualifier in (Q.P1, Q.P0))
+        return [self._edge(q, action, value, into) for q, value in values if not is_constant(value, FALSE)]
+
+    def _edge(self, qualifier: Qualifier, action: ActionSource, value: Expression, into: list[Statement]) -> Expression:
+        """Return a pulse when the first of the steps becomes active; with P0 when the last one no longer is."""
+        alone = self._steps_alone([use for use in action.uses if use.qualifier is qualifier], qualifier)
+        if alone is None:
+            edge = self._memory.falling if qualifier is Q.P0 else self._memory.rising
+            return edge(f"{action.name}_{qualifier}", value, into)
+        now, before = alone
+        return conjunction([negation(now), before] if qualifier is Q.P0 else [now, negation(before)])
 
     def _input(self, action: ActionSource, *qualifiers: Qualifier) -> Expression:
         """Return the input of the action control for these qualifiers: the steps with such associations."""
@@ -151,64 +172,10 @@ class ActionControlCode:
         active = disjunction(self._active(step) for step in use.steps)
         return conjunction([negation(active) if use.inverted else active, use.condition])
 
-    def _level(self, action: ActionSource, _: Expression, __: list[Statement]) -> list[Expression]:
-        return [self._input(action, Q.N)]
-
-    def _stored(self, action: ActionSource, reset: Expression, into: list[Statement]) -> list[Expression]:
-        set_ = self._input(action, Q.S)
-        if is_constant(set_, FALSE):
-            return []
-        return [self._memory.latch(f"{action.name}_S", set_, reset, into)]
-
-    def _limited(self, action: ActionSource, _: Expression, into: list[Statement]) -> list[Expression]:
-        value = self._input(action, Q.L)
-        if is_constant(value, FALSE):
-            return []
-        over = self._late(action, Q.L)
-        if over is not None:
-            return [conjunction([value, n.Operation(Operator.LESS, over.operands)])]
-        ended = self._memory.delayed(f"{action.name}_L", value, self._time(action, Q.L, into), into)
-        return [conjunction([value, negation(ended)])]
-
-    def _delayed(self, action: ActionSource, _: Expression, into: list[Statement]) -> list[Expression]:
-        value = self._input(action, Q.D)
-        if is_constant(value, FALSE):
-            return []
-        over = self._late(action, Q.D)
-        if over is not None:
-            return [conjunction([value, over])]
-        return [self._memory.delayed(f"{action.name}_D", value, self._time(action, Q.D, into), into)]
-
     def _late(self, action: ActionSource, qualifier: Qualifier) -> n.Operation | None:
         """Return when the time of a step that decides alone is over; None where a timer of the action tells that."""
-        found = _alone(action, qualifier)
+        found = _alone(action, qualifier) if qualifier in (Q.D, Q.L) else None
         return self._time_is_over(*found) if found is not None else None
-
-    def _pulse(self, action: ActionSource, _: Expression, into: list[Statement]) -> list[Expression]:
-        value = self._input(action, Q.P)
-        if is_constant(value, FALSE):
-            return []
-        alone = self._steps_alone([use for use in action.uses if use.qualifier is Q.P], Q.P)
-        if alone is not None:
-            return [conjunction([alone[0], negation(alone[1])])]
-        return [self._memory.rising(f"{action.name}_P", value, into)]
-
-    def _stored_and_timed(self, action: ActionSource, reset: Expression, into: list[Statement]) -> list[Expression]:
-        found: list[Expression] = []
-        stored = self._input(action, Q.SD)
-        if not is_constant(stored, FALSE):
-            latch = self._memory.latch(f"{action.name}_SD", stored, reset, into)
-            found.append(self._memory.delayed(f"{action.name}_SD_T", latch, self._time(action, Q.SD, into), into))
-        delayed = self._input(action, Q.DS)
-        if not is_constant(delayed, FALSE):
-            late = self._memory.delayed(f"{action.name}_DS_T", delayed, self._time(action, Q.DS, into), into)
-            found.append(self._memory.latch(f"{action.name}_DS", late, reset, into))
-        limited = self._input(action, Q.SL)
-        if not is_constant(limited, FALSE):
-            latch = self._memory.latch(f"{action.name}_SL", limited, reset, into)
-            over = self._memory.delayed(f"{action.name}_SL_T", latch, self._time(action, Q.SL, into), into)
-            found.append(conjunction([latch, negation(over)]))
-        return found
 
     def _time(self, action: ActionSource, qualifier: Qualifier, into: list[Statement]) -> Expression:
         """Return the time of the first use that is on. Where it can change it is kept in a variable."""
@@ -272,7 +239,8 @@ class SequentialControlCode:
     """Control of one action after the other. `active` gives the flag of a step by its index in the net.
 
     `ending`: a condition that ends stored actions besides R. `entered`: the start is an activation of the initial
-    steps. Raises `LoweringError` for times that cannot be measured so.
+    steps. `reentered`: the steps whose time can begin again while they are active. Raises `LoweringError` for times
+    that cannot be measured so.
     """
 
     def __init__(
@@ -285,9 +253,10 @@ class SequentialControlCode:
         active: StepValue,
         ending: Expression = FALSE,
         entered: bool = False,
+        reentered: frozenset[int] = frozenset(),
         was_active: EarlierSteps = unknown_before,
     ) -> None:
-        self._was_active = was_active
+        self._was_active, self._reentered = was_active, reentered
         self._net, self._code, self._memory, self._active = net, code, memory, active
         self._times, self._ending, self._entered = times, ending, entered
         self._before: dict[tuple[int, ...], n.Name] = {}
@@ -317,12 +286,11 @@ class SequentialControlCode:
     def never_holds(self, action: ActionSource) -> bool:
         """Return True if a variable is FALSE in every scan in which nothing decides on it, if nothing else writes it.
 
-        A D whose time changes can decide on TRUE, and not at all in the next scan.
+        A D whose time changes, or begins again, can decide on TRUE, and not at all in the next scan.
         """
-        delayed = [use.duration for use in action.uses if use.qualifier is Q.D]
-        return all(isinstance(each, n.Literal) for each in delayed) and not any(
-            use.qualifier in _STORING for use in action.uses
-        )
+        delayed = [use for use in action.uses if use.qualifier is Q.D]
+        lasting = all(isinstance(use.duration, n.Literal) and self._reentered.isdisjoint(use.steps) for use in delayed)
+        return lasting and not any(use.qualifier in _STORING for use in action.uses)
 
     # -- what associations decide
 

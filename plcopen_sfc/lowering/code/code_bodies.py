@@ -39,16 +39,6 @@ def structured_text(code: LoweredCode, dialect: Dialect) -> StBody:
     return StBody(text=compilable_comments(text, dialect) if code.is_portable and not has_pragmas else text)
 
 
-def function_block_diagram(code: LoweredCode, dialect: Dialect, declared: list[Variable], pou: str) -> FbdBody:
-    """Return a network of FBD for each network of `pou`. Raises `LoweringError` for what cannot be drawn."""
-    return FbdBody(networks=_drawn(code, draw_fbd, _rules(code, dialect, declared), pou))
-
-
-def ladder_diagram(code: LoweredCode, dialect: Dialect, declared: list[Variable], pou: str) -> LdBody:
-    """Return a network of LD for each network of `pou`. Raises `LoweringError` for what cannot be drawn."""
-    return LdBody(networks=_drawn(code, draw_ld, _rules(code, dialect, declared), pou))
-
-
 def instruction_list(code: LoweredCode, pou: str) -> IlBody:
     """Return the instructions of each network of `pou`. Raises `LoweringError` for what has none."""
     labels = (i for i in count(1) if code.naming.taken.isdisjoint((f"end{i}", f"else{i}")))
@@ -235,14 +225,18 @@ def assemble(original: Pou, code: LoweredCode, dialect: Dialect, language: Langu
 
 
 def body_of(code: LoweredCode, dialect: Dialect, language: Language, declared: list[Variable], pou: str) -> Body:
-    """Return the code as a body in `language`; `declared` are the variables of the POU called `pou`."""
+    """Return the code as a body in `language`; `declared` are the variables of the POU called `pou`.
+
+    Raises `LoweringError` for what cannot be drawn or has no instructions.
+    """
     if language is Language.ST:
         return structured_text(code, dialect)
     if language is Language.IL:
         return instruction_list(code, pou)
+    rules = _rules(code, dialect, declared)
     if language is Language.FBD:
-        return function_block_diagram(code, dialect, declared, pou)
-    return ladder_diagram(code, dialect, declared, pou)
+        return FbdBody(networks=_drawn(code, draw_fbd, rules, pou))
+    return LdBody(networks=_drawn(code, draw_ld, rules, pou))
 
 
 def _declare(interface: Interface, kind: SectionKind, variables: list[Variable], *, constant: bool = False) -> None:

@@ -13,9 +13,10 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, transform, walk
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.lowering.code.boolean_logic import TRUE, assignment, conjunction, is_constant
-from plcopen_sfc.lowering.code.code_bodies import function_block_diagram, ladder_diagram, structured_text
+from plcopen_sfc.lowering.code.code_bodies import body_of
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode, Naming
 from plcopen_sfc.lowering.faults.fault_kinds import FaultKind
+from plcopen_sfc.lowering.lowering_options import Language
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
@@ -96,17 +97,13 @@ def _with_flags(condition: Expression, flags: Mapping[str, Expression]) -> Expre
 
 def _around(body: Body, first: LoweredCode, last: LoweredCode, source: ChartSource, declared: list[Variable]) -> Body:
     """Return the body with code before and behind it."""
-    if isinstance(body, StBody):
-        texts = (structured_text(code, source.dialect).text for code in (first, last))
-        return StBody(text=body.text.join(texts))
-    if isinstance(body, FbdBody):
-        drawn = [
-            function_block_diagram(code, source.dialect, declared, source.pou.name).networks for code in (first, last)
-        ]
-        return FbdBody(networks=apart([*drawn[0], *body.networks, *drawn[1]])[0])
-    if isinstance(body, LdBody):
-        drawn = [ladder_diagram(code, source.dialect, declared, source.pou.name).networks for code in (first, last)]
-        return LdBody(networks=apart([*drawn[0], *body.networks, *drawn[1]])[0])
+    language = Language(body.language)
+    before, behind = (body_of(code, source.dialect, language, declared, source.pou.name) for code in (first, last))
+    match before, body, behind:
+        case StBody(), StBody(), StBody():
+            return StBody(text=before.text + body.text + behind.text)
+        case ((FbdBody() | LdBody()), (FbdBody() | LdBody()), (FbdBody() | LdBody())):
+            return type(body)(networks=apart([*before.networks, *body.networks, *behind.networks])[0])
     raise LoweringError(f"nothing can be put around a body in {body.language}")
 
 

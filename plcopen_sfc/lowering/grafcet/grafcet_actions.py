@@ -163,27 +163,16 @@ class PassingActionCode(ActionControlCode):
         self._active = active
         return super()._input(action, *qualifiers)
 
-    def _pulse(self, action: ActionSource, _: Expression, into: list[Statement]) -> list[Expression]:
-        return self._edges(action, into, Qualifier.P)
-
-    def _single(self, action: ActionSource, into: list[Statement]) -> list[Expression]:
-        return self._edges(action, into, Qualifier.P1, Qualifier.P0)
-
-    def _edges(self, action: ActionSource, into: list[Statement], *qualifiers: Qualifier) -> list[Expression]:
-        """Return pulses when a step becomes active or no longer is, also if it is so in between only."""
-        found: list[Expression] = []
-        for qualifier in qualifiers:
-            now, passed = (self._asked(active, action, qualifier) for active in (self._stable, self._seen))
-            if is_constant(now, FALSE) and is_constant(passed, FALSE):
-                continue
-            pulse = self._code.declare(f"{action.name}_{qualifier}")
-            before = self._code.declare(self._code.texts.with_suffix(pulse.identifier, "old"))
-            # `passed` is TRUE where the step was active in between, though two scans never show it
-            falling = conjunction([disjunction([before, passed]), negation(now)])
-            rising = conjunction([passed, negation(before)])
-            into += [assignment(pulse, falling if qualifier is Qualifier.P0 else rising), assignment(before, now)]
-            found.append(pulse)
-        return found
+    def _edge(self, qualifier: Qualifier, action: ActionSource, value: Expression, into: list[Statement]) -> Expression:
+        """Return a pulse when a step becomes active or no longer is, also if it is so in between only."""
+        passed = self._asked(self._seen, action, qualifier)
+        pulse = self._code.declare(f"{action.name}_{qualifier}")
+        before = self._code.declare(self._code.texts.with_suffix(pulse.identifier, "old"))
+        # `passed` is TRUE where the step was active in between, though two scans never show it
+        falling = conjunction([disjunction([before, passed]), negation(value)])
+        rising = conjunction([passed, negation(before)])
+        into += [assignment(pulse, falling if qualifier is Qualifier.P0 else rising), assignment(before, value)]
+        return pulse
 
 
 class ContinuousActionCode(ActionControlCode):

@@ -323,7 +323,7 @@ class GraphCycle:
     # -- before the step change
 
     def _add_checks_before(self) -> None:
-        self._code.add(self._texts.times, self._clock.calls())
+        self._code.add(self._texts.times, self._clock.calls(ahead=True))
         acknowledge = self._commands.edge("ACK_EF") if any(c.early for c in self._checks) else FALSE
         cleared = [s for each in self._checks for s in each.cleared()]
         checked = self._of_steps(each.before(self._resolve, acknowledge) for each in self._checks)
@@ -350,7 +350,7 @@ class GraphCycle:
             # declared in the order of the steps, whatever text asks first
             for name in sorted(self._questions.of(step.index) & _STEP_EVENTS):
                 self._event(step.index, ActionEvent(name))
-        self._code.add(self._texts.times, [*self._clock.calls(), *self._restarted()])
+        self._code.add(self._texts.times, [*self._clock.calls(ahead=False), *self._restarted()])
         self._add_checks_behind(self._alarms() if self._checked_late else "")
         over, gone = self._clock.over, self._was_gone
         signals = StepSignals(self._active, self._touched, self._event, self._released, over, gone)

@@ -311,11 +311,19 @@ class StepClock:
         """Return a limit that a step has, T_MAX or T_WARN."""
         return n.Literal(text) if text else _NONE
 
-    def calls(self) -> list[Statement]:
-        """Return the calls of the timers."""
-        calls = [call(timer, IN=self._signs[i].active, PT=self._limits[i]) for i, timer in self._timers.items()]
-        kept = [when(self._signs[i].active, assignment(name, self._elapsed(i))) for i, name in self._kept.items()]
+    def calls(self, *, ahead: bool) -> list[Statement]:
+        """Return the calls of the timers; `ahead` of the step change only of those that are read there."""
+        steps = [i for i in self._timers if not ahead or self._is_read_ahead(i)]
+        active = {i: self._signs[i].active for i in steps}
+        calls = [call(self._timers[i], IN=active[i], PT=self._limits[i]) for i in steps]
+        kept = (when(active[i], assignment(self._kept[i], self._elapsed(i))) for i in steps if i in self._kept)
         return [*calls, *kept]
+
+    def _is_read_ahead(self, step: int) -> bool:
+        """Return True if checks or conditions ask for a time of a step; actions do so behind the step change."""
+        asked = self._questions.asked(step, {"T", "U"}, CyclePhase.CHECK, CyclePhase.SWITCH)
+        # a time that is kept still grows in the cycle in which its step is left
+        return asked or step in self._undisturbed or step in self._kept
 
     def counted(self, checks: Sequence[SupervisionChecks]) -> list[Statement]:
         """Return the times without disturbance, behind the checks of the active steps."""

@@ -68,6 +68,8 @@ class StepTimers:
         self._timers: dict[int, dict[Expression, n.Name]] = {}
         self._kept: dict[int, n.Name] = {}
         self._shared: dict[n.Name, TimedPart] = {}
+        self.read_ahead: Collection[int] = ()
+        """The steps whose times conditions of transitions read."""
 
     def share(self, steps: Iterable[int]) -> None:
         """Give the steps of a part one timer, if there are several of it."""
@@ -118,14 +120,22 @@ class StepTimers:
             timers[limit] = self._code.declare(name, DerivedType(name="TON"))
         return timers[limit]
 
-    def calls(self, *, changed: bool = True) -> list[Statement]:
-        """Return the calls of all timers, for places where times are read. `changed`: steps may just have changed."""
+    def calls(self, *, changed: bool = True, ahead: bool = False) -> list[Statement]:
+        """Return the calls of all timers, for places where times are read. `changed`: steps may just have changed.
+
+        `ahead` of the transitions: those that these read.
+        """
         calls: list[Statement] = []
+        # a time that is kept still grows in the scan in which its step is left
+        needed = {*self.read_ahead, *self._kept} if ahead else self._timers
+        called = {step: timers for step, timers in self._timers.items() if step in needed}
         for timer, part in self._shared.items():
+            if not any(timer in timers.values() for timers in called.values()):
+                continue
             # a TON measures from the scan in which its input rises, which is that of the change
             restart = [when(part.changed(), call(timer, IN=FALSE, PT=FOREVER))] if changed else []
             calls += [*restart, call(timer, IN=TRUE, PT=FOREVER)]
-        for step, timers in self._timers.items():
+        for step, timers in called.items():
             active = self._active(step)
             own = [(limit, timer) for limit, timer in timers.items() if timer not in self._shared]
             calls += [call(timer, IN=active, PT=limit) for limit, timer in own]
@@ -170,6 +180,9 @@ def resolve_steps(
     for step in sorted(outside):
         times.keep(step)
     times.share({*asked, *timed, *shareable} - outside)
+    ahead = [*source.conditions, *(each for statements in source.preparations for each in statements)]
+    read = (steps.timed(node) for tree in ahead for node in walk(tree))
+    times.read_ahead = {*source.minimum_times, *(step for step in read if step is not None)}
     # a step whose elapsed time is read has one timer for all
     for step in (*(watch.step for watch in source.watches), *timed):
         times.elapsed(step)

@@ -268,7 +268,8 @@ class ScanSchedule(ABC):
             self.sfc_flags.report_transition(self.any_fires)
         else:
             # since the last scan only a selection has changed the situation
-            self.code.add(self.texts.times, self.times.calls(changed=self.modes.selecting is not None))
+            changed = self.modes.selecting is not None
+            self.code.add(self.texts.times, self.times.calls(changed=changed, ahead=True))
             self.choose_transitions()
             self.change_situation()
             # a timer of a step that was left and entered in one scan has seen no FALSE: it is called twice to start
@@ -323,6 +324,7 @@ class ScanSchedule(ABC):
                 active=self.active,
                 ending=ending,
                 entered=entered,
+                reentered=frozenset(self.reentered()),
                 was_active=was_active,
             )
         return ActionControlCode(memory, self.active, ending, was_active, self._time_is_over)
