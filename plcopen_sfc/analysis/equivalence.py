@@ -185,7 +185,7 @@ def equivalent(
     given = seconds(limit)
     tries = _Tries(cap, runs, scans, seed, given, progress, given)
     wanted = [each for each in delays(delay, profiles) if not each.retimed or compared.can_be_retimed]
-    if all(name == ASKED_FOR for name, _ in compared.operated):
+    if all(name in ASKED_FOR for name, _ in compared.operated):
         wanted = [each for each in wanted if not each.operated_later]
     return compared.verdict(wanted[0], tries) if len(wanted) == 1 else _best_of(wanted, compared, tries)
 
@@ -431,7 +431,7 @@ class _Compared:
             for system, begins in ((left, later_start), (right, 0)):
                 operated = self._operated(system)
                 is_later = delay.operated_later and system.profile.order is ScanOrder.TRANSITIONS_FIRST
-                late = {name: default for name, default in operated.items() if name != ASKED_FOR.casefold()}
+                late = {name: default for name, default in operated.items() if name.upper() not in ASKED_FOR}
                 system.delay(begins=begins, alone=1, at_rest=operated, late=late if is_later else {})
             return
         alone = count if delay.late_start else 0

@@ -85,7 +85,8 @@ class Delay:
             cut = [f"actions of the {side} see the inputs and times of the scan before" for side in sides]
             if self.operated_later:
                 other = "second" if sides == ["first"] else "first"
-                cut.append(f"the {other} gets {', '.join(each for each in operated if each != ASKED_FOR)} 1 scan later")
+                late = ", ".join(each for each in operated if each not in ASKED_FOR)
+                cut.append(f"the {other} gets {late} 1 scan later")
             return (start, *cut)
         if not self.scans:
             return ()
@@ -101,8 +102,8 @@ class Delay:
 
 
 NO_DELAY = Delay()
-ASKED_FOR = "ACK_EF"
-"""The operating input that transitions of charts made of S7-GRAPH ask for themselves, without an action before."""
+ASKED_FOR = frozenset({"ACK_EF", "S_SEL"})
+"""The operating inputs that transitions of charts made of S7-GRAPH ask for themselves, without an action before."""
 _RETIMABLE = frozenset({ScanOrder.ACTIONS_FIRST, ScanOrder.RETIMED})
 
 
