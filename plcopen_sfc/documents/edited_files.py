@@ -73,7 +73,7 @@ def patched(project: Project, source: FileSource, kind: Format, report: Conversi
             options = replace(options, marks=marks)
         prepare(project, _drawing_style(kind), positions=kind.positions)
         data = codec.write(project, options, report)
-        _report_lost(meant, _comparable(codec, data), kind, report)
+        verify(meant, kind, _comparable(codec, data), report)
     if merged is None or not merged.is_same_to_tool:
         _report_edits(report, meant, source, (source.content, data), kind)
     return data

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -303,6 +304,22 @@ def test_an_edit_beside_the_objects_comes_back_or_is_told(name: str) -> None:
         data, report = sfc.convert(project, project.source.format, partial=True)
         back = sfc.loads(data, format=project.source.format)
         comes_back = (back.header.company, back.extension_data) == (project.header.company, project.extension_data)
+        assert comes_back != any(item.outcome == "dropped" for item in report.items)
+
+
+@pytest.mark.parametrize("name", ["simaticml-plc", "twincat-belt"])
+def test_an_edit_beside_the_objects_of_a_folder_comes_back_or_is_told(name: str, tmp_path: Path) -> None:
+    for change in ("header", "data"):
+        folder = tmp_path / change
+        shutil.copytree(FIXTURES / name, folder)
+        edited = sfc.load(folder)
+        if change == "header":
+            edited.header.created = "2031-05-06T07:08:09Z"
+        else:
+            edited.extension_data = model.ExtensionData(data=[model.ForeignData(name="urn:of-a-script", content="")])
+        report = sfc.save(edited, folder)
+        back = sfc.load(folder)
+        comes_back = (back.header.created, back.extension_data) == (edited.header.created, edited.extension_data)
         assert comes_back != any(item.outcome == "dropped" for item in report.items)
 
 

@@ -265,3 +265,32 @@ def test_a_text_that_would_be_taken_for_another_code_page_names_its_own() -> Non
     again = sfc.loads(data)
     assert "CB\xb3a" in sfc.dumps(again, format="codesys23", fresh=True, partial=True).decode("cp1252")
     assert again.pou("Main").bodies == sfc.loads(text.encode(), format="iec-text").pou("Main").bodies
+
+
+def test_a_drawn_condition_with_a_timer_does_not_compile_there() -> None:
+    """An empty condition might be always TRUE."""
+    source = """
+    {plcopen_sfc format := 1}
+    {plcopen_sfc project.dialect := 'codesys'}
+    PROGRAM Main
+    VAR a : BOOL; t : TON; END_VAR
+    INITIAL_STEP S: END_STEP
+    TRANSITION FROM S TO S := a; END_TRANSITION
+    END_PROGRAM
+    """
+    project = sfc.loads(source.encode())
+    wires = [m.InputPin(connections=[m.Connection(source=number)]) for number in (1, 2)]
+    inputs = [m.BlockVariable(name=name, input=wire) for name, wire in zip(("IN", "PT"), wires, strict=True)]
+    parameters = m.BlockParameters(inputs=inputs, outputs=[m.BlockVariable(name="Q", output=m.OutputPin())])
+    timer = m.Block(id=3, type_name="TON", instance="t", parameters=parameters)
+    end = m.OutputVariable(id=4, expression="T1", input=m.InputPin(connections=[m.Connection(source=3, pin="Q")]))
+    given = [m.InputVariable(id=1, expression="a"), m.InputVariable(id=2, expression="T#1s")]
+    body = m.FbdBody(networks=[m.LogicNetwork(nodes=[*given, timer, end])])
+    pou = project.pou("Main")
+    pou.transitions.append(m.NamedTransition(name="T1", body=body))
+    pou.chart.transitions[0].condition = m.NamedCondition(name="T1")
+    data, report = sfc.convert(project, "codesys23", partial=True)
+    assert b":= \r\nNOT_EXECUTED_S_S\r\nEND_TRANSITION" in data
+    assert [(item.what, item.path) for item in report.with_outcome(Outcome.NOT_EXECUTED)] == [
+        ("condition", "POU Main / transition S -> S")
+    ]
