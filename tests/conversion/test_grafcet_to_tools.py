@@ -255,6 +255,14 @@ def test_inputs_with_addresses_are_variables_of_programs_and_tags(form: str) -> 
         assert {section.kind.value for section in result.pous[0].interface.sections} == {"local"}  # type: ignore[union-attr]
 
 
+@pytest.mark.parametrize("form", ["codesys", "plcopen", "twincat", "codesys23", "iec-text", "simaticml"])
+def test_german_addresses_of_s7_are_those_of_the_tool(form: str) -> None:
+    text = TEXT.replace("    B5\n", "    B5 %E0.3\n").replace("    H1\n", "    H1 %A4.1\n", 1)
+    data, report = sfc.convert(sfc.loads(text.encode()), form, partial=True)
+    assert (b"%I0.3" in data, b"%Q4.1" in data, b"%E0" in data, b"%A4" in data) == (True, True, False, False)
+    assert {item.path for item in report.items if item.what == "address"} == {"POU Kette / B5", "POU Kette / H1"}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("form", ["codesys", "plcopen", "simaticml", "iec-text"])
 def test_the_textbook_chart_is_lowered_for_every_tool(form: str, tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.languages.binding import Declaration
 from plcopen_sfc.languages.declarations import write_type
 from plcopen_sfc.languages.grafcet_conditions import is_operand
-from plcopen_sfc.languages.translation.literal_translation import translated_address
+from plcopen_sfc.languages.translation.literal_translation import international_address, translated_address
 from plcopen_sfc.languages.words import identifier, is_plain
 from plcopen_sfc.lowering.code.lowered_code import names_of
 from plcopen_sfc.model.dialect import Dialect
@@ -52,6 +52,12 @@ def with_declarable_variables(project: Project, kind: Format) -> tuple[Project, 
         why = f"`{new}` in {kind.tool}: a name begins with no digit"
         report.add(Outcome.TRANSLATED, "name", f"POU {around} / {name}" if around else f"POU {name}", why)
     for pou in copy.pous:
+        for variable in (each for section in _located(pou) for each in section.variables):
+            address = international_address(variable.address or "")
+            if variable.address and address != variable.address:
+                why = f"`{address}`: E and A are inputs and outputs of S7 in German"
+                report.add(Outcome.TRANSLATED, "address", f"{pou.report_path} / {variable.name}", why)
+                variable.address = address
         for name in _place(copy, pou, as_tags=kind.dialect is Dialect.SCL):
             what = "a tag" if kind.dialect is Dialect.SCL else "a variable of its own"
             why = f"what has an address is {what}, and no parameter"

@@ -186,6 +186,13 @@ def translated_address(text: str, source: Dialect, target: Dialect) -> PartText:
     return PartText(f"%{area}{size}{int(place) // width}", Severity.INFO, counting)
 
 
+def international_address(text: str) -> str:
+    """Return an address with I and Q for the letters of German S7, E and A: ``%E0.3`` is ``%I0.3``."""
+    found = _ADDRESS.fullmatch(text)
+    letter = _ENGLISH.get(found[1].upper()) if found is not None else None
+    return text if letter is None else f"%{letter}{text[2:]}"
+
+
 def is_tag_address(text: str) -> bool:
     """True if a tag of S7 can have an address."""
     return _OF_TAGS.fullmatch(text) is not None
