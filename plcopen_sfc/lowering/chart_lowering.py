@@ -287,7 +287,7 @@ def faults_of(subject: Subject, lowered: LoweredPou) -> tuple[Fault, ...]:
     return find_faults(
         subject,
         resolve(lowered.project, subject.name),
-        read_plain(subject.pou, chart, subject.project.dialect, lowered.profile),
+        read_plain(subject.pou, chart, subject.project, lowered.profile),
         lowered.rules,
         situation=lowered.situation,
         at_rest=lowered.at_rest,

@@ -263,6 +263,27 @@ def test_german_addresses_of_s7_are_those_of_the_tool(form: str) -> None:
     assert {item.path for item in report.items if item.what == "address"} == {"POU Kette / B5", "POU Kette / H1"}
 
 
+@pytest.mark.parametrize("form", ["simaticml", "codesys"])
+def test_values_of_outputs_with_an_address_are_typed_and_those_of_drawings_are_read(form: str, tmp_path: Path) -> None:
+    """Tags had no type, so that a product of two BOOLs was proven; 1 was no TRUE in textbook forms."""
+    text = TEXT.replace("    Q2\n", "    Q2 %Q0.2\n").replace("    H1 AFTER 30ms\n    H2 FOR 30ms\n", "")
+    text = text.replace("50ms/X2 * ", "").replace("    ON ACTIVATION n := n + 1\n", "")
+    text = (
+        text.replace("Q3 IF B5 + B1", "Q3")
+        .replace("Q3 IF B5", "Q3")
+        .replace("GRAFCET Kette AS FUNCTION_BLOCK", "GRAFCET K")
+    )
+    made = sfc.lower_to_file(
+        sfc.loads(text.encode()), str(tmp_path / "out.xml"), "flipflop", format=form, style="classic"
+    )
+    assert not made.refused, made.refused
+    wrong = sfc.loads(text.replace("Q2 := 1", "Q2 := B1 * B2").encode())
+    refused = sfc.lower_to_file(wrong, str(tmp_path / "no.xml"), "flipflop", format=form).refused
+    assert "no tool compiles the action" in str(refused)
+    with pytest.raises(LossError):
+        sfc.convert(wrong, form)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("form", ["codesys", "plcopen", "simaticml", "iec-text"])
 def test_the_textbook_chart_is_lowered_for_every_tool(form: str, tmp_path: Path) -> None:

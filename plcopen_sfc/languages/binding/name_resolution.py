@@ -322,6 +322,9 @@ class Resolver:
             type_ = self.settled(_named_type(holder.type_name), "") if holder.type_name else Untyped.ELSEWHERE
             return self.scopes.data_block(holder) if type_ is Untyped.ELSEWHERE else type_
         if isinstance(holder, Tag):
+            elementary = holder.type.upper()
+            if elementary in t.Elementary.__members__:
+                return t.ElementaryType(name=t.Elementary[elementary])
             return self.settled(_named_type(holder.type), "")
         if isinstance(holder, PouInstance):
             return self.settled(_named_type(holder.type_name), "")

@@ -158,7 +158,10 @@ class _Reader(TextReader):
             elif model.target is not None:
                 if model.value is None:
                     self.variable(model.target, self._targets, path)
-                statements = self.read(f"{model.target} := {model.value or 'TRUE'};", path)
+                value = model.value or "TRUE"
+                if value.strip() in _TRUTHS and self._targets.is_boolean(self.expression(model.target, path)):
+                    value = _TRUTHS[value.strip()]
+                statements = self.read(f"{model.target} := {value};", path)
             self._refuse_misfits(statements, path)
             if statements:
                 yield StoredAction(model.kind, tuple(indexes(owner.steps)), event, statements)
@@ -232,17 +235,21 @@ class _Reader(TextReader):
         )
 
 
+_TRUTHS = {"0": "FALSE", "1": "TRUE"}
+"""Values of BOOL in drawings of GRAFCETs (``Q := 1``), as every tool writes them."""
+
+
 def _words(tree: n.Expression) -> tuple[str, ...]:
     """Return the names in the operand of a term, but those of other terms."""
     names = (node.identifier for node in walk(tree) if isinstance(node, n.Name))
     return tuple(name for name in names if not is_term(name))
 
 
-def read_plain(pou: Pou, chart: SfcNetwork, dialect: Dialect, profile: Profile) -> ChartSource:
+def read_plain(pou: Pou, chart: SfcNetwork, project: Project, profile: Profile) -> ChartSource:
     """Read a chart as textbook forms see it. Raises `LoweringError` for what they have no place for."""
     if is_grafcet(chart, profile):
-        return plain_chart(read_grafcet(pou, dialect, profile))
-    return read_chart(pou, chart, dialect, profile)
+        return plain_chart(read_grafcet(pou, project.dialect, profile, project=project))
+    return read_chart(pou, chart, project.dialect, profile)
 
 
 def stop_condition(text: str, chart: Subject, profile: Profile) -> str:
@@ -273,7 +280,7 @@ def without_emergency_stop(chart: Subject, profile: Profile) -> tuple[Subject, s
     whole = chart.pou.chart
     if whole is None or not whole.partial_charts or not is_grafcet(whole, profile):
         return chart, ""
-    source = read_grafcet(chart.pou, chart.project.dialect, profile)
+    source = read_grafcet(chart.pou, chart.project.dialect, profile, project=chart.project)
     for partial, read in zip(whole.partial_charts, source.net.chart.partial_charts, strict=True):
         pressed = _pressed(partial.chart, [t for t in source.net.transitions if t.chart is read.chart], source)
         others = [each for each in whole.partial_charts if each is not partial]

@@ -75,6 +75,10 @@ class ActionTargets:
         type_ = self._resolver.type_of_declaration(declaration)
         return isinstance(type_, Pou) or (declaration.kind is Kind.VARIABLE and type_ is Untyped.FOREIGN)
 
+    def is_boolean(self, target: n.Expression) -> bool:
+        """Return True if a variable is known to be Boolean."""
+        return self._resolver.type_of(target, self._site) == ElementaryType(name=Elementary.BOOL)
+
     def mistakes(self, statement: n.Statement) -> Iterator[str]:
         """Yield what no tool compiles in a statement of the POU: values of another kind."""
         yield from type_mistakes(statement, self._resolver, self._site)
