@@ -124,16 +124,17 @@ def report_running(
         if run is None:
             continue
         held = "" if run.verdict.equal else _told_while_held(compared, run, losses if named else report.losses, end)
+        alike, rule = "", ""
+        if run.as_run.counterexample is not None:
+            alike, rule = _told_alike(compared, profiles, tool, run.verdict, end - time.thread_time())
         if run.verdict.kind is VerdictKind.UNTESTED:
             seen, *unreached = str(run.verdict).splitlines()
             _note_untested(report, there.report_path, seen + (_IN_IT if named else ""), *unreached)
         elif named:
-            report.compared[there.report_path] = run.told_with(losses, held)
+            report.compared[there.report_path] = run.told_with(losses, held or rule)
         else:
-            _report_run(report, run, held)
-        if run.as_run.counterexample is not None:
-            alike = _told_alike(compared, profiles, tool, run.verdict, end - time.thread_time())
-            report.compared[there.report_path] += alike
+            _report_run(report, run, held or rule)
+        report.compared[there.report_path] += alike
         if run.as_run.unknown and there.report_path not in report.untested:  # whose lines tell it already
             unknown = ", ".join(run.as_run.unknown)
             report.compared[there.report_path] += f"; unknown, taken as functions of what they are given: {unknown}"
@@ -206,12 +207,12 @@ def _told_while_held(compared: Callable[..., Verdict], run: _Run, losses: Sequen
 
 def _told_alike(
     compared: Callable[..., Verdict], profiles: tuple[Profile, Profile], tool: str, verdict: Verdict, limit: float
-) -> str:
-    """Return how a chart that differs compares under one more rule of the target, or all; nothing where it differs yet.
+) -> tuple[str, str]:
+    """Return how a chart that differs compares under one more rule of the target, or all, and the rule as a cause.
 
-    What is left of a difference then is one of the conversion. With the search for stability, inputs that come together
-    tell apart every chart of a GRAFCET whose steps they pass. Charts that execute others have no constant delay
-    where the tools execute actions and transitions in another order.
+    Nothing where it differs yet: what is left of a difference then is one of the conversion. With the search for
+    stability, inputs that come together tell apart every chart of a GRAFCET whose steps they pass. Charts that execute
+    others have no constant delay where the tools execute actions and transitions in another order.
     """
     evolution, order = profiles[1].evolution, profiles[1].order
     rules: dict[str, Callable[[], Profile]] = {}  # some would contradict others: S7-GRAPH has one order
@@ -219,7 +220,7 @@ def _told_alike(
         rules["without its search for stability"] = lambda: replace(profiles[0], evolution=evolution)
     elif not verdict.equal:
         if profiles[0].order is not order:
-            rules[f"with actions and transitions in the order of {tool}"] = lambda: replace(profiles[0], order=order)
+            rules[f"{_ORDERED}{tool}"] = lambda: replace(profiles[0], order=order)
         rules[f"under the rules of {tool}"] = lambda: profiles[1]
     end = time.thread_time() + limit
     for rule, ruled in rules.items():
@@ -229,8 +230,13 @@ def _told_alike(
         except SfcError:
             continue
         if found is not None and found.equal:
-            return f"; {rule}: {str(found).splitlines()[0]}"
-    return ""
+            first = tool if order is ScanOrder.ACTIONS_FIRST else "the source"
+            cause = f"; {first} executes the actions before the transitions" if rule.startswith(_ORDERED) else ""
+            return f"; {rule}: {str(found).splitlines()[0]}", cause
+    return "", ""
+
+
+_ORDERED = "with actions and transitions in the order of "
 
 
 class _Run(NamedTuple):

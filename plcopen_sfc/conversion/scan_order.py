@@ -9,11 +9,11 @@ from plcopen_sfc.conversion.reporting import in_the_source
 from plcopen_sfc.languages.binding import Effects, actions_by_name, bind, names_in, step_effects
 from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
-from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import ActionAssociation
+from plcopen_sfc.model.sfc import ActionAssociation, Step
 from plcopen_sfc.model.types import used_types
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import INPUTS_OF_ACTIONS, ConversionReport, Outcome
@@ -25,6 +25,7 @@ _KEPT = (SectionKind.LOCAL, SectionKind.EXTERNAL, SectionKind.GLOBAL)
 _OPERATING = MEMBER_NAMES | {flag.variable.casefold() for flag in SfcFlag}
 """Names of variables by which people operate a chart: a run keeps them at rest, or the report names them."""
 
+_OF_SUPERVISIONS = (ActionEvent.V1, ActionEvent.V0, ActionEvent.A1)
 _SHOWN = 5
 
 
@@ -57,10 +58,7 @@ def _inputs_read(chart: Chart, project: Project) -> list[str]:
     """
     (_, _), *others_called = reading = list(_names_of_actions(chart, project))
     actions = actions_by_name(chart.pou)
-    steps = [step for inner in with_inner_charts(chart.chart) for step in inner.steps]
-    # supervisions are a part of conditions, and macro-steps have steps of their own
-    acting = [step.model_copy(update={"supervision": None, "macro": None}) for step in steps]
-    done = Effects.all(step_effects(step, actions, project.dialect) for step in acting)
+    done = Effects.all(step_effects(step, actions, project.dialect) for step in _acting(chart))
     named = {name for path in done.reads for name in path} | {name for _, names in others_called for name in names}
     called = {path[-1] for path in done.calls}
     methods = [method for method in chart.pou.methods if method.name.casefold() in called]
@@ -81,6 +79,16 @@ def _inputs_read(chart: Chart, project: Project) -> list[str]:
     wanted = {name for name in given | others if name.casefold() in named}
     written = _written([pou for pou, _ in reading], project) if wanted - given else set()
     return sorted(name for name in wanted if name in given or name.casefold() not in written)
+
+
+def _acting(chart: Chart) -> Iterator[Step]:
+    """Yield the steps of a chart with what their actions read: supervisions are a part of conditions, but for events.
+
+    Macro-steps have steps of their own.
+    """
+    for step in (step for inner in with_inner_charts(chart.chart) for step in inner.steps):
+        is_awaited = any(row.event in _OF_SUPERVISIONS for row in step.actions)
+        yield step.model_copy(update={"supervision": step.supervision if is_awaited else None, "macro": None})
 
 
 def _written(pous: Iterable[Pou], project: Project) -> set[str]:
@@ -118,8 +126,7 @@ def _names_of_actions(chart: Chart, project: Project) -> Iterator[tuple[Pou, set
     pous = {pou.name.casefold(): pou for pou in project.pous}
     types = {declared.name.casefold(): declared.type for declared in project.data_types}
     global_ = [variable for section in project.global_sections() for variable in section.variables]
-    steps = (step for inner in with_inner_charts(chart.chart) for step in inner.steps)
-    texts = (*chart.pou.actions, *chart.pou.methods, *steps)
+    texts = (*chart.pou.actions, *chart.pou.methods, *_acting(chart))
     waiting = [(chart.pou, {name for each in texts for name in names_in(each, project.dialect)})]
     seen, family = {chart.pou.name.casefold()}, {chart.pou.name.casefold()}
     while waiting:

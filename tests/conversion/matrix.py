@@ -24,6 +24,7 @@ from tests.conversion.features import FEATURES, Feature, feature_project
 
 _IMPORT = "no export of CODESYS has it, so its importer may not read it"
 _START = "the first scan passes with the step `Start`, which a constant delay makes up for here"
+_AT_ONCE = "no acknowledgement is required: the scan that sees the error is no other one"
 _FINAL = "the final scan of the source makes no difference in this chart"
 
 
@@ -45,6 +46,7 @@ CAUTIOUS = {
         for feature in ("several initial steps", "priority of a convergence")
         for target in ("codesys", "twincat", "codesys-export", "codesys23")
     },
+    **{("event A1", target): _AT_ONCE for target in ("codesys", "twincat", "codesys-export", "codesys23")},
     ("counter", "codesys-export"): "nothing in the chart reads the counter",
     ("counter", "twincat"): "nothing in the chart reads the counter",
     ("counter", "codesys"): "nothing in the chart reads the counter",
