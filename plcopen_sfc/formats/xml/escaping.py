@@ -66,11 +66,11 @@ class RawText:
 class Habits:
     """Characters that the author of a raw text escapes without need, seen from the text itself."""
 
-    def __init__(self, raw: str, *, newline: str, greater: bool = True) -> None:
+    def __init__(self, raw: str, *, newline: str) -> None:
         self.newline = newline
         self.quot = "&quot;" in raw and '"' not in raw
         self.apos = "&apos;" in raw and "'" not in raw
-        self.greater = greater if ("&gt;" in raw) == (">" in raw) else "&gt;" in raw
+        self.greater = "&gt;" in raw or ">" not in raw
 
 
 def escape_text(value: str, habits: Habits) -> str:

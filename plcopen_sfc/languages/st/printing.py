@@ -22,11 +22,11 @@ INDENT = "    "
 _UNARY = {Operator.NOT: "NOT ", Operator.NEGATE: "-", Operator.PLUS: "+"}
 
 
-def print_node(node: Node, *, newline: str = "\n") -> str:
+def print_node(node: Node) -> str:
     """Return the text of an expression or of statements. Parentheses are put where the tree needs them."""
     if type(node) is n.Name and node.quoting is n.Quoting.NONE:  # most of what drawings and code print
         return node.identifier
-    return Printer(newline=newline).text(node)
+    return Printer().text(node)
 
 
 def _nothing(_: Node) -> str | None:
