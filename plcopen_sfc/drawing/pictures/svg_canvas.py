@@ -394,7 +394,8 @@ class Canvas:
     def lines(self, kind: str, x: int, y: int, lines: Sequence[str], pitch: int, *, anchor: str = "start") -> None:
         """Write lines of text below each other, the first with its base line at `y`."""
         for number, line in enumerate(lines):
-            self.text(kind, x, y + number * pitch, line, anchor=anchor)
+            if line:  # blank lines of program text
+                self.text(kind, x, y + number * pitch, line, anchor=anchor)
 
     def document(self, width: int, height: int, theme: Theme | None, title: str, description: str) -> str:
         """Return the whole picture as an SVG document of `width` and `height` pixels.
