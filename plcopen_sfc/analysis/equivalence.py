@@ -46,6 +46,7 @@ from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.drawn_charts import as_executed
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, default_profile, have_equal_rules
 from plcopen_sfc.semantics.profile import profile as profile_named
@@ -650,7 +651,16 @@ def _has_start(pou: Pou) -> bool:
     if any(each.qualifier is not Qualifier.S for each in initial[0].actions):
         return False
     condition = leaving[0].condition
-    return isinstance(condition, Expression) and condition.text.strip().upper() == "TRUE" and not condition.negated
+    if not isinstance(condition, Expression) or condition.negated:
+        return False
+    return condition.text.strip().upper() == "TRUE" or _is_passed_at_first(condition.text, pou)
+
+
+def _is_passed_at_first(condition: str, pou: Pou) -> bool:
+    """True for ``NOT waits OR ..`` with a variable of the POU that begins as FALSE: only an operated input sets it."""
+    found = re.match(r"NOT (\w+) OR ", condition)
+    held = [each for each in pou.variables(SectionKind.LOCAL) if found and each.name.casefold() == found[1].casefold()]
+    return bool(held) and held[0].initial is None
 
 
 def _confirmed(
