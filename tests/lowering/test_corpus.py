@@ -85,11 +85,11 @@ _EVERYWHERE = {
 }
 REFUSED_FORMS: dict[str, dict[str, int]] = {
     "auto ST": _EVERYWHERE,
-    "case ST": {**_EVERYWHERE, "competing transitions that fire together": 3, "several steps at a time": 23},
+    "case ST": {**_EVERYWHERE, "competing transitions that fire together": 1, "several steps at a time": 24},
     "regions ST": {
         **_EVERYWHERE,
         "no regions": 5,
-        "competing transitions that fire together": 3,
+        "competing transitions that fire together": 1,
         "several steps at a time": 10,
     },
     "bits ST": _EVERYWHERE,
