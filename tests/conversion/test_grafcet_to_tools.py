@@ -255,6 +255,32 @@ def test_inputs_with_addresses_are_variables_of_programs_and_tags(form: str) -> 
         assert {section.kind.value for section in result.pous[0].interface.sections} == {"local"}  # type: ignore[union-attr]
 
 
+TWICE = """GRAFCET G
+INPUTS
+    a
+    b
+OUTPUTS
+    Q
+INITIAL STEP 1
+    ON {} Q := a
+1 -> 2 : /b
+STEP 2
+    ON {} Q := b
+2 -> 1 : b
+"""
+
+
+@pytest.mark.parametrize("form", ["plcopen", "iec-text"])
+def test_what_is_stored_on_deactivation_behind_an_activation_is_told(form: str) -> None:
+    """A plan was said to differ by the search for stability, and passed no step."""
+    verdict, lost = run(TWICE.format("ACTIVATION", "DEACTIVATION"), form)
+    assert "different" in verdict
+    assert "order of actions" in lost
+    verdict, lost = run(TWICE.format("DEACTIVATION", "ACTIVATION"), form)
+    assert "(proof" in verdict
+    assert "order of actions" not in lost
+
+
 @pytest.mark.parametrize("form", ["codesys", "plcopen", "twincat", "codesys23", "iec-text", "simaticml"])
 def test_german_addresses_of_s7_are_those_of_the_tool(form: str) -> None:
     text = TEXT.replace("    B5\n", "    B5 %E0.3\n").replace("    H1\n", "    H1 %A4.1\n", 1)

@@ -27,7 +27,7 @@ from plcopen_sfc.languages.binding.name_sites import in_tree
 from plcopen_sfc.languages.grafcet_conditions import ConditionError, to_structured_text
 from plcopen_sfc.languages.networks import declared_rules, draw_ld
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform
+from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform, walk
 from plcopen_sfc.languages.words import identifier, take_name
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, disjunction
 from plcopen_sfc.lowering.reading.text_reading import ActionTargets
@@ -49,7 +49,7 @@ from plcopen_sfc.model.sfc import (
 from plcopen_sfc.model.sfc import Sequence as GraphSequence
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
-from plcopen_sfc.report import Outcome
+from plcopen_sfc.report import ORDER_OF_ACTIONS, Outcome
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import rising
 from plcopen_sfc.semantics.profile import Profile, ScanOrder
 
@@ -188,6 +188,7 @@ class _Chart:
                 self._note(Outcome.TRANSLATED, "hierarchy", path, why)
             except HierarchyError as error:
                 self._refuse_hierarchy(path, error)
+        self._note_late_deactivations(path, is_ruled=flat is not None and bool(flat.ruled))
         starts = [step for step in self._chart.steps if step.initial]
         self._keep_memories(path, starts)
         if self._of_graph:
@@ -198,6 +199,34 @@ class _Chart:
     def _refuse_hierarchy(self, path: str, error: HierarchyError) -> None:
         why = f"{error}: lower the GRAFCET, which makes proven code of all of it"
         self._note(Outcome.NOT_EXECUTED, "hierarchy", path, why)
+
+    def _note_late_deactivations(self, path: str, *, is_ruled: bool) -> None:
+        """Tell of variables that one evolution stores twice, where the target executes the actions in another order.
+
+        A GRAFCET stores on deactivation first. A target that fires transitions first executes actions in the order in
+        which its chart first uses them: that of a step behind the one that is activated comes last.
+        """
+        if self._of_graph or self._actions_first:
+            return
+        numbers = {step.id: number for number, step in enumerate(self._chart.steps)}
+        names = {step.id: step.name for step in self._chart.steps}
+        follow = {(s, t) for each in self._chart.transitions for s in each.sources for t in each.targets}
+        written = {
+            key: {
+                print_node(each.target)
+                for each in walk(parse_statements(body.text).tree)
+                if isinstance(each, n.Assignment)
+            }
+            for key, body in self._stores.items()
+        }
+        for (left, one), before in written.items():
+            for (entered, other), after in written.items():
+                pair = (one, other) == (Qualifier.P0, Qualifier.P1) and numbers[left] > numbers[entered]
+                if pair and before & after and (is_ruled or (left, entered) in follow):
+                    both = ", ".join(sorted(before & after))
+                    why = f"what {names[left]} stores when it is left is executed behind what {names[entered]} stores"
+                    why += f" on activation, a GRAFCET executes it before ({both})"
+                    self._note(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, path, why)
 
     def _note_selections(self, path: str) -> None:
         """Tell of transitions that leave a step together, of which the target fires the first."""
