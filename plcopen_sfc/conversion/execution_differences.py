@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Set
 from dataclasses import dataclass
 
 from plcopen_sfc.conversion.executed_parts import (
@@ -57,17 +57,18 @@ _MAY_BE_ADDED = frozenset({SHOWN_STATE, "order of transitions"})
 
 
 def compare(
-    left: Part, right: Part, *, other_tool: bool = False, has_libraries: bool = False
+    left: Part, right: Part, *, other_tool: bool = False, has_libraries: bool = False, known: Set[str] = frozenset()
 ) -> Iterator[ExecutionDifference]:
     """Yield the differences between two trees of `plcopen_sfc.conversion.executed`, parts before what is in them.
 
     `other_tool`: the second is for another tool, which does not have the libraries of the first. `has_libraries`: the
     first is of a tool that has some, so that functions and types which it does not declare may come from there.
+    `known`: names, in lower case, of what those of the second declare.
     """
     yield from _compare(left, right, Key("project", ""), ())
     for key, part in left.parts.items() if other_tool else ():
         other = right.parts.get(key)
-        if other is not None and key.kind in (UNDECLARED, UNDECLARED_TYPE) and key.name not in _OF_EVERY_BLOCK:
+        if other is not None and key.kind in (UNDECLARED, UNDECLARED_TYPE) and key.name not in _OF_EVERY_BLOCK | known:
             is_of_library = has_libraries and (key.kind == UNDECLARED_TYPE or other.is_called)
             yield ExecutionDifference(
                 part.path, key.kind, _name(part, key), "", OF_LIBRARY if is_of_library else "", ""

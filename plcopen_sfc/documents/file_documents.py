@@ -35,6 +35,7 @@ from plcopen_sfc.formats.provenance import (
     without_edits,
 )
 from plcopen_sfc.formats.registry import format_named
+from plcopen_sfc.languages.library_blocks import library_blocks
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
@@ -205,6 +206,7 @@ def report_behaviour(
         executed(seen, target, compared_with=behaviour),
         other_tool=bool(flavour) or is_plan or has_other_libraries or own is not family(seen.dialect),
         has_libraries=own is not Dialect.IEC,
+        known={block.name.casefold() for block in library_blocks(project) if len(formats) == 1},  # it comes home
     )
     report_execution(report, found, flavour or tool, called)
     known = {each.code for each in project.diagnostics}

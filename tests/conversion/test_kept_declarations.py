@@ -171,6 +171,16 @@ def test_blink_of_codesys_is_written_out(target: str) -> None:
         assert {*source["q"]} == {True, False}
 
 
+@pytest.mark.parametrize("target", ["simaticml", "plcopen-2.01"])
+def test_blink_comes_home_to_the_library_of_codesys(target: str) -> None:
+    chart = "INITIAL_STEP S0: END_STEP TRANSITION FROM S0 TO S1 := x; END_TRANSITION STEP S1: q(N); END_STEP\n"
+    chart += "TRANSITION FROM S1 TO S0 := NOT x; END_TRANSITION\n"
+    text = BLINKING + "\n" + BLINKING.replace("Main", "Chart").partition("b(ENABLE")[0] + chart + "END_PROGRAM"
+    exported = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "codesys", partial=True)[0]
+    data, _ = sfc.convert(sfc.loads(exported, as_tool=True), target)
+    assert not [item for item in sfc.convert(sfc.loads(data), "codesys").report.losses if "BLINK" in item.why]
+
+
 @pytest.mark.parametrize(
     ("target", "old"), [("plcopen-2.01", "NOT Running OR"), ("plcopen-2.01", '"Phase"'), ("simaticml", '"Phase"')]
 )

@@ -81,6 +81,36 @@ def test_a_variable_that_an_action_is_and_another_one_writes_is_told() -> None:
     assert boolean_actions("codesys", "twincat") == []
 
 
+SHARED = """FUNCTION_BLOCK Main
+VAR_INPUT a, b, c : BOOL; END_VAR
+VAR_OUTPUT r : BOOL; END_VAR
+INITIAL_STEP Idle: END_STEP
+TRANSITION FROM Idle TO Work := a; END_TRANSITION
+STEP Work: r(%s); END_STEP
+TRANSITION FROM Work TO Done := b; END_TRANSITION
+STEP Done: END_STEP
+TRANSITION FROM Done TO Idle := NOT a AND NOT b; END_TRANSITION
+ACTION Follow: r := c; END_ACTION
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.mark.parametrize("qualifier", ["N", "L, T#1s", "D, T#1s"])
+def test_tia_portal_writes_the_variable_of_an_action_behind_step_actions_that_do_too(qualifier: str) -> None:
+    project = sfc.loads((SHARED % qualifier).encode(), format="iec-text")
+    project.dialect = m.Dialect.CODESYS
+    chart = project.pou("Main").sfc
+    assert chart is not None
+    chart.step("Idle").main_action = chart.step("Done").entry_action = "Follow"
+    data, report = sfc.convert(sfc.loads(sfc.dumps(project, format="codesys")), "simaticml", limit=5)
+    assert not [item for item in report.items if item.what == "Boolean actions"]
+    assert "equal" in report.compared["POU Main"].partition(";")[0], report.compared
+    back, report = sfc.convert(sfc.loads(data), "codesys")
+    assert report.losses == []
+    rows = [row for _, row in sfc.loads(back).pou("Main").sfc.associations() if row.target == "r"]
+    assert [row.qualifier for row in rows] == [qualifier[0]]
+
+
 @pytest.mark.parametrize(
     ("target", "told"), [("codesys", True), ("codesys23", True), ("simaticml", True), ("plcopen", False)]
 )

@@ -32,7 +32,8 @@ from plcopen_sfc.formats.simaticml.graph_reader import CONTROLLED, control_label
 from plcopen_sfc.formats.simaticml.network_boxes import mark_call
 from plcopen_sfc.formats.simaticml.network_operands import parse_operand
 from plcopen_sfc.formats.simaticml.row_tokens import AS_EVENTS, GRAPH_QUALIFIERS
-from plcopen_sfc.languages.binding import STORING, Row, SharedScans, told_orders
+from plcopen_sfc.languages.binding import STORING, Effects, Row, SharedScans, bind, told_orders
+from plcopen_sfc.languages.effects import ANYTHING, Path, may_change, path_of
 from plcopen_sfc.languages.networks import condition_reader, draw_ld, draw_ld_expression
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, declared_rules
 from plcopen_sfc.languages.st import nodes as n
@@ -74,15 +75,17 @@ def action_controls(
     functions: ActionFunctions,
     *,
     alone: Callable[[str], bool] = lambda _: False,
+    shared: Callable[[str], bool] = lambda _: False,
     more: Iterable[str] = (),
     ends: Iterable[str] = (),
 ) -> ActionControls:
     """Return the action controls that the chart of a block needs.
 
-    `alone`: True if each association of an action acts for its step alone already, as rows do. `more`:
+    `alone`: True if each association of an action acts for its step alone already, as rows do. `shared`: True if an
+    action writes its variable only while it is executed, so that other code may do so at other times. `more`:
     statements for SFC flags. `ends`: the flags that end what is stored or delayed.
     """
-    return _Planner(project, pou, chart, functions, alone).plan(more, ends)
+    return _Planner(project, pou, chart, functions, alone=alone, shared=shared).plan(more, ends)
 
 
 def are_rows_alone(options: WriteOptions) -> Callable[[str], bool]:
@@ -92,8 +95,20 @@ def are_rows_alone(options: WriteOptions) -> Callable[[str], bool]:
     """
     if not options.same:
         return lambda _: options.of_graph
-    found = {json.loads(text) for text in _CONTROLS.findall(options.source.decode("utf-8", "replace"))}
+    found = _controlled(options)
     return lambda label: label not in found
+
+
+def are_shared(options: WriteOptions) -> Callable[[str], bool]:
+    """Return which actions write their variable only while they are executed, as in CODESYS, by the same names."""
+    if not options.same:
+        return lambda _: options.of_codesys
+    found = _controlled(options)
+    return lambda label: label in found
+
+
+def _controlled(options: WriteOptions) -> set[str]:
+    return {json.loads(text) for text in _CONTROLS.findall(options.source.decode("utf-8", "replace"))}
 
 
 def told_late_actions(pou: Pou, chart: SfcNetwork, controls: ActionControls, options: WriteOptions) -> str:
@@ -137,8 +152,11 @@ def told_late_actions(pou: Pou, chart: SfcNetwork, controls: ActionControls, opt
     return told_orders(scans, acting, is_late, "after") if networks or options.of_codesys else ""
 
 
+_NO_MARKS = str.maketrans("", "", '#"')
+
+
 def _name(row: ActionAssociation) -> str:
-    return (row.target or f" {id(row)}").replace("#", "").replace('"', "").casefold()
+    return (row.target or f" {id(row)}").translate(_NO_MARKS).casefold()
 
 
 def watching_flags(pou: Pou, chart: SfcNetwork) -> frozenset[SfcFlag]:
@@ -163,9 +181,10 @@ _CONTROLS = re.compile(rf'{{"{CONTROLLED}": ("(?:[^"\\]|\\.)*")}}')
 
 @dataclass
 class _Draft:
-    """The control of one action while it is planned."""
+    """The control of one action while it is planned; `operand`: the Boolean variable that it is, if it is no code."""
 
     label: str
+    operand: str = ""
     variables: list[Variable] = field(default_factory=list)
     lines: list[str] = field(default_factory=list)
 
@@ -181,10 +200,13 @@ class _Planner:
         pou: Pou,
         chart: SfcNetwork,
         functions: ActionFunctions,
+        *,
         alone: Callable[[str], bool],
+        shared: Callable[[str], bool],
     ) -> None:
         self._ends: list[str] = []
-        self._pou, self._chart, self._functions, self._alone = pou, chart, functions, alone
+        self._pou, self._chart, self._functions, self._alone, self._shared = pou, chart, functions, alone, shared
+        self._written = self._writes()
         self._read = condition_reader(chart, Dialect.SCL, transitions=pou.transitions)
         variables = {variable.name.casefold() for variable in pou.variables()}
         self._taken = variables | system_members(variables)
@@ -208,7 +230,10 @@ class _Planner:
             found.variables += draft.variables
             found.networks += networks
             for step, row in rows:
-                why = f"networks behind the sequence control {draft.label}: no row means {_shown(step, row)}"
+                reason = f"no row means {_shown(step, row)}"
+                if self._is_shared(rows):
+                    reason = "actions of other steps write it, too"
+                why = f"networks behind the sequence control {draft.label}: {reason}"
                 found.controlled[step.id, row.id] = why
         found.networks += self._watch()
         return found
@@ -251,7 +276,10 @@ class _Planner:
         if self._code(rows[0][1]) is not None:
             is_doubled = len({step.id for step, _ in rows}) < len(rows)  # a row of its own would execute it once more
             return is_doubled or bool(used - {*_PLAIN, *_AT_ONCE}) or (len(rows) > 1 and used <= _AT_ONCE)
-        if len(rows) == 1 or self._alone(control_label(rows[0][0].name, rows[0][1].target)):
+        label = control_label(rows[0][0].name, rows[0][1].target)
+        if self._is_shared(rows):
+            return True
+        if len(rows) == 1 or self._alone(label):
             return False
         is_stored = bool(used & {Q.S, *_RESETS})
         return any(row.qualifier.needs_duration for _, row in rows) or (is_stored and bool(used & {*_PLAIN, Q.P}))
@@ -269,7 +297,8 @@ class _Planner:
     def _control(self, rows: list[tuple[Step, ActionAssociation]]) -> tuple[_Draft, list[ControlNetwork]]:
         step, row = rows[0]
         label = control_label(step.name, row.target)
-        draft, code = _Draft(label), self._code(row)
+        code = self._code(row)
+        draft = _Draft(label, row.target or "" if code is None else "")
         if code is None and (row.target is None or parse_operand(row.target) is None):
             raise _ImpossibleError
         reset = self._plain(draft, "reset", _or([self._on(rows, *_RESETS), *self._ends]))
@@ -310,6 +339,42 @@ class _Planner:
         if isinstance(chart, str):
             raise _ImpossibleError
         return chart.block, f"#{chart.instance.name}"
+
+    def _writes(self) -> tuple[dict[int, frozenset[Path]], frozenset[Path]]:
+        """Return what the entry, main and exit actions of each step write, and what other code of the block does.
+
+        A block that is called writes no variable of this one that it is not given.
+        """
+        bodies = {action.name.casefold(): action.body for action in self._pou.actions}
+        rows = {_name(row) for _, row in self._chart.associations()}
+        of_steps: dict[int, list[Body]] = {}
+        for step in self._chart.steps:
+            for code in (step.entry_action, step.main_action, step.exit_action):
+                name = code.translate(_NO_MARKS).casefold() if isinstance(code, str) else ""
+                body = bodies.get(name) if isinstance(code, str) else code
+                if body is not None and name not in rows:
+                    of_steps.setdefault(step.id, []).append(body)
+        own = {id(body) for each in of_steps.values() for body in each}
+        named = [body for _, _, body in self._pou.named_bodies() if getattr(body, "chart", None) is not self._chart]
+        others = [body for body in named if id(body) not in own]
+        others += [row.body for _, row in self._chart.associations() if row.body is not None]
+        return {number: _written(each) for number, each in of_steps.items()}, _written(others)
+
+    def _is_shared(self, rows: list[tuple[Step, ActionAssociation]]) -> bool:
+        """True if actions of other steps write the variable of an action too, and nothing else does.
+
+        CODESYS executes them before all associations and their final scans; networks behind the sequence follow them.
+        """
+        step, row = rows[0]
+        if not self._shared(control_label(step.name, row.target)) or self._code(row) is not None:
+            return False
+        if all(each.qualifier in _RESETS for _, each in rows):
+            return False
+        path = frozenset({path_of(parse_expression(rows[0][1].target or "", Dialect.SCL).tree)})
+        by_steps, others = self._written
+        writing = {number for number, each in by_steps.items() if may_change(path, each, frozenset())}
+        is_alone = writing.isdisjoint(step.id for step, _ in rows) and not may_change(path, others, frozenset())
+        return bool(writing) and is_alone
 
     def _is_named_elsewhere(self, label: str) -> bool:
         """True if a text of the block may write the variable too."""
@@ -461,6 +526,7 @@ class _Planner:
 
     def _typed(self, draft: _Draft, network: LogicNetwork) -> LdBody:
         types = self._types | {f"#{v.name.lower()}": write_type(v.type) for v in draft.variables if not _is_timer(v)}
+        types |= {draft.operand.lower(): "Bool"} if draft.operand else {}
         boxes = [node.type_name for node in network.nodes if isinstance(node, Block)]
         if boxes != ["TON"] and give_types(network, types) is not None:
             raise _ImpossibleError
@@ -468,6 +534,10 @@ class _Planner:
         if lacks_power(network):
             put_in_series(network)
         return LdBody(networks=[network])
+
+
+def _written(bodies: Iterable[Body]) -> frozenset[Path]:
+    return Effects.all(bind(body, Dialect.SCL).code for body in bodies).writes - {ANYTHING}
 
 
 def _is_of_iec(row: ActionAssociation) -> bool:

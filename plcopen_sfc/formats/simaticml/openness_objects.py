@@ -8,7 +8,7 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.formats.format_interface import may_have
-from plcopen_sfc.formats.simaticml.action_controls import action_controls, are_rows_alone, told_late_actions
+from plcopen_sfc.formats.simaticml.action_controls import action_controls, are_rows_alone, are_shared, told_late_actions
 from plcopen_sfc.formats.simaticml.action_functions import ActionFunctions
 from plcopen_sfc.formats.simaticml.action_rows import functions_of
 from plcopen_sfc.formats.simaticml.added_elements import bodies_with_result, is_added, mark_added, name_result
@@ -211,8 +211,8 @@ def _planned_controls(ctx: DocumentWriting, pou: Pou, chart: SfcNetwork, functio
     """Plan the networks that control actions, and return the variables that they add to the block."""
     flags = ctx.options.marks.get(id(chart), {})
     more, ends = flags.get("lines", ()), flags.get("ends", ())
-    alone = are_rows_alone(ctx.options)
-    controls = action_controls(ctx.project, pou, chart, functions, alone=alone, more=more, ends=ends)
+    alone, shared = are_rows_alone(ctx.options), are_shared(ctx.options)
+    controls = action_controls(ctx.project, pou, chart, functions, alone=alone, shared=shared, more=more, ends=ends)
     ctx.action_controls = controls
     if told := told_late_actions(pou, chart, controls, ctx.options):
         ctx.note(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, why=told)
