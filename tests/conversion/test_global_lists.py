@@ -137,6 +137,31 @@ END_FUNCTION_BLOCK
     assert "c : Array[1..2] of Int := [5, 3];" in written
 
 
+def test_expressions_of_constants_come_home_from_tia_portal_as_their_values() -> None:
+    text = """VAR_GLOBAL CONSTANT
+    K1 : INT := 5;
+    K2 : INT := K1 * 2 + 1;
+END_VAR
+FUNCTION_BLOCK Main
+VAR n : INT := K1 + 1; f : ARRAY[0..K2 - 1] OF INT; s : STRING[K1 * 4]; END_VAR
+n := f[K1] + K2;
+END_FUNCTION_BLOCK
+"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    project.dialect = m.Dialect.CODESYS
+    data, report = sfc.convert(project, "simaticml")
+    assert report.losses == []
+    back, report = sfc.convert(sfc.loads(data), "codesys")
+    assert report.losses == []
+    home = sfc.loads(sfc.convert(sfc.loads(back), "iec-text")[0])
+    found = {variable.name: variable for variable in home.pou("Main").variables()}
+    assert found["n"].initial == m.SimpleValue(text="6")
+    assert isinstance(found["f"].type, m.ArrayType)
+    assert [(each.lower, each.upper) for each in found["f"].type.dimensions] == [("0", "10")]
+    assert isinstance(found["s"].type, m.StringType)
+    assert found["s"].type.length == "20"
+
+
 @pytest.mark.parametrize("target", ["simaticml", "scl"])
 def test_s7_names_the_data_block_of_a_variable_that_codesys_names_alone(target: str) -> None:
     project = sfc.loads(b"PROGRAM Main\nVAR k : INT; END_VAR\nk := y + z;\nEND_PROGRAM\n", format="iec-text")
