@@ -188,7 +188,7 @@ class _Chart:
                 self._note(Outcome.TRANSLATED, "hierarchy", path, why)
             except HierarchyError as error:
                 self._refuse_hierarchy(path, error)
-        self._note_late_deactivations(path, is_ruled=flat is not None and bool(flat.ruled))
+        self._note_late_deactivations(path, flat.activated() if flat is not None else set())
         starts = [step for step in self._chart.steps if step.initial]
         self._keep_memories(path, starts)
         if self._of_graph:
@@ -200,11 +200,12 @@ class _Chart:
         why = f"{error}: lower the GRAFCET, which makes proven code of all of it"
         self._note(Outcome.NOT_EXECUTED, "hierarchy", path, why)
 
-    def _note_late_deactivations(self, path: str, *, is_ruled: bool) -> None:
+    def _note_late_deactivations(self, path: str, by_rules: set[int]) -> None:
         """Tell of variables that one evolution stores twice, where the target executes the actions in another order.
 
         A GRAFCET stores on deactivation first. A target that fires transitions first executes actions in the order in
         which its chart first uses them: that of a step behind the one that is activated comes last.
+        `by_rules`: the ids of steps that orders and enclosing steps activate.
         """
         if self._of_graph or self._actions_first:
             return
@@ -222,7 +223,7 @@ class _Chart:
         for (left, one), before in written.items():
             for (entered, other), after in written.items():
                 pair = (one, other) == (Qualifier.P0, Qualifier.P1) and numbers[left] > numbers[entered]
-                if pair and before & after and (is_ruled or (left, entered) in follow):
+                if pair and before & after and (entered in by_rules or (left, entered) in follow):
                     both = ", ".join(sorted(before & after))
                     why = f"what {names[left]} stores when it is left is executed behind what {names[entered]} stores"
                     why += f" on activation, a GRAFCET executes it before ({both})"

@@ -90,6 +90,12 @@ class FlatChart:
         chart.drawing, chart.partial_charts, chart.sequences = None, [], []
         chart.steps, chart.transitions = self.steps, self.transitions
 
+    def activated(self) -> set[int]:
+        """Return the ids of the steps that forcing orders and enclosing steps activate."""
+        bits = [order.imposed or 0 for ruled in self.ruled for order in ruled.orders]
+        bits += [enclosure.links for ruled in self.ruled for enclosure in ruled.enclosures]
+        return {self.steps[i].id for each in bits for i in indexes(each)}
+
     def freed(self, chart: SfcNetwork) -> dict[int, list[Transition]]:
         """Return the transitions of `chart` that let steps evolve which a rule has activated or held, by their ids."""
         found: dict[int, list[Transition]] = {}
