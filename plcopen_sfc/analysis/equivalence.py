@@ -185,9 +185,7 @@ def equivalent(
     compared.check_freed()
     given = seconds(limit)
     tries = _Tries(cap, runs, scans, seed, given, progress, given)
-    wanted = [each for each in delays(delay, profiles) if not each.retimed or compared.can_be_retimed]
-    if all(name in ASKED_FOR for name, _ in compared.operated):
-        wanted = [each for each in wanted if not each.operated_later]
+    wanted = [each for each in delays(delay, profiles) if compared.can_have(each)]
     return compared.verdict(wanted[0], tries) if len(wanted) == 1 else _best_of(wanted, compared, tries)
 
 
@@ -331,6 +329,11 @@ class _Compared:
         begun = {step.name.casefold() for step in second.chart.steps if step.id in entered} & names.keys()
         initial = {name for name, is_initial in names.items() if is_initial}
         return len(initial) > 1 or (bool(initial) and begun == initial)
+
+    def can_have(self, delay: Delay) -> bool:
+        """False for a delay that makes no sense: of scans that cannot be cut, or of inputs that there are none of."""
+        is_late = any(name not in ASKED_FOR for name, _ in self.operated)
+        return (not delay.retimed or self.can_be_retimed) and (not delay.operated_later or is_late)
 
     @cached_property
     def can_be_retimed(self) -> bool:
