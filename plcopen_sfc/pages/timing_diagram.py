@@ -104,7 +104,8 @@ def trace_section(trace: Trace, index: PageIndex, words: Words) -> Html:
         trace.profile or "-",
     )
     heading = element("h2", element("small", words("Simulation")), " ", trace.name)
-    section = element("section", heading, element("p", told), figure, picture, values, id="trace")
+    ended = element("p", words("The run ended with an error: {}", trace.ended), class_="ended") if trace.ended else ""
+    section = element("section", heading, element("p", told), ended, figure, picture, values, id="trace")
     return joined(section, player, data_element("trace-data", data))  # outside: what contains a section fixes in it
 
 
@@ -119,7 +120,7 @@ class TimingDiagram:
     def __init__(self, trace: Trace) -> None:
         self.trace = trace
         self.width = max(min(len(trace) * _SCAN, _LONGEST), 60)
-        self._rows = [*_step_rows(trace), *map(self._readable, _variable_rows(trace))]
+        self._rows = [*_step_rows(trace), *map(self._readable, _variable_rows(trace))] if len(trace) else []
         labels = [text_width(row.name, 12) for row in self._rows]
         self.left = _MARGIN + max(labels, default=0) + 12
 

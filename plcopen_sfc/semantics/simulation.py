@@ -7,7 +7,15 @@ from collections.abc import Callable, Iterable, Mapping
 from datetime import timedelta
 from typing import Any
 
-from plcopen_sfc.errors import ArgumentError, InputError, ModelError, check_argument, listed_names, nearest
+from plcopen_sfc.errors import (
+    ArgumentError,
+    InputError,
+    ModelError,
+    SimulationError,
+    check_argument,
+    listed_names,
+    nearest,
+)
 from plcopen_sfc.languages.st.literals import duration_of
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
@@ -159,10 +167,14 @@ class Simulation:
         self.instance[name] = self._accepted(name, value)
 
     def scan(self) -> None:
-        """Run one scan and record it. Raises `SimulationError`; then nothing is recorded."""
+        """Run one scan and record it. Raises `SimulationError`; then nothing is recorded but the error."""
         if len(self.trace):
             self.controller.now += self.scan_time
-        self.instance.scan()
+        try:
+            self.instance.scan()
+        except SimulationError as error:
+            self.trace.ended = error.message
+            raise
         self.trace.record(self._read(), self._marking())
 
     def values(self) -> dict[str, Value]:

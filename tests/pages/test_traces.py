@@ -8,6 +8,9 @@ import pytest
 from lxml import etree, html
 
 import plcopen_sfc as sfc
+from plcopen_sfc.pages import page
+from plcopen_sfc.semantics.simulation import Simulation
+from plcopen_sfc.semantics.subjects import resolve
 from tests.pages.browser import Browser
 from tests.semantics.test_simulate import PLANT
 
@@ -135,3 +138,15 @@ def test_notebooks_show_projects_and_verdicts(project: sfc.Project) -> None:
     assert proof.verdict.different
     assert shown.startswith("<pre>")
     assert shown.count("<svg") == 2
+
+
+def test_a_run_without_a_scan_and_one_that_ends_with_an_error_are_shown() -> None:
+    text = "PROGRAM Main VAR_INPUT x : BOOL; END_VAR VAR_OUTPUT n : INT; END_VAR n := 1 / n; END_PROGRAM"
+    project = sfc.loads(text.encode(), format="iec-text")
+    simulation = Simulation(resolve(project, None))
+    assert "0 scans" in simulation.trace.to_svg()
+    with pytest.raises(sfc.SfcError):
+        simulation.run(lambda _: {}, 5)
+    assert simulation.trace.ended == "division by zero"
+    for lang, told in (("en", "The run ended with an error: division by zero"), ("de", "Der Lauf endete mit einem")):
+        assert told in page(project, lang=lang, trace=simulation.trace)
