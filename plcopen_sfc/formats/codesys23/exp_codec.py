@@ -472,6 +472,7 @@ def _inside(text: str) -> str:
 _TYPES = frozenset({Elementary.LINT, Elementary.ULINT, Elementary.LWORD, Elementary.LTIME})
 _TYPED = re.compile(r'(?:LTIME|LINT|ULINT|LWORD)#|"', re.IGNORECASE)
 _CONVERSION = re.compile(r"TO_[A-Z]+", re.IGNORECASE)
+_LATER_FUNCTION = re.compile(r"(?:UPPER|LOWER)_BOUND|XSIZEOF|__[A-Z]+", re.IGNORECASE)
 
 
 def replace_later_language(project: Project, report: ConversionReport) -> None:
@@ -542,6 +543,8 @@ def _words(node: n.Node, enumerations: Collection[str]) -> Iterator[str]:
             yield f"jump {keyword}"
         case n.Call(callee=n.Name(identifier=name)) if _CONVERSION.fullmatch(name):
             yield f"function {name}, which names the type it converts to only"
+        case n.Call(callee=n.Name(identifier=name)) if _LATER_FUNCTION.fullmatch(name):
+            yield f"function {name}"
         case n.Member(base=n.Name(identifier=base), name=n.Name(identifier=name)):
             if base.casefold() in enumerations:
                 yield f"value of an enumeration by its type (`{base}.{name}`)"
@@ -557,6 +560,8 @@ def _later_types(kind: DataType | None) -> Iterator[str]:
             yield name.value
         case StringType(wide=True):
             yield "WSTRING"
+        case PointerType(reference=True):
+            yield "REFERENCE TO"
         case EnumType(base=base) if base is not None:
             yield "enumeration with a type of its values"
         case ArrayType(base=base) | PointerType(base=base):
