@@ -203,7 +203,7 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
                 text_site.put(narrower)
             continue  # all else that IEC 61131-3 has is left to CODESYS, whose files often are in TC6
         is_wider = family(target) is Dialect.IEC and _calculates_otherwise(text_site, project.dialect, target, resolver)
-        has_types = is_wider or "TRUNC" in text_site.text.upper() or (family(target) is Dialect.IEC and not is_own)
+        has_types = is_wider or (family(target) is Dialect.CODESYS and "TRUNC" in text_site.text.upper())
         site_known = replace(known, resolver=resolver) if has_types else known
         result = _translated(text_site, target, Renames(), project, site_known)
         is_lost = any(note.severity is not Severity.INFO for note in result.notes)

@@ -10,7 +10,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import equivalent
 from plcopen_sfc.errors import LossError
-from plcopen_sfc.report import Outcome
+from plcopen_sfc.report import INPUTS_OF_ACTIONS, Outcome
 from tests.conversion.features import Feature, FeatureChart, feature_project
 
 Row = tuple[str, str, dict[str, str]]
@@ -67,7 +67,8 @@ def test_the_operand_is_written_as_in_the_source(name: str, target: str) -> None
     profiles = ("s7graph", "codesys" if target == "codesys" else "iec")
     verdict = equivalent(project.pou("Main"), result.pou("Main"), profiles, delay="auto", outputs=["q"], cap=2000)
     assert verdict.equal is ((name, target) not in DIFFERENT), verdict
-    assert verdict.equal is not bool(report.losses), report.losses
+    losses = [item for item in report.losses if item.what != INPUTS_OF_ACTIONS]  # which the comparison allows for
+    assert verdict.equal is not bool(losses), losses
 
 
 @pytest.mark.parametrize("name", ["driven, reset at the start", "driven, set when left", "two times"])

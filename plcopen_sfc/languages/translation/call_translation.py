@@ -78,8 +78,6 @@ def is_called_otherwise(call: n.Call, target: Dialect) -> bool:
         name == "TRUNC" and target is not Dialect.IEC
     ):
         return True
-    if target is Dialect.IEC and _counted_value(call, name) is not None:
-        return True
     block = standard_block(name)
     if block is None or block.stateful:
         return False

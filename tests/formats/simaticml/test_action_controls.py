@@ -135,6 +135,6 @@ def test_a_variable_that_others_write_keeps_what_they_write() -> None:
     main.actions.append(m.Action(name="First", body=m.StBody(text="q := a;")))
     main.chart.step("Idle").entry_action = "First"
     data, _ = sfc.convert(project, "simaticml")
-    verdict = same_behaviour(project, sfc.loads(data, format="simaticml", as_tool=True))
+    verdict = same_behaviour(project, sfc.loads(data, format="simaticml", as_tool=True), later_inputs=True)
     assert verdict is not None
     assert verdict.equal, verdict

@@ -165,8 +165,7 @@ def test_another_tools_project_becomes_a_folder(tmp_path: Path) -> None:
     }
     assert [each.name for each in tasks["MainTask"].instances] == ["PLC_PRG"]
     changes = [change for change in sfc.diff(source, back).changes if "BLINK" not in change.path]
-    # lists of CODESYS have attributes in their data, those of TwinCAT in their text
-    assert {change.aspect for change in changes} == {"watchdog", "attributes"}
+    assert {change.aspect for change in changes} == {"watchdog"}
     assert back.source is not None
     assert back.source.format == "twincat"
     assert sfc.equivalent(source.pous[0], back.pou(source.pous[0].name), limit=2) is not None
