@@ -118,7 +118,7 @@ def _arranged(chart: SfcNetwork, look: _Look, prefix: str, told: Told) -> list[C
         for enclosure in step.encloses or ()
     }
     dialect = chart.project.dialect if chart.project is not None else Dialect.IEC
-    in_turn = PictureStyle.GRAFCET not in (look.style, usual_style(chart))
+    in_turn = usual_style(chart) is not PictureStyle.GRAFCET
     for number, part in enumerate(parts):
         starred = activated.get(part.name, frozenset()) if number else frozenset()
         wording = Wording(part.chart, dialect, told)

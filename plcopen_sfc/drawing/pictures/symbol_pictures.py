@@ -220,7 +220,7 @@ class PictureSheet:
     @property
     def stars(self) -> bool:
         """True if an asterisk tells that competing transitions without priorities are tried from left to right."""
-        return self.in_turn and self.style is PictureStyle.IEC
+        return self.in_turn and self.style is not PictureStyle.S7GRAPH
 
     @property
     def text_width(self) -> int:
