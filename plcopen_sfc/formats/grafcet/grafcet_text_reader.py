@@ -70,7 +70,10 @@ _TRANSITION = re.compile(
 _OTHER_ARROW = re.compile(rf"(?P<before>(?:\([^()]+\)\s*)?(?:{_NAMES})?\s*)(?:--+>|=+>|[–—]>|→|⇒|➔)(?=\s*{_NAMES})")
 _NO_COLON = re.compile(rf"(?P<steps>(?:{_NAMES})?\s*->\s*{_NAMES})\s+(?P<condition>[^:>]+)$")
 _VARIABLE = re.compile(r"(?P<name>[^\s:]+)(?:\s+(?P<address>%\S+))?\s*(?::(?P<type>.*))?$")
-_ADDRESS = re.compile(r"%(?:[IQMEA][XBWDL]?|DB\d+\.DB[XBWD])(?:\*|\d+(?:\.\d+)*)", re.IGNORECASE)
+_ADDRESS = re.compile(
+    r"%(?:[EA][XBWDL]?\d+(?:\.[0-7])?|(?:[IQM][XBWDL]?|DB\d+\.DB[XBWD])(?:\*|\d+(?:\.\d+)*))", re.IGNORECASE
+)
+"""Tools that address words count bits up to 15; the German letters are of S7, which addresses bytes."""
 _FORCE = re.compile(r"FORCE\s+(?P<chart>[^\s{}]+)\s*\{(?P<situation>[^{}]*)\}$")
 _ON = re.compile(rf"ON\s+(?:(?P<when>{'|'.join(STORED)})|EVENT\s+(?P<event>.+?)\s*:(?!=))\s+(?P<done>.+)$")
 _CONTINUOUS = re.compile(

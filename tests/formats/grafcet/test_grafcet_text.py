@@ -280,6 +280,7 @@ def test_what_the_text_has_no_words_for_comes_back_from_a_comment() -> None:
         ("GRAFCET G\nCHART A\nCHART A\n", "there is a chart A already", 3),
         ("GRAFCET G\nINPUTS\n a\nOUTPUTS\n A : INT\n", "there is a variable A already", 5),
         ("GRAFCET G\nINPUTS\n a %X9.9\n", "'%X9.9' is no address", 3),
+        ("GRAFCET G\nOUTPUTS\n a %A4.7\n b %A4.9\n", "'%A4.9' is no address", 4),
         ("GRAFCET G\nINPUTS\n 2.5 : REAL\n", "'2.5' is a number", 3),
         ('GRAFCET G\nSTEP 1\n1 -> 1 : a "words\n', "a quotation mark is missing", 3),
     ],
