@@ -8,22 +8,20 @@ The start value of every elementary member is from the declaration of its variab
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, groupby, pairwise
 
 from plcopen_sfc.conversion.executed_parts import UNDECLARED_TYPE, Part
 from plcopen_sfc.conversion.meaning import Meaning, literal_form
 from plcopen_sfc.formats.codesys import codesys_names as codesys
-from plcopen_sfc.formats.iectext.text_source import unwrapped
 from plcopen_sfc.languages.binding.text_sites import Role, TextSite
-from plcopen_sfc.languages.declarations.kept_texts import inheritance, kept, pragma_attributes
+from plcopen_sfc.languages.declarations.attributes import acting_attributes, attributes_of
+from plcopen_sfc.languages.declarations.kept_texts import inheritance, kept, unwrapped
 from plcopen_sfc.languages.declarations.type_names import is_quoted_in_scl
 from plcopen_sfc.languages.s7_types import S7Types, number_of
-from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.translation.translation_context import family
-from plcopen_sfc.languages.words import IEC_KEYWORDS
 from plcopen_sfc.model.base import Element, ExtensionData, ForeignData
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block
@@ -303,7 +301,7 @@ def tell_declaration(part: Part, thing: Element, typed: Sequence[str] = (), decl
         elif data.name.endswith("/accessmodifiers") and written is None:
             words = " ".join(word.upper() for word in _MODIFIER.findall(data.content))
             part.tell("modifiers", Meaning.of(words) if words else None)
-    found = " ".join(" ".join(_attributes(thing, typed)).split())
+    found = " ".join(" ".join(attributes_of(thing, typed)).split())
     part.tell("attributes", Meaning.of(found) if found else None)
 
 
@@ -311,47 +309,6 @@ def tell_acting_attributes(part: Part, thing: Element, typed: Sequence[str] = ()
     """Note the attributes of what is declared that change what a machine does; `typed` as in `tell_declaration`."""
     found = acting_attributes(thing, typed)
     part.tell("attributes", Meaning.of(frozenset(map(str.casefold, found)), ", ".join(found)) if found else None)
-
-
-def acting_attributes(thing: Element, typed: Sequence[str] = ()) -> list[str]:
-    """Return the attributes of what is declared that change what a machine does; `typed` as in `tell_declaration`."""
-    lines = [line for text in _attributes(thing, typed) for line in text.splitlines()]
-    found = [named for line in lines for named in pragma_attributes(line) or ()]
-    return [f"{name} := {value}" if value else name for name, value in found if name.casefold() in _ACTING]
-
-
-def _attributes(thing: Element, typed: Sequence[str]) -> Sequence[str]:
-    """Return the attributes of what is declared: those in its declaration, which others repeat, or those beside it."""
-    if typed:
-        return typed
-    texts = kept(thing.extension_data)
-    kept_data = thing.extension_data.data if thing.extension_data is not None else []
-    wrapped = (unwrapped(data.content) or ("", "") for data in kept_data)
-    return [texts.get("pragmas", texts.get("attributes", "")), *(text for place, text in wrapped if place == "pragma")]
-
-
-_ACTING = frozenset(
-    """call_after_init call_after_global_init_slot call_after_online_change_slot call_before_global_exit_slot
-    call_on_type_change global_init_slot init_on_onlchange initialize_on_call instance-path is_connected no_init no-init
-    noinit no_virtual_actions pack_mode parameterstringof relative_offset tccallafteroutputupdate tcinitonreset tclinkto
-    tcrpcenable tcswapdword tcswapword""".split()
-)
-"""Attributes of CODESYS and TwinCAT that change what is initialised, called, connected, or where members are."""
-
-
-def typed_attributes(declaration: str | None) -> Mapping[str, Sequence[str]]:
-    """Return the attributes in the text of a declaration, by the variable before which they are, "" for the head."""
-    found: dict[str, list[str]] = {}
-    if "{" not in (declaration or ""):
-        return found
-    read = tokenize(declaration or "", Dialect.CODESYS)
-    for comment in read.comments:
-        if comment.kind is CommentKind.PRAGMA:
-            behind = next((token for token in read.tokens if token.span[0] >= comment.span[1]), None)
-            is_name = behind is not None and behind.type == "NAME" and behind.value.upper() not in IEC_KEYWORDS
-            name = behind.value.casefold() if behind is not None and is_name else ""
-            found.setdefault(name, []).append(comment.text)
-    return found
 
 
 def add_kept(whole: Part, project: Project, text_sites: Iterable[TextSite], tool: Dialect) -> None:

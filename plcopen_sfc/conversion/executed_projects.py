@@ -19,7 +19,6 @@ from plcopen_sfc.conversion.declared_values import (
     tell_declaration,
     tell_inheritance,
     tell_type,
-    typed_attributes,
 )
 from plcopen_sfc.conversion.executed_charts import ExecutedChartReader
 from plcopen_sfc.conversion.executed_parts import (
@@ -45,6 +44,7 @@ from plcopen_sfc.conversion.meaning import (
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.binding.name_uses import Occurrence
 from plcopen_sfc.languages.binding.text_sites import Role
+from plcopen_sfc.languages.declarations.attributes import typed_attributes
 from plcopen_sfc.languages.declarations.kept_texts import bases_of, kept
 from plcopen_sfc.languages.networks.condition_reading import shown_named_condition
 from plcopen_sfc.languages.networks.network_graph import without_places

@@ -9,7 +9,7 @@ from functools import cached_property
 from plcopen_sfc.conversion.declared_values import StartValues
 from plcopen_sfc.conversion.executed_parts import Detail, Part, duration_meaning, plain_name
 from plcopen_sfc.conversion.meaning import Meaning, address_meaning, plain, type_meaning
-from plcopen_sfc.formats.iectext.text_source import unwrapped
+from plcopen_sfc.languages.declarations.kept_texts import unwrapped
 from plcopen_sfc.languages.s7_programs import WITHOUT_TASK
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements

@@ -388,15 +388,20 @@ def _put_into_dialect(
     own = project.dialect
     if dialect is own:
         return
-    from plcopen_sfc.refactor.dialect_translation import translate_foreign, translate_project  # noqa: PLC0415  # rarely needed
+    from plcopen_sfc.refactor.dialect_translation import (  # noqa: PLC0415  # rarely needed
+        rename_pins,
+        translate_foreign,
+        translate_project,
+    )
 
+    renamed = rename_pins(project, dialect) if {family(own), family(dialect)} == {Dialect.IEC, Dialect.CODESYS} else []
     if Dialect.SCL not in (own, dialect) and not wholly:
         texts = translate_foreign(project, dialect) if family(own) is not family(dialect) else []
         project.dialect = dialect
     else:
         texts = translate_project(project, dialect, calls_actions=calls_actions, addresses=addresses)
     _note_texts(texts, report)
-    for text in texts:
+    for text in (*renamed, *texts):
         if text.changed and not text.notes:
             report.add(Outcome.TRANSLATED, "text", text.path, f"from {own.label} into {dialect.label}")
 

@@ -7,22 +7,21 @@ A method has parameters and variables of its own, and sees those of its block. A
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import chain, zip_longest
+from itertools import zip_longest
 
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.name_scopes import parameters_of
 from plcopen_sfc.languages.binding.name_sites import named
 from plcopen_sfc.languages.binding.text_sites import Site
-from plcopen_sfc.languages.declarations.kept_texts import bases_of, keep, names_of_bases
+from plcopen_sfc.languages.declarations.attributes import acting_attributes, typed_attributes
+from plcopen_sfc.languages.declarations.kept_texts import bases_of, names_of_bases
 from plcopen_sfc.languages.effects import Path, path_of
 from plcopen_sfc.languages.s7_programs import names_of_programs
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, walk
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
-from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Method, Pou
@@ -33,7 +32,7 @@ from plcopen_sfc.model.variables import PASSED, Interface, SectionKind, Variable
 _START = "fb_init"
 _IMPLICIT = frozenset({_START, "fb_reinit", "fb_exit"})
 """Methods that CODESYS calls by itself."""
-_AFTER_START = re.compile(r"""(?<=['"])call_after_init(?=['"])""", re.IGNORECASE)
+_AFTER_START = "call_after_init"
 """The attribute of a block, and of a method that CODESYS calls when all variables have their start values."""
 _NO_FUNCTIONS = "it is no function here"
 _ITSELF = frozenset({"this^", "super^"})
@@ -62,34 +61,26 @@ def called_at_start(pou: Pou) -> list[Method]:
 
 
 def _has_attribute(thing: Pou | Method) -> bool:
-    interface = thing.interface or Interface()
-    kept_data = [each.data for each in (thing.extension_data, interface.extension_data) if each is not None]
-    texts = [interface.declaration or "", *(data.content for data in chain.from_iterable(kept_data))]
-    return any(_AFTER_START.search(text) for text in texts)
-
-
-def without_typed_declaration(interface: Interface) -> None:
-    """Leave out the text of a declaration, but for the attribute that lets CODESYS call the method of it."""
-    if _AFTER_START.search(interface.declaration or ""):
-        added = keep({"attributes": "{attribute 'call_after_init'}"}) or ExtensionData()
-        before = interface.extension_data or ExtensionData()
-        interface.extension_data = before.model_copy(update={"data": [*before.data, *added.data]})
-    interface.declaration = None
+    declaration = thing.interface.declaration if thing.interface is not None else None
+    return _AFTER_START in acting_attributes(thing, typed_attributes(declaration).get("", ()))
 
 
 def without_function(
-    owner: Pou, method: Method, pous: Mapping[str, Pou], names: Callable[[Pou], Iterable[str]] = names_of_bases
+    owner: Pou, method: Method, pous: Mapping[str, Pou], declared: Callable[[Pou], Pou] = lambda pou: pou
 ) -> str:
     """Return why no function can be called in the place of a method of `owner`, whatever it does; empty: one may.
 
-    `pous` and `names` are those of `bases_of`.
+    `pous` are those of `bases_of`; `declared` gives each as its tool declares it, where it keeps that in another form.
     """
-    if method.name.casefold() in _IMPLICIT or any(method is each for each in called_at_start(owner)):
+    starting = {each.name for each in called_at_start(declared(owner))}
+    if method.name.casefold() in _IMPLICIT or method.name in starting:
         return "its tool calls it when an instance is made or goes"
     key, around = method.name.casefold(), owner.name.casefold()
     for pou in pous.values():
         has_one = any(each.name.casefold() == key for each in pou.methods)
-        if has_one and any(base.name.casefold() == around for base in bases_of(pou, pous, names)):
+        if has_one and any(
+            base.name.casefold() == around for base in bases_of(pou, pous, lambda each: names_of_bases(declared(each)))
+        ):
             return f"{pou.name} has a method {method.name} too, and only the running program tells which one is called"
     return ""
 

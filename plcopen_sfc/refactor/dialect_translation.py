@@ -11,9 +11,9 @@ from plcopen_sfc.languages.binding.constant_values import ConstantValues
 from plcopen_sfc.languages.binding.name_resolution import Resolver, Type
 from plcopen_sfc.languages.binding.name_uses import Names
 from plcopen_sfc.languages.binding.text_sites import Role, Site, SiteKind, TextSite, text_sites
+from plcopen_sfc.languages.declarations.attributes import keep_typed_attributes
 from plcopen_sfc.languages.expression_types import BIT_STRINGS, CALCULATING, ExpressionTypes
 from plcopen_sfc.languages.il import statements as instruction_statements
-from plcopen_sfc.languages.method_calls import without_typed_declaration
 from plcopen_sfc.languages.networks import body_statements, condition_reader, is_empty_network
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.s7_globals import local_tags, names_from_s7, names_in_s7
@@ -128,10 +128,9 @@ def translate_project(
         if changed:
             text_site.put(result.text)
         found.append(TranslatedText(text_site.report_path, changed, result.notes))
+    keep_typed_attributes(project)
     for text_site in text_sites(project):
-        if isinstance(text_site.holder, Interface):
-            without_typed_declaration(text_site.holder)
-        elif text_site.reading is SiteKind.DECLARATIONS and not isinstance(text_site.key, int):
+        if text_site.reading is SiteKind.DECLARATIONS and not isinstance(text_site.key, int):
             setattr(text_site.holder, text_site.key, None)
     found += translate_declarations(project, renames, target)
     for path, severity, why in renumber_declared(project, *counting):
@@ -183,9 +182,8 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
     The others stay as they are: tools of both read most of each other's text. Anything that only CODESYS has is noted.
     """
     known = _Globals(s7_types(project), frozenset(_global_names(project)), {}, {}, None)
-    found = rename_pins(project, target)
     resolver = Resolver(project, project.dialect)
-    found += _number_bits(project, target)
+    found = _number_bits(project, target)
     enumerations = {each.name.casefold() for each in project.data_types if isinstance(each.type, EnumType)}
     # by its header a file that a tool of CODESYS made, and that was converted for others
     of_codesys = project.header.product.casefold().startswith(("codesys", "twincat"))

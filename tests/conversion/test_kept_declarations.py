@@ -377,3 +377,17 @@ def test_attributes_that_change_what_a_machine_does_are_told_where_they_have_no_
     assert found["POU Drive / n", "attributes"].endswith(": no_init")
     assert found["type Job", "attributes"].endswith(": pack_mode := 1")
     assert not any("please report" in why for why in found.values())
+
+
+@pytest.mark.parametrize("target", ["plcopen-2.01", "simaticml", "scl"])
+def test_attributes_that_act_are_told_where_a_declaration_has_them_as_typed(target: str) -> None:
+    """A translation leaves the typed declaration out, and with it what no source project told any more."""
+    project = sfc.loads((HEAD + MAIN % ("", "n := n + 1;")).encode(), format="iec-text")
+    interface = project.pou("Main").interface
+    assert interface is not None
+    interface.declaration = "PROGRAM Main\nVAR\n{attribute 'no_init'}\n{attribute 'hide'}\nn : INT;\nEND_VAR\n"
+    items = sfc.convert(project, target, partial=True).report.with_outcome(Outcome.NOT_EXECUTED)
+    (told,) = [item for item in items if item.what == "attributes"]
+    assert told.path == "POU Main / n"
+    assert "no_init" in told.why
+    assert "hide" not in told.why

@@ -172,12 +172,7 @@ TRANSITION FROM S2 TO S1 := b; END_TRANSITION
 def _inputs_written(chart: CheckedChart) -> Iterator[Finding]:
     if chart.pou is None:
         return
-    inputs = {
-        variable.name.casefold()
-        for section in (chart.pou.interface.sections if chart.pou.interface is not None else ())
-        for variable in section.variables
-        if section.kind is SectionKind.INPUT
-    }
+    inputs = {variable.name.casefold() for variable in chart.pou.variables(SectionKind.INPUT)}
     for sheet in chart.sheets:
         for step, association in sheet.actions():
             written = {print_node(each.target): path_of(each.target) for each in assignments(association.body, chart)}

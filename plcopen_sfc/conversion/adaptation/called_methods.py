@@ -17,10 +17,10 @@ from plcopen_sfc.conversion.adaptation.called_programs import (
     make_programs_of_blocks,
     show_variables,
 )
-from plcopen_sfc.conversion.declared_values import acting_attributes, typed_attributes
 from plcopen_sfc.formats.plcopen.source_marks import pou_digest
 from plcopen_sfc.languages.binding.name_scopes import is_instance
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
+from plcopen_sfc.languages.declarations.attributes import acting_attributes, typed_attributes
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.effects import Path, effects
 from plcopen_sfc.languages.method_calls import (

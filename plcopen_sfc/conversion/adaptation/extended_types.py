@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from plcopen_sfc.languages.declarations.kept_texts import KEPT_DATA, keep, kept
-from plcopen_sfc.model.base import ExtensionData
+from plcopen_sfc.languages.declarations.kept_texts import kept, with_kept
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import DataTypeDeclaration, StructType
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -47,8 +46,5 @@ def _base(declaration: DataTypeDeclaration) -> str:
 def _forget_base(declaration: DataTypeDeclaration) -> None:
     texts = kept(declaration.extension_data)
     del texts["extends"]
-    before, added = declaration.extension_data or ExtensionData(), keep(texts)
-    rest = [data for data in before.data if data.name != KEPT_DATA] + (added.data if added is not None else [])
-    left = before.model_copy(update={"data": rest})
-    declaration.extension_data = left if left != ExtensionData() else None
+    declaration.extension_data = with_kept(declaration.extension_data, texts)
     declaration.declaration = None

@@ -20,10 +20,10 @@ from plcopen_sfc.errors import FormatError, Location, StructureError
 from plcopen_sfc.formats.archives.archived_charts import ChartReader, ChartWriter, read_settings, write_settings
 from plcopen_sfc.formats.archives.object_archive import archived, kept_data, kept_in, unknown_type
 from plcopen_sfc.formats.iectext.object_declarations import METHOD, PROPERTY, bare, declaration_of, read, unit_of
-from plcopen_sfc.formats.iectext.text_source import unwrapped, wrapped
 from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext
 from plcopen_sfc.formats.xml.extension_data import add_markup, markup
 from plcopen_sfc.formats.xml.xml_parsing import line_of
+from plcopen_sfc.languages.declarations.kept_texts import unwrapped, wrapped
 from plcopen_sfc.languages.networks.condition_reading import shown_body, shown_named_condition
 from plcopen_sfc.languages.networks.exported_networks import SOURCES, network_statements
 from plcopen_sfc.model.base import Element, ExtensionData, ForeignData

@@ -38,13 +38,12 @@ from plcopen_sfc.formats.plcopen.tc6_reading import Fields, Tc6ReadContext, attr
 from plcopen_sfc.formats.plcopen.tc6_versions import XHTML
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, Written, finish_element
 from plcopen_sfc.formats.xml.extension_data import legal_text
+from plcopen_sfc.languages.declarations.attributes import attribute_pragmas, pragma_attributes
 from plcopen_sfc.languages.declarations.kept_texts import (
     Inheritance,
-    attribute_pragmas,
     keep,
     kept,
     kept_inheritance,
-    pragma_attributes,
 )
 from plcopen_sfc.model.base import ExtensionData, Model, UnknownDataRule
 from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou

@@ -45,14 +45,16 @@ from plcopen_sfc.formats.text_patch import (
 )
 from plcopen_sfc.languages.binding.text_sites import text_sites
 from plcopen_sfc.languages.declarations import write_type, write_value
+from plcopen_sfc.languages.declarations.attributes import pragma_attributes
 from plcopen_sfc.languages.declarations.declaration_comments import LINE_END
-from plcopen_sfc.languages.declarations.kept_texts import kept, pragma_attributes
+from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.pragmas import RemainderEntry, changes, plain_fields
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, transform, walk
 from plcopen_sfc.languages.st.lexer import CommentKind, Token, tokenize
 from plcopen_sfc.languages.st.printing import render
 from plcopen_sfc.languages.text_edits import Edit, apply_edits, without
+from plcopen_sfc.languages.translation.tree_translation import conditional_assignment
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.compare import path_of
 from plcopen_sfc.model.conditions import Expression
@@ -521,12 +523,9 @@ def _plain(unique: Collection[tuple[str, str]], node: n.Node) -> n.Node:
     match node:
         case n.Member(base=n.Name(identifier=base), name=n.Name(identifier=name)):
             return node.name if (base.casefold(), name.casefold()) in unique else node
-        case n.Assignment(target, value, kind) if kind in _SETTING and not isinstance(value, n.AssignmentExpression):
-            return n.If((n.Branch(value, (n.Assignment(target, n.Literal(_SETTING[kind])),)),), span=node.span)
+        case n.Assignment():
+            return conditional_assignment(node) or node
     return node
-
-
-_SETTING = {n.AssignmentKind.SET: "TRUE", n.AssignmentKind.RESET: "FALSE"}
 
 
 def _words(node: n.Node, enumerations: Collection[str]) -> Iterator[str]:

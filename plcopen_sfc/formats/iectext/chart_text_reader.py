@@ -10,14 +10,8 @@ from typing import Any
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.iectext.text_outline import TextPart
-from plcopen_sfc.formats.iectext.text_source import (
-    Annotations,
-    TextSource,
-    between_semicolons,
-    newlines,
-    taken,
-    wrapped,
-)
+from plcopen_sfc.formats.iectext.text_source import Annotations, TextSource, between_semicolons, newlines, taken
+from plcopen_sfc.languages.declarations.kept_texts import wrapped
 from plcopen_sfc.languages.il import is_il
 from plcopen_sfc.languages.pragmas import Fields, PathError, RemainderEntry, StaleError, apply, format_path
 from plcopen_sfc.languages.st.lexer import Token

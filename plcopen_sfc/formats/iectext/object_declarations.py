@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.iectext.iectext_codec import IecTextCodec
-from plcopen_sfc.formats.iectext.text_source import unwrapped
 from plcopen_sfc.formats.text_patch import patch_text
+from plcopen_sfc.languages.declarations.kept_texts import unwrapped
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import StBody

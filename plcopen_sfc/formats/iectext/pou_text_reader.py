@@ -23,17 +23,8 @@ from plcopen_sfc.formats.iectext.chart_text_reader import (
 from plcopen_sfc.formats.iectext.text_declarations import read_return_type, read_section
 from plcopen_sfc.formats.iectext.text_outline import PartKind, TextPart
 from plcopen_sfc.formats.iectext.text_printing import put_drawing
-from plcopen_sfc.formats.iectext.text_source import (
-    Annotations,
-    TextBlock,
-    TextSource,
-    is_own,
-    newlines,
-    taken,
-    unwrapped,
-    wrapped,
-)
-from plcopen_sfc.languages.declarations.kept_texts import Inheritance
+from plcopen_sfc.formats.iectext.text_source import Annotations, TextBlock, TextSource, is_own, newlines, taken
+from plcopen_sfc.languages.declarations.kept_texts import Inheritance, unwrapped, wrapped
 from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, plain_fields
 from plcopen_sfc.model.checked import first_misfit
 from plcopen_sfc.model.pou import Pou

@@ -35,8 +35,9 @@ from plcopen_sfc.formats.iectext.text_printing import (
     pragmas,
     split,
 )
-from plcopen_sfc.formats.iectext.text_source import INDENT, TextBlock, format_comment, indented, unwrapped, wrapped
+from plcopen_sfc.formats.iectext.text_source import INDENT, TextBlock, format_comment, indented
 from plcopen_sfc.formats.text_patch import Key, WrittenBlock, numbered_blocks
+from plcopen_sfc.languages.declarations.kept_texts import unwrapped, wrapped
 from plcopen_sfc.languages.networks import shown_body, shown_condition, shown_named_condition
 from plcopen_sfc.languages.pragmas import Fields, Numbered, RemainderEntry, Segment, changes, plain_fields
 from plcopen_sfc.languages.st.lexer import tokenize

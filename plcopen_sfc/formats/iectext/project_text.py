@@ -30,12 +30,11 @@ from plcopen_sfc.formats.iectext.text_source import (
     between_semicolons,
     indented,
     newlines,
-    unwrapped,
-    wrapped,
 )
 from plcopen_sfc.formats.matiec.matiec_declarations import variable_names
 from plcopen_sfc.formats.text_patch import WrittenBlock, numbered_blocks
 from plcopen_sfc.languages.declarations import write_access_section, write_config_section
+from plcopen_sfc.languages.declarations.kept_texts import unwrapped, wrapped
 from plcopen_sfc.languages.pragmas import Append, Fields, Named, RemainderEntry, Segment, changes, plain_fields
 from plcopen_sfc.languages.st.lexer import Token, tokenize
 from plcopen_sfc.languages.task_schedules import duration_literal, iec_form

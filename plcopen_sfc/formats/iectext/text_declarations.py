@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from plcopen_sfc.formats.iectext.text_outline import PartKind, TextPart, outline
 from plcopen_sfc.formats.iectext.text_printing import TextPrinter
-from plcopen_sfc.formats.iectext.text_source import INDENT, TextSource, newlines, unwrapped
+from plcopen_sfc.formats.iectext.text_source import INDENT, TextSource, newlines
 from plcopen_sfc.formats.matiec.matiec_declarations import with_quotes
 from plcopen_sfc.languages.declarations import Declared, read_declarations, write_data_type, write_section, write_type
-from plcopen_sfc.languages.declarations.kept_texts import inheritance
+from plcopen_sfc.languages.declarations.kept_texts import inheritance, unwrapped
 from plcopen_sfc.languages.pragmas import Fields, plain_fields
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable

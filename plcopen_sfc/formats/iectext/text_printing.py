@@ -23,8 +23,8 @@ from plcopen_sfc.formats.iectext.text_source import (
     indented,
     is_own,
     taken,
-    unwrapped,
 )
+from plcopen_sfc.languages.declarations.kept_texts import unwrapped
 from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, Segment, additions
 from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
 from plcopen_sfc.languages.words import take_name

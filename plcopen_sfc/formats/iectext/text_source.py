@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import islice
 from typing import NamedTuple
-from xml.sax.saxutils import escape, unescape
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.iectext.text_outline import Outline
+from plcopen_sfc.languages.declarations.kept_texts import wrapped
 from plcopen_sfc.languages.pragmas import Fields, NotationError, RemainderEntry, parse_change
 from plcopen_sfc.languages.problems import Lines, Problem
 from plcopen_sfc.languages.st import parse_expression, parse_statements
@@ -116,25 +116,12 @@ def taken_comment(raw: str) -> str:
 
 
 OWN_PRAGMA = re.compile(r"\{\s*plcopen_sfc\b")
-TEXT_DATA = "urn:plcopen-sfc:iec-text"
-"""Name of foreign data that holds text which the model has no place for."""
+
+
 _MANY = 20
 """Findings of one body that are reported; the rest mostly follows from these."""
 _SOLID = re.compile(r"\S+")
 _OF_PROJECT = re.compile(r"\{\s*plcopen_sfc\s+(?:format|project\.dialect)\s*:=")
-_WRAPPED = re.compile(rf'<text xmlns="{TEXT_DATA}" place="([^"]*)">(.*)</text>', re.DOTALL)
-
-
-def wrapped(place: str, text: str) -> Fields:
-    """Foreign data that holds `text` from `place`: ``pragma``, ``from``, ``property`` ..."""
-    content = f'<text xmlns="{TEXT_DATA}" place="{escape(place)}">{escape(text)}</text>'
-    return {"name": TEXT_DATA, "content": content}
-
-
-def unwrapped(content: str) -> tuple[str, str] | None:
-    """Return the place and the text of foreign data that `wrapped` made; None for any other."""
-    found = _WRAPPED.fullmatch(content)
-    return (unescape(found.group(1)), unescape(found.group(2))) if found is not None else None
 
 
 def between_semicolons(tokens: list[Token]) -> Iterator[list[Token]]:

@@ -15,7 +15,6 @@ from plcopen_sfc.languages.il import statements as il_statements
 from plcopen_sfc.languages.networks import Helper, NetworkProblem, body_statements
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, render, transform
-from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.words import IEC_KEYWORDS, is_plain, take_name
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
@@ -238,17 +237,6 @@ def _is_taken(node: Node, dialect: Dialect) -> bool:
     if isinstance(node, OutputVariable):
         return not node.negated and node.edge is Edge.NONE and node.storage is Storage.NONE
     return isinstance(node, _TAKEN)
-
-
-def give_iec_pins(nodes: Iterable[Node]) -> None:
-    """Give the pins of standard function blocks the names of IEC 61131-3: CODESYS has ``SET`` and ``RESET1``."""
-    for node in nodes:
-        block = standard_block(node.type_name) if isinstance(node, Block) else None
-        if isinstance(node, Block) and block is not None and block.stateful:
-            for pin in node.parameters.inputs:
-                pin.name = block.input_name(pin.name) or pin.name
-            for pin in node.parameters.outputs:
-                pin.name = block.output_name(pin.name) or pin.name
 
 
 def write_negations_out(nodes: Iterable[Node]) -> int:

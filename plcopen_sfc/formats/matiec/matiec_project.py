@@ -16,7 +16,7 @@ from plcopen_sfc.formats.matiec.matiec_declarations import (
     quote_strings,
     variable_names,
 )
-from plcopen_sfc.formats.matiec.matiec_pou import FittedPou, give_iec_pins
+from plcopen_sfc.formats.matiec.matiec_pou import FittedPou
 from plcopen_sfc.formats.matiec.matiec_statements import (
     compilable_instructions,
     compilable_statements,
@@ -32,7 +32,6 @@ from plcopen_sfc.languages.task_schedules import duration_literal, iec_form, nan
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Task
 from plcopen_sfc.model.sfc import Body, SfcBody
@@ -164,8 +163,6 @@ def _fit_pou(unit: FittedPou, final_scan: bool | None, *, same_loops: bool, reli
                 section.persistent, section.retain = False, True
                 unit.note(Outcome.TRANSLATED, "section", unit.path, "PERSISTENT is RETAIN in matiec")
         pou.interface.sections = [part for section in pou.interface.sections for part in _by_location(section)]
-    for nodes in (nodes for _, _, body in pou.named_bodies() for nodes in _drawn_in(body)):
-        give_iec_pins(nodes)
     body = _one_body(unit)
     for action in pou.actions:
         action.body = unit.action(action.body or StBody(), f"{unit.path} / action {action.name}", action.name)
@@ -195,13 +192,6 @@ def _fit_pou(unit: FittedPou, final_scan: bool | None, *, same_loops: bool, reli
             text.text, text.markup = compilable_instructions(text.text, unit.dialect).strip("\n"), None
     if not pou.variables():
         unit.idle()  # the converters of Beremiz and OpenPLC refuse a POU without variables
-
-
-def _drawn_in(body: Body) -> list[list[Node]]:
-    """Return the elements of each network of a body, or of its chart."""
-    if isinstance(body, SfcBody):
-        return [body.chart.logic]
-    return [network.nodes for network in body.networks] if isinstance(body, FbdBody | LdBody) else []
 
 
 def _check_addresses(unit: FittedPou) -> None:

@@ -20,7 +20,6 @@ from dataclasses import dataclass, field
 
 from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites, text_sites_in
-from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.languages.effects import ANYTHING, Effects, Path, effects, path_of
 from plcopen_sfc.languages.library_blocks import library_blocks
 from plcopen_sfc.languages.method_calls import MethodFunction, function_of_method, passed_in_out, without_function
@@ -270,7 +269,7 @@ class ActionFunctions:
         """Make the function for a method, with the parameters of that and the variables of the block that it uses."""
         if self._is_of_folder:
             return "the function for it is a file of its own, which an edit of the folder does not write"
-        if why_not := without_function(owner, method, self._pous, _bases):
+        if why_not := without_function(owner, method, self._pous, _declared):
             return why_not
         text = _text(method.body) if method.body is not None else ""
         if text is None:
@@ -540,12 +539,11 @@ def _text(body: Body) -> str | None:
     return body.text if isinstance(body, StBody) else None
 
 
-def _bases(pou: Pou) -> Sequence[str]:
-    """Return the base of a block, which the copy that is written keeps as markup of another tool."""
-    interface = pou.interface.model_copy(deep=True) if pou.interface is not None else None
-    if interface is not None:
-        exchange_markup(interface, Markup.SIMATICML, Markup.TC6)
-    return inheritance(interface).extends
+def _declared(pou: Pou) -> Pou:
+    """Return a block as its tool declares it: the copy that is written keeps that as markup of another tool."""
+    copy = pou.model_copy(update={"bodies": [], "actions": [], "transitions": []}).model_copy(deep=True)
+    exchange_markup(copy, Markup.SIMATICML, Markup.TC6)
+    return copy
 
 
 def _passed_inputs(project: Project) -> Iterator[str]:

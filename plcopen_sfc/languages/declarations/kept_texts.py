@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any, NamedTuple
 from xml.sax.saxutils import escape, unescape
 
 from plcopen_sfc.languages.st import nodes as n
@@ -43,20 +43,29 @@ def kept(extension_data: ExtensionData | None) -> dict[str, str]:
     return {name: unescape(text) for name, text, _ in entries}
 
 
-_ATTRIBUTE = re.compile(r"\{attribute\s+'(?P<name>[^']*)'(?:\s*:=\s*'(?P<value>[^']*)')?\s*\}", re.IGNORECASE)
+def with_kept(extension_data: ExtensionData | None, texts: dict[str, str]) -> ExtensionData | None:
+    """Return extension data with `texts` in the place of those that `keep` put there; None where nothing is left."""
+    before, added = extension_data or ExtensionData(), keep(texts)
+    rest = [data for data in before.data if data.name != KEPT_DATA] + (added.data if added is not None else [])
+    left = before.model_copy(update={"data": rest})
+    return left if left != ExtensionData() else None
 
 
-def attribute_pragmas(attributes: Sequence[tuple[str, str]]) -> str:
-    """Return attributes, by name with their values, as the pragmas before a declaration of CODESYS, a line each."""
-    values = [f" := '{value}'" if value else "" for _, value in attributes]
-    return "\n".join(f"{{attribute '{name}'{text}}}" for (name, _), text in zip(attributes, values, strict=True))
+TEXT_DATA = "urn:plcopen-sfc:iec-text"
+"""Name of foreign data that holds text which the model has no place for."""
+_WRAPPED = re.compile(rf'<text xmlns="{TEXT_DATA}" place="([^"]*)">(.*)</text>', re.DOTALL)
 
 
-def pragma_attributes(pragmas: str) -> list[tuple[str, str]] | None:
-    """Return the names and values of attributes in pragmas; None where one of the lines is something else."""
-    found = [_ATTRIBUTE.fullmatch(line.strip()) for line in pragmas.splitlines()]
-    named = [(each["name"], each["value"] or "") for each in found if each is not None]
-    return named if named and len(named) == len(found) else None
+def wrapped(place: str, text: str) -> dict[str, Any]:
+    """Foreign data that holds `text` from `place`: ``pragma``, ``from``, ``property`` ..."""
+    content = f'<text xmlns="{TEXT_DATA}" place="{escape(place)}">{escape(text)}</text>'
+    return {"name": TEXT_DATA, "content": content}
+
+
+def unwrapped(content: str) -> tuple[str, str] | None:
+    """Return the place and the text of foreign data that `wrapped` made; None for any other."""
+    found = _WRAPPED.fullmatch(content)
+    return (unescape(found.group(1)), unescape(found.group(2))) if found is not None else None
 
 
 class Inheritance(NamedTuple):

@@ -125,6 +125,16 @@ _ARITHMETIC = {
     AssignmentKind.DIVIDE: Operator.DIVIDE,
 }
 _SETTING = {AssignmentKind.SET: "TRUE", AssignmentKind.RESET: "FALSE"}
+
+
+def conditional_assignment(node: n.Assignment) -> n.If | None:
+    """Return ``IF a THEN q := TRUE; END_IF`` for ``q S= a``, FALSE for ``R=``; None for other assignments."""
+    if node.kind not in _SETTING or isinstance(node.value, n.AssignmentExpression):
+        return None
+    done = n.Assignment(node.target, n.Literal(_SETTING[node.kind]))
+    return n.If((n.Branch(node.value, (done,)),), span=node.span)
+
+
 _JUMPS = {Dialect.SCL: "GOTO", Dialect.CODESYS: "JMP"}
 
 
@@ -337,10 +347,8 @@ class TreeTranslator:
         if self._target is self._source or node.kind is AssignmentKind.ASSIGN:
             return self._plain_assignment(node)
         new = with_children(node, self._node)
-        if node.kind in _SETTING and not isinstance(node.value, n.AssignmentExpression):
-            value = n.Literal(_SETTING[node.kind])
-            branch = n.Branch(new.value, (n.Assignment(new.target, value),))
-            return n.If((branch,), span=node.span)
+        if (setting := conditional_assignment(new)) is not None:
+            return setting
         if node.kind in _ARITHMETIC and not isinstance(node.value, n.AssignmentExpression):
             if any(isinstance(part, n.Call) for part in walk(node.target)):
                 self._notes.add(Severity.WARNING, f"{node.kind.value} was written out: the target is read twice", node)
