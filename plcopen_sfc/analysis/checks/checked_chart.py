@@ -331,9 +331,9 @@ class CheckedProject:
         found += [i.name for r in resources for i in r.every_instance()]
         return frozenset(name.casefold() for name in found)
 
-    def is_first(self, chart: SfcNetwork) -> bool:
-        """True for the first chart of the project, with which rules find what is in none."""
-        return next(self._charts(), None) is chart
+    def is_first(self, chart: SfcNetwork, pou: Pou | None = None) -> bool:
+        """True for the first chart of a POU, or of the project, with which rules find what is in none."""
+        return next(self._charts() if pou is None else self.charts_of(pou), None) is chart
 
     def charts_of(self, pou: Pou) -> Iterator[SfcNetwork]:
         """Yield the charts of a POU, those of macro-steps and partial charts too."""

@@ -67,7 +67,7 @@ def _own(chart: CheckedChart, found: Iterable[_T]) -> Iterator[_T]:
     if chart.pou is None or not chart.pou.name:
         return
     charts = {id(sheet.chart) for sheet in chart.sheets}
-    is_first = next((each for each in chart.around.charts_of(chart.pou)), None) is chart.chart
+    is_first = chart.around.is_first(chart.chart, chart.pou)
     of_project = chart.around.is_first(chart.chart)
     for each in found:
         site = each.text_site.site
@@ -173,7 +173,7 @@ def _externals(chart: CheckedChart) -> Iterator[Finding]:
 
 def _unused(chart: CheckedChart) -> Iterator[Finding]:
     pou = chart.pou
-    if pou is None or next((each for each in chart.around.charts_of(pou)), None) is not chart.chart:
+    if pou is None or not chart.around.is_first(chart.chart, pou):
         return
     for each in chart.around.unused:
         if each.pou is pou:
@@ -184,7 +184,7 @@ def _unused(chart: CheckedChart) -> Iterator[Finding]:
 
 def _declared_twice(chart: CheckedChart) -> Iterator[Finding]:
     pou = chart.pou
-    if pou is None or next((each for each in chart.around.charts_of(pou)), None) is not chart.chart:
+    if pou is None or not chart.around.is_first(chart.chart, pou):
         return
     for word, thing, first in pou.declared_twice():
         kind = "" if isinstance(thing, Variable) else f"{word} "
@@ -200,7 +200,7 @@ def _endless(chart: CheckedChart) -> Iterator[Finding]:
 
 def _unreadable_names(chart: CheckedChart) -> Iterator[Finding]:
     pou = chart.pou
-    if pou is None or next((each for each in chart.around.charts_of(pou)), None) is not chart.chart:
+    if pou is None or not chart.around.is_first(chart.chart, pou):
         return
     if pou.name.upper() in IEC_KEYWORDS:
         yield Finding(
