@@ -1,8 +1,8 @@
 """German for messages with values in them, by a table of English ones.
 
 In a message of a table ``{}`` is the place of a text that is shown as it is, such as a name, ``{+}`` for something that
-is German too, ``{&}`` for names with "and" between them or "and 2 more" behind them, and ``{#}`` for a number. In the
-German text ``{}`` or ``{0}`` are their places.
+is German too, ``{|}`` for several of these with commas and "or" between them, ``{&}`` for names with "and" between
+them or "and 2 more" behind them, and ``{#}`` for a number. In the German text ``{}`` or ``{0}`` are their places.
 """
 
 from __future__ import annotations
@@ -29,14 +29,20 @@ class Phrases:
         """Return a message in German; None where the table does not have it."""
         if message in self._table:
             return self._table[message]
-        for pattern, places, text in self._patterns:
-            if found := pattern.fullmatch(message):
-                return text.format(*map(self._value, found.groups(), places))
-        return None
+        matches = (
+            (found, places, text) for pattern, places, text in self._patterns if (found := pattern.fullmatch(message))
+        )
+        # what ends as a message of its own does may be the reason in another one: `condition {} cannot be read: {+}`
+        first = next(matches, None)
+        if first is not None and first[0].start(1) == 0 and ": " in first[0][1]:
+            first = next((each for each in matches if each[0].start(1) > 0), first)
+        return first[2].format(*map(self._value, first[0].groups(), first[1])) if first is not None else None
 
     def _value(self, text: str, place: str) -> str:
         if place == "{+}":
             return self._part(text)
+        if place == "{|}":
+            return " oder ".join(", ".join(map(self._part, part.split(", "))) for part in text.split(" or "))
         return _MORE.sub(r" und \1 weitere", text).replace(" and ", " und ") if place == "{&}" else text
 
     @cached_property
@@ -76,6 +82,6 @@ def german_label(text: str) -> str:
 
 
 _FROM_NOWHERE, _TO_NOWHERE = re.compile(r"\bnowhere -> "), re.compile(r" -> nowhere\b")
-_PLACES = re.compile(r"\{[+&#]?\}")
+_PLACES = re.compile(r"\{[+|&#]?\}")
 _MORE = re.compile(r" and (\d+) more$")
 _NUMBER = r"(\d[\d,.]*)"

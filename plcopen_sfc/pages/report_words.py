@@ -50,7 +50,7 @@ def german(message: str) -> str:
 @lru_cache(maxsize=4096)
 def german_finding(message: str) -> str:
     """Return the message or the hint of a finding in German; itself where no translation is known."""
-    return german_label(_FINDINGS(message))
+    return german_label(_FINDINGS.find(message) or german(message))
 
 
 _REPORTS = Phrases(GERMAN, german)

@@ -114,4 +114,4 @@ def test_tables_have_each_message_once_and_german_with_values_that_it_has(file: 
     assert len(messages) == len({english for english, _ in messages}) > 100
     assert sum(map(len, german_tables(file.stem).values())) == len(messages)
     for english, german in messages:
-        german.format(*["value"] * len(re.findall(r"\{[+&#]?\}", english)))  # it asks for no value that there is not
+        german.format(*["value"] * len(re.findall(r"\{[+|&#]?\}", english)))  # it asks for no value that there is not

@@ -1,0 +1,89 @@
+"""Messages of readers, and reasons in findings, have their German: all of them, as they are in the code."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from itertools import product
+from pathlib import Path
+
+import pytest
+
+from plcopen_sfc.pages.page_words import Words
+
+PACKAGE = Path(__file__).resolve().parents[2] / "plcopen_sfc"
+ROOMS = ("formats", "documents", "model", "analysis", "languages")
+"""Where findings of a page come from."""
+CODE = re.compile(r"(?!XSD|IMP|LNG)[A-Z]{3}\d{3}")
+"""Codes of findings; not of those that `validate` alone tells."""
+REASONS = {"ConditionError", "Problem", "_doubt", "_unknown", "DamagedError"}
+"""What is called with a message that becomes a part of a finding."""
+FILLINGS = ("'x'", "3", "", "step", "body", "entry", "comment", "has no number", "is wired to 2 steps")
+ENGLISH = re.compile(
+    r"\b(?:an|and|are|be|been|cannot|has|have|is|it|its|not?|of|one|only|or|that|the|there|this|to|too|which|with)\b"
+)
+
+
+def texts(node: ast.expr | None, scope: ast.AST, deep: int = 0) -> Iterator[str]:
+    """The texts that an expression can be, with a zero byte for each value that is not known here."""
+    match node:
+        case ast.Constant(str(text)):
+            yield text
+        case ast.JoinedStr(values):
+            nodes = (each.value if isinstance(each, ast.FormattedValue) else each for each in values)
+            parts = (list(texts(each, scope, deep + 1)) or ["\0"] for each in nodes)
+            yield from ("".join(text or "\0" for text in each) for each in product(*parts))
+        case ast.IfExp(_, body, orelse):
+            yield from (*texts(body, scope, deep + 1), *texts(orelse, scope, deep + 1))
+        case ast.BinOp(left, ast.Add(), right):
+            sides = (list(texts(side, scope, deep + 1)) or ["\0"] for side in (left, right))
+            yield from map("".join, product(*sides))
+        case ast.Name(name) if deep < 3:
+            for each in ast.walk(scope):
+                if isinstance(each, ast.Assign) and any(isinstance(t, ast.Name) and t.id == name for t in each.targets):
+                    yield from texts(each.value, scope, deep + 1)
+
+
+def messages(module: Path) -> Iterator[str]:
+    """The messages of the findings that a module makes."""
+    tree = ast.parse(module.read_text(encoding="utf-8"))
+    functions = [each for each in ast.walk(tree) if isinstance(each, ast.FunctionDef)]
+    for call in (each for each in ast.walk(tree) if isinstance(each, ast.Call)):
+        name = getattr(call.func, "attr", getattr(call.func, "id", ""))
+        codes = [
+            number
+            for number, each in enumerate(call.args)
+            if isinstance(each, ast.Constant) and isinstance(each.value, str) and CODE.fullmatch(each.value)
+        ]
+        if not codes and name not in REASONS:
+            continue
+        around = [each for each in functions if each.lineno <= call.lineno <= (each.end_lineno or 0)]
+        scope = max(around, key=lambda each: each.lineno, default=tree)
+        for argument in call.args[codes[0] + 1 if codes else 0 :]:
+            yield from (text for text in texts(argument, scope) if " " in text.strip("\0 ") and "POU" not in text[:3])
+
+
+def is_german(told: str) -> bool:
+    return not ENGLISH.search(re.sub(r"'[^']*'|`[^`]*`|\([^)]*\)", "", told))
+
+
+def _filled(text: str) -> Iterator[str]:
+    for each in FILLINGS:
+        for end in ("", ": it is never executed, and left out where the file is written for another one"):
+            yield text.replace("\0", each) + end
+            yield text.removesuffix("\0").replace("\0", each) + end
+
+
+@pytest.mark.slow
+def test_every_message_of_a_reader_has_its_german() -> None:
+    words = Words("de")
+    found = {text for room in ROOMS for module in (PACKAGE / room).rglob("*.py") for text in messages(module)}
+    assert len(found) > 160
+    missing = []
+    for text in found:
+        # what only says what is wrong with a thing is told behind its name
+        filled = (begin + each for begin in ("", "x ") for each in _filled(text))
+        if not any(is_german(told) and told != each for each in filled for told in [words.finding(each)]):
+            missing.append(text.replace("\0", "{}"))
+    assert "\n".join(sorted(missing)) == ""
