@@ -2,30 +2,54 @@
 const all = (selector, root = document) => [...root.querySelectorAll(selector)];
 const byId = (id) => document.getElementById(id);
 
-/* search: names first, then whatever has the words in its text */
+/* search: names first, then rows of tables, lines of program text and of types, comments and findings */
 const field = byId("search"), found = byId("found");
 field.parentElement.hidden = false;
 let entries = null;
-function look() {
-  entries ??= all("[data-name]").filter((each) => each.dataset.name).map((each) => {
-    const target = each.id ? each : each.closest("[id]");
-    const owner = each.closest("section");
-    const name = each.dataset.name, around = owner && owner !== each ? owner.dataset.name : "";
+function named() {
+  return all("[data-name]").filter((each) => each.dataset.name).map((each) => {
+    const owner = each.closest("section"), name = each.dataset.name;
+    const around = owner && owner !== each ? owner.dataset.name : "";
     const text = each.localName === "tr" ? each.textContent.toLowerCase() : "";
-    return { id: target.id, label: around ? `${name} \u2013 ${around}` : name, name: name.toLowerCase(), text };
+    return { at: each.id ? each : each.closest("[id]"), label: around ? `${name} \u2013 ${around}` : name,
+      name: name.toLowerCase(), text };
   });
+}
+function told() {
+  const places = all("main :is(pre, p, .comment, .findings > li)").filter((each) => !each.closest("tr, .uses"));
+  return places.flatMap((at) => {
+    const owner = at.closest("[data-name]")?.dataset.name || at.closest("section")?.dataset.name || "";
+    const lines = at.localName === "pre" ? at.textContent.split("\n") : [at.textContent];
+    return lines.filter((line) => line.trim()).map((line) => ({ at, owner, line: line.trim(), text: line.toLowerCase() }));
+  });
+}
+function cut(line, wanted) { /* the part of a line that has what was looked for */
+  const start = Math.max(0, line.toLowerCase().indexOf(wanted) - 30), end = start + 90;
+  return `${start ? "\u2026" : ""}${line.slice(start, end)}${end < line.length ? "\u2026" : ""}`;
+}
+function look() {
+  entries ??= [named(), told()];
   const wanted = field.value.trim().toLowerCase();
   found.replaceChildren();
   if (!wanted) return;
-  const named = entries.filter((each) => each.name.includes(wanted));
-  const hits = [...named, ...entries.filter((each) => !each.name.includes(wanted) && each.text.includes(wanted))];
-  for (const hit of hits.slice(0, 60)) {
+  const names = entries[0].filter((each) => each.name.includes(wanted));
+  const rows = entries[0].filter((each) => !each.name.includes(wanted) && each.text.includes(wanted));
+  const texts = entries[1].filter((each) => each.text.includes(wanted)).map((each) => {
+    const line = cut(each.line, wanted);
+    return { at: each.at, label: each.owner ? `${each.owner}: ${line}` : line };
+  });
+  for (const hit of [...names, ...rows, ...texts].slice(0, 60)) {
     const link = document.createElement("a");
-    link.href = `#${hit.id}`;
+    hit.at.id ||= `place-${all("[id^=place-]").length}`;
+    link.href = `#${hit.at.id}`;
     link.textContent = hit.label;
+    link.addEventListener("click", () => {
+      for (let around = hit.at.closest("details"); around; around = around.parentElement.closest("details"))
+        around.open = true;
+    });
     found.appendChild(document.createElement("li")).appendChild(link);
   }
-  if (!hits.length) {
+  if (!found.childElementCount) {
     found.appendChild(document.createElement("li")).appendChild(document.createElement("span")).textContent =
       found.dataset.nothing;
   }

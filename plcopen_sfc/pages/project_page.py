@@ -185,18 +185,20 @@ class _ProjectContent:
             (words("Transitions"), str(sum(len(chart.transitions) for chart in charts))),
         ]
         rows = [element("tr", element("th", name), element("td", text)) for name, text in facts if text.strip()]
-        tasks = [self._task(task) for resource in project.resources() for task in resource.tasks]
+        all_tasks = [task for resource in project.resources() for task in resource.tasks]
+        tasks = [self._task(task, number) for number, task in enumerate(all_tasks)]
         if tasks:
-            listed = element("ul", *(element("li", task) for task in tasks))
+            listed = element("ul", *tasks)
             rows.append(element("tr", element("th", words("Tasks")), element("td", listed)))
         comment = plain(project.content_comment or project.comment)
         remark = element("p", comment, class_="comment") if comment else Html("")
         return element("section", element("h1", title_of(project)), remark, element("table", *rows), id="project")
 
-    def _task(self, task: Task) -> str:
+    def _task(self, task: Task, number: int) -> Html:
         cycle = self.words("every {}", task.interval) if task.interval else ""
         programs = ", ".join(instance.name for instance in task.instances)
-        return " ".join(filter(None, (task.name, cycle, programs)))
+        told = " ".join(filter(None, (task.name, cycle, programs)))
+        return element("li", told, id=f"task-{number}", data_name=task.name)
 
     def _pou(self, pou: Pou) -> Html:
         kind = self.words(_CAMEL.sub(" ", pou.kind.value).lower())
@@ -259,12 +261,10 @@ class _ProjectContent:
 
     def _heading(self, part: DrawnPart) -> Html:
         """Return the name of a partial chart, or of a chart inside a step, with what is told about it."""
-        partial = part.drawn.partial
         if not part.anchor:
             return Html("")
-        name = link(part.anchor, partial.name if partial is not None else part.drawn.heading)
-        kind = [" ", element("small", self.words(partial.kind.value))] if partial is not None else []
-        heading = element("h4", name, *kind, id=f"{part.anchor}-heading", data_name=part.drawn.name)
+        name = link(part.anchor, part.drawn.heading)
+        heading = element("h4", name, id=f"{part.anchor}-heading", data_name=part.drawn.name)
         return joined(heading, comment_lines(part.drawn.comment), self._findings_at(part.anchor))
 
     def _step(self, step: Step, cells: StepCells) -> Html:

@@ -71,7 +71,7 @@ def test_nothing_from_a_file_is_markup() -> None:
 def test_partial_charts_are_groups() -> None:
     chart = make(1, [])
     chart.partial_charts = [PartialChart(name="G2", chart=make(2, [([0], [1])]), comment="main chart")]
-    assert 'subgraph part1_chart["G2 (global)<br>main chart"]' in mermaid_text(chart)
+    assert 'subgraph part1_chart["G2<br>main chart"]' in mermaid_text(chart)
     assert "part1_step0 --> part1_transition2" in mermaid_text(chart)
     assert "subgraph cluster_part1_" in dot_text(chart)
 

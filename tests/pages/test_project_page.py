@@ -145,7 +145,7 @@ class TestGrafcetPage:
 
     def test_tables_have_names_and_all_transitions(self, tree: html.HtmlElement) -> None:
         headings = [words_of(each) for each in tree.xpath("//h4")]
-        assert headings == ["G1 global", "M3 expansion", "G3 enclosed", "G4 global"]
+        assert headings == ["G1", "M3 (expansion)", "G3 (enclosed)", "G4"]
         (row,) = tree.xpath("//tr[th='Source transitions']")
         assert words_of(row).endswith("\u2191(a * b) \u2192 5")
         (joint,) = tree.xpath("//tr[@data-name='2']/td[2]//li")
@@ -174,7 +174,7 @@ EXPANSION M9
         (row,) = tree.xpath("//tr[@data-name='1']")
         assert {"ACT12"} <= {words_of(each).split()[1] for each in row.xpath("th//li")}
         assert "main <b>" in [each.text for each in tree.xpath("//div[@class='comment']")]
-        assert tree.xpath("//*[@class='part']/title")[0].text == "G1 (global). main <b>"
+        assert tree.xpath("//*[@class='part']/title")[0].text == "G1. main <b>"
 
 
 def test_excluded_elements_say_so() -> None:
@@ -208,7 +208,7 @@ def test_a_german_page_has_german_pictures_and_values() -> None:
     project = sfc.load(FIXTURES / "grafcet" / "every_symbol.gct")
     tree = parse(sfc.page(project, trace=sfc.simulate(project, scans=2), lang="de"))
     parts = [words_of(each) for each in tree.xpath("//section[@class='pou']//g[@class='part']/text[@class='name']")]
-    assert parts == ["G1 (global)", "M3 (Expansion)", "G3 (eingeschlossen)", "G4 (global)"]
+    assert parts == ["G1", "M3 (Expansion)", "G3 (eingeschlossen)", "G4"]
     titles = {
         each.text.split()[0]
         for each in tree.xpath("//figure[not(.//*[@id='timing'])]//g[contains(@class, 'step')]/title")
@@ -297,6 +297,44 @@ class TestInChromium:
         assert browser.evaluate("document.querySelector(':target').dataset.name").startswith("Jammed")
         browser.evaluate("document.querySelector('g.step').dispatchEvent(new MouseEvent('click', {bubbles: true}))")
         assert browser.evaluate("document.querySelector(':target').localName") == "tr"
+        assert browser.messages == []
+
+    @pytest.mark.parametrize(
+        ("wanted", "label", "place"),
+        [
+            ("bin_no", "Recipe: Bin_No : INT", "pre"),  # a member of a structure
+            ("standby", "Mode: (Off, Standby, On)", "pre"),  # a value of an enumeration
+            ("speed * 2", "P.Run: speed := speed * 2;", "pre"),  # text of a program
+            ("every_cycle", "Every_Cycle", "li"),  # a task
+            ("not a and", "A \u2013 P", "tr"),  # a condition of a transition
+            ("emptied by hand", "P: Emptied by hand", "div"),  # a comment
+            ("var03", "Findings: info VAR03 nothing uses the variable", "li"),
+        ],
+    )
+    def test_search_finds_whatever_is_there(
+        self, browser: Browser, tmp_path: Path, wanted: str, label: str, place: str
+    ) -> None:
+        text = """TYPE Recipe: STRUCT Bin_No: INT; END_STRUCT; END_TYPE
+TYPE Mode: (Off, Standby, On); END_TYPE
+(* Emptied by hand *)
+PROGRAM P
+VAR a, b: BOOL; speed: INT; r: Recipe; END_VAR
+INITIAL_STEP A: Run(N); END_STEP
+STEP B: END_STEP
+TRANSITION FROM A TO B := NOT a AND b; END_TRANSITION
+TRANSITION FROM B TO A := TRUE; END_TRANSITION
+ACTION Run: b := a;
+speed := speed * 2; END_ACTION
+END_PROGRAM
+CONFIGURATION C RESOURCE R ON PLC TASK Every_Cycle(INTERVAL := T#20ms, PRIORITY := 1);
+PROGRAM I WITH Every_Cycle: P; END_RESOURCE END_CONFIGURATION
+"""
+        page = tmp_path / "page.html"
+        page.write_text(sfc.page(sfc.loads(text.encode(), format="iec-text")), encoding="ascii")
+        browser.open(page)
+        browser.evaluate(f"field.value = '{wanted}'; look(); all('#found a')[0].click()")
+        assert label in browser.evaluate("look(), document.querySelector('#found a').textContent")
+        assert browser.evaluate("document.querySelector(':target').localName") == place
         assert browser.messages == []
 
     def test_on_a_phone_and_on_paper_nothing_is_wider_than_there_is_room(

@@ -19,7 +19,7 @@ from plcopen_sfc.errors import ModelError, check_argument, nearest
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.owners import Owned
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import Body, PartialChart, SfcBody, SfcNetwork, Step
+from plcopen_sfc.model.sfc import Body, PartialChart, PartialChartKind, SfcBody, SfcNetwork, Step
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.object_path import ObjectPath
 
@@ -210,29 +210,35 @@ def charts_in(chart: SfcNetwork, told: Told = english) -> Iterator[ChartPart]:
         part = pending.pop()
         yield part
         inner = [
-            ChartPart(each.chart, part.place / each.name, f"{each.name} ({told(each.kind.value)})", each)
+            ChartPart(each.chart, part.place / each.name, _heading_of(each, told), each)
             for each in part.chart.partial_charts
         ]
         for step in part.chart.steps:
             place = part.place / f"step {step.name}"
             inner += [
-                ChartPart(body.chart, place / below, f"{step.name}: {what}", around=step)
+                ChartPart(body.chart, place / below, f"{step.name} ({what})", around=step)
                 for what, below, body in _inner_bodies(step, told)
             ]
         pending += reversed(inner)
 
 
+def _heading_of(part: PartialChart, told: Told) -> str:
+    """Return the name of a partial chart; of one inside a step also what it is there."""
+    return part.name if part.kind is PartialChartKind.GLOBAL else f"{part.name} ({told(part.kind.value)})"
+
+
 def _inner_bodies(step: Step, told: Told) -> Iterator[tuple[str, str, SfcBody]]:
     """Yield the charts inside a step: what they are, what their path has below that of the step, and their bodies."""
     bodies: list[tuple[str, str, str | Body | None]] = [
-        (told("macro"), "", step.macro.body if step.macro is not None else None),
+        (told("expansion"), "", step.macro.body if step.macro is not None else None),
         (told("entry"), "", step.entry_action),
         (told("main"), "", step.main_action),
         (told("exit"), "", step.exit_action),
     ]
     for each in step.actions:
         what = told(KINDS[each.kind]) if each.kind is not None else each.qualifier.value
-        bodies.append((what, f"action {each.target or 'inline'}", each.body))
+        told_of = f"{what} {each.target or ''}".strip()
+        bodies.append((told_of, f"action {each.target or 'inline'}", each.body))
     yield from ((what, below, body) for what, below, body in bodies if isinstance(body, SfcBody))
 
 
