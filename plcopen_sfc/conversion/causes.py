@@ -266,7 +266,7 @@ def _read_inputs(example: Counterexample, chart: Chart) -> Iterator[str]:
             if step.name in near or row.qualifier in STORING:
                 none = dict.fromkeys(kind.replace(" ", "_") for kind in _STEP_ACTIONS)
                 alone = step.model_copy(update={"actions": [row], "supervision": None, **none})
-                reads |= step_effects(alone, actions, project.dialect).reads
+                reads |= step_effects([alone], actions, project.dialect).reads
     for name in example.inputs[-1]:
         wanted = tuple(name.casefold().split("."))
         if any(path and (path == wanted or path == wanted[-1:]) for path in reads):

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from plcopen_sfc.conversion.causes import acting_early
 from plcopen_sfc.conversion.reporting import in_the_source
-from plcopen_sfc.languages.binding import Effects, actions_by_name, bind, names_in, step_effects
+from plcopen_sfc.languages.binding import actions_by_name, bind, names_in, step_effects
 from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
@@ -58,7 +58,7 @@ def _inputs_read(chart: Chart, project: Project) -> list[str]:
     """
     (_, _), *others_called = reading = list(_names_of_actions(chart, project))
     actions = actions_by_name(chart.pou)
-    done = Effects.all(step_effects(step, actions, project.dialect) for step in _acting(chart))
+    done = step_effects(list(_acting(chart)), actions, project.dialect)
     named = {name for path in done.reads for name in path} | {name for _, names in others_called for name in names}
     called = {path[-1] for path in done.calls}
     methods = [method for method in chart.pou.methods if method.name.casefold() in called]

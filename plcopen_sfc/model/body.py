@@ -5,9 +5,11 @@ Those with a chart, and the type of any body, are in `plcopen_sfc.model.sfc`: ch
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, PrivateAttr
 
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.network import LogicNetwork
@@ -24,6 +26,27 @@ class BodyBase(Owned, Element):
 
     worksheet: str | None = None
     title: Text | None = None
+
+    _bound: Any = PrivateAttr(default=None)
+    """What the names in the body tell (`languages.binding.bind`). It lives as long as the body, and is not copied."""
+
+    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
+        """A copy that nobody has looked at."""
+        with self._without_bound():
+            return super().__deepcopy__(memo)
+
+    def __getstate__(self) -> dict[Any, Any]:
+        """Return the body for a pickle."""
+        with self._without_bound():
+            return super().__getstate__()
+
+    @contextmanager
+    def _without_bound(self) -> Iterator[None]:
+        bound, self._bound = self._bound, None
+        try:
+            yield
+        finally:
+            self._bound = bound
 
 
 class StBody(BodyBase):

@@ -56,7 +56,7 @@ def find_steps(
             if qualifiers is not None and not any(each.qualifier in qualifiers for each in step.actions):
                 continue
             wanted = (drives, reads, calls)
-            if any(wanted) and not _acts(step_effects(step, actions, dialect), wanted):
+            if any(wanted) and not _acts(step_effects([step], actions, dialect), wanted):
                 continue
             if predicate is None or predicate(step):
                 found.append(step)

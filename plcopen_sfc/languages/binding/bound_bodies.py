@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property, partial
+from functools import cache, cached_property
 from typing import Any
-from weakref import ref
 
 from plcopen_sfc.languages.binding.name_scopes import charts_inside
 from plcopen_sfc.languages.binding.name_sites import Reference
@@ -103,19 +102,13 @@ class BoundBody:
 
 def bind(body: Body, dialect: Dialect) -> BoundBody:
     """Return the bound view of a body, made once for as long as the body stays as it is."""
-    key, state = id(body), (dialect, _content(body))
-    kept = _KEPT.get(key)
-    # the id of a body that is gone may be that of another one
-    if kept is None or kept[0]() is not body or kept[1] != state:
-        kept = _KEPT[key] = (ref(body, partial(_forget, _KEPT, key)), state, _bound(body, dialect))
-    return kept[2]
+    state = (dialect, _content(body))
+    kept: tuple[Any, BoundBody] | None = body._bound
+    if kept is None or kept[0] != state or kept[1].body is not body:  # a shallow copy has what its original has
+        kept = body._bound = (state, _bound(body, dialect))
+    return kept[1]
 
 
-def _forget(kept: dict[int, Any], key: int, _: object) -> None:
-    kept.pop(key, None)
-
-
-_KEPT: dict[int, tuple[ref[Any], Any, BoundBody]] = {}
 _DRAWN = frozenset({"drawing", "position", "points", "width", "height", "comment", "global_id"})
 """Fields that change no binding."""
 
@@ -187,13 +180,13 @@ def actions_by_name(pou: Pou | None) -> dict[str, Action]:
     return {action.name.casefold(): action for action in pou.actions} if pou is not None else {}
 
 
-def step_effects(step: Step, actions: Mapping[str, Action], dialect: Dialect) -> Effects:
-    """Effects of all that a step does, and of the `actions` of its POU that it names or that these call.
+def step_effects(steps: Sequence[Step], actions: Mapping[str, Action], dialect: Dialect) -> Effects:
+    """Effects of all that some steps do, and of the `actions` of their POU that they name or that these call.
 
     The name in an association is written; an action of the POU is called.
     """
     chart, body = _blank()
-    alone = body.model_copy(update={"chart": chart.model_copy(update={"steps": [step]})})
+    alone = body.model_copy(update={"chart": chart.model_copy(update={"steps": list(steps)})})
     found = [bind(alone, dialect).effects]
     followed: set[str] = set()
     for effects_so_far in found:  # it grows
@@ -244,13 +237,15 @@ class ChartTexts:
         self.bodies: list[Body] = []
         self.unknown: list[str] = []
         self.helpers: list[Helper] = []
-        self.acting = Effects()
+        self._named_actions: set[Path] = set()
+        self._called: set[Path] = set()
         logic = chart_statements(chart, dialect)
         self.trees += logic.tree.statements
         self.unknown += [problem.message for problem in logic.obstacles]
         self.helpers += logic.helpers
         self._conditions(chart)
         self._actions(chart)
+        self.acting = Effects(writes=frozenset(self._named_actions), calls=frozenset(self._called))
 
     def _conditions(self, chart: SfcNetwork) -> None:
         read = condition_reader(chart, self._dialect)
@@ -283,8 +278,8 @@ class ChartTexts:
         if isinstance(action, str) and action:
             tree = parse_expression(action, self._dialect).tree
             self.trees.append(tree)
-            acting = Effects(writes=frozenset({path_of(tree)}), calls=calls(n.CallStatement(tree)))
-            self.acting = Effects.all([self.acting, acting])
+            self._named_actions.add(path_of(tree))
+            self._called |= calls(n.CallStatement(tree))
         elif action is not None and not isinstance(action, str):
             self.bodies.append(action)
 

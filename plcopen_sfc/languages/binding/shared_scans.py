@@ -200,7 +200,7 @@ class SharedScans:
         known = row_of_names if association.body is None else id(association)
         if known not in self._found:
             alone = _ALONE.model_copy(update={"actions": [association]})
-            found = step_effects(alone, self._actions, self._dialect)
+            found = step_effects([alone], self._actions, self._dialect)
             own = {path for path in found.calls if path and path[0] in self._names}
             changed = own | {path[:-1] for path in own if len(path) > 1}
             called = {ANYTHING, *found.calls} if found.calls else set()

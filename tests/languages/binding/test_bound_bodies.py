@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import pickle
 
 import pytest
 
@@ -160,6 +161,36 @@ def test_a_view_is_made_once_and_follows_the_body() -> None:
     del text, ladder
     gc.collect()
     assert bound(st("e := 1;")).effects.writes == {("e",)}
+
+
+def test_a_view_belongs_to_its_body_alone() -> None:
+    text = st("a := b;")
+    bound(text)
+    copies = [text.model_copy(), text.model_copy(deep=True), pickle.loads(pickle.dumps(text))]  # noqa: S301  # ours
+    assert [bound(each).body is each for each in copies] == [True] * 3
+    assert bound(text).body is text
+
+
+PLAN = b"""PROGRAM Main VAR x : BOOL; END_VAR
+INITIAL_STEP A: Act(N); END_STEP TRANSITION FROM A TO B := x; END_TRANSITION
+STEP B: x(N); END_STEP TRANSITION FROM B TO A := NOT x; END_TRANSITION
+ACTION Act: x := NOT x; END_ACTION
+END_PROGRAM"""
+
+
+@pytest.mark.slow
+def test_projects_are_freed_after_their_bodies_were_bound() -> None:
+    def alive() -> int:
+        gc.collect()
+        return sum(type(each) is sfc.Project for each in gc.get_objects())
+
+    before = alive()
+    for format_ in ("codesys", "plcopen", "scl"):
+        project = sfc.loads(PLAN)
+        sfc.check(project)
+        sfc.convert(project, format=format_, partial=True)
+    del project
+    assert alive() == before
 
 
 @pytest.mark.parametrize(
