@@ -32,6 +32,7 @@ from plcopen_sfc.model.sfc import (
     SfcBody,
     Supervised,
 )
+from plcopen_sfc.semantics.profile import Competing, default_profile
 from tests.corpus import ROOT, corpus_files, require_corpus
 from tests.drawing.nets import any_net, entered_net, make, nested_net
 from tests.drawing.pictures import SVG, Picture, area, assert_tidy, links_in, points, read_picture
@@ -284,6 +285,17 @@ class TestSymbols:
         grafcet = sfc.load(FIXTURES / "grafcet" / "every_symbol.gct").pous[0].chart
         assert 'class="star"' not in grafcet.to_svg(style="iec"), "in GRAFCET all of them fire together"
 
+    @pytest.mark.parametrize(("tool", "count"), [("Beremiz", 0), ("Acme", 2)])
+    def test_an_asterisk_says_what_the_tool_does(self, tool: str, count: int) -> None:
+        """Charts of Beremiz had one, and there all transitions that are true fire."""
+        project = sfc.load(FIXTURES / "plcopen" / "filling_station_2.01.xml")
+        project.header.company = project.header.product = tool
+        assert (default_profile(project).competing is Competing.ALL) == (count == 0)
+        chart = project.pou("FillingStation").chart
+        for transition in chart.transitions:
+            transition.priority = None
+        assert drawn(chart, fresh=True).texts().count("*") == count
+
     def test_branches_that_a_file_draws_in_another_order_have_their_turns(self) -> None:
         """Above them was the asterisk, by which they are tried from left to right, and they are not."""
         chart = make(3, [([0], [1]), ([0], [2]), ([1], [0]), ([2], [0])])
@@ -319,6 +331,30 @@ class TestSymbols:
         picture = drawn(chart, style=style)
         assert "Ready AND Open" in picture.texts(element(picture, "action-5"))
         assert "Ready AND Open" not in picture.texts(element(picture, "action-6"))
+
+    def test_long_names_are_wrapped_wherever_they_are(self) -> None:
+        """The line to an action block ended above it, and names of jumps were one line beside all the rest."""
+        chart = make(3, [([0], [1]), ([1], [2]), ([1], [0]), ([2], [1])])
+        name = chart.steps[1].name = "_".join(["a_name_that_is_long"] * 8)
+        chart.steps[1].actions = [ActionAssociation(id=5, qualifier="N", target="Motor")]
+        picture = drawn(chart)
+        texts = [text.text or "" for text in picture.root.iter(f"{SVG}text")]
+        assert max(map(len, texts)) < 50
+        (reference,) = [
+            each for each in picture.by_class("reference") if each.findtext(f"{SVG}title") == f"From {name}"
+        ]
+        assert "".join(picture.texts(reference)) == name
+        _, top, _, bottom = area(element(picture, "action-5"))
+        left = int(element(picture, "action-5").find(f"{SVG}rect").get("x"))
+        (level,) = [y for x, y, end, below in picture.wires if y == below and left in (x, end)]
+        assert top < level < bottom
+
+    def test_transitions_of_grafcet_have_their_numbers_in_parentheses(self) -> None:
+        chart = make(2, [([0], [1]), ([1], [0])])
+        chart.transitions[0].number, chart.transitions[1].name = 7, "back"
+        texts = drawn(chart, style="grafcet").texts()
+        assert {"(7)", "(back)"} <= set(texts)
+        assert {"7", "back"} <= set(drawn(chart, style="iec").texts())
 
     def test_step_actions_of_codesys_are_marked(self) -> None:
         chart = make(1, [])

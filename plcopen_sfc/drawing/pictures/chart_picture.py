@@ -118,7 +118,7 @@ def _arranged(chart: SfcNetwork, look: _Look, prefix: str, told: Told) -> list[C
         for enclosure in step.encloses or ()
     }
     dialect = chart.project.dialect if chart.project is not None else Dialect.IEC
-    in_turn = usual_style(chart) is not PictureStyle.GRAFCET
+    in_turn = _tries_in_turn(chart)
     for number, part in enumerate(parts):
         starred = activated.get(part.name, frozenset()) if number else frozenset()
         wording = Wording(part.chart, dialect, told)
@@ -157,6 +157,13 @@ def usual_style(chart: SfcNetwork) -> PictureStyle:
         return PictureStyle.GRAFCET
     project = chart.project
     return PictureStyle.S7GRAPH if project is not None and project.dialect is Dialect.SCL else PictureStyle.IEC
+
+
+def _tries_in_turn(chart: SfcNetwork) -> bool:
+    """False where all competing transitions that are true fire: in GRAFCET, and in the charts of Beremiz (matiec)."""
+    project = chart.project
+    is_of_beremiz = project is not None and project.tool_format.startswith("plcopen") and project.header.is_of_beremiz
+    return not is_of_beremiz and usual_style(chart) is not PictureStyle.GRAFCET
 
 
 def chosen_theme(theme: str) -> Theme:

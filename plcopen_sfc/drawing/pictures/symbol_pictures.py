@@ -80,7 +80,7 @@ class ActionBlock:
     def entry(self, top: int, level: int) -> int:
         """Return where the line from the step meets the block that begins at `top`: at `level` if it can."""
         first = self._rows[0]
-        return top + first.lead + first.height // 2 if self._spread else level
+        return top + first.lead + first.height // 2 if self._spread else min(max(level, top + 8), top + self.height - 8)
 
     def draw(self, canvas: Canvas, x: int, y: int) -> None:
         """Draw the block with its upper left corner at `x`, `y`."""
@@ -190,6 +190,11 @@ class LinkEnd:
     name: str
     element: str
 
+    @property
+    def lines(self) -> list[str]:
+        """Its name, wrapped."""
+        return wrap(self.name, 11, _NAME_WIDTH) or [""]
+
 
 @dataclass(slots=True)
 class PictureSheet:
@@ -242,7 +247,9 @@ class PictureSheet:
         transition = self.transitions[number]
         name = transition.name
         if transition.number is not None and (self.style is PictureStyle.S7GRAPH or not name):
-            name = f"T{transition.number}"
+            name = f"({transition.number})" if self.style is PictureStyle.GRAFCET else f"T{transition.number}"
+        elif name and self.style is PictureStyle.GRAFCET:
+            name = f"({name})"
         elif not name:
             name = " & ".join(self.step_reference(i).name for i in transition.sources if i in self.steps)
             name = name or self.words.label(self.labels[number])  # a source transition
@@ -271,8 +278,8 @@ class StepSymbol:
         self.left = max(half + 22, _reference_width([*self.entries, *self.exits]))
         self.right = half + (arm + beside if beside else 0) + 6
         self._room = sheet.room.get(number, 0)
-        self._lead = self._room + 8 + 14 * len(self.entries) + (4 if self.entries else 0)
-        self._tail = 4 + 14 * len(self.exits)
+        self._lead = self._room + 8 + _references_height(self.entries) + (4 if self.entries else 0)
+        self._tail = 4 + _references_height(self.exits)
         self._block_down = max(0, (self._box - self._block.height) // 2)
         text = 14 * len(self._about)
         self._text_down = self._block_down + self._block.height + 4
@@ -310,11 +317,10 @@ class StepSymbol:
         first = y + self._room + 6
         _draw_entries(canvas, self.entries, x, first, top, enters=y if enters else None, sheet=self.sheet)
         below = top + self._body
-        if leaves or self.exits:
-            last = below + 8 + 14 * (len(self.exits) - 1)
-            canvas.wire((x, bottom), (x, y + self.height if leaves else last))
-        for number, reference in enumerate(self.exits):
-            level = below + 8 + 14 * number
+        exits = list(zip(self.exits, _levels(self.exits, below + 8), strict=True))
+        if leaves or exits:
+            canvas.wire((x, bottom), (x, y + self.height if leaves else exits[-1][1]))
+        for reference, level in exits:
             canvas.wire((x, level), (x - 14, level))
             with _reference(canvas, self.sheet.words.told("Continues at {}", reference.name), reference, x, level):
                 canvas.line("head", (x - 18, level), (x - 11, level - 4), (x - 11, level + 4), closed=True)
@@ -446,7 +452,7 @@ class TransitionSymbol:
             self.left = max(self.left, 14 + _reference_width(self.waits))
         self.right = 22 + max(widest(self._condition, 12), widest(self._about, 11))
         self._text = 15 * len(self._condition) + 13 * len(self._about)
-        self._lead = 14 * len(self.waits) + 16 if self.waits else 0
+        self._lead = _references_height(self.waits) + 16 if self.waits else 0
         names = 13 * len(self._names) // 2 + (13 if self._priority and self._names else 0)
         self._above = max(15, self._text // 2 + 5, names + 4)
         self.height = self._lead + self._above + max(15, (self._text + 1) // 2 + 5, names + 4)
@@ -456,8 +462,10 @@ class TransitionSymbol:
         number = str(transition.number) if transition.number is not None else ""
         if style is PictureStyle.S7GRAPH and number:
             return [f"T{number}", *wrap(transition.name, 11, 120)]
-        name = f"({transition.name})" if style is PictureStyle.GRAFCET and transition.name else transition.name
-        return [*wrap(name, 11, 120), *([number] if number else [])]
+        names = filter(None, (transition.name, number))
+        if style is PictureStyle.GRAFCET:  # as IEC 60848 has them
+            names = map("({})".format, names)
+        return [line for name in names for line in wrap(name, 11, 120)]
 
     def draw(self, canvas: Canvas, x: int, y: int, *, enters: bool, leaves: bool) -> None:
         """Draw the transition on the axis `x` below `y`."""
@@ -526,8 +534,22 @@ def _shown(references: Sequence[LinkEnd]) -> list[LinkEnd]:
     return [*found[: _MOST_REFERENCES - 1], more]
 
 
+_REFERENCE_PITCH = 14
+
+
 def _reference_width(references: Sequence[LinkEnd]) -> int:
-    return max((text_width(reference.name, 11) + 28 for reference in references), default=0)
+    return max((widest(reference.lines, 11) + 28 for reference in references), default=0)
+
+
+def _references_height(references: Sequence[LinkEnd]) -> int:
+    return _REFERENCE_PITCH * sum(len(reference.lines) for reference in references)
+
+
+def _levels(references: Sequence[LinkEnd], first: int) -> Iterator[int]:
+    """Yield the levels of references below each other: of the first lines of their names."""
+    for reference in references:
+        yield first
+        first += _REFERENCE_PITCH * len(reference.lines)
 
 
 def _draw_entries(
@@ -546,8 +568,7 @@ def _draw_entries(
     """
     if enters is not None or references:
         canvas.wire((x, first + 5 if enters is None else enters), (x, bottom))
-    for number, reference in enumerate(references):
-        level = first + 5 + 14 * number
+    for reference, level in zip(references, _levels(references, first + 5), strict=True):
         canvas.wire((x - 18, level), (x - 6, level))
         with _reference(canvas, sheet.words.told("From {}", reference.name), reference, x, level):
             canvas.line("head", (x - 1, level), (x - 9, level - 4), (x - 9, level + 4), closed=True)
@@ -556,7 +577,9 @@ def _draw_entries(
 @contextmanager
 def _reference(canvas: Canvas, title: str, reference: LinkEnd, x: int, level: int) -> Iterator[None]:
     """Write the name of a reference to the left of the axis `x`; its arrow is drawn inside."""
-    width = text_width(reference.name, 11)
-    with canvas.element("reference", "", title, (x - 22 - width, level - 7, width + 22, 14)):
+    width, height = widest(reference.lines, 11), _REFERENCE_PITCH * len(reference.lines)
+    with canvas.element("reference", "", title, (x - 22 - width, level - 7, width + 22, height)):
         yield
-        canvas.text("back", x - 22, level + 4, reference.name, anchor="end", link=reference.element)
+        for number, line in enumerate(reference.lines):
+            below = level + 4 + _REFERENCE_PITCH * number
+            canvas.text("back", x - 22, below, line, anchor="end", link=reference.element)
