@@ -536,7 +536,7 @@ class _Reasons:
         """True if an assignment is the value of actions of a step, and their events never come."""
         steps = {f"{name} / step {each.path}": each.step for name, net in self._nets.items() for each in net.steps}
         actions = steps[owner].actions if owner in steps else []
-        rows = [row for row in actions if f"{row.target} := {row.value};" == assignment]
+        rows = [row for row in actions if f"{row.target} := {row.value}" == assignment]
         return bool(rows) and all(map(self._never_comes, rows))
 
     def _never_true(self, kind: str, key: Key) -> str:

@@ -47,9 +47,12 @@ def diff_page(a: Project, b: Project, changes: ProjectDiff, *, lang: str = "en")
     ]
     sides = _Side(first, captions[0]), _Side(_index(b, "b-"), captions[1])
     for change in changes.changes:
-        for side, path, absent in zip(sides, _paths(change), (ChangeKind.ADDED, ChangeKind.REMOVED), strict=True):
-            if change.kind is not absent:
-                side.mark_change(change.kind, path)
+        paths = _paths(change)
+        there = 1 if change.kind is ChangeKind.ADDED else 0
+        inside = sides[there].shows_only_around(paths[there])
+        for side, path, absent in zip(sides, paths, (ChangeKind.ADDED, ChangeKind.REMOVED), strict=True):
+            if inside or change.kind is not absent:  # a step that gains an action has changed on both sides
+                side.mark_change(change.kind, path, inside=inside)
     pairs = [pair for pair in _pairs(*sides) if any(side.has_marks(prefix) for side, prefix in pair)]
     charts = list(_charts(pairs, words))
     shown = tuple(prefix for pair in pairs for _, prefix in pair if prefix)
@@ -132,10 +135,13 @@ class _Side:
     caption: str
     marks: dict[str, dict[str, None]] = field(default_factory=dict)
 
-    def mark_change(self, kind: ChangeKind, path: str) -> None:
-        """Mark what a change at a path is about; what has a change inside of it is changed."""
+    def shows_only_around(self, path: str) -> bool:
+        """True if the object at a path has no place of its own here, but one around it has: an action of a step."""
+        return self.index.anchor_at(path) == self.index.anchor_at(ObjectPath.of(path).around)
+
+    def mark_change(self, kind: ChangeKind, path: str, *, inside: bool) -> None:
+        """Mark what a change at a path is about; what has a change `inside` of it is changed."""
         anchor = self.index.anchor_at(path)
-        inside = anchor == self.index.anchor_at(ObjectPath.of(path).around)
         kind = ChangeKind.CHANGED if inside and kind is not ChangeKind.LAYOUT else kind
         self.marks.setdefault(anchor, {})[f"diff-{kind}"] = None
 

@@ -116,19 +116,20 @@ class _ProjectContent:
         items: list[Html] = []
         behind: list[Html] = []
         for each, anchors in self._unreached:
-            told = self.words.verdict(each.name) if each.kind == "action" else each.name
+            told = with_code(self.words.verdict(each.name) if each.kind == "action" else each.name)
+            told = element("code", each.name) if each.kind in ("assignment", "outcome of comparison") else told
             name = joined(f"{self.words(each.kind)} ", link(anchors[0], told) if anchors else told)
             if each.follows:
                 behind.append(joined(", " if behind else "", name))
                 continue
             kind = self.words("never possible" if each.impossible else "not reached")
-            items.append(element("li", element("b", kind), " ", name, f": {self.words.verdict(each.why)}"))
+            items.append(element("li", element("b", kind), " ", name, ": ", with_code(self.words.verdict(each.why))))
         if behind:  # the verdict does not count it
             items.append(element("li", element("b", self.words("not reached behind these steps")), ": ", *behind))
         return element(
             "section",
             element("h2", self.words("Verdict")),
-            element("p", self.words.verdict(str(verdict).splitlines()[0])),
+            element("p", with_code(self.words.verdict(str(verdict).splitlines()[0]))),
             element("p", f"{coverage.name}: {self.words.verdict(str(coverage))}"),
             element("ul", *items) if items else Html(""),
             id="coverage",

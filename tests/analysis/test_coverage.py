@@ -144,7 +144,7 @@ END_PROGRAM
     assert verdict.proven
     assert [each.counts for each in verdict.coverage] == [{"assignment": (5, 6)}] * 2
     missed = verdict.coverage[0].unreached[0]
-    assert (missed.name, missed.impossible) == ("P := TRUE;", True)
+    assert (missed.name, missed.impossible) == ("P := TRUE", True)
     assert missed.why == "needs `c AND NOT c`, never TRUE (proven)"
 
 
@@ -173,7 +173,7 @@ def test_an_assignment_in_an_action_that_was_not_reached_is_named(value: str) ->
     assert verdict.kind is VerdictKind.UNTESTED
     assert verdict.coverage[0].counts["assignment"] == (1, 3)
     assert [str(each) for each in verdict.coverage[0].untested] == [
-        "assignment q := TRUE;: needs `n * n = 1000003`, never reached"
+        "assignment q := TRUE: needs `n * n = 1000003`, never reached"
     ]
 
 
@@ -181,8 +181,8 @@ def test_assignments_that_nothing_executes_are_proven_so() -> None:
     verdict = searched(counting("n > 5 AND n < 3"), counting("n > 5 AND n < 3", "FALSE"))
     assert verdict.kind is VerdictKind.TESTED
     assert [(each.name, each.why) for each in verdict.coverage[0].unreached] == [
-        ("q := TRUE;", "needs `n > 5 AND n < 3`, never TRUE (proven)"),
-        ("q := TRUE;", "the code around it is never executed (proven)"),
+        ("q := TRUE", "needs `n > 5 AND n < 3`, never TRUE (proven)"),
+        ("q := TRUE", "the code around it is never executed (proven)"),
     ]
     assert searched(counting("n > 3"), counting("n > 3", "FALSE")).different
 
@@ -275,7 +275,7 @@ def assigned(body: str, other: str) -> Verdict:
 def test_a_comparison_that_is_assigned_must_have_both_outcomes() -> None:
     verdict = assigned("q := n * n * n = 3 * n + 7;", "q := FALSE;")
     assert verdict.kind is VerdictKind.UNTESTED, str(verdict)
-    told = "assignment `q := n * n * n = 3 * n + 7;` was never TRUE"
+    told = "assignment `q := n * n * n = 3 * n + 7` was never TRUE"
     assert [str(each) for each in verdict.coverage[0].untested] == [told]
     assert f"not reached: {told}" in str(verdict).splitlines()
     assert verdict.coverage[0].counts["outcome of comparison"] == (1, 2)
@@ -333,24 +333,24 @@ def test_outcomes_count_in_actions_of_charts() -> None:
     )
     verdict = searched(one, other)
     assert verdict.kind is VerdictKind.UNTESTED
-    assert [str(each) for each in verdict.coverage[0].untested] == ["assignment `q := n * n = 1000003;` was never TRUE"]
+    assert [str(each) for each in verdict.coverage[0].untested] == ["assignment `q := n * n = 1000003` was never TRUE"]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("body", "impossible"),
     [
-        ("IF n > 5 THEN q := n > 3; END_IF;", ["q := n > 3; is never FALSE (proven)"]),
-        ("IF n > 5 THEN q := a; ELSE q := n > 7; END_IF;", ["q := n > 7; is never TRUE (proven)"]),
-        ("IF n <= 5 THEN RETURN; END_IF; q := n > 3;", ["q := n > 3; is never FALSE (proven)"]),
-        ("IF n > 5 THEN t(IN := a, PT := T#1s); q := n > 3; END_IF;", ["q := n > 3; is never FALSE (proven)"]),
+        ("IF n > 5 THEN q := n > 3; END_IF;", ["q := n > 3 is never FALSE (proven)"]),
+        ("IF n > 5 THEN q := a; ELSE q := n > 7; END_IF;", ["q := n > 7 is never TRUE (proven)"]),
+        ("IF n <= 5 THEN RETURN; END_IF; q := n > 3;", ["q := n > 3 is never FALSE (proven)"]),
+        ("IF n > 5 THEN t(IN := a, PT := T#1s); q := n > 3; END_IF;", ["q := n > 3 is never FALSE (proven)"]),
         (
             "CASE n OF 1..3: q := n > 4; ELSE q := n = 2; END_CASE;",
-            ["q := n > 4; is never TRUE (proven)", "q := n = 2; is never TRUE (proven)"],
+            ["q := n > 4 is never TRUE (proven)", "q := n = 2 is never TRUE (proven)"],
         ),
         (
             "IF n > 5 THEN IF n < 3 THEN q := a; END_IF; END_IF;",
-            ["q := a; needs `n > 5` and `n < 3`, never TRUE (proven)"],
+            ["q := a needs `n > 5` and `n < 3`, never TRUE (proven)"],
         ),
     ],
 )
@@ -577,7 +577,7 @@ def test_what_all_calls_of_a_function_exclude_is_not_demanded(calls: str, is_pro
     one, other = (sfc.loads(each.encode(), format="iec-text").pou("Main") for each in (text, swapped))
     found = equivalent(one, other, "iec", cap=1, runs=2, scans=5)
     told = {each.name: each.why for each in found.coverage[0].unreached if each.impossible}
-    assert (told.get("Chosen: Chosen := FALSE;") == "needs `k = 7`, never TRUE (proven)") is is_proven, str(found)
+    assert (told.get("Chosen: Chosen := FALSE") == "needs `k = 7`, never TRUE (proven)") is is_proven, str(found)
 
 
 @pytest.mark.parametrize(
@@ -656,7 +656,7 @@ def test_an_assignment_that_only_code_has_is_named_where_nothing_reached_it() ->
     verdict = press_and_code("// Step times", "IF fForce * fForce < 0.0 THEN bDone := TRUE; END_IF;")
     assert verdict.kind is VerdictKind.UNTESTED
     assert "(1 assignment)" in str(verdict)
-    assert "not reached: assignment bDone := TRUE;: needs `fForce * fForce < 0.0`, never reached" in str(verdict)
+    assert "not reached: assignment bDone := TRUE: needs `fForce * fForce < 0.0`, never reached" in str(verdict)
 
 
 def test_variables_that_keep_their_value_in_a_chart_keep_it_in_its_code() -> None:
@@ -670,7 +670,7 @@ def test_variables_that_keep_their_value_in_a_chart_keep_it_in_its_code() -> Non
     )
     code = sfc.lower(chart, "case", verify=False).project
     verdict = equivalent(chart, code, "iec", cap=20, runs=4, scans=50)
-    (missed,) = [each for each in verdict.coverage[1].unreached if each.name.endswith(":= 3;")]
+    (missed,) = [each for each in verdict.coverage[1].unreached if each.name.endswith(":= 3")]
     assert (missed.why, missed.impossible) == ("needs `late.Q`, never TRUE (proven)", True)
 
 

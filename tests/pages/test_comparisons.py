@@ -109,6 +109,27 @@ END_PROGRAM
     assert (told["path"], told["path_after"]) == ("POU P / transition S2 -> S1", "POU P / transition S2 -> S3")
 
 
+def test_a_step_that_gains_or_loses_an_action_is_marked_on_both_sides() -> None:
+    text = """PROGRAM P
+INITIAL_STEP S1: q(N); END_STEP
+STEP S2: END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+END_PROGRAM
+"""
+    a, b = (sfc.loads(each.encode()) for each in (text, text.replace("q(N)", "").replace("S2:", "S2: q(S);")))
+    changes = sfc.diff(a, b)
+    tree = parse(sfc.diff_page(a, b, changes))
+    assert marked(tree, "a", "changed") == marked(tree, "b", "changed") == ["Initial step S1", "Step S2"]
+    assert marked(tree, "a", "removed") == marked(tree, "b", "added") == []
+    for item in tree.xpath("//li[contains(@class, 'change')]"):
+        assert [link.text for link in item.xpath(".//a")] == ["A", "B"]
+    # what is new as a whole is on one side
+    c = sfc.loads(text.replace("STEP S2:", "STEP S3: q(N); END_STEP\nSTEP S2:").encode())
+    tree = parse(sfc.diff_page(a, c, sfc.diff(a, c)))
+    assert (marked(tree, "a", "changed"), marked(tree, "b", "added")) == ([], ["Step S3"])
+
+
 def test_equal_projects() -> None:
     project = sfc.load(FIXTURES / "iectext" / "mixing_plant.st")
     tree = parse(sfc.diff_page(project, project, sfc.diff(project, project)))

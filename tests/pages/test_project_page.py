@@ -465,6 +465,25 @@ END_PROGRAM
     assert tree.xpath("//section[@id='coverage']//li/a/@href") == [f"#{marked.get('id')}"]
 
 
+def test_program_text_in_a_verdict_is_code() -> None:
+    """It was in backquotes, and a semicolon stood before the reason."""
+    text = """PROGRAM P
+VAR a, b, q: BOOL; n: INT; END_VAR
+INITIAL_STEP A: Act(N); END_STEP
+TRANSITION FROM A TO A := a AND n = 7; END_TRANSITION
+ACTION Act: IF n = 5 OR b THEN q := TRUE; END_IF; END_ACTION
+END_PROGRAM
+"""
+    project, other = sfc.loads(text.encode()), sfc.loads(text.replace("n = 7", "n = 8").encode())
+    for lang, words in (("en", "not reached assignment"), ("de", "nicht erreicht Zuweisung")):
+        tree = parse(sfc.page(project, verdict=sfc.equivalent(project, other), lang=lang))
+        section = tree.get_element_by_id("coverage")
+        assert "`" not in words_of(section)
+        (item,) = [each for each in section.iter("li") if words in words_of(each)]
+        assert [each.text for each in item.iter("code")] == ["q := TRUE", "n = 5 OR b"]
+        assert f"{words} q := TRUE: " in words_of(item)
+
+
 def test_findings_of_readers_and_ends_of_charts_are_told_in_german() -> None:
     text = """PROGRAM P
 INITIAL_STEP A: END_STEP

@@ -313,7 +313,7 @@ class StatementTranslator:
         if node.kind in (AssignmentKind.SET, AssignmentKind.RESET):
             self._watch_conditions([node.value])
             with self._writer.block(f"if {self._truth(node.value).text}:"), self._within(node.value, [node.value]):
-                self.note(print_node(node))
+                self.note(_told(node))
                 place = translator.place(node.target, t.BOOL)
                 translator.note_write(place)
                 value = constant(node.kind is AssignmentKind.SET, t.BOOL)
@@ -340,11 +340,11 @@ class StatementTranslator:
         if self._marks is not None and code.type is t.BOOL and not code.constant and translator.comparisons > before:
             self._watch([(print_node(node.value), parts_that_decide(assigned))])
             held = self._writer.temporary()
-            first = self._marks.outcomes(self._branch, print_node(node), assigned, self._guards.holding)
+            first = self._marks.outcomes(self._branch, _told(node), assigned, self._guards.holding)
             self._writer.write(f"{held} = {code.text}; m[{first} + (1 if {held} else 0)] = True")
             code = replace(code, text=held)
         translator.write(place, code)
-        self.note(print_node(node))
+        self.note(_told(node))
 
     def _refer(self, node: n.Assignment) -> None:
         """``reference REF= variable``."""
@@ -666,6 +666,11 @@ class StatementTranslator:
             raise SimulationError("a jump out of a loop is not known to the simulator")
         self._writer.write(f"_to = {index}")
         self._writer.write("continue")
+
+
+def _told(statement: n.Statement) -> str:
+    """Return a statement as coverage names it: without the semicolon, as a sentence goes on behind it."""
+    return print_node(statement).removesuffix(";")
 
 
 def _matches(held: str, labels: list[tuple[int, int]]) -> str:
