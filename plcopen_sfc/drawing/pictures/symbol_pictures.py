@@ -462,9 +462,9 @@ class TransitionSymbol:
         number = str(transition.number) if transition.number is not None else ""
         if style is PictureStyle.S7GRAPH and number:
             return [f"T{number}", *wrap(transition.name, 11, 120)]
-        names = filter(None, (transition.name, number))
+        names = [name for name in (transition.name, number) if name]
         if style is PictureStyle.GRAFCET:  # as IEC 60848 has them
-            names = map("({})".format, names)
+            names = [f"({name})" for name in names]
         return [line for name in names for line in wrap(name, 11, 120)]
 
     def draw(self, canvas: Canvas, x: int, y: int, *, enters: bool, leaves: bool) -> None:
