@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 
 from plcopen_sfc.formats.format_interface import Format, WriteOptions
+from plcopen_sfc.formats.matiec.matiec_library import note_functions
 from plcopen_sfc.formats.matiec.matiec_statements import note_loops
 from plcopen_sfc.formats.registry import TIA_FORMAT
 from plcopen_sfc.languages.binding import told_step_actions
@@ -43,6 +44,8 @@ def note_differences(
     """Report what the target executes otherwise, or not at all, in texts and declarations that it gets as they are."""
     if default_profile(project).for_asks_ahead and not options.flavour and not kind.name.startswith("plcopen"):
         note_loops(project, report, kind.tool)  # a TC6 file is one of Beremiz by its header still
+        if kind.dialect is None:  # others get what counts seconds in them, too
+            note_functions(project, report, kind.tool, with_texts=True)
     _note_wider_arithmetic(project, kind, dialect, report)
     _note_operands(project, kind, options, report)
     _note_sections(project, kind, report)

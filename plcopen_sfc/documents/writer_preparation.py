@@ -14,6 +14,7 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.documents.legal_names import give_legal_names
 from plcopen_sfc.documents.target_differences import note_differences
 from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, NetworkForm, WriteOptions
+from plcopen_sfc.formats.matiec.matiec_library import count_in_seconds
 from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
 from plcopen_sfc.languages.library_blocks import put_flip_flops
 from plcopen_sfc.languages.s7_boxes import translate_boxes
@@ -156,6 +157,8 @@ def _put_texts_into_words(
         _forget_direct_text(copy)
     if not options.same:
         _in_structured_text(copy, kind, report)
+        if options.of_matiec and kind.dialect is not None and not profile_as(copy, kind.name).matiec_library:
+            count_in_seconds(copy, report, kind.tool)
     if dialect is not None:
         calls_actions = kind.name == TIA_FORMAT  # its writer puts statements in the place of the calls
         wholly = bool(options.flavour)

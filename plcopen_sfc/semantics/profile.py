@@ -262,6 +262,13 @@ class Profile:
     evaluated again in each turn: a loop of one turn is left out, and its variable ends a turn earlier than in IEC
     61131-3, 7.3.3.4.2. matiec: seen in the C code of 2024."""
 
+    matiec_library: bool = False
+    """True if standard functions do what those in the library of matiec do (2024, compiled and run).
+
+    TIME and numbers become each other in seconds, integers without the fraction: ``TIME_TO_DINT(T#2s5ms)`` is 2, where
+    all others count milliseconds (IEC 61131-3 leaves it open). FIND and REPLACE, and texts from and to numbers and
+    times, are in `plcopen_sfc.semantics.programs.matiec_functions`."""
+
     minimum_times: bool = False
     """True if a step is left only after its minimum time. CODESYS, "Processing order" step 6."""
 
@@ -349,6 +356,7 @@ _MATIEC = Profile(
     reset_cancels_delays=False,
     boolean_targets=BooleanTargets.WHEN_DECIDED,
     for_asks_ahead=True,
+    matiec_library=True,
 )
 
 PROFILES: Mapping[str, Profile] = MappingProxyType(

@@ -16,6 +16,7 @@ from plcopen_sfc.formats.matiec.matiec_declarations import (
     quote_strings,
     variable_names,
 )
+from plcopen_sfc.formats.matiec.matiec_library import note_functions
 from plcopen_sfc.formats.matiec.matiec_pou import FittedPou
 from plcopen_sfc.formats.matiec.matiec_statements import (
     compilable_instructions,
@@ -82,7 +83,9 @@ def fit_project(
         unit = FittedPou(pou, project.dialect, report, own, names, globals_, functions, keeps_drawings)
         _fit_pou(unit, final_scan, same_loops=options.of_matiec, relies=options.of_graph or options.of_grafcet)
     _configure(project, report, lists)
-    fit_expressions(project, report)
+    fit_expressions(project, report, same_library=own)
+    if not own:
+        note_functions(project, report, "the source")
     if not keeps_drawings:
         note_undeclared(project, report)
 

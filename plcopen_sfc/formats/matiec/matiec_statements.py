@@ -14,6 +14,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
+from plcopen_sfc.formats.matiec.matiec_library import in_milliseconds
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.expression_types import (
@@ -266,8 +267,11 @@ def plain_comment(text: str) -> str:
 # -- expressions ------------------------------------------------------------------------------------------------------
 
 
-def fit_expressions(project: Project, report: ConversionReport) -> None:
-    """Write what matiec spells otherwise in all texts of a project, and report what it has no words for."""
+def fit_expressions(project: Project, report: ConversionReport, *, same_library: bool) -> None:
+    """Write what matiec spells otherwise in all texts of a project, and report what it has no words for.
+
+    `same_library`: standard functions are those of matiec already, in the texts of projects for it.
+    """
     resolver = Resolver(project, project.dialect)
     for text_site in list(text_sites(project)):
         if not text_site.is_program_text:
@@ -275,11 +279,13 @@ def fit_expressions(project: Project, report: ConversionReport) -> None:
         parsed = text_site.parsed(project.dialect)
         if parsed.problems:
             continue
-        fitter = _ExpressionFitter(text_site, resolver)
+        fitter = _ExpressionFitter(text_site, resolver, same_library=same_library)
         tree = transform(parsed.tree, fitter)
         if not fitter.missing:
             found = _TypeCheck(ExpressionTypes(Dialect.IEC, fitter.type_of)).mistakes(tree)
             fitter.missing += (("operation", f"matiec has no {each}") for each in found)
+        for told in dict.fromkeys(_otherwise(tree, fitter.type_of)) if not same_library else ():
+            report.add(Outcome.APPROXIMATED, "operation", text_site.report_path, told)
         if tree is not parsed.tree:
             text_site.put(render(parsed, tree))
         for what, why in dict.fromkeys(fitter.missing):
@@ -287,8 +293,9 @@ def fit_expressions(project: Project, report: ConversionReport) -> None:
 
 
 class _ExpressionFitter:
-    def __init__(self, text_site: TextSite, resolver: Resolver) -> None:
+    def __init__(self, text_site: TextSite, resolver: Resolver, *, same_library: bool) -> None:
         self.text_site = text_site
+        self.same_library = same_library
         self.resolver = resolver
         self.missing: list[tuple[str, str]] = []
         self.converter = OperandConverter(self._type, self.missing)
@@ -314,7 +321,10 @@ class _ExpressionFitter:
         if isinstance(node, n.Member) and _BIT.fullmatch(node.name.identifier):
             self.missing.append(("bit access", f"matiec has no bits of variables, here .{node.name.identifier}"))
         if isinstance(node, n.Call) and isinstance(node.callee, n.Name):
-            return self._conversion(node, node.callee)
+            converted = self._conversion(node, node.callee)
+            if isinstance(converted, n.Call) and not self.same_library:
+                return in_milliseconds(converted) or converted
+            return converted
         return node
 
     def _literal(self, node: n.Literal) -> n.Node:
@@ -512,6 +522,19 @@ class _TypeCheck:
             chosen = {value.type for value in values[OF_ONE_TYPE[name] :] if not value.loose}
             if "" not in chosen and (len(chosen) > 1 or (name == "ABS" and chosen & {"BOOL", *_BITS})):
                 yield f"{name} of {' and '.join(sorted(chosen))}"
+
+
+def _otherwise(tree: n.Node, type_of: TypeOf) -> Iterator[str]:
+    """Yield what the library of matiec calculates otherwise with times."""
+    types = ExpressionTypes(Dialect.IEC, type_of)
+    for node in walk(tree):
+        if not isinstance(node, n.Operation) or node.operator not in CALCULATING:
+            continue
+        kinds = {types.value(operand).type for operand in node.operands}
+        if "TOD" in kinds and "TIME" in kinds:
+            yield "matiec does not begin a time of day again behind midnight"
+        if node.operator is n.Operator.MULTIPLY and "TIME" in kinds:
+            yield "the product of a duration is wrong in matiec where its part below a second becomes more than 2.1 s"
 
 
 def _is_call_of(value: n.Expression, name: str) -> bool:

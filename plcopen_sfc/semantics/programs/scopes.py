@@ -74,7 +74,7 @@ class TranslatedProject(ABC):
         self.names = Scopes(project)
         self.processor = Processor()
         self.linker = Linker()
-        self.converter = Converter(self.dialect, self.linker)
+        self.converter = Converter(self.dialect, self.linker, in_seconds=profile.matiec_library)
         self.blocks = BlockTypes(self.dialect, self.processor)
         self.globals = Layout("global variables")
         self.frame = Frame(self.globals, [])

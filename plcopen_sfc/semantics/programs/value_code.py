@@ -99,8 +99,9 @@ def grained(code: Code, type_: ScalarType) -> Code:
 class Converter:
     """Conversions: those that assignments do by themselves, and ``X_TO_Y``."""
 
-    def __init__(self, dialect: Dialect, linker: Linker) -> None:
+    def __init__(self, dialect: Dialect, linker: Linker, *, in_seconds: bool) -> None:
         self._linker = linker
+        self._in_seconds = in_seconds
         codesys = dialect in (Dialect.CODESYS, Dialect.TWINCAT)
         self.round = "half_away" if codesys else "half_even"
 
@@ -190,22 +191,22 @@ class Converter:
             if target.family is Family.REAL:
                 return f"float({text})"
             if target.is_ranged:
-                return f"int({text})" if to_number else f"({text} * {count_unit(target)})"
+                return f"int({text})" if to_number else f"({text} * {self._count_unit(target)})"
         if target.family is Family.BOOL and source.family is not Family.STRING:
             return f"({text} != 0)"
         if source.family is Family.REAL and target.is_ranged:
-            scaled = text if to_number else f"({text} * {count_unit(target)})"
+            scaled = text if to_number else f"({text} * {self._count_unit(target)})"
             return f"{self.round}({scaled})"
         if target.family is Family.REAL and source.is_ranged:
-            scaled = text if source.is_number else f"({text} / {count_unit(source)})"
+            scaled = text if source.is_number else f"({text} / {self._count_unit(source)})"
             number = f"float({scaled})"
             return f"single({number})" if target.bits == 32 else number
         if source.is_number and to_number:
             return text
         if source.is_number and target.is_ranged:
-            return f"({text} * {count_unit(target)})"
+            return f"({text} * {self._count_unit(target)})"
         if source.is_ranged and to_number:
-            return f"divided({text}, {count_unit(source)})"
+            return f"divided({text}, {self._count_unit(source)})"
         if source.family is Family.DATE_AND_TIME and target.family is Family.DATE:
             return f"({text} // {_DAY} * {_DAY})"
         if source.family is Family.DATE_AND_TIME and target.family is Family.TIME_OF_DAY:
@@ -213,6 +214,16 @@ class Converter:
         if source.is_ranged and target.is_ranged:
             return text
         raise SimulationError(f"{source.name} cannot become {target.name}")
+
+    def _count_unit(self, type_: ScalarType) -> int:
+        """Return how many nanoseconds one is, when a duration, date or time becomes a number.
+
+        CODESYS has TIME and TOD in milliseconds, DATE and DT in seconds, those of 64 bits in nanoseconds; matiec has
+        all in seconds (`Profile.matiec_library`).
+        """
+        if type_.name.startswith("L"):
+            return 1
+        return SECOND if self._in_seconds or type_.family in (Family.DATE, Family.DATE_AND_TIME) else MS
 
 
 def _can_be_copied(source: Type, target: Type) -> bool:
@@ -225,18 +236,6 @@ def _can_be_copied(source: Type, target: Type) -> bool:
         alike = source.base == target.base or _can_be_copied(source.base, target.base)
         return alike and source.size == target.size
     return isinstance(target, ReferenceType) and isinstance(source, ReferenceType)
-
-
-def count_unit(type_: ScalarType) -> int:
-    """Return how many nanoseconds one is, when a duration, date or time becomes a number.
-
-    CODESYS has TIME and TOD in milliseconds, DATE and DT in seconds, those of 64 bits in nanoseconds.
-    """
-    if type_.name.startswith("L"):
-        return 1
-    if type_.family in (Family.DATE, Family.DATE_AND_TIME):
-        return SECOND
-    return MS
 
 
 def truth(code: Code) -> Code:

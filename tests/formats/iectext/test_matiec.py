@@ -360,6 +360,98 @@ def test_loops_of_beremiz_do_what_matiec_makes_of_them(loop: str, n: int, tmp_pa
         assert machine.run([{"n": n}], ["k"])[0]["k"] == instance["k"]
 
 
+TIMES = """k := TIME_TO_INT(t); x := TIME_TO_REAL(t + T#250ms); w := TIME_TO_WORD(t);
+    IF DINT_TO_TIME(TIME_TO_DINT(t) + 1) > t THEN u := u + 1; END_IF; IF REAL_TO_TIME(x) > t THEN u := u + 2; END_IF;
+    IF WORD_TO_TIME(w) = t THEN u := u + 4; END_IF; IF INT_TO_TIME(k) = t THEN u := u + 8; END_IF;"""
+_CALCULATED = ("k", "x", "w", "u")
+
+
+def _with_times(statements: str) -> sfc.Project:
+    text = f"PROGRAM Plant VAR t : TIME := T#2s250ms; k, u : INT; x : REAL; w : WORD; END_VAR {statements} END_PROGRAM"
+    return sfc.loads(text.encode(), format="iec-text")
+
+
+def _calculated(project: sfc.Project, profile: str) -> list[object]:
+    instance = Controller(project, profile).instance("Plant")
+    instance.scan()
+    return [instance[name] for name in _CALCULATED]
+
+
+def test_times_become_numbers_in_milliseconds_in_matiec(tmp_path: Path) -> None:
+    project = _with_times(TIMES)
+    data, report = sfc.convert(project, "iec-text", flavour="matiec")
+    assert report.losses == []
+    expected = [2250, 2500.0, 2250, 15]
+    assert _calculated(project, "iec") == expected
+    assert _calculated(sfc.loads(data, format="iec-text"), "matiec") == expected
+    machine = require_matiec().build(data.decode(), tmp_path, program="Plant")
+    assert list(machine.run([{}], _CALCULATED)[0].values()) == expected
+
+
+def test_times_of_beremiz_become_numbers_in_seconds_as_in_matiec(tmp_path: Path) -> None:
+    project = _with_times(TIMES)
+    machine = require_matiec().build(sfc.dumps(project, format="iec-text").decode(), tmp_path, program="Plant")
+    assert list(machine.run([{}], _CALCULATED)[0].values()) == _calculated(project, "matiec") == [2, 2.5, 2, 3]
+
+
+@pytest.mark.parametrize(("target", "profile"), [("codesys", "codesys"), ("scl", "s7graph"), ("plcopen", "beremiz")])
+def test_times_of_beremiz_count_seconds_in_other_tools(target: str, profile: str) -> None:
+    project = _with_times(TIMES)
+    project.header = FileHeader(company="Unknown", product="Unnamed", version="1")
+    project = sfc.loads(sfc.dumps(project, format="plcopen", fresh=True), format="plcopen", as_tool=True)
+    data, report = sfc.convert(project, target)
+    assert [item.outcome for item in report.items if item.what == "time"] == [Outcome.TRANSLATED] * (
+        target != "plcopen"
+    )
+    assert _calculated(sfc.loads(data, format=target), profile) == [2, 2.5, 2, 3]
+    _, report = sfc.convert(project, "iec-text", partial=True)
+    assert {item.outcome for item in report.items if item.what == "time"} == {Outcome.NOT_EXECUTED}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("condition", "expected"),
+    [
+        ("FIND('hello', 'lo') = 4", False),
+        ("FIND('hello', 'he') = 1", True),
+        ("REPLACE('hello', 'YYYY', 1, 2) = 'hYYYYllo'", False),
+        ("WORD_TO_STRING(w) = '16#8001'", True),
+        ("LREAL_TO_STRING(1.0E10) = '1e+10'", True),
+        ("REAL_TO_STRING(REAL#2.5) = '2.5'", True),
+        ("TIME_TO_STRING(T#61s500ms) = 'T#0d0h1m1s500ms'", True),
+        ("TIME_TO_STRING(T#1h) = 'T#0d1h'", True),
+        ("STRING_TO_INT('12abc') = 12", True),
+        ("STRING_TO_INT('-16#1') = 1", False),
+        ("STRING_TO_REAL('2.5x') = 2.5", True),
+    ],
+)
+def test_texts_and_numbers_of_matiec_are_those_of_its_library(condition: str, expected: bool, tmp_path: Path) -> None:
+    text = (
+        f"PROGRAM Plant VAR w : WORD := 16#8001; q : BOOL; END_VAR IF {condition} THEN q := TRUE; END_IF; END_PROGRAM"
+    )
+    project = sfc.loads(text.encode(), format="iec-text")
+    data, report = sfc.convert(project, "iec-text", flavour="matiec")
+    assert {(item.outcome, item.what) for item in report.losses} == {(Outcome.APPROXIMATED, "function")}
+    instance = Controller(project, "matiec").instance("Plant")
+    instance.scan()
+    assert instance["q"] is expected
+    assert require_matiec().build(data.decode(), tmp_path, program="Plant").run([{}], ["q"])[0]["q"] is expected
+
+
+def test_durations_and_times_of_day_that_matiec_calculates_otherwise_are_told() -> None:
+    statements = "d := d + T#13h; t := t * k; t := t + t;"
+    text = f"PROGRAM Plant VAR d : TOD; t : TIME; k : INT; END_VAR {statements} END_PROGRAM"
+    _, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "iec-text", flavour="matiec")
+    assert [item.what for item in report.losses] == ["operation"] * 2
+
+
+def test_boxes_and_instructions_with_times_are_not_executed_in_matiec() -> None:
+    project = _with_times("")
+    project.pous[0].bodies = [m.IlBody(text="LD t\nTIME_TO_INT\nST k\n")]
+    _, report = sfc.convert(project, "plcopen", flavour="beremiz", partial=True)
+    assert [item.what for item in report.with_outcome(Outcome.NOT_EXECUTED)] == ["time"]
+
+
 @pytest.mark.parametrize("left_at_once", [False, True])
 def test_a_box_of_beremiz_is_computed_where_its_converter_computes_it(left_at_once: bool, tmp_path: Path) -> None:
     """The first step starts all boxes: where that is left in the first scan, no box gives anything."""
