@@ -96,6 +96,13 @@ def test_wires_connect_what_they_should_and_nothing_else(circuit: tuple[list[Box
                 assert not (inside and min(y1, y2) < box.y + box.height and max(y1, y2) > box.y), net
 
 
+def crossings(layout: NetworkLayout) -> int:
+    lines = [line for path in layout.paths for line in path.lines]
+    across = [(y, min(x1, x2), max(x1, x2)) for (x1, y), (x2, y2) in lines if y == y2]
+    upright = [(x, min(y1, y2), max(y1, y2)) for (x, y1), (x2, y2) in lines if x == x2 and y1 != y2]
+    return sum(left < x < right and top < y < bottom for x, top, bottom in upright for y, left, right in across)
+
+
 @pytest.mark.parametrize("up", [False, True])
 def test_wires_beside_each_other_do_not_cross(up: bool) -> None:
     sources = [Box(40, 20, [], [10]) for _ in range(4)]
@@ -104,11 +111,25 @@ def test_wires_beside_each_other_do_not_cross(up: bool) -> None:
     if up:
         boxes = [Box(40, 400, [], [300 + 20 * row for row in range(4)]), *(Box(40, 20, [10], []) for _ in range(4))]
     wires = [Wire(0, row, 1 + row, 0) if up else Wire(row, 0, 4, row) for row in range(4)]
-    lines = [line for path in NetworkLayout(boxes, wires).paths for line in path.lines]
-    across = [(y, min(x1, x2), max(x1, x2)) for (x1, y), (x2, y2) in lines if y == y2]
-    upright = [(x, min(y1, y2), max(y1, y2)) for (x, y1), (x2, y2) in lines if x == x2 and y1 != y2]
-    assert upright
-    assert not [1 for x, top, bottom in upright for y, left, right in across if left < x < right and top < y < bottom]
+    layout = NetworkLayout(boxes, wires)
+    assert [line for path in layout.paths for line in path.lines if line[0][1] != line[1][1]]
+    assert crossings(layout) == 0
+
+
+def test_a_branch_leaves_before_what_it_would_cross() -> None:
+    """In LD of `lower` the way around a block crossed the wire into the second input of that block."""
+    boxes = [
+        Box(40, 20, [], [10]),
+        Box(60, 60, [20], [20]),
+        Box(60, 60, [20, 40], [20]),
+        Box(60, 60, [], [20]),
+        Box(40, 40, [28], [28]),
+        Box(40, 20, [10], []),
+    ]
+    wires = [
+        Wire(*each) for each in ((0, 0, 1, 0), (1, 0, 2, 0), (3, 0, 2, 1), (1, 0, 4, 0), (2, 0, 5, 0), (4, 0, 5, 0))
+    ]
+    assert crossings(NetworkLayout(boxes, wires)) == 0
 
 
 def drawn(path: str, name: str) -> dict[str, etree._Element]:

@@ -14,6 +14,7 @@ cross.
 from __future__ import annotations
 
 import re
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -93,23 +94,37 @@ def feedback_wires(count: int, wires: Sequence[Wire]) -> set[Wire]:
 
 
 class NetworkLayout:
-    """The layout of boxes that wires without feedback connect. Where boxes could change places, the first is above."""
+    """The layout of boxes that wires without feedback connect. Where boxes could change places, the first is above.
+
+    Wires of one source run together as far as they can; where wires cross, they part at once if that helps.
+    """
 
     def __init__(self, boxes: Sequence[Box], wires: Sequence[Wire]) -> None:
-        self.boxes = list(boxes)
         self._real = len(boxes)
         self.wires = list(dict.fromkeys(wires))
-        self._choose_columns()
+        self._lay(boxes, together=True)
+        crossed = self._crossings()
+        if crossed:
+            self._lay(boxes, together=False)
+            if self._crossings() >= crossed:
+                self._lay(boxes, together=True)
+
+    def _lay(self, boxes: Sequence[Box], *, together: bool) -> None:
+        self.boxes = list(boxes)
+        self._choose_columns(together=together)
         self._hops: list[tuple[tuple[int, int], Wire]] = []
-        self._lay_lanes()
+        self._lay_lanes(together=together)
         self._levels: dict[int, dict[int, set[tuple[int, int]]]] = {}
         self._place()
         self.height = max((box.y + box.height for box in self.boxes), default=0)
         self.width = 0
         self.paths = list(self._route())
 
-    def _choose_columns(self) -> None:
+    def _choose_columns(self, *, together: bool) -> None:
+        """Choose the columns; if not `together`, a branch leaves before the column of what else feeds a box."""
         boxes = self.boxes
+        for box in boxes:
+            box.column = 0
         waiting = [0] * len(boxes)
         leaving: list[list[int]] = [[] for _ in boxes]
         for wire in self.wires:
@@ -117,9 +132,11 @@ class NetworkLayout:
             leaving[wire.source].append(wire.target)
         ready = [number for number, count in enumerate(waiting) if not count]
         fed = [bool(count) for count in waiting]
+        aside = {wire.target for wire in self.wires if not fed[wire.source] and not boxes[wire.source].first}
         for number in ready:  # grows
             for target in leaving[number]:
-                boxes[target].column = max(boxes[target].column, boxes[number].column + 1)
+                step = 2 if not together and fed[number] and len(leaving[number]) > 1 and target in aside else 1
+                boxes[target].column = max(boxes[target].column, boxes[number].column + step)
                 waiting[target] -= 1
                 if not waiting[target]:
                     ready.append(target)
@@ -131,11 +148,13 @@ class NetworkLayout:
             if not fed[number] and not boxes[number].first and leaving[number]:
                 boxes[number].column = min(boxes[target].column for target in leaving[number]) - 1
 
-    def _lay_lanes(self) -> None:
-        """Put a lane into each column that a wire passes; wires of one source share it."""
+    def _lay_lanes(self, *, together: bool) -> None:
+        """Put a lane into each column that a wire passes; wires of one source share it if `together`."""
         lanes: dict[tuple[int, int, int], int] = {}
         for wire in self.wires:
             net = (wire.source, wire.pin)
+            if not together:
+                lanes = {}
             source, pin = wire.source, wire.pin
             for column in range(self.boxes[wire.source].column + 1, self.boxes[wire.target].column):
                 key = (*net, column)
@@ -196,8 +215,11 @@ class NetworkLayout:
 
     def _route(self) -> Iterator[Path]:
         channels: dict[int, dict[tuple[int, int], list[Wire]]] = {}
+        net_of: dict[tuple[int, int], tuple[int, int]] = {}
         for net, hop in self._hops:
-            channels.setdefault(self.boxes[hop.source].column, {}).setdefault(net, []).append(hop)
+            start = (hop.source, hop.pin)
+            net_of[start] = net
+            channels.setdefault(self.boxes[hop.source].column, {}).setdefault(start, []).append(hop)
         columns: dict[int, int] = {}
         for box in self.boxes:
             columns[box.column] = max(columns.get(box.column, 0), box.width)
@@ -207,7 +229,7 @@ class NetworkLayout:
         for column, width in sorted(columns.items()):
             starts[column] = x
             tracks[column] = _tracks(
-                {net: (self._ends(hops)[0][1], *self._span(hops)) for net, hops in channels.get(column, {}).items()}
+                {start: (self._ends(hops)[0][1], *self._span(hops)) for start, hops in channels.get(column, {}).items()}
             )
             x += width + 2 * _CHANNEL + _TRACK * max(tracks[column].values(), default=0)
             self.width = x
@@ -219,14 +241,32 @@ class NetworkLayout:
             elif number not in fed:  # what only feeds is beside what it feeds
                 box.x += columns[box.column] - box.width
         lanes = {hop.target: (net, hop) for net, hop in self._hops if hop.target >= self._real}
-        for column, nets in channels.items():
-            for net, hops in nets.items():
-                track = starts[column] + columns[column] + _CHANNEL + _TRACK * tracks[column].get(net, 0)
-                yield self._path(net, hops, track)
+        for column, beginnings in channels.items():
+            for start, hops in beginnings.items():
+                track = starts[column] + columns[column] + _CHANNEL + _TRACK * tracks[column].get(start, 0)
+                yield self._path(net_of[start], hops, track)
         for number, (net, _) in lanes.items():
             box = self.boxes[number]
             level = box.y + box.inputs[0]
             yield Path(net, [((box.x, level), (box.x + box.width, level))], [])
+
+    def _crossings(self) -> int:
+        """Return how many pairs of wires cross."""
+        across: dict[int, list[tuple[int, int]]] = {}
+        upright: list[tuple[int, int, int]] = []
+        for path in self.paths:
+            for (x, y), (end, below) in path.lines:
+                if y == below:
+                    across.setdefault(y, []).append((x, end))
+                else:
+                    upright.append((x, y, below))
+        levels = sorted(across)
+        return sum(
+            left < x < right
+            for x, top, bottom in upright
+            for level in levels[bisect_right(levels, top) : bisect_left(levels, bottom)]
+            for left, right in across[level]
+        )
 
     def _ends(self, hops: Sequence[Wire]) -> tuple[tuple[int, int], list[tuple[int, int]]]:
         source = self.boxes[hops[0].source]
