@@ -40,6 +40,13 @@ def blocks(page: Path) -> list[CodeBlock]:
     return [CodeBlock(m[1], m[2], text.count("\n", 0, m.start()) + 2) for m in FENCE.finditer(text)]
 
 
+def picture_below(page: Path, block: CodeBlock) -> bytes | None:
+    """The picture that a page shows right below a code block: it is what the block makes."""
+    behind = page.read_text(encoding="utf-8").splitlines()[block.line + block.text.count("\n") :]
+    shown = re.match(r"\[?!\[[^\]]*\]\(([^)]+\.svg)\)", next((line for line in behind if line), ""))
+    return (page.parent / shown[1]).read_bytes() if shown else None
+
+
 def name_of(page: Path) -> str:
     return page.relative_to(ROOT).as_posix()
 
@@ -88,6 +95,8 @@ def test_examples_of_a_page_run(
                 assert agrees(after.text, printed.getvalue()), f"line {after.line} prints:\n{printed.getvalue()}"
             else:
                 assert printed.getvalue() == ""
+            if picture := picture_below(page, block):
+                assert str(names["svg"]).encode("ascii") == picture
         elif block.language == "console":
             for call in re.split(r"^\$ ", block.text, flags=re.MULTILINE)[1:]:
                 line, _, expected = call.partition("\n")
@@ -97,6 +106,9 @@ def test_examples_of_a_page_run(
                 main(arguments)
                 result = capsys.readouterr()
                 assert agrees(expected, result.out), f"{line} prints:\n{result.out}{result.err}"
+            if picture := picture_below(page, block):
+                (made,) = [each for each in arguments if each.endswith(".svg")]
+                assert Path(made).read_bytes() == picture
 
 
 # -- README and .ci/run -----------------------------------------------------------------------------------------------

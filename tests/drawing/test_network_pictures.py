@@ -155,6 +155,31 @@ def test_a_function_block_diagram() -> None:
     assert texts(found["AND"]) == ["AND", "X3", "IN1", "B5", "IN2", "OUT"]
 
 
+@pytest.mark.parametrize(
+    ("dialect", "kind", "pins", "shown"),
+    [
+        ("iec", "RS", ("R1", "S"), ["RS", "S", "R1", "Q1"]),
+        ("iec", "SR", ("R", "S1"), ["SR", "S1", "R", "Q1"]),
+        ("scl", "RS", ("R1", "operand", "S"), ["State", "SR", "S", "R1", "Q"]),
+        ("scl", "SR", ("S1", "R", "operand"), ["State", "RS", "R", "S1", "Q"]),
+    ],
+)
+def test_flip_flops_have_the_names_of_their_tool(
+    dialect: str, kind: str, pins: tuple[str, ...], shown: list[str]
+) -> None:
+    """That of TIA Portal which IEC 61131-3 calls RS is SR there; its pins were in the order of its wires."""
+    inputs = [
+        n.BlockVariable(name=name, input=n.InputPin(expression="State" if name == "operand" else None)) for name in pins
+    ]
+    parameters = n.BlockParameters(inputs=inputs, outputs=[n.BlockVariable(name="Q1")])
+    block = n.Block(id=1, type_name=kind, parameters=parameters)
+    body = FbdBody(networks=[n.LogicNetwork(nodes=[block])])
+    pou = sfc.Pou(name="P", kind=sfc.PouKind.PROGRAM, bodies=[body])
+    project = sfc.Project(pous=[pou], dialect=dialect)
+    tree = etree.fromstring(project.pous[0].body.to_svg().encode("ascii"))
+    assert [text.text for text in tree.iter(f"{SVG}text")] == shown
+
+
 def test_a_ladder_diagram() -> None:
     found = drawn("plcopen/filling_station_2.01.xml", "DripValve")
     assert [found[f"contact {name}"].get("class") for name in ("Open", "Latch", "Close")] == ["contact"] * 3

@@ -16,14 +16,16 @@ from __future__ import annotations
 import re
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from plcopen_sfc.drawing.pictures.chart_picture import chosen_theme
 from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme, text_width, widest, wrap
 from plcopen_sfc.drawing.wording import Told, english
+from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model import network as n
 from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.text import plain
 
 _GAP = 14
@@ -364,6 +366,7 @@ def body_figure(body: FbdBody | LdBody, prefix: str, told: Told = english) -> st
 def _picture(body: FbdBody | LdBody, theme: Theme | None, prefix: str, name: str, told: Told = english) -> str:
     canvas = Canvas()
     y = right = _MARGIN
+    is_s7 = body.project is not None and body.project.dialect is Dialect.SCL
     for number, network in enumerate(body.networks):
         title = plain(network.title)
         if len(body.networks) > 1 or title:
@@ -371,7 +374,7 @@ def _picture(body: FbdBody | LdBody, theme: Theme | None, prefix: str, name: str
             canvas.lines("name", _MARGIN, y + 10, lines, 16)
             right = max(right, _MARGIN + widest(lines, 13, bold=True))
             y += 16 * len(lines) + 10
-        sheet = _Sheet(network, f"{prefix}network-{number}-", is_ladder=body.language == "LD")
+        sheet = _Sheet(network, f"{prefix}network-{number}-", is_ladder=body.language == "LD", is_s7=is_s7)
         sheet.draw(canvas, _MARGIN, y)
         right = max(right, _MARGIN + sheet.width)
         y += sheet.height + 8
@@ -517,9 +520,10 @@ class _Symbol:
 class _Sheet:
     """A network: its symbols and their places."""
 
-    def __init__(self, network: n.LogicNetwork, prefix: str, *, is_ladder: bool) -> None:
+    def __init__(self, network: n.LogicNetwork, prefix: str, *, is_ladder: bool, is_s7: bool) -> None:
         self._prefix = prefix
         self._is_ladder = is_ladder
+        self._is_s7 = is_s7
         self.symbols: list[_Symbol] = []
         self._of: dict[int, tuple[int, dict[str, int]]] = {}
         self._rails: set[int] = set()
@@ -637,10 +641,22 @@ class _Sheet:
     def _symbol(self, node: n.Node) -> _Symbol:
         match node:
             case n.Block():
-                lines = wrap(node.code or node.type_name, 13, _TEXT, bold=True)
-                title = " ".join(filter(None, (node.type_name, node.instance)))
-                pins = _pins(node.parameters)
-                return _Symbol("block", lines, title, "", node.instance or "", *pins)
+                name, caption, (inputs, outputs) = node.type_name, node.instance or "", _pins(node.parameters)
+                known = standard_block(name)
+                if known is not None:
+                    order = {pin.name: place for place, pin in enumerate(known.inputs)}
+                    inputs.sort(key=lambda pin: order.get(known.input_name(pin.name) or "", len(order)))
+                if self._is_s7 and name in _FLIP_FLOPS_OF_S7:
+                    name = _FLIP_FLOPS_OF_S7[name]
+                    inputs.sort(key=lambda pin: pin.name.endswith("1"))
+                    outputs = [replace(pin, name="Q") for pin in outputs]
+                if self._is_s7 and known is not None and not caption:
+                    states = [pin for pin in inputs if pin.name in ("operand", "bit") and not pin.connections]
+                    caption = states[0].text if states else ""
+                    inputs = [pin for pin in inputs if pin not in states]
+                lines = wrap(node.code or name, 13, _TEXT, bold=True)
+                title = " ".join(filter(None, (name, caption)))
+                return _Symbol("block", lines, title, "", caption, inputs, outputs)
             case n.Contact() | n.Coil():
                 kind = "contact" if isinstance(node, n.Contact) else "coil" if self._is_ladder else "assignment"
                 symbol = _Symbol(kind, [], f"{kind} {node.variable}", caption=node.variable)
@@ -735,6 +751,8 @@ def _pins(parameters: n.BlockParameters) -> tuple[list[_Pin], list[_Pin]]:
     return left, right
 
 
+_FLIP_FLOPS_OF_S7 = {"RS": "SR", "SR": "RS"}
+"""What TIA Portal calls the flip-flops of IEC 61131-3: the dominant input is the last in the name and the lower one."""
 _NUMBERED = re.compile(r"(\D*)(\d+)")
 
 
