@@ -27,19 +27,6 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import SectionKind
 
-_BOOLEAN = frozenset(
-    {
-        Operator.AND,
-        Operator.OR,
-        Operator.XOR,
-        Operator.LESS,
-        Operator.GREATER,
-        Operator.LESS_OR_EQUAL,
-        Operator.GREATER_OR_EQUAL,
-        Operator.EQUAL,
-        Operator.UNEQUAL,
-    }
-)
 _RISKY = frozenset({Operator.DIVIDE, Operator.MODULO, Operator.POWER})
 
 
@@ -114,7 +101,7 @@ class _Flattener:
         value = n.bare(statement.value)
         match value:
             case n.Operation(operator):
-                return operator in _BOOLEAN
+                return operator in n.COMPARISONS | n.CONNECTIVES
             case n.Unary(operator):
                 return operator is Operator.NOT
             case n.Name(name):

@@ -13,7 +13,6 @@ from typing import NoReturn
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
-from plcopen_sfc.languages.st.nodes import Operator
 from plcopen_sfc.languages.st.walking import children
 from plcopen_sfc.lowering.code.boolean_logic import names_in
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, ConditionText, SourcePart
@@ -94,17 +93,6 @@ class GraphSource(ChartSource):
 
 QUANTITIES = frozenset("X T U T_MAX T_WARN SNO S1 S0 L1 L0 V1 V0 A1 R1 LS LA VS VA".split())
 """Data that texts can ask of a step."""
-
-_COMPARING = frozenset(
-    {
-        Operator.LESS,
-        Operator.GREATER,
-        Operator.LESS_OR_EQUAL,
-        Operator.GREATER_OR_EQUAL,
-        Operator.EQUAL,
-        Operator.UNEQUAL,
-    }
-)
 
 
 @dataclass(frozen=True)
@@ -233,7 +221,7 @@ class AskedStepData:
 
     def _partner(self, tree: n.Node, asking: n.Node) -> n.Expression | None:
         for node in walk(tree):
-            if isinstance(node, n.Operation) and node.operator in _COMPARING and len(node.operands) == 2:
+            if isinstance(node, n.Operation) and node.operator in n.COMPARISONS and len(node.operands) == 2:
                 left, right = map(n.bare, node.operands)
                 if left is asking or right is asking:
                     return right if left is asking else left

@@ -368,12 +368,9 @@ def _logical(node: n.Expression) -> Iterator[n.Name]:
             yield name
         case n.Unary(operator=n.Operator.NOT, operand=operand):
             yield from _logical(operand)
-        case n.Operation(operator=operator, operands=operands) if operator in _LOGICAL:
+        case n.Operation(operator=operator, operands=operands) if operator in n.CONNECTIVES:
             for operand in operands:
                 yield from _logical(operand)
-
-
-_LOGICAL = frozenset({n.Operator.AND, n.Operator.AND_THEN, n.Operator.OR, n.Operator.OR_ELSE, n.Operator.XOR})
 
 
 def _reasons(node: n.Expression, text: str, wanted: bool, given: tuple[n.Expression, ...]) -> Iterator[HoldingOperand]:

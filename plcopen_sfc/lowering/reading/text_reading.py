@@ -215,7 +215,6 @@ class TextReader:
 
 
 _TRUTHS = {"0": FALSE, "1": TRUE}
-_JOINING = frozenset({n.Operator.AND, n.Operator.AND_THEN, n.Operator.OR, n.Operator.OR_ELSE, n.Operator.XOR})
 
 
 def _as_truth(tree: n.Expression) -> n.Expression:
@@ -227,6 +226,6 @@ def _as_truth(tree: n.Expression) -> n.Expression:
             return replace(tree, inner=_as_truth(inner))
         case n.Unary(n.Operator.NOT, operand):
             return replace(tree, operand=_as_truth(operand))
-        case n.Operation(operator, operands) if operator in _JOINING:
+        case n.Operation(operator, operands) if operator in n.CONNECTIVES:
             return replace(tree, operands=tuple(map(_as_truth, operands)))
     return tree
