@@ -100,8 +100,8 @@ class CodeWords:
     def __init__(self, english: str, german: str) -> None:
         self.english, self.german = english, german
 
-    def __get__(self, texts: Texts | GraphTexts, kind: object = None) -> str:
-        return self.german if texts.language.startswith("de") else self.english
+    def __get__(self, texts: Texts, kind: object = None) -> str:
+        return self.german if texts.language == "de" else self.english
 
 
 class Phrase:
@@ -110,7 +110,7 @@ class Phrase:
     def __init__(self, english: str, german: str) -> None:
         self._words = CodeWords(english, german)
 
-    def __get__(self, texts: Texts | GraphTexts, kind: object = None) -> Callable[..., str]:
+    def __get__(self, texts: Texts, kind: object = None) -> Callable[..., str]:
         return self._words.__get__(texts).format
 
 
@@ -245,6 +245,54 @@ class Texts:
     action = Phrase("Action {}", "Aktion {}")
     set_while = Phrase("set action while {}", "Aktion setzen, solange {} aktiv")
 
+    # -- sequencers of S7-GRAPH
+
+    before_sequence = CodeWords("Permanent operations before the sequence", "Permanente Operationen vor der Kette")
+    after_sequence = CodeWords("Permanent operations after the sequence", "Permanente Operationen nach der Kette")
+    commands = CodeWords("Commands and operating mode", "Befehle und Betriebsart")
+    checks = CodeWords(
+        "Interlocks and supervisions of the active steps", "Verriegelungen und Überwachungen der aktiven Schritte"
+    )
+    checks_behind = CodeWords("Interlocks and supervisions", "Verriegelungen und Überwachungen")
+    undisturbed = CodeWords("Step times without disturbance", "Schrittzeiten ohne Störung")
+    manual = CodeWords("Steps switched by hand", "Von Hand geschaltete Schritte")
+    sequence_start = CodeWords("Start of the sequence", "Start der Kette")
+    off = CodeWords("End of the sequence", "Ende der Kette")
+    skips = CodeWords("Steps that are skipped", "Übersprungene Schritte")
+    more_skipped = CodeWords("more_skipped", "weitere_uebersprungen")
+    step_events = CodeWords("Events of steps", "Ereignisse der Schritte")
+    switched = CodeWords(
+        "Steps that actions switch on and off", "Schritte, die von Aktionen ein- und ausgeschaltet werden"
+    )
+    reports = CodeWords("Operating mode and errors", "Betriebsart und Fehler")
+    display = CodeWords("Step displayed", "Angezeigter Schritt")
+    shown_data = CodeWords("Data of steps that other blocks read", "Schrittdaten, die andere Bausteine lesen")
+    mode = CodeWords("operating_mode", "betriebsart")
+    mode_comment = CodeWords(
+        "0: automatic, 1: manual, 2: inching, 3: automatic or step by step",
+        "0: Automatik, 1: Hand, 2: Tippen, 3: Automatik oder Tippen",
+    )
+    permitted = CodeWords("satisfied_switch", "erfuellte_schalten")
+    pushed = CodeWords("all_switch", "alle_schalten")
+    shown = CodeWords("displayed_step", "angezeigter_schritt")
+    shown_comment = CodeWords("number of the step displayed", "Nummer des angezeigten Schritts")
+    shown_active = CodeWords("displayed_step_active", "angezeigter_schritt_aktiv")
+    any_active = CodeWords("any_step_active", "ein_schritt_aktiv")
+    leaving_one = CodeWords("Actions of the step that was left", "Aktionen des verlassenen Schritts")
+    acting_one = CodeWords("Actions of the active step", "Aktionen des aktiven Schritts")
+    timer_mode = CodeWords(
+        "0: stopped, 1: extended pulse, 2: on-delay, 3: off-delay",
+        "0: angehalten, 1: verlängerter Impuls, 2: Einschaltverzögerung, 3: Ausschaltverzögerung",
+    )
+    first_cycle = CodeWords("the sequence has not been started yet", "die Kette wurde noch nicht gestartet")
+
+    wanted_of = Phrase(
+        "step {} is active at the start of the next cycle", "Schritt {} ist zu Beginn des nächsten Zyklus aktiv"
+    )
+    leaving = Phrase("Step {}: actions when it is left", "Schritt {}: Aktionen beim Verlassen")
+    acting = Phrase("Step {}: actions", "Schritt {}: Aktionen")
+    timer = Phrase("Timer {}", "Zeitglied {}")
+
     # -- the header of code in a file
 
     proven = Phrase(
@@ -282,6 +330,7 @@ class Texts:
     _back = Phrase("jump to step {}", "Sprung zu Schritt {}")
     _onward = CodeWords("go on to the next step", "In den nächsten Schritt schalten")
     _waiting = Phrase("simultaneous branches from {}", "parallele Zweige ab {}")
+    _check = Phrase("step {}: {}", "Schritt {}: {}")
     _rises = CodeWords("rises", "steigt")
     _falls = CodeWords("falls", "faellt")
 
@@ -360,6 +409,10 @@ class Texts:
         """Return the same with the captions of the step, where it has no network of its own."""
         return ": ".join(filter(None, [self.flag_of(path), " ".join(self.remark(step).split())]))
 
+    def check(self, path: str, what: str) -> str:
+        """Return the comment of the result of a check of S7-GRAPH for a step."""
+        return self._check(path, _CHECKS[what].__get__(self))
+
     def waiting(self, paths: Iterable[str]) -> str:
         """Return the comment of the state that waits for the end of the branches that begin with these steps."""
         return self._waiting(", ".join(paths))
@@ -409,68 +462,6 @@ _REACHED: Mapping[str, CodeWords] = {
 }
 """Things that a header counts."""
 
-TEXTS = {language: Texts(language) for language in ("en", "de")}
-"""The texts by language."""
-
-
-class GraphTexts:
-    """Texts about sequencers in one `language`: ``en-US`` or ``de-DE``."""
-
-    before = CodeWords("Permanent operations before the sequence", "Permanente Operationen vor der Kette")
-    after = CodeWords("Permanent operations after the sequence", "Permanente Operationen nach der Kette")
-    commands = CodeWords("Commands and operating mode", "Befehle und Betriebsart")
-    checks = CodeWords(
-        "Interlocks and supervisions of the active steps", "Verriegelungen und Überwachungen der aktiven Schritte"
-    )
-    checks_behind = CodeWords("Interlocks and supervisions", "Verriegelungen und Überwachungen")
-    undisturbed = CodeWords("Step times without disturbance", "Schrittzeiten ohne Störung")
-    manual = CodeWords("Steps switched by hand", "Von Hand geschaltete Schritte")
-    start = CodeWords("Start of the sequence", "Start der Kette")
-    off = CodeWords("End of the sequence", "Ende der Kette")
-    skips = CodeWords("Steps that are skipped", "Übersprungene Schritte")
-    again = CodeWords("more_skipped", "weitere_uebersprungen")
-    events = CodeWords("Events of steps", "Ereignisse der Schritte")
-    switched = CodeWords(
-        "Steps that actions switch on and off", "Schritte, die von Aktionen ein- und ausgeschaltet werden"
-    )
-    reports = CodeWords("Operating mode and errors", "Betriebsart und Fehler")
-    display = CodeWords("Step displayed", "Angezeigter Schritt")
-    shown_data = CodeWords("Data of steps that other blocks read", "Schrittdaten, die andere Bausteine lesen")
-    mode = CodeWords("operating_mode", "betriebsart")
-    mode_comment = CodeWords(
-        "0: automatic, 1: manual, 2: inching, 3: automatic or step by step",
-        "0: Automatik, 1: Hand, 2: Tippen, 3: Automatik oder Tippen",
-    )
-    permitted = CodeWords("satisfied_switch", "erfuellte_schalten")
-    pushed = CodeWords("all_switch", "alle_schalten")
-    shown = CodeWords("displayed_step", "angezeigter_schritt")
-    shown_comment = CodeWords("number of the step displayed", "Nummer des angezeigten Schritts")
-    shown_active = CodeWords("displayed_step_active", "angezeigter_schritt_aktiv")
-    any_active = CodeWords("any_step_active", "ein_schritt_aktiv")
-    leaving_one = CodeWords("Actions of the step that was left", "Aktionen des verlassenen Schritts")
-    acting_one = CodeWords("Actions of the active step", "Aktionen des aktiven Schritts")
-    timer_mode = CodeWords(
-        "0: stopped, 1: extended pulse, 2: on-delay, 3: off-delay",
-        "0: angehalten, 1: verlängerter Impuls, 2: Einschaltverzögerung, 3: Ausschaltverzögerung",
-    )
-    first_cycle = CodeWords("the sequence has not been started yet", "die Kette wurde noch nicht gestartet")
-
-    wanted_of = Phrase(
-        "step {} is active at the start of the next cycle", "Schritt {} ist zu Beginn des nächsten Zyklus aktiv"
-    )
-    leaving = Phrase("Step {}: actions when it is left", "Schritt {}: Aktionen beim Verlassen")
-    acting = Phrase("Step {}: actions", "Schritt {}: Aktionen")
-    timer = Phrase("Timer {}", "Zeitglied {}")
-    _check = Phrase("step {}: {}", "Schritt {}: {}")
-
-    def __init__(self, texts: Texts) -> None:
-        self.language = texts.culture or "en-US"
-
-    def check(self, path: str, what: str) -> str:
-        """Return the comment of the result of a step's check."""
-        return self._check(path, _CHECKS[what].__get__(self))
-
-
 _CHECKS: Mapping[str, CodeWords] = {
     "LS": CodeWords("the interlock is satisfied", "die Verriegelung ist erfüllt"),
     "LA": CodeWords("an error, the interlock is not satisfied", "ein Fehler, die Verriegelung ist nicht erfüllt"),
@@ -484,3 +475,6 @@ _CHECKS: Mapping[str, CodeWords] = {
     "A1": CodeWords("the fault is acknowledged now", "die Störung wird quittiert"),
     "acknowledged": CodeWords("the fault is acknowledged", "die Störung ist quittiert"),
 }
+
+TEXTS = {language: Texts(language) for language in ("en", "de")}
+"""The texts by language."""

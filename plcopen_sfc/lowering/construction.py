@@ -256,7 +256,7 @@ def construct(
     code.for_others = rules.target is not None and not rules.is_classic
     if rules.flags != LOCAL:
         code.flags = FlagPlaces(rules, pou.name, project, code.tool)
-    maker = _filled(source, code, _memory(code, language), rules, surroundings)
+    maker = _filled(source, _memory(code, language), rules, surroundings)
     if code.drawn and code.tool is Tool.S7:
         name_inputs(code, project)
     # most of a sequencer would be the text of boxes in CODESYS
@@ -293,22 +293,16 @@ _ENCODINGS: dict[Construction, type[Encoding]] = {
 }
 
 
-def _filled(
-    source: ChartSource,
-    code: LoweredCode,
-    memory: Memory,
-    rules: LoweringRules,
-    surroundings: Collection[str],
-) -> Encoding:
-    """Return the encoding of a chart whose schedule has filled `code`."""
+def _filled(source: ChartSource, memory: Memory, rules: LoweringRules, surroundings: Collection[str]) -> Encoding:
+    """Return the encoding of a chart whose schedule has filled the code of `memory`."""
     chosen = rules.construction
     source = plain_chart(source) if rules.is_classic else source
     if isinstance(source, GraphSource):
-        code.at_rest |= dict.fromkeys(source.at_rest, False)
+        memory.code.at_rest |= dict.fromkeys(source.at_rest, False)
         refuse_several_steps(source, chosen, rules.profile)
     elif source.grafcet is not None:
         refuse_cases(source, chosen, rules.profile)
-    encoding = _ENCODINGS[chosen](source, code, memory, rules, surroundings)
+    encoding = _ENCODINGS[chosen](source, memory, rules, surroundings)
     if rules.is_classic:
         if isinstance(source, GraphSource) or not isinstance(encoding, FlipFlopEncoding | CaseEncoding):
             raise LoweringError(f"{chosen} has no classic style", hint="Take flip-flops or case, or the exact style.")

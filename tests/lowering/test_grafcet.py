@@ -598,7 +598,7 @@ def most_evolutions(conditions: str, stored: str = "") -> int | None:
         chart.step("2").actions = [action("onActivation", stored, value="TRUE")]
     source = read_grafcet(pou_with(chart, "a b c", "Q"), m.Dialect.IEC, PROFILES["grafcet"])
     code = LoweredCode(Naming(m.Dialect.IEC, source.names()))
-    bits = StepBitEncoding(source, code, BitMemory(code), LoweringRules(PROFILES["grafcet"]))
+    bits = StepBitEncoding(source, BitMemory(code), LoweringRules(PROFILES["grafcet"]))
     return GrafcetScan(bits).stability.most
 
 

@@ -12,7 +12,7 @@ import pytest
 from plcopen_sfc import load
 from plcopen_sfc import model as m
 from plcopen_sfc.lowering import lower
-from plcopen_sfc.lowering.code_texts import TEXTS, CodeWords, GraphTexts, Phrase, Suffix, Texts
+from plcopen_sfc.lowering.code_texts import TEXTS, CodeWords, Phrase, Suffix, Texts
 from tests.lowering.charts import act, boolean, training_chain
 from tests.lowering.grafcets import pou_with
 from tests.samples import FIXTURES
@@ -51,9 +51,8 @@ def test_texts_are_one_line_and_not_empty(language: str) -> None:
             assert "\n" not in text, name
 
 
-@pytest.mark.parametrize("kind", [Texts, GraphTexts])
-def test_nothing_is_said_twice_under_one_name(kind: type) -> None:
-    tree = ast.parse(inspect.getsource(kind))
+def test_nothing_is_said_twice_under_one_name() -> None:
+    tree = ast.parse(inspect.getsource(Texts))
     body = tree.body[0].body if isinstance(tree.body[0], ast.ClassDef) else []
     names = [
         target.id

@@ -24,7 +24,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
 )
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import BOOL, TIME, LoweredCode, StepValue
+from plcopen_sfc.lowering.code.lowered_code import TIME, StepValue
 from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ActionUse, ChartSource
 from plcopen_sfc.lowering.reading.step_variables import StepTimers
@@ -67,7 +67,7 @@ class ActionControlCode:
         was_active: EarlierSteps = unknown_before,
         is_over: TimeOver = unmeasured,
     ) -> None:
-        self._memory = memory
+        self.memory = memory
         self._active = active
         self._time_is_over = is_over
         self._ending = ending
@@ -136,7 +136,7 @@ class ActionControlCode:
         self, qualifier: Qualifier, action: ActionSource, value: Expression, reset: Expression, into: list[Statement]
     ) -> Expression:
         """Return when an action is active by its associations with a qualifier, whose steps are active by `value`."""
-        memory, name = self._memory, f"{action.name}_{qualifier}"
+        memory, name = self.memory, f"{action.name}_{qualifier}"
         if qualifier is Q.P:
             return self._edge(qualifier, action, value, into)
         if qualifier in (Q.S, Q.SD, Q.SL):
@@ -159,7 +159,7 @@ class ActionControlCode:
         """Return a pulse when the first of the steps becomes active; with P0 when the last one no longer is."""
         alone = self._steps_alone([use for use in action.uses if use.qualifier is qualifier], qualifier)
         if alone is None:
-            edge = self._memory.falling if qualifier is Q.P0 else self._memory.rising
+            edge = self.memory.falling if qualifier is Q.P0 else self.memory.rising
             return edge(f"{action.name}_{qualifier}", value, into)
         now, before = alone
         return conjunction([negation(now), before] if qualifier is Q.P0 else [now, negation(before)])
@@ -184,10 +184,12 @@ class ActionControlCode:
         kept = qualifier in (Q.SD, Q.SL) and not isinstance(times[0], n.Literal)  # their timers go on without the step
         if all(time == times[0] for time in times) and not kept:
             return times[0]
-        chosen = self._memory.variable(self._memory.texts.with_suffix(f"{action.name}_{qualifier}", "time"), TIME)
+        chosen = self.memory.code.declare(
+            self.memory.code.texts.with_suffix(f"{action.name}_{qualifier}", "time"), TIME
+        )
         # the last assignment wins: in reverse order that is the time of the first active association
         for use, time in reversed(list(zip(uses, times, strict=True))):
-            into += self._memory.conditional("", self._of(use), [assignment(chosen, time)])
+            into += self.memory.conditional("", self._of(use), [assignment(chosen, time)])
         return chosen
 
 
@@ -246,7 +248,6 @@ class SequentialControlCode:
     def __init__(
         self,
         net: Net,
-        code: LoweredCode,
         memory: Memory,
         times: StepTimers,
         *,
@@ -257,7 +258,7 @@ class SequentialControlCode:
         was_active: EarlierSteps = unknown_before,
     ) -> None:
         self._was_active, self._reentered = was_active, reentered
-        self._net, self._code, self._memory, self._active = net, code, memory, active
+        self._net, self._code, self.memory, self._active = net, memory.code, memory, active
         self._times, self._ending, self._entered = times, ending, entered
         self._before: dict[tuple[int, ...], n.Name] = {}
 
@@ -267,7 +268,7 @@ class SequentialControlCode:
         set_, reset = self._set_and_reset(action, into)
         if is_constant(set_, FALSE):
             return decided.on, FALSE
-        stored = self._memory.latch(f"{action.name}_S", set_, reset, into)
+        stored = self.memory.latch(f"{action.name}_S", set_, reset, into)
         return disjunction([decided.on, stored]), FALSE
 
     def decision(self, action: ActionSource, into: list[Statement]) -> Decision:
@@ -394,7 +395,7 @@ class SequentialControlCode:
         # alone would begin a scan late
         into.append(call(timer, IN=running, PT=time))
         # a variable: the second call changes the output of the timer
-        ended = self._memory.variable(self._suffixed(name, "over"), BOOL)
+        ended = self._code.declare(self._suffixed(name, "over"))
         into.append(assignment(ended, disjunction([n.Member(timer, n.Name("Q")), also])))
         goes_on: Expression = running
         starts: list[Expression] = []
@@ -402,9 +403,9 @@ class SequentialControlCode:
             positive = _is_positive(duration)
             begins = conjunction([self._begins(use), positive])
             if not is_constant(begins, FALSE):
-                begins = self._memory.named(self._suffixed(name, "start"), begins, into)
+                begins = self.memory.named(self._suffixed(name, "start"), begins, into)
             if time is not duration and time != duration:
-                into += self._memory.conditional("", begins, [assignment(time, duration)])
+                into += self.memory.conditional("", begins, [assignment(time, duration)])
             starts.append(begins)
             # a time of zero starts nothing, but the activation ends what was running
             if not is_constant(positive, TRUE):
@@ -414,7 +415,7 @@ class SequentialControlCode:
             if use.qualifier is Q.DS:
                 goes_on = conjunction([goes_on, negation(self._ends(use))])
         into.append(assignment(running, conjunction([goes_on, negation(ended)])))
-        into += self._memory.conditional("", disjunction(starts), [call(timer, IN=FALSE, PT=time)])
+        into += self.memory.conditional("", disjunction(starts), [call(timer, IN=FALSE, PT=time)])
         into.append(call(timer, IN=running, PT=time))
         return ended
 

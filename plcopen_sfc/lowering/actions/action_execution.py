@@ -29,24 +29,18 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     when,
 )
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import BOOL, LoweredCode, StepValue, without_marks
-from plcopen_sfc.lowering.code_texts import Suffix, Texts
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue, without_marks
+from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.lowering_options import ActionPlace, LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource
 from plcopen_sfc.semantics.profile import ActionControl as ActionControlKind
 from plcopen_sfc.semantics.profile import ActionOrder, BooleanTargets
 
 
-def add_actions(
-    source: ChartSource,
-    code: LoweredCode,
-    control: ActionControlCode | SequentialControlCode,
-    memory: Memory,
-    rules: LoweringRules,
-) -> None:
+def add_actions(source: ChartSource, control: ActionControlCode | SequentialControlCode, rules: LoweringRules) -> None:
     """Append the code that drives and executes the actions, in the order of the profile."""
     actions = _in_order(source, rules)
-    execution = _Execution(source, code, control, memory, rules)
+    execution = _Execution(source, control, rules)
     acting = [action for action in actions if action.target is not None or action.statements]
     # the profile decides on all actions from one situation. Lowered one after the other, an action could see what one
     # before it has just written; that is shorter to read and right as long as none of them looks
@@ -60,12 +54,10 @@ def add_actions(
         if action.target is None and not action.statements:
             execution.explain(action)
     if isinstance(control, SequentialControlCode):
-        code.add(rules.texts.steps_before, control.remember())
+        control.memory.code.add(rules.texts.steps_before, control.remember())
 
 
-def add_conditions(
-    source: ChartSource, code: LoweredCode, memory: Memory, active: StepValue, rules: LoweringRules
-) -> None:
+def add_conditions(source: ChartSource, memory: Memory, active: StepValue, rules: LoweringRules) -> None:
     """Append the blocks with a state in conditions of actions, executed while their steps drive these."""
     statements: list[Statement] = []
     for action in _in_order(source, rules):
@@ -73,7 +65,7 @@ def add_conditions(
             driven = disjunction(active(step) for step in use.steps)
             driven = negation(driven) if use.inverted else driven
             statements += memory.conditional(f"{action.name}_asked", driven, use.preparation)
-    code.add(rules.texts.conditions, statements)
+    memory.code.add(rules.texts.conditions, statements)
 
 
 def _in_order(source: ChartSource, rules: LoweringRules) -> list[ActionSource]:
@@ -97,22 +89,17 @@ _SHOWN_TWICE = 100
 
 class _Execution:
     def __init__(
-        self,
-        source: ChartSource,
-        code: LoweredCode,
-        control: ActionControlCode | SequentialControlCode,
-        memory: Memory,
-        rules: LoweringRules,
+        self, source: ChartSource, control: ActionControlCode | SequentialControlCode, rules: LoweringRules
     ) -> None:
-        self._source, self._code, self._control, self._memory = source, code, control, memory
+        self._source, self._control, self._memory, self._code = source, control, control.memory, control.memory.code
         self._texts = rules.texts
-        self._verbatim = not code.drawn
+        self._verbatim = not self._code.drawn
         self._is_block = rules.actions is ActionPlace.BLOCK
         self._final_scan = rules.profile.final_scan
         self._always = rules.profile.boolean_targets is BooleanTargets.ALWAYS
         self._owned = OwnVariables(source)
         for action in source.actions:
-            code.keep_text(action.statements, action.text)
+            self._code.keep_text(action.statements, action.text)
 
     # -- one after the other
 
@@ -133,7 +120,7 @@ class _Execution:
                 # the scan behind the last one: whatever was on in the scan before is executed
                 if not self._is_brief(lasting):
                     lasting = self._memory.named(f"{action.name}_Q", lasting, statements)
-                on = self._memory.variable(self._texts.with_suffix(action.name, "before"), BOOL)
+                on = self._code.declare(self._texts.with_suffix(action.name, "before"))
                 self._memory.ends.append(assignment(on, FALSE))
                 self._add(action, disjunction([lasting, single, on]), statements, [assignment(on, lasting)])
                 return
@@ -165,14 +152,14 @@ class _Execution:
             on_before: n.Name | None = None
             stored = self._control.set_and_reset(action)
             if stored is not None:  # it is active as long as it was set and not reset
-                on_before = self._memory.variable(f"{action.name}_S", BOOL)
+                on_before = self._code.declare(f"{action.name}_S")
                 driven = conjunction([disjunction([stored[0], on_before]), negation(stored[1])])
             else:
                 driven = self._control.drive(action, statements)
             if is_constant(driven, FALSE):
                 return
             # other code writes this variable too: it is set back once, and left alone while its action is inactive
-            on = on_before or self._memory.variable(f"{action.name}_Q", BOOL)
+            on = on_before or self._code.declare(f"{action.name}_Q")
             begin, end = [[assignment(action.target, each), assignment(on, each)] for each in (TRUE, FALSE)]
             ending = () if self._control.never_ends(action) else (n.Branch(on, tuple(end)),)
             statements.append(n.If((n.Branch(driven, tuple(begin)), *ending)))
@@ -192,7 +179,7 @@ class _Execution:
         if stored is None or not self._is_of_steps(stored[1]):
             return False
         set_, reset = stored
-        on = self._memory.variable(f"{action.name}_S", BOOL)
+        on = self._code.declare(f"{action.name}_S")
         self._memory.ends.append(assignment(on, FALSE))
         begins = assignment(on, disjunction([conjunction([set_, negation(reset)]), on]))
         self._add(action, on, [begins], self._memory.conditional("", reset, [assignment(on, FALSE)]))
@@ -265,7 +252,7 @@ class _Execution:
                 continue
             stored = self._control.set_and_reset(action) if isinstance(self._control, ActionControlCode) else None
             if stored is not None and self._is_kept_while_on(action, *stored):
-                kept = self._memory.variable(f"{name}_S", BOOL)
+                kept = self._code.declare(f"{name}_S")
                 begins = disjunction([conjunction([stored[0], negation(stored[1])]), kept])
                 ending.append(self._ended(action, kept, stored[1]))
                 acting.append((self._marked(action, kept), begins))
@@ -274,7 +261,7 @@ class _Execution:
             driven = disjunction([lasting, single]) if action.target is not None else lasting
             alone = action.target is not None or is_constant(single, FALSE)
             if alone and not is_constant(driven, FALSE) and self._is_kept_while_on(action, driven):
-                kept = self._memory.variable(f"{name}_Q", BOOL)
+                kept = self._code.declare(f"{name}_Q")
                 ending.append(self._ended(action, kept, not_all(driven)))
                 acting.append((self._marked(action, kept), driven))
                 continue
@@ -426,19 +413,19 @@ class StepSelection(Protocol):
         """Return the statements of the steps that were left, then of those that were entered."""
 
 
-def add_changes(source: ChartSource, code: LoweredCode, steps: StepSelection, texts: Texts) -> None:
+def add_changes(source: ChartSource, code: LoweredCode, steps: StepSelection) -> None:
     """Append the exit actions of all steps that were left, then the entry actions of those that were entered."""
     exits = [_part(source, each.step, each.exit) for each in source.step_code if each.exit]
     entries = [_part(source, each.step, each.entry) for each in source.step_code if each.entry]
-    code.add(texts.step_actions, steps.on_change(exits, entries))
+    code.add(code.texts.step_actions, steps.on_change(exits, entries))
 
 
-def add_main_actions(source: ChartSource, code: LoweredCode, steps: StepSelection, texts: Texts) -> None:
+def add_main_actions(source: ChartSource, code: LoweredCode, steps: StepSelection) -> None:
     """Append the code that active steps execute in every scan."""
     parts = [_part(source, each.step, each.main) for each in source.step_code if each.main]
     for each in source.step_code:
         code.keep_text(each.main, each.main_text)
-    code.add(texts.main_actions, steps.while_active(parts, "main"))
+    code.add(code.texts.main_actions, steps.while_active(parts, "main"))
 
 
 def _part(source: ChartSource, step: int, statements: Sequence[Statement]) -> StepCode:

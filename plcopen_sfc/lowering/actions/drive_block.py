@@ -18,7 +18,7 @@ from plcopen_sfc.lowering.code.boolean_logic import negation
 from plcopen_sfc.lowering.code.code_bodies import body_of
 from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.flat_statements import flatten
-from plcopen_sfc.lowering.code.lowered_code import BOOL, LoweredCode
+from plcopen_sfc.lowering.code.lowered_code import BOOL
 from plcopen_sfc.lowering.lowering_options import Language
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.model.dialect import Dialect
@@ -35,9 +35,9 @@ class DriveSignal(NamedTuple):
 
 
 class DriveBlock:
-    """Function block that executes actions of one sequence, whose code is `caller`, with a memory like `memory`.
+    """Function block that executes actions of one sequence, whose code has the memory `caller`.
 
-    Lower actions with its own `code` and `memory`, then call `finish`. `signals` are expressions that become inputs, as
+    Lower actions with its own `memory`, then call `finish`. `signals` are expressions that become inputs, as
     flags of steps do. The variables of the sequence that actions read and write are passed on; other names are global.
     `wanted` is the name of the instance, `beside` other code that writes variables of the sequence.
     """
@@ -45,16 +45,15 @@ class DriveBlock:
     def __init__(
         self,
         source: ChartSource,
-        caller: LoweredCode,
-        memory: Memory,
+        caller: Memory,
         *,
         wanted: str,
         signals: Mapping[Expression, DriveSignal],
         beside: Iterable[Statement] = (),
     ) -> None:
-        self.code = caller.beside()
-        self.memory = type(memory)(self.code)
-        self._source, self._caller, self._wanted = source, caller, wanted
+        self.code = caller.code.beside()
+        self.memory = type(caller)(self.code)
+        self._source, self._caller, self._wanted = source, caller.code, wanted
         self._signals = signals
         self._owned = OwnVariables(source, beside)
         self._given: dict[Expression, n.Name] = {}
@@ -62,12 +61,12 @@ class DriveBlock:
         self.name = ""
         self.call: n.CallStatement
 
-    def finish(self, surroundings: Collection[str], first_scan: str) -> None:
-        """Declare the parameters, and make the `call`. `first_scan`: the title of the end of the first scan.
+    def finish(self, surroundings: Collection[str]) -> None:
+        """Declare the parameters, and make the `call`.
 
         Raises `LoweringError` for instances and actions of the POU: they stay there.
         """
-        self.memory.finish(first_scan)
+        self.code.end_first_scan()
         self._replace_signals()
         if self.code.needs_flat_statements:
             flatten(self.code, self._source.pou.variables())

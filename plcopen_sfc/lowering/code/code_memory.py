@@ -22,23 +22,22 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     when,
 )
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode
-from plcopen_sfc.model.types import DataType, DerivedType
+from plcopen_sfc.model.types import DerivedType
 
 
 class Memory(ABC):
     """Flip-flops, edges and timers of `code`.
 
     `ends`: a condition that sets all of them back to their start, but for those with a `flag` and edges that are
-    `kept`. `texts`: names of variables.
+    `kept`.
     """
 
     has_instances: ClassVar[bool] = False
     """True if flip-flops keep a value of their own besides their `flag`, which is FALSE at the start."""
 
     def __init__(self, code: LoweredCode) -> None:
+        self.code = code
         self.ends: list[Statement] = []
-        self.texts = code.texts
-        self._code = code
 
     @abstractmethod
     def latch(
@@ -50,9 +49,9 @@ class Memory(ABC):
     def conditional(self, wanted: str, condition: Expression, statements: Sequence[Statement]) -> list[Statement]:
         """Return statements executed under a condition, which none of them changes unless it is `wanted` by name."""
 
-    @abstractmethod
     def starting(self) -> Expression:
         """Return the condition to set a flip-flop whose `flag` is TRUE at the start; FALSE: the flag is enough."""
+        return self.code.first_scan_pulse() if self.has_instances else FALSE
 
     @abstractmethod
     def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
@@ -63,7 +62,7 @@ class Memory(ABC):
 
         A variable keeps the last value: an F_TRIG sees an edge in the first scan if its input is FALSE.
         """
-        pulse, end = _edge(self._code, wanted, value, into, rising=False)
+        pulse, end = _edge(self.code, wanted, value, into, rising=False)
         self.ends.append(end)
         return pulse
 
@@ -78,7 +77,7 @@ class Memory(ABC):
 
         Statements may be added to `behind`; a restart must end what is returned second.
         """
-        return self.falling(self.texts.with_suffix(wanted, "end"), value, into), value
+        return self.falling(self.code.texts.with_suffix(wanted, "end"), value, into), value
 
     def remembered(self, wanted: str, value: Expression, behind: list[Statement]) -> Expression:  # noqa: ARG002
         """Return the value in the last scan, of one that stays the same until `behind`."""
@@ -89,7 +88,7 @@ class Memory(ABC):
 
         The TON is called in every scan: otherwise it would not notice that its input went FALSE.
         """
-        timer = self._code.declare(wanted, DerivedType(name="TON"))
+        timer = self.code.declare(wanted, DerivedType(name="TON"))
         into.append(call(timer, IN=value, PT=time))
         # a restart must end the time at once, and not with the next call
         self.ends.append(call(timer, IN=FALSE, PT=time))
@@ -97,17 +96,9 @@ class Memory(ABC):
 
     def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
         """Return the value as a variable, to be used several times."""
-        flag = self._code.declare(wanted)
+        flag = self.code.declare(wanted)
         into.append(assignment(flag, value))
         return flag
-
-    def variable(self, wanted: str, kind: DataType) -> n.Name:
-        """Return a variable that keeps what is assigned to it."""
-        return self._code.declare(wanted, kind)
-
-    def finish(self, title: str) -> None:
-        """Append what must be behind everything else: the end of the first scan."""
-        self._code.end_first_scan(title)
 
 
 class BlockMemory(Memory):
@@ -119,7 +110,7 @@ class BlockMemory(Memory):
         self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: Expression | None = None
     ) -> Expression:
         """Return an RS, whose inputs are ``S`` and ``R1``."""
-        block = self._code.declare(wanted, DerivedType(name="RS"))
+        block = self.code.declare(wanted, DerivedType(name="RS"))
         into.append(call(block, **self._inputs(set_, reset)))
         value = n.Member(block, n.Name("Q1"))
         if flag is None:
@@ -131,7 +122,7 @@ class BlockMemory(Memory):
     def _inputs(self, set_: Expression, reset: Expression) -> dict[str, Expression]:
         """Return the inputs of an RS, which CODESYS calls ``SET`` and ``RESET1``."""
         # the block is the same one; at Siemens its name is SR, and RS is the set-dominant one
-        names = ("SET", "RESET1") if self._code.tool is Tool.CODESYS else ("S", "R1")
+        names = ("SET", "RESET1") if self.code.tool is Tool.CODESYS else ("S", "R1")
         return dict(zip(names, (set_, reset), strict=True))
 
     def conditional(self, wanted: str, condition: Expression, statements: Sequence[Statement]) -> list[Statement]:
@@ -142,13 +133,9 @@ class BlockMemory(Memory):
             condition = self.named(wanted, condition, found)
         return [*found, *_apart(condition, statements)]
 
-    def starting(self) -> Expression:
-        """Return a pulse in the first scan: the block keeps its own value, and that is FALSE at the start."""
-        return self._code.first_scan_pulse()
-
     def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
         """Return an R_TRIG."""
-        block = self._code.declare(wanted, DerivedType(name="R_TRIG"))
+        block = self.code.declare(wanted, DerivedType(name="R_TRIG"))
         into.append(call(block, CLK=value))
         if not kept:
             self.ends.append(call(block, CLK=FALSE))
@@ -162,7 +149,7 @@ class BitMemory(Memory):
         self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: Expression | None = None
     ) -> Expression:
         """Return the flag, after ``flag := (set OR flag) AND NOT reset``."""
-        value = flag or self._code.declare(wanted)
+        value = flag or self.code.declare(wanted)
         # reset dominates: the same as RS, and no instance for every step
         into.append(assignment(value, conjunction([disjunction([set_, value]), negation(reset)])))
         if flag is None:
@@ -175,14 +162,10 @@ class BitMemory(Memory):
             return list(statements)
         return [when(condition, *statements)] if statements and not is_constant(condition, FALSE) else []
 
-    def starting(self) -> Expression:
-        """Return FALSE: the flag is the memory itself."""
-        return FALSE
-
     def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
         """Return the value as a variable, which it may be already, or as the output of a timer."""
         variable = value.base if isinstance(value, n.Member) else value
-        if isinstance(variable, n.Name) and variable.identifier.casefold() in self._code.own_names:
+        if isinstance(variable, n.Name) and variable.identifier.casefold() in self.code.own_names:
             return value
         return super().named(wanted, value, into)
 
@@ -199,13 +182,13 @@ class BitMemory(Memory):
 
     def remembered(self, wanted: str, value: Expression, behind: list[Statement]) -> Expression:
         """Return a variable with the value of the last scan: the value itself may be reset first."""
-        before = self._code.declare(self.texts.with_suffix(wanted, "before"))
+        before = self.code.declare(self.code.texts.with_suffix(wanted, "before"))
         behind.append(assignment(before, value))
         return before
 
     def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
         """Return ``value AND NOT`` the value of the last scan."""
-        pulse, end = _edge(self._code, wanted, value, into, rising=True)
+        pulse, end = _edge(self.code, wanted, value, into, rising=True)
         if not kept:
             self.ends.append(end)
         return pulse
@@ -247,15 +230,11 @@ class OperandMemory(BlockMemory):
         """Return an ``Sr`` on the flag itself."""
         value = flag
         if value is None:
-            value = self._code.declare(wanted)
+            value = self.code.declare(wanted)
             self.ends.append(assignment(value, FALSE))
         into.append(call(value, S=set_, R1=reset))
-        self._code.operands[value] = "RS"
+        self.code.operands[value] = "RS"
         return n.Member(value, n.Name("Q1")) if flag is None else flag
-
-    def starting(self) -> Expression:
-        """Return FALSE: the flag is the memory itself."""
-        return FALSE
 
     def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
         """Return a ``PBox``."""
@@ -266,9 +245,9 @@ class OperandMemory(BlockMemory):
         return self._edge("F_TRIG", wanted, value, into, kept=False)
 
     def _edge(self, block: str, wanted: str, value: Expression, into: list[Statement], *, kept: bool) -> Expression:
-        pulse = self._code.declare(wanted)
-        before = self._code.declare(self._code.texts.with_suffix(wanted, "old"))
-        self._code.operands[before] = block
+        pulse = self.code.declare(wanted)
+        before = self.code.declare(self.code.texts.with_suffix(wanted, "old"))
+        self.code.operands[before] = block
         into.append(call(before, CLK=value))
         into.append(assignment(pulse, n.Member(before, n.Name("Q"))))
         if not kept:

@@ -399,15 +399,15 @@ class LoweredCode:
         return self.declare(wanted, initial="TRUE" if initial else None, comment=comment)
 
     def first_scan_pulse(self) -> n.Name:
-        """Return a variable that is TRUE until the end of the first scan; `Memory.finish` ends it."""
+        """Return a variable that is TRUE until the end of the first scan; `end_first_scan` ends it."""
         if self.first_scan is None:
             self.first_scan = self.declare(self.texts.pulse, initial="TRUE")
         return self.first_scan
 
-    def end_first_scan(self, title: str) -> None:
-        """Append the end of that pulse, if it is used."""
+    def end_first_scan(self) -> None:
+        """Append the end of that pulse, if it is used, behind everything else."""
         if self.first_scan is not None:
-            self.add(title, [assignment(self.first_scan, FALSE)])
+            self.add(self.texts.first_scan, [assignment(self.first_scan, FALSE)])
 
     def declare_as(self, name: str, kind: DataType) -> None:
         """Declare a local variable of this very name."""

@@ -80,7 +80,7 @@ class RegionEncoding(ScanSchedule):
             self._regions = replace(off, regions=tuple(regions))
             off = replace(off, regions=tuple(replace(each, initial=None) for each in self._regions.regions))
         self.names = StateNames(source, off, self.code, self.rules, self.surroundings, merged=merged)
-        self.states = StateVariables(self._regions, self.names, self.texts, off=source.starts_off, part=self.rules.part)
+        self.states = StateVariables(self._regions, self.names, off=source.starts_off, part=self.rules.part)
         self.machines = self.states.machines
         self._bits: dict[int, n.Name] = {}
         self._again: dict[int, n.Name] = {}

@@ -80,7 +80,7 @@ class StateNames:
         *,
         merged: Collection[int] = (),
     ) -> None:
-        self._code, self._texts = code, rules.texts
+        self._code, self.texts = code, rules.texts
         self.merged = merged
         self._new_value: Callable[[str, str], Expression] = lambda _, number: n.Literal(number)
         self.no_empty_statements, self.has_regions = code.is_portable, code.has_regions
@@ -114,7 +114,7 @@ class StateNames:
     @cached_property
     def no_state(self) -> Expression:
         """State of no step, also where the chart always has one."""
-        return self._new_value(self._texts.no_step, self._no_number)
+        return self._new_value(self.texts.no_step, self._no_number)
 
     def are_written_alike(self, some: Sequence[Statement], others: Sequence[Statement]) -> bool:
         """Return True if the code has the same text for statements, with their comments."""
@@ -135,7 +135,7 @@ class StateNames:
 
     def declare(self, region: Region, suffix: str, *, following: bool) -> n.Name:
         """Declare a variable for the state of a region, or for its `following` one."""
-        texts = self._texts
+        texts = self.texts
         if isinstance(self._type, DerivedType):
             usual = texts.active_step, texts.active_step_comment
             later = texts.next_step, texts.next_step_comment
@@ -157,7 +157,7 @@ class StateNames:
 
         `entered`: the start is an activation of the initial step, so at first it has that of no step.
         """
-        texts = self._texts
+        texts = self.texts
         name = texts.last_step if isinstance(self._type, DerivedType) else texts.last_state
         wanted = f"{name}_{suffix}" if suffix else name
         if entered or region.initial is None:
@@ -170,7 +170,7 @@ class StateNames:
         """Declare a variable for what a state variable was before."""
         declared = next(each for each in self._code.variables if each.name == state.identifier)
         initial = declared.initial.text if isinstance(declared.initial, SimpleValue) else None
-        return self._code.declare(self._texts.with_suffix(declared.name, "old"), declared.type, initial=initial)
+        return self._code.declare(self.texts.with_suffix(declared.name, "old"), declared.type, initial=initial)
 
     def _constant(self, state: _State) -> n.Name:
         return self._code.declare_constant(state.constant, self._type, str(state.number), state.comment)
@@ -182,7 +182,7 @@ class StateNames:
         used = {name.casefold() for name in source.names()}
         ascii = rules.target is not None and tool_of(rules.target, source.dialect) is not Tool.S7
         names = Naming(source.dialect, {*surroundings, *used}, ascii=ascii)
-        name = names.fresh(f"{source.pou.name}_{self._texts.enumeration}")
+        name = names.fresh(f"{source.pou.name}_{self.texts.enumeration}")
         naming = Naming(source.dialect, (), ascii=ascii)
         enumeration = EnumType(values=[])
         self._code.data_types.append(
@@ -191,7 +191,7 @@ class StateNames:
                 folder=source.pou.folder,
                 place=source.pou.place,
                 type=enumeration,
-                comment=self._texts.enumeration_of(source.pou.name),
+                comment=self.texts.enumeration_of(source.pou.name),
             )
         )
         self._type = DerivedType(name=name)
@@ -312,9 +312,9 @@ class StateVariables:
     chart in those of its variables.
     """
 
-    def __init__(self, regions: Regions, names: StateNames, texts: Texts, *, off: bool = False, part: str = "") -> None:
+    def __init__(self, regions: Regions, names: StateNames, *, off: bool = False, part: str = "") -> None:
         self.regions, self.names, self._part = regions, names, part
-        self._net, self._texts, self._off = regions.net, texts, off
+        self._net, self._texts, self._off = regions.net, names.texts, off
         # no region is None: `regions_of` refuses steps that can never become active
         self._region_of = [region or 0 for region in regions.region_of]
         self._merged: dict[int, ParallelBlock] = {}

@@ -25,7 +25,6 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     when,
 )
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode
-from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.lowering_options import OperatingMode
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule, exclusive_transitions, firing_together
@@ -40,7 +39,8 @@ class StepFlags:
     of its step, which has no network of its own.
     """
 
-    def __init__(self, net: Net, code: LoweredCode, texts: Texts, *, initial: int, captioned: bool) -> None:
+    def __init__(self, net: Net, code: LoweredCode, *, initial: int, captioned: bool) -> None:
+        texts = code.texts
         self._net, self._code, self._texts = net, code, texts
         self.flags: list[Expression] = []
         self.fired: list[n.Name] = []
@@ -191,7 +191,7 @@ class StepFlagEncoding(ScanSchedule):
     def declare_states(self, source: ChartSource) -> None:
         """Declare the flags, those of initial steps TRUE at the start, and the bits of transitions."""
         initial = 0 if source.starts_off else source.net.initial
-        self.steps = StepFlags(source.net, self.code, self.texts, initial=initial, captioned=self.captioned)
+        self.steps = StepFlags(source.net, self.code, initial=initial, captioned=self.captioned)
         self.flags, self.fired = self.steps.flags, self.steps.fired
         self.held: Mapping[int, Expression] = {}
         if self.code.flags is not None and not self.code.flags.have_values and not source.starts_off:
@@ -377,7 +377,7 @@ class FlipFlopEncoding(StepFlagEncoding):
             remarks = [f"{t.path}: {remark}" for t in entering if (remark := self.texts.remark(t.transition))]
             self._add_step(step, set_, reset, classic=True, before=before, remarks=remarks)
         self.add_actions()
-        self.memory.finish(self.texts.first_scan)
+        self.code.end_first_scan()
 
     def _one_at_a_time(self, transition: NetTransition, step: NetStep) -> list[Expression]:
         """Return that the steps two before are inactive: else one push would run through the whole sequence."""

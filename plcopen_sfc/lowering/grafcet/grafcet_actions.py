@@ -150,11 +150,9 @@ def passed_steps(actions: Sequence[ActionSource]) -> set[int]:
 class PassingActionCode(ActionControlCode):
     """Action control of IEC 61131-3. `seen`: a step was active in any evolution of the scan."""
 
-    def __init__(
-        self, code: LoweredCode, memory: Memory, active: StepValue, seen: StepValue, ending: Expression = FALSE
-    ) -> None:
+    def __init__(self, memory: Memory, active: StepValue, seen: StepValue, ending: Expression = FALSE) -> None:
         super().__init__(memory, active, ending)
-        self._code, self._stable, self._seen = code, active, seen
+        self._code, self._stable, self._seen = memory.code, active, seen
 
     def _input(self, action: ActionSource, *qualifiers: Qualifier) -> Expression:
         return self._asked(self._seen if _PASSING.issuperset(qualifiers) else self._stable, action, *qualifiers)
@@ -178,8 +176,8 @@ class PassingActionCode(ActionControlCode):
 class ContinuousActionCode(ActionControlCode):
     """Control in which each association acts on its own, with the time of its step (IEC 60848:2013, 4.8.4).
 
-    `timers`: those of macro-steps, with the condition and the time of each. Like those of steps (`times`) they are to
-    be called behind the evolutions.
+    `timers`: those of macro-steps in `code`, with the condition and the time of each. Like those of steps (`times`)
+    they are to be called behind the evolutions.
     """
 
     def __init__(

@@ -22,7 +22,6 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     simplified,
 )
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode
-from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, DelayInCondition, EdgeInCondition, GrafcetSource
 from plcopen_sfc.lowering.schedule.scan_schedule import exclude
 from plcopen_sfc.model.types import DerivedType
@@ -38,9 +37,9 @@ class TermCode:
     variables before the first evolution. `active` gives the flag of a step.
     """
 
-    def __init__(self, grafcet: GrafcetSource, code: LoweredCode, texts: Texts, active: Collection[Expression]) -> None:
+    def __init__(self, grafcet: GrafcetSource, code: LoweredCode, active: Collection[Expression]) -> None:
         self._code = code
-        self._texts = texts
+        self._texts = code.texts
         self._values: dict[str, Expression] = {}
         self._timers: dict[str, list[n.Name]] = {}
         self._active = set(active)
@@ -53,7 +52,7 @@ class TermCode:
         for delay in grafcet.delays:
             self._values[delay.name.casefold()] = self._declare_delay(delay)
         for edge in grafcet.edges:
-            self._values[edge.name.casefold()] = code.declare(texts.edge_name(edge.words, rising=edge.rising))
+            self._values[edge.name.casefold()] = code.declare(code.texts.edge_name(edge.words, rising=edge.rising))
         for delay in grafcet.delays:
             self._add_delay(delay)
         for edge in grafcet.edges:

@@ -107,7 +107,7 @@ class GrafcetScan:
         self._code, self._texts, self._net = encoding.code, encoding.texts, encoding.net
         assert encoding.source.grafcet is not None  # noqa: S101  # it was read so
         active = [encoding.active(step.index) for step in self._net.steps]
-        self._terms = TermCode(encoding.source.grafcet, self._code, self._texts, active)
+        self._terms = TermCode(encoding.source.grafcet, self._code, active)
         encoding.source = encoding.source.changed(lambda tree: transform(tree, self._terms.named))
         assert encoding.source.grafcet is not None  # noqa: S101
         self._grafcet: GrafcetSource = encoding.source.grafcet
@@ -128,6 +128,7 @@ class GrafcetScan:
         bits = _bits(encoding.source) if self._code.drawn else ()
         self._first: n.Name | None = None
         self._drive, self._drive_of_stored = self._drive_blocks()
+        self._acting = self._drive.memory if self._drive is not None else encoding.memory
         memory = self._drive_of_stored.memory if self._drive_of_stored is not None else encoding.memory
         self._stored = StoredActions(self._grafcet.stored, memory, sights, bits)
         self._ruled = [ForcingCode(chart, encoding.active, before, self._reentered) for chart in self._grafcet.ruled]
@@ -139,9 +140,7 @@ class GrafcetScan:
         code.add(texts.times, encoding.times.calls())  # of steps whose time conditions read
         self._hold()
         encoding.divide()
-        continuous = ContinuousActionCode(
-            self._grafcet.continuous, code, encoding.memory, encoding.active, encoding.times
-        )
+        continuous = ContinuousActionCode(self._grafcet.continuous, code, self._acting, encoding.active, encoding.times)
         moves = self._situation.changed() if self._stable else FALSE  # before it is known what must be remembered
         # the networks of an evolution are made before those in front of them: only then it is known what these must
         # prepare
@@ -163,27 +162,26 @@ class GrafcetScan:
             code.add(texts.terms, self._terms.times)  # something may have changed since they were last called
         outputs = replace(encoding.source, actions=self._grafcet.continuous)
         rules = replace(encoding.rules, profile=_outputs(encoding.profile))
-        add_conditions(outputs, code, encoding.memory, encoding.active, rules)
-        if self._drive is None:
-            add_actions(outputs, code, continuous, encoding.memory, rules)
-        else:
-            add_actions(without_texts(outputs), self._drive.code, continuous, self._drive.memory, rules)
+        add_conditions(outputs, encoding.memory, encoding.active, rules)
+        add_actions(self._executed(outputs), continuous, rules)
+        if self._drive is not None:
             self._call(self._drive, texts.drive_call)
-        encoding.memory.finish(texts.first_scan)
+        code.end_first_scan()
 
     def _add_actions(self) -> None:
         """Append the actions of steps, and those with qualifiers of IEC 61131-3."""
         encoding = self._encoding
-        add_changes(encoding.source, self._code, encoding, self._texts)
-        add_main_actions(encoding.source, self._code, encoding, self._texts)
-        add_conditions(encoding.source, self._code, encoding.memory, self._driving, encoding.rules)
+        add_changes(encoding.source, self._code, encoding)
+        add_main_actions(encoding.source, self._code, encoding)
+        add_conditions(encoding.source, encoding.memory, self._driving, encoding.rules)
         ending = encoding.init if encoding.init is not None and encoding.rules.reset_actions else FALSE
-        source, code, memory = encoding.source, self._code, encoding.memory
-        if self._drive is not None:
-            source, code, memory = without_texts(source), self._drive.code, self._drive.memory
-        control = PassingActionCode(code, memory, encoding.active, self._seen, ending)
-        add_actions(source, code, control, memory, encoding.rules)
+        control = PassingActionCode(self._acting, encoding.active, self._seen, ending)
+        add_actions(self._executed(encoding.source), control, encoding.rules)
         encoding.remember()
+
+    def _executed(self, source: ChartSource) -> ChartSource:
+        """Return a chart whose actions are executed where they are to be, in the code of `_acting`."""
+        return source if self._drive is None else without_texts(source)
 
     # -- blocks of their own for actions
 

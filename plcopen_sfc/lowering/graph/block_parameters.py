@@ -20,7 +20,6 @@ from plcopen_sfc.lowering.code.boolean_logic import (
 )
 from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.lowered_code import INT, LoweredCode
-from plcopen_sfc.lowering.code_texts import GraphTexts
 from plcopen_sfc.lowering.graph.sequencer_source import GraphSource
 from plcopen_sfc.lowering.graph.step_supervision import SupervisionChecks
 from plcopen_sfc.semantics.charts.graph.graph_parameters import MODES, Mode
@@ -29,16 +28,18 @@ from plcopen_sfc.semantics.charts.graph.graph_parameters import MODES, Mode
 class BlockCommands:
     """Commands and the mode of one cycle. Names are those of the parameters."""
 
-    def __init__(self, source: GraphSource, code: LoweredCode, memory: Memory, texts: GraphTexts) -> None:
-        self._parameters, self._code, self._texts = source.parameters, code, texts
-        self._memory = memory
+    def __init__(self, source: GraphSource, memory: Memory) -> None:
+        code = memory.code
+        self._parameters, self._code, self._texts, self._memory = source.parameters, code, code.texts, memory
         self._edges: dict[str, Expression] = {}
         self._statements: list[Statement] = []
         switches = [name for name in MODES if name in source.parameters]
         self._modes = {MODES[name][0]: name for name in switches} if not source.locked else {}
         self._mode: n.Name | None = None
         if set(self._modes) - {Mode.AUTOMATIC}:
-            self._mode = code.declare(texts.mode, INT, initial=str(int(Mode.AUTOMATIC)), comment=texts.mode_comment)
+            self._mode = code.declare(
+                code.texts.mode, INT, initial=str(int(Mode.AUTOMATIC)), comment=code.texts.mode_comment
+            )
             # a switch acts by its rising edge, and the last one wins, as in S7-GRAPH
             for mode, name in self._modes.items():
                 number = n.Literal(str(int(mode)))
@@ -100,7 +101,6 @@ def add_reports(
     code: LoweredCode,
     commands: BlockCommands,
     steps: Sequence[tuple[Expression, SupervisionChecks]],
-    texts: GraphTexts,
     *,
     state: n.Name | None,
 ) -> None:
@@ -116,13 +116,13 @@ def add_reports(
     disturbance = commands.variable("ERR_FLT")
     if disturbance is not None:
         statements.append(assignment(disturbance, disjunction(check.disturbed() for _, check in steps)))
-    code.add(texts.reports, statements)
+    code.add(code.texts.reports, statements)
     if not {"S_NO", "S_ACTIVE", "S_MORE"} & set(source.parameters):
         return
     if state is not None:
-        code.add(texts.display, list(_one_displayed(commands, state)))
+        code.add(code.texts.display, list(_one_displayed(commands, state)))
     else:
-        code.add(texts.display, list(_Display(source, code, commands, [flag for flag, _ in steps], texts).statements()))
+        code.add(code.texts.display, list(_Display(source, code, commands, [flag for flag, _ in steps]).statements()))
 
 
 def _one_displayed(commands: BlockCommands, state: n.Name) -> Iterator[Statement]:
@@ -154,13 +154,12 @@ class _Display:
         code: LoweredCode,
         commands: BlockCommands,
         flags: Sequence[Expression],
-        texts: GraphTexts,
     ) -> None:
-        self._commands, self._code, self._texts = commands, code, texts
+        self._commands, self._code, self._texts = commands, code, code.texts
         numbered = [(step.step.number or 0, flags[step.index]) for step in source.net.steps]
         self._steps = sorted(numbered, key=lambda item: item[0])
         self._active: n.Name | None = None
-        self._shown = code.declare(texts.shown, INT, comment=texts.shown_comment)
+        self._shown = code.declare(self._texts.shown, INT, comment=self._texts.shown_comment)
 
     def statements(self) -> Iterator[Statement]:
         """Yield the choice of the step, then the outputs about it."""

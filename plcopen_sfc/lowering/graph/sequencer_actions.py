@@ -26,7 +26,6 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     when,
 )
 from plcopen_sfc.lowering.code.lowered_code import INT, TIME, LoweredCode, StepValue
-from plcopen_sfc.lowering.code_texts import GraphTexts, Texts
 from plcopen_sfc.lowering.graph.sequencer_source import COUNTERS, TIMERS, ActionRow, GraphSource, texts_of
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.types import DerivedType
@@ -40,11 +39,11 @@ _STOPPED, _DELAY = n.Literal(_MODES[Qualifier.TR]), n.Literal(_MODES[Qualifier.T
 class S5Timer:
     """One timer, whose output is an operand."""
 
-    def __init__(self, name: str, output: Expression, code: LoweredCode, texts: GraphTexts) -> None:
+    def __init__(self, name: str, output: Expression, code: LoweredCode) -> None:
         self._output = output
         called = code.texts.with_suffix
         self._timer = code.declare(called(name, "timer"), DerivedType(name="TON"))
-        self._mode = code.declare(called(name, "mode"), INT, comment=texts.timer_mode)
+        self._mode = code.declare(called(name, "mode"), INT, comment=code.texts.timer_mode)
         self._runs = code.declare(called(name, "runs"))
         self._starts = code.declare(called(name, "starts"))
         self._time = code.declare(called(name, "time"), TIME)
@@ -100,11 +99,8 @@ class StepSignals:
 class SequencerActions:
     """Code of all actions of a sequencer."""
 
-    def __init__(
-        self, source: GraphSource, code: LoweredCode, texts: Texts, own_texts: GraphTexts, signals: StepSignals
-    ) -> None:
+    def __init__(self, source: GraphSource, code: LoweredCode, signals: StepSignals) -> None:
         self._source, self._code, self._signals = source, code, signals
-        self._texts, self._own_texts = texts, own_texts
         self._own = _only_written_by_coils(source)
         self._timers: dict[str, S5Timer] = {}
 
@@ -127,7 +123,7 @@ class SequencerActions:
     def add_timers(self) -> None:
         """Append the timers that steps have started."""
         for name, timer in self._timers.items():
-            self._code.add(self._own_texts.timer(name), timer.runs())
+            self._code.add(self._code.texts.timer(name), timer.runs())
 
     def switched(self, qualifier: Qualifier, target: int) -> Expression:
         """Return an expression that is TRUE if an action switches a step on or off."""
@@ -167,9 +163,9 @@ class SequencerActions:
             drive = assignment(row.target, disjunction(self._wanted(step, row) for step, row in found))
             # no other code writes the coil, so that it can be assigned in every cycle
             if row.name.casefold() in self._own:
-                self._code.add(self._texts.action(row.name), [drive])
+                self._code.add(self._code.texts.action(row.name), [drive])
             else:
-                self._code.add(self._texts.action(row.name), [when(self._written(found), drive)])
+                self._code.add(self._code.texts.action(row.name), [when(self._written(found), drive)])
 
     def _wanted(self, step: NetStep, row: ActionRow) -> Expression:
         """Return an expression that is TRUE if a coil is to be TRUE."""
@@ -216,7 +212,7 @@ class SequencerActions:
         key = row.name.casefold()
         if key not in self._timers:
             assert row.target is not None  # noqa: S101  # the caller has looked
-            self._timers[key] = S5Timer(row.name.strip('#"'), row.target, self._code, self._own_texts)
+            self._timers[key] = S5Timer(row.name.strip('#"'), row.target, self._code)
         return self._timers[key]
 
     def _counted(self, row: ActionRow, counter: Expression) -> Statement:

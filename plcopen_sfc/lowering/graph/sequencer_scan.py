@@ -27,7 +27,6 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
     when,
 )
-from plcopen_sfc.lowering.code_texts import GraphTexts
 from plcopen_sfc.lowering.encodings.case_encodings import RegionEncoding
 from plcopen_sfc.lowering.encodings.case_states import RegionState, StateVariables
 from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding, Imposed, StepBitEncoding
@@ -60,8 +59,7 @@ class GraphCycle:
 
     def __init__(self, encoding: StepBitEncoding | FlipFlopEncoding | RegionEncoding, source: GraphSource) -> None:
         self._encoding, self._source, self._code, self._net = encoding, source, encoding.code, source.net
-        self._texts, self._own_texts = encoding.texts, GraphTexts(encoding.texts)
-        self._situation, self._active = encoding.situation, encoding.active
+        self._texts, self._situation, self._active = encoding.texts, encoding.situation, encoding.active
         steps = range(len(self._net.steps))
         self._signs = [StepNames(self._active(step), self._situation.name(step)) for step in steps]
         # actions ON and OFF act in the next cycle: the steps are kept in bits of their own until then
@@ -69,10 +67,10 @@ class GraphCycle:
         self._wanted = {i: self._declare_wanted(i) for i in switched}
         if not isinstance(encoding, RegionEncoding):
             encoding.held = self._wanted
-        self._first = self._code.declare(self._texts.pulse, initial="TRUE", comment=self._own_texts.first_cycle)
+        self._first = self._code.declare(self._texts.pulse, initial="TRUE", comment=self._texts.first_cycle)
         self._questions = AskedStepData(source)
-        self._commands = BlockCommands(source, self._code, encoding.memory, self._own_texts)
-        self._clock = StepClock(source, self._code, self._signs, self._texts, self._questions)
+        self._commands = BlockCommands(source, encoding.memory)
+        self._clock = StepClock(source, self._code, self._signs, self._questions)
         self._registered: dict[int, n.Name] = {}
         self._gone: dict[int, n.Name] = {}
         self._checks = [self._checks_of(step) for step in steps]
@@ -83,12 +81,12 @@ class GraphCycle:
 
     def _declare_wanted(self, step: int) -> n.Name:
         name = self._texts.with_suffix(self._signs[step].name, "next")
-        return self._code.declare(name, comment=self._own_texts.wanted_of(self._net.steps[step].path))
+        return self._code.declare(name, comment=self._texts.wanted_of(self._net.steps[step].path))
 
     def append(self) -> None:
         """Append one cycle."""
-        source, code, own_texts = self._source, self._code, self._own_texts
-        code.add(own_texts.before, [*self._resolved(source.before, CyclePhase.BEFORE)])
+        source, code, texts = self._source, self._code, self._texts
+        code.add(texts.before_sequence, [*self._resolved(source.before, CyclePhase.BEFORE)])
         code.add(self._texts.logic, [*self._resolved(source.logic, CyclePhase.BEFORE)])
         # commands are evaluated here; which edges are read is known when all else is made
         place = len(code.networks)
@@ -97,13 +95,13 @@ class GraphCycle:
         self._add_step_change()
         self._add_actions(change)
         steps = [(sign.active, check) for sign, check in zip(self._signs, self._checks, strict=True)]
-        add_reports(source, code, self._commands, steps, own_texts, state=self._only_state())
-        code.add(own_texts.after, [*self._resolved(source.after, CyclePhase.ACT)])
+        add_reports(source, code, self._commands, steps, state=self._only_state())
+        code.add(texts.after_sequence, [*self._resolved(source.after, CyclePhase.ACT)])
         values = [self._value(*asked, CyclePhase.ACT) for asked in source.shown]
-        code.add(own_texts.shown_data, show(source.shown, values, self._net, code))
+        code.add(texts.shown_data, show(source.shown, values, self._net, code))
         # edges stand before all code that reads them
         rest, code.networks[place:] = code.networks[place:], []
-        code.add(own_texts.commands, self._commands.statements(), self._commands.mode_comment)
+        code.add(texts.commands, self._commands.statements(), self._commands.mode_comment)
         code.networks += rest
 
     def _only_state(self) -> n.Name | None:
@@ -127,7 +125,7 @@ class GraphCycle:
         # the time without disturbance and the error of the block need both checks of every step
         if "ERR_FLT" in self._source.parameters or "U" in needed:
             needed |= {"LS", "VA"}
-        comment = partial(self._own_texts.check, self._net.steps[step].path)
+        comment = partial(self._texts.check, self._net.steps[step].path)
         return SupervisionChecks(
             self._source, step, self._code, CheckedStep(self._signs[step], needed, self._questions, comment)
         )
@@ -201,13 +199,13 @@ class GraphCycle:
 
     def _add_step_change(self) -> None:
         """Append what decides on transitions, what these change, and the steps that commands set."""
-        encoding, code, own_texts, source = self._encoding, self._code, self._own_texts, self._source
+        encoding, code, texts, source = self._encoding, self._code, self._texts, self._source
         plain = [self._resolve(condition, CyclePhase.SWITCH) for condition in source.conditions]
         before = tuple(tuple(self._resolved(each, CyclePhase.SWITCH)) for each in source.preparations)
         shared: list[Statement] = []
         encoding.source = replace(source, conditions=self._conditions(plain, shared), preparations=before)
         encoding.asked = self._evolves
-        skips = SkippedSteps(encoding, plain, before, self._evolves, own_texts) if source.skips else None
+        skips = SkippedSteps(encoding, plain, before, self._evolves) if source.skips else None
         if skips is not None and isinstance(encoding, RegionEncoding):
             skips.declare()
         encoding.divide()
@@ -232,11 +230,11 @@ class GraphCycle:
         elif skips is not None:
             skips.add_loops()
         # start and end come behind the switching by hand, and override it
-        code.add(own_texts.manual, self._switched_by_hand())
+        code.add(texts.manual, self._switched_by_hand())
         start, off = disjunction([self._first, self._started()]), self._commands.edge("OFF_SQ")
-        code.add(own_texts.start, [when(start, *encoding.starting(), assignment(self._first, FALSE))])
+        code.add(texts.sequence_start, [when(start, *encoding.starting(), assignment(self._first, FALSE))])
         ended = encoding.ending()  # nothing, if there is no step
-        code.add(own_texts.off, [when(off, *ended)] if ended and not is_constant(off, FALSE) else [])
+        code.add(texts.off, [when(off, *ended)] if ended and not is_constant(off, FALSE) else [])
         if isinstance(encoding, RegionEncoding):
             encoding.change_situation()
 
@@ -248,9 +246,9 @@ class GraphCycle:
         # condition is executed where nothing switches, too
         guards = isinstance(encoding, RegionEncoding) and not any(self._source.preparations)
         if not is_constant(permitted, TRUE) and not (guards and self._only is not None):
-            permitted = named(self._own_texts.permitted, permitted, shared)
+            permitted = named(self._texts.permitted, permitted, shared)
         if not is_constant(pushed, FALSE):
-            pushed = named(self._own_texts.pushed, pushed, shared)
+            pushed = named(self._texts.pushed, pushed, shared)
         if guards and isinstance(encoding, RegionEncoding):
             encoding.may_fire, permitted = permitted, TRUE
         found: list[Expression] = []
@@ -328,8 +326,8 @@ class GraphCycle:
         cleared = [s for each in self._checks for s in each.cleared()]
         checked = self._of_steps(each.before(self._resolve, acknowledge) for each in self._checks)
         alarms = "" if self._checked_late else self._alarms()
-        self._code.add(self._own_texts.checks, [*cleared, *self._of_active(checked)], alarms)
-        self._code.add(self._own_texts.undisturbed, self._clock.counted(self._checks))
+        self._code.add(self._texts.checks, [*cleared, *self._of_active(checked)], alarms)
+        self._code.add(self._texts.undisturbed, self._clock.counted(self._checks))
 
     def _evolves(self) -> Expression:
         """Return an expression that is TRUE if conditions of transitions are evaluated in this cycle."""
@@ -354,20 +352,20 @@ class GraphCycle:
         self._add_checks_behind(self._alarms() if self._checked_late else "")
         over, gone = self._clock.over, self._was_gone
         signals = StepSignals(self._active, self._touched, self._event, self._released, over, gone)
-        actions = SequencerActions(self._with_resolved_rows(), self._code, self._texts, self._own_texts, signals)
+        actions = SequencerActions(self._with_resolved_rows(), self._code, signals)
         actions.add_coils()
         self._add_leaving(actions.leaving())
         self._add_acting(actions.acting())
         actions.add_timers()
         wanted = [assignment(name, self._wants(actions, step)) for step, name in self._wanted.items()]
-        self._code.add(self._own_texts.switched, wanted)
+        self._code.add(self._texts.switched, wanted)
         registers = self._registers()
         registered = [
             assignment(name, conjunction([self._active(step), registers]))
             for step, name in sorted(self._registered.items())
         ]
         # events are found out right behind the step change; which of them are read is known now
-        self._code.add(self._own_texts.events, registered, place=place)
+        self._code.add(self._texts.step_events, registered, place=place)
         kept = [assignment(bit, self._changed(step, ActionEvent.S0)) for step, bit in self._gone.items()]
         self._code.add(self._texts.before, [*kept, *self._situation.remembered()], place=change)
 
@@ -406,7 +404,7 @@ class GraphCycle:
         late = _all(part for part in checked if part not in entered)
         done = self._of_changed(left, entered) if self._only is not None and len(entered) > 1 else []
         done = [*done, *late] if done else [*_all(left), *_all(checked)]
-        self._code.add(self._own_texts.checks_behind, done, alarms)
+        self._code.add(self._texts.checks_behind, done, alarms)
 
     def _of_steps(self, statements: Iterable[list[Statement]]) -> list[StepCode]:
         """Return the code of each step that has some."""
@@ -439,18 +437,18 @@ class GraphCycle:
     def _add_leaving(self, parts: Sequence[StepCode]) -> None:
         """Append the code of steps that were left."""
         if self._only is not None and len(parts) >= _SEVERAL:
-            self._code.add(self._own_texts.leaving_one, self._of_changed(parts, ()))
+            self._code.add(self._texts.leaving_one, self._of_changed(parts, ()))
             return
         for part in parts:
-            self._code.add(self._own_texts.leaving(part.name), part.statements)
+            self._code.add(self._texts.leaving(part.name), part.statements)
 
     def _add_acting(self, parts: Sequence[StepCode]) -> None:
         """Append the code of active steps. An inactive step has no event but that it was left."""
         if self._only is not None and len(parts) >= _SEVERAL:
-            self._code.add(self._own_texts.acting_one, self._of_active(parts))
+            self._code.add(self._texts.acting_one, self._of_active(parts))
             return
         for part in parts:
-            self._code.add(self._own_texts.acting(part.name), part.statements)
+            self._code.add(self._texts.acting(part.name), part.statements)
 
     @property
     def _checked_late(self) -> bool:
@@ -459,11 +457,14 @@ class GraphCycle:
 
     def _alarms(self) -> str:
         """Return the comment on checks: lowered code makes no alarms."""
-        language = self._own_texts.language
         lines: list[str] = []
         for step in self._net.steps:
             for check in (step.step.interlock, step.step.supervision):
-                texts = [plain(text, language) for text in (check.title, check.alarm)] if check is not None else []
+                texts = (
+                    [plain(text, self._texts.culture or "en-US") for text in (check.title, check.alarm)]
+                    if check is not None
+                    else []
+                )
                 if any(texts):
                     lines.append(f"{step.path}: {', '.join(filter(None, texts))}")
         return "\n".join(lines)

@@ -16,7 +16,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
     when,
 )
-from plcopen_sfc.lowering.code_texts import GraphTexts, Suffix
+from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.encodings.case_encodings import RegionEncoding
 from plcopen_sfc.lowering.encodings.case_states import RegionState, TriedTransition
 from plcopen_sfc.lowering.encodings.step_flags import StepFlagEncoding
@@ -35,13 +35,12 @@ class SkippedSteps:
         conditions: Sequence[Expression],
         preparations: Sequence[tuple[Statement, ...]],
         evolves: Callable[[], Expression],
-        texts: GraphTexts,
     ) -> None:
-        self._encoding, self._net, self._code, self._texts = encoding, encoding.net, encoding.code, texts
+        self._encoding, self._net, self._code, self._texts = encoding, encoding.net, encoding.code, encoding.texts
         self._conditions, self._preparations, self._evolves = conditions, preparations, evolves
 
     def _named(self, step: int, suffix: Suffix) -> n.Name:
-        return self._code.declare(self._encoding.texts.with_suffix(self._encoding.situation.name(step), suffix))
+        return self._code.declare(self._texts.with_suffix(self._encoding.situation.name(step), suffix))
 
     # -- with a flag for each step
 
@@ -61,7 +60,7 @@ class SkippedSteps:
             statements += [
                 assignment(passed[i], conjunction([encoding.held.get(i, encoding.flags[i]), left])) for i, left in stays
             ]
-            again = self._code.declare(self._texts.again)
+            again = self._code.declare(self._texts.more_skipped)
             sweep: list[Statement] = [assignment(again, FALSE)]
             for step, flag in passed.items():
                 fresh = conjunction([entered[step], negation(flag)])
@@ -112,7 +111,7 @@ class SkippedSteps:
         if not steps:
             return
         states, following = encoding.states, encoding.states.following(machine)
-        again = self._code.declare(self._texts.again)
+        again = self._code.declare(self._texts.more_skipped)
         goes_on = assignment(again, TRUE)
         begin: list[Statement] = []
         branches: list[n.CaseBranch] = []

@@ -250,8 +250,9 @@ class StepClock:
     """Times of the steps of one sequencer."""
 
     def __init__(
-        self, source: GraphSource, code: LoweredCode, signs: Sequence[StepNames], texts: Texts, questions: AskedStepData
+        self, source: GraphSource, code: LoweredCode, signs: Sequence[StepNames], questions: AskedStepData
     ) -> None:
+        texts = code.texts
         self._source, self._signs, self._questions = source, signs, questions
         self._timers: dict[int, n.Name] = {}
         self._limits: dict[int, Expression] = {}

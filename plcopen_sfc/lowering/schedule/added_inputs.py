@@ -150,10 +150,8 @@ class ModeInputs:
     number `selected` becomes the only active one; None where steps cannot be selected.
     """
 
-    def __init__(
-        self, source: ChartSource, code: LoweredCode, memory: Memory, rules: LoweringRules, init: Expression | None
-    ) -> None:
-        self._code, self._memory, self._texts, self._modes = code, memory, rules.texts, rules.modes
+    def __init__(self, source: ChartSource, memory: Memory, rules: LoweringRules, init: Expression | None) -> None:
+        self._code, self._memory, self._texts, self._modes = memory.code, memory, rules.texts, rules.modes
         self._numbers = step_numbers(source.net)
         self._statements: list[Statement] = []
         self.selecting: n.Name | None = None
@@ -172,7 +170,7 @@ class ModeInputs:
             )
         self._usual, self._forced = self._declared(init)
         comment = rules.texts.step_numbers(source.net, self._numbers) if self.selected is not None else ""
-        code.add(rules.texts.modes, self._statements, comment)
+        memory.code.add(rules.texts.modes, self._statements, comment)
 
     def may_fire(self, condition: Expression) -> Expression:
         """Return when a transition whose steps are active fires, by its condition."""

@@ -40,7 +40,6 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     with_distinct,
 )
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import LoweredCode
 from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.lowering_options import ActionPlace, LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
@@ -110,13 +109,9 @@ class ScanSchedule(ABC):
     """
 
     def __init__(
-        self,
-        source: ChartSource,
-        code: LoweredCode,
-        memory: Memory,
-        rules: LoweringRules,
-        surroundings: Collection[str] = (),
+        self, source: ChartSource, memory: Memory, rules: LoweringRules, surroundings: Collection[str] = ()
     ) -> None:
+        code = memory.code
         self.code, self.memory, self.rules = code, memory, rules
         self.net, self.profile, self.texts = source.net, rules.profile, rules.texts
         self.surroundings = surroundings
@@ -126,12 +121,12 @@ class ScanSchedule(ABC):
         code.declare_helpers(source.helpers)
         # a chart that its schedule starts is restarted by that, too
         init = self.restart if not source.starts_off else None
-        self.sfc_flags = SfcFlagCode(source, code, memory, rules.texts, init)
+        self.sfc_flags = SfcFlagCode(source, memory, init)
         self.init: Expression | None = self.sfc_flags.restart
         self.blocking = self.sfc_flags.blocking
         # when conditions of unblocked transitions are evaluated at all
         self.asked: Callable[[], Expression] = self.sfc_flags.is_asked
-        self.modes = ModeInputs(source, code, memory, rules, self.init)
+        self.modes = ModeInputs(source, memory, rules, self.init)
         self.forgets = False
         self.drives: list[DriveBlock] = []
         self.declare_states(source)
@@ -278,7 +273,7 @@ class ScanSchedule(ABC):
             self.code.add(self.texts.times, [*restarts, *self.times.calls()])
             self.add_actions()
             self.remember()
-        self.memory.finish(self.texts.first_scan)
+        self.code.end_first_scan()
 
     def begin_classic(self) -> None:
         """Append what comes before a textbook sequence: the logic drawn in the chart, and the timers of steps."""
@@ -302,25 +297,25 @@ class ScanSchedule(ABC):
 
     def _add_actions(self) -> None:
         self.sfc_flags.report_step(self)
-        add_changes(self.source, self.code, self, self.texts)
+        add_changes(self.source, self.code, self)
         self.sfc_flags.watch(self.source.watches, self.active, self.times)
-        add_main_actions(self.source, self.code, self, self.texts)
-        add_conditions(self.source, self.code, self.memory, self.active, self.rules)
+        add_main_actions(self.source, self.code, self)
+        add_conditions(self.source, self.memory, self.active, self.rules)
         ending = self.init if self.init is not None and self.rules.reset_actions else FALSE
         if self.rules.actions is ActionPlace.BLOCK:
             self._add_drive_block(ending)
         else:
-            control = self._control(self.code, self.memory, ending, self.was_active)
-            add_actions(self.source, self.code, control, self.memory, self.rules)
+            control = self._control(self.memory, ending, self.was_active)
+            add_actions(self.source, control, self.rules)
 
     def _control(
-        self, code: LoweredCode, memory: Memory, ending: Expression, was_active: EarlierSteps = unknown_before
+        self, memory: Memory, ending: Expression, was_active: EarlierSteps = unknown_before
     ) -> ActionControlCode | SequentialControlCode:
-        """Return the control of actions that are a part of `code`."""
+        """Return the control of actions in the code of `memory`."""
         if self.profile.action_control is Control.SEQUENTIAL:
             entered = self.profile.initial_steps_entered
             return SequentialControlCode(
-                *(self.net, code, memory, self.times),
+                *(self.net, memory, self.times),
                 active=self.active,
                 ending=ending,
                 entered=entered,
@@ -335,20 +330,19 @@ class ScanSchedule(ABC):
 
     def drive_block(self, wanted: str, beside: Iterable[Statement] = ()) -> DriveBlock:
         """Return a block for actions, which gets the flags of steps and the `signals`; see `DriveBlock`."""
-        return DriveBlock(self.source, self.code, self.memory, wanted=wanted, signals=self.signals, beside=beside)
+        return DriveBlock(self.source, self.memory, wanted=wanted, signals=self.signals, beside=beside)
 
     def call(self, drive: DriveBlock) -> n.CallStatement:
         """Return the call of a block that is complete. It holds the actions from now on."""
         self.drives.append(drive)
-        drive.finish(self.surroundings, self.texts.first_scan)
+        drive.finish(self.surroundings)
         return drive.call
 
     def _add_drive_block(self, ending: Expression) -> None:
         """Append the call of a block with the actions."""
         drive = self.drive_block(self.texts.drive)
-        control = self._control(drive.code, drive.memory, ending)
-        add_actions(without_texts(self.source), drive.code, control, drive.memory, self.rules)
-        self.sfc_flags.end_in_block(drive.code, drive.memory)
+        add_actions(without_texts(self.source), self._control(drive.memory, ending), self.rules)
+        self.sfc_flags.end_in_block(drive.memory)
         self.code.add(self.texts.drive_call, [self.call(drive)])
 
     def prepared(self, transition: int, enabled: Expression, free: Sequence[Expression] = ()) -> list[Statement]:

@@ -25,7 +25,6 @@ from plcopen_sfc.lowering.code.boolean_logic import (
 )
 from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.lowered_code import BOOL, INT, LoweredCode, StepValue
-from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, HoldingOperand, StepTimeLimit
 from plcopen_sfc.lowering.reading.step_variables import StepTimers
 from plcopen_sfc.model.chart_settings import SfcFlag
@@ -53,7 +52,7 @@ class ErrorTable:
     Raises `LoweringError` where the POU declares the flag otherwise.
     """
 
-    def __init__(self, source: ChartSource, code: LoweredCode, texts: Texts) -> None:
+    def __init__(self, source: ChartSource, code: LoweredCode) -> None:
         self._dialect = source.dialect
         declared = next((v for v in source.pou.variables() if v.name.casefold() == _VARIABLE.casefold()), None)
         kind = ArrayType(dimensions=[Dimension(lower="0", upper="15")], base=DerivedType(name=_TYPE))
@@ -74,7 +73,7 @@ class ErrorTable:
                 )
             )
         self._table = code.naming.local(_VARIABLE)
-        self._row = code.declare(texts.table_row, INT)
+        self._row = code.declare(code.texts.table_row, INT)
 
     def filled(self, reasons: Iterable[HoldingOperand]) -> list[Statement]:
         """Return a row for each reason that holds, up to the size of the table; all rows behind them are empty."""
@@ -123,14 +122,13 @@ class SfcFlagCode:
     `init`: the restart condition besides. A flag without declaration becomes a local variable, as the tool declares it.
     """
 
-    def __init__(
-        self, source: ChartSource, code: LoweredCode, memory: Memory, texts: Texts, init: Expression | None
-    ) -> None:
-        self._source, self._code, self._memory, self._texts = source, code, memory, texts
+    def __init__(self, source: ChartSource, memory: Memory, init: Expression | None) -> None:
+        code = memory.code
+        self._source, self._code, self._memory, self._texts = source, code, memory, code.texts
         self._init = init
         self._table: ErrorTable | None = None
         if SfcFlag.ERROR_ANALYZATION_TABLE in source.flags:
-            self._table = ErrorTable(source, code, texts)
+            self._table = ErrorTable(source, code)
         for flag in sorted(source.undeclared_flags - {SfcFlag.ERROR_ANALYZATION_TABLE}):
             code.declare_as(flag.variable, _STRING if flag in _TEXTS else BOOL)
         flags = source.flags - {SfcFlag.ERROR_ANALYZATION_TABLE}
@@ -223,13 +221,13 @@ class SfcFlagCode:
             statements[:0] = self._edges
         self._code.add(self._texts.actions_end, statements, place=place)
 
-    def end_in_block(self, code: LoweredCode, memory: Memory) -> None:
+    def end_in_block(self, memory: Memory) -> None:
         """Insert, before all else in a block with actions, the end of these, and of the scan of SFCInit."""
         if self._back == FALSE:
             return
         init = self._flags.get(SfcFlag.INIT)
         done = [*memory.ends, *(self._ended_targets() if init is not None else [])]
-        code.add(self._texts.actions_end, self._left(memory, done), place=0)
+        memory.code.add(self._texts.actions_end, self._left(memory, done), place=0)
 
     def _left(self, memory: Memory, done: Sequence[Statement], calls: Sequence[Statement] = ()) -> list[Statement]:
         """Return the statements when the chart goes back, and those that end the scan while SFCInit is TRUE.
