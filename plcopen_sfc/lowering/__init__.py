@@ -7,6 +7,7 @@
 `other_bodies`       actions and other bodies of the POU that refer to the chart
 `enumeration_constants`  values of enumerations as constants of blocks in SCL
 `faults`             the faults of textbook sequences, and the search for them
+`case_objections`    why CASEs cannot hold a chart
 `construction`       the choice of encoding and language, and the code as a POU
 `grafcet`, `graph`   what only GRAFCET and S7-GRAPH have, such as interlocks and supervisions (`graph`)
 `encodings`          what holds the situation: step bits, flip-flops, state variables with CASEs

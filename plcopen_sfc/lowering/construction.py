@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from itertools import repeat
 from typing import TypeAlias
 
 from plcopen_sfc.errors import Location, LoweringError
@@ -13,25 +12,17 @@ from plcopen_sfc.languages.st import print_node, transform
 from plcopen_sfc.languages.st.nodes import Expression, Name, Node
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.actions.drive_block import drive_block
+from plcopen_sfc.lowering.case_objections import fits_without_switching, objection, refuse_cases
 from plcopen_sfc.lowering.code.code_bodies import assemble
 from plcopen_sfc.lowering.code.code_memory import BitMemory, BlockMemory, Memory, OperandMemory
 from plcopen_sfc.lowering.code.flat_statements import flatten, name_inputs
 from plcopen_sfc.lowering.code.lowered_code import FlagPlaces, LoweredCode, Naming, names_of
 from plcopen_sfc.lowering.code.single_use import inline_single_uses, remove_unread
 from plcopen_sfc.lowering.code.statement_lists import join_conditionals
-from plcopen_sfc.lowering.encodings.case_encodings import CaseEncoding, RegionEncoding, no_regions, one_step_at_a_time
+from plcopen_sfc.lowering.encodings.case_encodings import CaseEncoding, RegionEncoding
 from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding, StepBitEncoding
 from plcopen_sfc.lowering.grafcet.grafcet_reading import is_grafcet, plain_chart, read_grafcet
-from plcopen_sfc.lowering.grafcet.grafcet_scan import GrafcetScan, no_case, refuse_cases
-from plcopen_sfc.lowering.grafcet.grafcet_scan import no_regions as no_regions_of_grafcet
-from plcopen_sfc.lowering.graph.sequencer_cases import (
-    ON_BY_HAND,
-    on_by_hand,
-    one_sequence,
-    refuse_several_steps,
-    sequences,
-    without_switching_by_hand,
-)
+from plcopen_sfc.lowering.grafcet.grafcet_scan import GrafcetScan
 from plcopen_sfc.lowering.graph.sequencer_reading import read_sequencer, without_step_data
 from plcopen_sfc.lowering.graph.sequencer_scan import GraphCycle
 from plcopen_sfc.lowering.graph.sequencer_source import GraphSource
@@ -53,13 +44,11 @@ from plcopen_sfc.lowering.lowering_options import (
 from plcopen_sfc.lowering.reading.chart_reading import read_chart
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, step_numbers
 from plcopen_sfc.lowering.schedule.added_inputs import names_in_conditions, with_usual_input
-from plcopen_sfc.lowering.schedule.scan_schedule import firing_together
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration
-from plcopen_sfc.semantics.profile import Profile
 
 
 @contextmanager
@@ -84,61 +73,63 @@ def choose(source: ChartSource, rules: LoweringRules) -> tuple[Construction, Lan
 
     Raises `LoweringError` where the construction has no such language, or none of the options that were asked for.
     """
-    place = Location(path=source.pou.name)
-    if isinstance(source, GraphSource):
-        _check_options_of_sequencer(rules, place)
-    elif {name.upper() for name in rules.at_rest} - {"ALL"}:  # all of no inputs is nothing
-        raise LoweringError(
-            "only blocks of S7-GRAPH have parameters that could be inactive inputs",
-            location=place,
-            hint="Leave out at_rest, --at-rest.",
-        )
     chosen, why = _choice(source, rules)
     language = rules.language
     if language is None:
         drawn = chosen is Construction.FLIPFLOP and shows_networks(rules.target)
         language = Language.FBD if drawn else Language.ST
-    if language is Language.IL and not has_instructions(rules.target, source.dialect):
-        raise LoweringError(
-            f"{rules.target or 'SCL'} has no bodies in instruction list", location=place, hint="Take --language ST."
-        )
-    if language.is_drawn and not has_networks(rules.target):
-        raise LoweringError(
-            f"{rules.target} is structured text and has no networks of {language}",
-            location=place,
-            hint="Flip-flops can be written as structured text too: language ST.",
-        )
-    if language.is_drawn and chosen is not Construction.FLIPFLOP:
-        raise LoweringError(
-            f"{chosen} is structured text, it cannot be drawn in {language}",
-            location=place,
-            hint="Take flip-flops, or --language ST.",
-        )
-    if language is Language.IL and chosen not in (Construction.FLIPFLOP, Construction.BITS):
-        raise LoweringError(
-            f"{chosen} is structured text, it cannot be in instruction list",
-            location=place,
-            hint="Take flip-flops or bits, or --language ST.",
-        )
-    if rules.states not in (None, States.NUMBERS) and chosen not in (Construction.CASE, Construction.REGIONS):
-        raise LoweringError(
-            f"{chosen} has no states that could be written as {rules.states}",
-            location=place,
-            hint=f"It was taken for this reason: {why}.",
-        )
-    if rules.actions is ActionPlace.BLOCK and rules.is_classic and chosen is Construction.CASE:
-        raise LoweringError(
-            "actions cannot be in a block of their own where they are a part of a CASE",
-            location=place,
-            hint="Leave actions inline, or take flip-flops.",
-        )
-    if rules.flags != LOCAL and chosen not in (Construction.FLIPFLOP, Construction.BITS):
-        raise LoweringError(
-            "only flip-flops and step bits have flags that could be put elsewhere",
-            location=place,
-            hint="Take --as flipflop or bits.",
-        )
+    wrong = [*_wrong_options(source, rules), *_wrong_language(source, rules, chosen, language)]
+    for message, hint in [*wrong, *_wrong_places(rules, chosen, why)]:
+        raise LoweringError(message, location=Location(path=source.pou.name), hint=hint)
     return chosen, language, why
+
+
+def _wrong_options(source: ChartSource, rules: LoweringRules) -> Iterator[tuple[str, str]]:
+    """Yield options that sequencers of S7-GRAPH do not have, or only they have, and what to do."""
+    if not isinstance(source, GraphSource):
+        if {name.upper() for name in rules.at_rest} - {"ALL"}:  # all of no inputs is nothing
+            message = "only blocks of S7-GRAPH have parameters that could be inactive inputs"
+            yield message, "Leave out at_rest, --at-rest."
+        return
+    if rules.modes:
+        hint = "Declare SW_AUTO, SW_MAN, SW_TAP, SW_TOP, T_PUSH, S_SEL, S_ON or S_OFF in the block instead."
+        yield "sequencers of S7-GRAPH have operating modes of their own", hint
+    if rules.actions is not ActionPlace.INLINE:
+        yield "actions of a sequencer of S7-GRAPH cannot be in a block of their own", ""
+    if rules.reset_actions:
+        yield "S in S7-GRAPH sets an operand that anything may reset: only R of the chart ends it", ""
+
+
+def _wrong_language(
+    source: ChartSource, rules: LoweringRules, chosen: Construction, language: Language
+) -> Iterator[tuple[str, str]]:
+    """Yield why the construction or the target has nothing in a language, and what to do."""
+    if language is Language.IL and not has_instructions(rules.target, source.dialect):
+        yield f"{rules.target or 'SCL'} has no bodies in instruction list", "Take --language ST."
+    if language.is_drawn and not has_networks(rules.target):
+        hint = "Flip-flops can be written as structured text too: language ST."
+        yield f"{rules.target} is structured text and has no networks of {language}", hint
+    if language.is_drawn and chosen is not Construction.FLIPFLOP:
+        yield f"{chosen} is structured text, it cannot be drawn in {language}", "Take flip-flops, or --language ST."
+    if language is Language.IL and chosen not in _WITH_FLAGS:
+        hint = "Take flip-flops or bits, or --language ST."
+        yield f"{chosen} is structured text, it cannot be in instruction list", hint
+
+
+_WITH_FLAGS = (Construction.FLIPFLOP, Construction.BITS)
+
+
+def _wrong_places(rules: LoweringRules, chosen: Construction, why: str) -> Iterator[tuple[str, str]]:
+    """Yield states, actions and flags that the construction does not have so, and what to do."""
+    if rules.states not in (None, States.NUMBERS) and chosen in _WITH_FLAGS:
+        hint = f"It was taken for this reason: {why}."
+        yield f"{chosen} has no states that could be written as {rules.states}", hint
+    if rules.actions is ActionPlace.BLOCK and rules.is_classic and chosen is Construction.CASE:
+        message = "actions cannot be in a block of their own where they are a part of a CASE"
+        yield message, "Leave actions inline, or take flip-flops."
+    if rules.flags != LOCAL and chosen not in _WITH_FLAGS:
+        message = "only flip-flops and step bits have flags that could be put elsewhere"
+        yield message, "Take --as flipflop or bits."
 
 
 def _choice(source: ChartSource, rules: LoweringRules) -> tuple[Construction, str]:
@@ -146,8 +137,7 @@ def _choice(source: ChartSource, rules: LoweringRules) -> tuple[Construction, st
         return rules.construction, "asked for"
     if rules.language not in (None, Language.ST):
         return Construction.FLIPFLOP, f"flip-flops are what {rules.language} can hold"
-    objections = _objections(source, rules.profile)
-    several = next(objections)
+    several = objection(source, rules.profile, Construction.CASE)
     if rules.is_classic and several:
         return Construction.FLIPFLOP, f"textbooks have flip-flops for it: {several}"
     if rules.flags != LOCAL and not rules.is_classic:
@@ -156,45 +146,12 @@ def _choice(source: ChartSource, rules: LoweringRules) -> tuple[Construction, st
     if not several:
         ends = source.starts_off or any(not transition.targets for transition in source.net.transitions)
         return Construction.CASE, most if ends else most.replace("at most", "exactly")
-    objection = next(objections)
-    if not objection:
+    found = objection(source, rules.profile, Construction.REGIONS)
+    if not found:
         return Construction.REGIONS, f"in each of its parts {most}, but {several}"
-    why = f"no CASE can hold the chart: {objection}"
-    if isinstance(source, GraphSource) and on_by_hand(source):
-        alone = sequences(without_switching_by_hand(source), rules.profile)
-        why += f"; with {ON_BY_HAND} inactive one could" if not isinstance(alone, str) else ""
+    why = f"no CASE can hold the chart: {found}"
+    why += "; with S_ON inactive one could" if fits_without_switching(source, rules.profile) else ""
     return Construction.BITS, why
-
-
-def _objections(source: ChartSource, profile: Profile) -> Iterator[str]:
-    """Yield why one CASE cannot hold a chart, then why several cannot; empty where they can."""
-    if isinstance(source, GraphSource):
-        for find in (one_sequence, sequences):
-            found = find(source, profile)
-            yield found if isinstance(found, str) else ""
-    elif source.grafcet is not None:
-        yield no_case(source, profile)
-        yield no_regions_of_grafcet(source, profile)
-    elif firing_together(source, profile) is not None:
-        yield from repeat(f"competing transitions fire together under the profile {profile.name}", 2)
-    else:
-        yield one_step_at_a_time(source)
-        yield no_regions(source)
-
-
-def _check_options_of_sequencer(rules: LoweringRules, place: Location) -> None:
-    """Refuse options that sequencers do not have."""
-    hint = ""
-    if rules.modes:
-        objection = "sequencers of S7-GRAPH have operating modes of their own"
-        hint = "Declare SW_AUTO, SW_MAN, SW_TAP, SW_TOP, T_PUSH, S_SEL, S_ON or S_OFF in the block instead."
-    elif rules.actions is not ActionPlace.INLINE:
-        objection = "actions of a sequencer of S7-GRAPH cannot be in a block of their own"
-    elif rules.reset_actions:
-        objection = "S in S7-GRAPH sets an operand that anything may reset: only R of the chart ends it"
-    else:
-        return
-    raise LoweringError(objection, location=place, hint=hint)
 
 
 @dataclass(frozen=True)
@@ -299,9 +256,7 @@ def _filled(source: ChartSource, memory: Memory, rules: LoweringRules, surroundi
     source = plain_chart(source) if rules.is_classic else source
     if isinstance(source, GraphSource):
         memory.code.at_rest |= dict.fromkeys(source.at_rest, False)
-        refuse_several_steps(source, chosen, rules.profile)
-    elif source.grafcet is not None:
-        refuse_cases(source, chosen, rules.profile)
+    refuse_cases(source, rules.profile, chosen)
     encoding = _ENCODINGS[chosen](source, memory, rules, surroundings)
     if rules.is_classic:
         if isinstance(source, GraphSource) or not isinstance(encoding, FlipFlopEncoding | CaseEncoding):
@@ -348,7 +303,7 @@ def _memory(code: LoweredCode, language: Language) -> Memory:
 
 def _numbers(source: ChartSource, maker: Encoding, rules: LoweringRules) -> dict[str, int]:
     """Return the numbers of steps where they are states, or are selected by them."""
-    if rules.construction not in (Construction.CASE, Construction.REGIONS) and OperatingMode.SELECT not in rules.modes:
+    if rules.construction in _WITH_FLAGS and OperatingMode.SELECT not in rules.modes:
         return {}
     merged = maker.states.is_merged if isinstance(maker, RegionEncoding) else lambda _: False
     numbers = zip(source.net.steps, step_numbers(source.net), strict=True)

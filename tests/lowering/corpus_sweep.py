@@ -64,10 +64,9 @@ LARGE = (
 )
 """Files whose charts take minutes each in all forms for all targets, and are much alike: no part of a sample."""
 REASONS = {
-    "cannot hold the chart": "several steps at a time",
-    "not built of parts": "no regions",
-    "no CASE can hold": "no regions",
-    "competing transitions that fire together": "competing transitions that fire together",
+    "fires together with competing": "competing transitions that fire together",
+    "one CASE cannot hold": "several steps at a time",
+    "no CASEs can hold": "no regions",
     "this cannot be drawn": "text that cannot be drawn",
     "a condition is of type BOOL": "condition that is no BOOL",
     "needs a time": "action without its time",
@@ -77,7 +76,6 @@ REASONS = {
     "would only be in a comment": "code only in a comment",
     "has no networks of": "text without networks",
     "only a Boolean variable can be an action": "action that is no BOOL",
-    "a CASE holds one active step": "several steps at a time",
     "is not known to the simulator": "calls what the simulator does not know",
     "only the first fails": "chart that fails when it runs",
     "nothing in common that could be compared": "nothing to compare",

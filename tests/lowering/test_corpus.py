@@ -65,8 +65,9 @@ REFUSED = {
     "simaticml": {
         "broken connections": (7, 7, 7, 7, 7, 7, 7, 7, 7),
         "code only in a comment": (0, 0, 0, 5, 0, 0, 3, 0, 0),
+        "no regions": (10, 10, 10, 10, 10, 10, 10, 10, 10),
         "older TIA Portal": (0, 0, 0, 0, 0, 0, 0, 18, 30),
-        "several steps at a time": (20, 20, 20, 20, 20, 20, 20, 20, 20),
+        "several steps at a time": (10, 10, 10, 10, 10, 10, 10, 10, 10),
         "text that cannot be drawn": (2, 2, 2, 2, 2, 0, 0, 2, 2),
         "text without networks": (0, 0, 0, 0, 0, 0, 20, 0, 0),
     },
@@ -88,9 +89,8 @@ REFUSED_FORMS: dict[str, dict[str, int]] = {
     "case ST": {**_EVERYWHERE, "competing transitions that fire together": 1, "several steps at a time": 24},
     "regions ST": {
         **_EVERYWHERE,
-        "no regions": 5,
+        "no regions": 15,
         "competing transitions that fire together": 1,
-        "several steps at a time": 10,
     },
     "bits ST": _EVERYWHERE,
     "flipflop ST": _EVERYWHERE,

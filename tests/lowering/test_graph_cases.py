@@ -303,7 +303,7 @@ def test_what_leaves_several_steps_active_is_refused(
     project = block(chart, inputs)
     with pytest.raises(LoweringError, match=message) as caught:
         sfc.lower(project, construction, profile="s7graph", verify=False)
-    assert "Step bits can hold every sequencer" in str(caught.value)
+    assert "Step bits can hold every chart" in str(caught.value)
     lowered = sfc.lower(project, profile="s7graph", verify=False)
     assert lowered.construction is Construction.BITS
     assert message in lowered.why

@@ -9,7 +9,6 @@ from graphlib import CycleError, TopologicalSorter
 from itertools import groupby
 
 from plcopen_sfc.analysis.regions import ParallelBlock, Regions
-from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.effects import is_impure, path_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
@@ -48,27 +47,18 @@ from plcopen_sfc.lowering.encodings.step_branches import BranchCode, StepBranche
 from plcopen_sfc.lowering.lowering_options import ActionPlace, OperatingMode, States
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ActionUse, ChartSource, step_numbers
 from plcopen_sfc.lowering.reading.step_variables import TimedPart
-from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule, firing_together, refuse_classic
+from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule, refuse_classic
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.chart_settings import SfcFlag
-from plcopen_sfc.semantics.net import NetStep, NetTransition, indexes
+from plcopen_sfc.semantics.net import NetStep, NetTransition
 from plcopen_sfc.semantics.profile import Evolution, ScanOrder
 
 
-def no_regions(source: ChartSource) -> str:
-    """Return why a chart is not built of regions that one CASE each can hold; empty if it is."""
-    found = regions_of(source.region_net)
-    return found if isinstance(found, str) else ""
-
-
 class RegionEncoding(ScanSchedule):
-    """Encoding with one CASE for each region. Raises `LoweringError` where the chart is not built of regions."""
+    """Encoding with one CASE for each region, for charts to which `case_objections` has none."""
 
     def declare_states(self, source: ChartSource) -> None:
         """Declare a state variable for each region, at the start that of its initial step or of no step."""
-        # conditions of a GRAFCET exclude each other: the order in which they are tried makes no difference
-        if source.grafcet is None:
-            self._refuse_firing_together(source)
         self._regions = self.structure(source)
         # a step that is selected by its number needs a state of that number
         own = OperatingMode.SELECT in self.rules.modes or source.ends_single_steps
@@ -360,24 +350,10 @@ class RegionEncoding(ScanSchedule):
     # -- structure
 
     def structure(self, source: ChartSource) -> Regions:
-        """Return the regions of the chart. Raises `LoweringError` where it is not built of them."""
+        """Return the regions of the chart, which is built of them."""
         found = regions_of(source.region_net)
-        if isinstance(found, str):
-            raise LoweringError(
-                f"the chart is not built of parts that one CASE each could hold: {found}",
-                location=Location(path=source.pou.name),
-                hint="Step bits can hold every chart.",
-            )
+        assert not isinstance(found, str)  # noqa: S101  # `refuse_cases` has looked
         return replace(found, net=source.net)
-
-    def _refuse_firing_together(self, source: ChartSource) -> None:
-        other = firing_together(source, self.profile)
-        if other is not None:
-            raise LoweringError(
-                f"a CASE cannot hold competing transitions that fire together under the profile {self.profile.name}",
-                location=Location(path=f"{source.pou.name} / transition {other.path}"),
-                hint="Step bits can.",
-            )
 
     # -- states that change behind all CASEs
 
@@ -588,29 +564,11 @@ class _TimedRegion:
 _STORED = (Qualifier.S, Qualifier.R, Qualifier.R0)
 
 
-def one_step_at_a_time(source: ChartSource) -> str:
-    """Return why a chart can have several steps active, or none at the start; empty if it has one until it ends."""
-    initial = [source.net.steps[i].path for i in indexes(source.net.initial)]
-    if len(initial) != 1:
-        return f"it has {len(initial)} initial steps"
-    for transition in source.net.transitions:
-        if len(transition.sources) != 1 or len(transition.targets) > 1:
-            return f"transition {transition.path} does not lead from one step to one step"
-    return ""
-
-
 class CaseEncoding(RegionEncoding):
-    """Encoding with one CASE. Raises `LoweringError` where several steps can be active."""
+    """Encoding with one CASE, for charts with one active step."""
 
     def structure(self, source: ChartSource) -> Regions:
         """Return all steps in one region, also those that are never active."""
-        objection = one_step_at_a_time(source)
-        if objection:
-            raise LoweringError(
-                f"one CASE cannot hold the chart: {objection}",
-                location=Location(path=source.pou.name),
-                hint="Step bits can hold every chart.",
-            )
         return one_region(source.net)
 
     def classic(self) -> None:

@@ -24,8 +24,8 @@ from plcopen_sfc.lowering.code.boolean_logic import (
 )
 from plcopen_sfc.lowering.code.code_bodies import titled
 from plcopen_sfc.lowering.code.lowered_code import BOOL, INT, CodeNetwork
-from plcopen_sfc.lowering.encodings.case_encodings import RegionEncoding, one_step_at_a_time
-from plcopen_sfc.lowering.encodings.case_states import StateVariables, regions_of
+from plcopen_sfc.lowering.encodings.case_encodings import RegionEncoding
+from plcopen_sfc.lowering.encodings.case_states import StateVariables
 from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding, StepFlagEncoding, StepFlags
 from plcopen_sfc.lowering.grafcet.forcing_orders import ForcingCode
 from plcopen_sfc.lowering.grafcet.grafcet_actions import (
@@ -39,63 +39,11 @@ from plcopen_sfc.lowering.grafcet.grafcet_actions import (
     written_if,
 )
 from plcopen_sfc.lowering.grafcet.grafcet_evolutions import Concurrency, Stability, TermCode, leaving_and_entering
-from plcopen_sfc.lowering.lowering_options import ActionPlace, Construction
+from plcopen_sfc.lowering.lowering_options import ActionPlace
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, GrafcetSource
-from plcopen_sfc.lowering.schedule.scan_schedule import exclude
 from plcopen_sfc.model.actions import ActionKind
-from plcopen_sfc.semantics.net import Competing, indexes
+from plcopen_sfc.semantics.net import indexes
 from plcopen_sfc.semantics.profile import ActionOrder, BooleanTargets, Evolution, Profile
-
-
-def no_case(source: ChartSource, profile: Profile) -> str:
-    """Return why one CASE cannot hold a GRAFCET; empty if it can."""
-    objection = one_step_at_a_time(source)
-    if objection:
-        return objection
-    if source.grafcet is not None and source.grafcet.ruled:
-        return "some of its charts force or enclose others"
-    return _firing_together(source, profile)
-
-
-def no_regions(source: ChartSource, profile: Profile) -> str:
-    """Return why several CASEs cannot hold a GRAFCET; empty if they can."""
-    assert source.grafcet is not None  # noqa: S101  # only such charts are asked for
-    regions = regions_of(source.region_net)
-    if isinstance(regions, str):
-        return regions
-    for chart in source.grafcet.ruled:
-        if chart.enclosures:
-            return f"steps enclose {chart.name}"
-        for order in chart.orders:
-            forced = [regions.region_of[i] for i in indexes(order.imposed or 0)]
-            branches = [i for i in forced if i is None or regions.regions[i].block is not None]
-            if branches or len(set(forced)) < len(forced):
-                return f"an order puts {chart.name} into simultaneous branches"
-    return _firing_together(source, profile)
-
-
-def _firing_together(source: ChartSource, profile: Profile) -> str:
-    """Return which transitions of a GRAFCET would need several states of one part in one evolution, or none."""
-    for transition in source.net.transitions:
-        # the state would not change, so that nothing shows the evolution
-        if set(transition.sources) & set(transition.targets):
-            return f"transition {transition.path} leads back to its own step"
-        for other in transition.competing if profile.competing is not Competing.PRIORITY else ():
-            if not exclude(source.conditions[other], source.conditions[transition.index], source.dialect):
-                first = source.net.transitions[other].path
-                return f"the conditions of {first} and {transition.path} do not exclude each other"
-    return ""
-
-
-def refuse_cases(source: ChartSource, wanted: Construction, profile: Profile) -> None:
-    """Raise `LoweringError` where CASEs are wanted that cannot hold a GRAFCET."""
-    path = Location(path=source.pou.name)
-    objection = no_case(source, profile) if wanted is Construction.CASE else ""
-    if objection:
-        raise LoweringError(f"one CASE cannot hold the chart: {objection}", location=path, hint="Step bits can.")
-    objection = no_regions(source, profile) if wanted is Construction.REGIONS else ""
-    if objection:
-        raise LoweringError(f"no CASEs can hold the chart: {objection}", location=path, hint="Step bits can.")
 
 
 class GrafcetScan:

@@ -3,7 +3,6 @@
 `sequencer_source`    a sequencer as syntax trees, and the step data that texts ask for
 `sequencer_reading`   reads it from the model
 `sequencer_scan`      the schedule: one cycle in the order of S7-GRAPH, with any encoding
-`sequencer_cases`     the objections to a CASE, and the code of single steps in the branches of one
 `skipped_steps`       steps that are skipped
 `sequencer_actions`   the actions of steps, and their S5 timers
 `step_supervision`    interlock, supervision and step times
