@@ -62,15 +62,19 @@ OVERLINE = "\u0305"
 _TIME = r"(?i:L?T(?:IME)?)\#\w+(?:\.\d+\w*)*|\d+(?:[.,]\d+)?[ \t]*(?:ms|min|s|m|h|d)(?![\w\u0305])"
 _LIKE_A_TIME = re.compile(r"(?i:\d+(?:ms|min|s|m|h|d))")
 """A name such as ``2S``, in the place of a time."""
-NAME = rf"\d*[^\W\d](?:\w|{OVERLINE})*|\d(?:{OVERLINE}\w|\w)*{OVERLINE}(?:\w|{OVERLINE})*"
-"""A name: it may begin with digits."""
+_NUMBER = r"\d+(?:\.\d+)?(?:[eE]\d+)?"
+NAME = (
+    rf"(?!\d+[eE]\d+(?![\w{OVERLINE}]))"
+    rf"(?:\d*[^\W\d](?:\w|{OVERLINE})*|\d(?:{OVERLINE}\w|\w)*{OVERLINE}(?:\w|{OVERLINE})*)"
+)
+"""A name: it may begin with digits, but ``1E5`` is a number, as everywhere in structured text."""
 _PATH = re.compile(rf"(?<![\w.{OVERLINE}])(?:{NAME})(?:\.(?:{NAME}))+(?![\w(\[{OVERLINE}]|\.\d)")
 _TOKEN = re.compile(
     rf"""\s*(?:
     (?P<time>{_TIME})
   | (?P<literal>\d+\#\w+|[^\W\d]\w*\#(?:'[^']*'|[-+]?\d[\w.#]*|\w+)|'[^']*')
   | (?P<name>"[^"\r\n]+"|%\w+(?:\.\d+)*|{NAME})
-  | (?P<number>\d+(?:\.\d+)?)
+  | (?P<number>{_NUMBER})
   | (?P<compare><>|<=|>=|!=|[=<>≤≥≠])
   | (?P<not>[!¬])
   | (?P<and>[·∧&⋅∙•])

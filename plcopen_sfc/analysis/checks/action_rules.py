@@ -49,8 +49,8 @@ def _mixed(chart: CheckedChart) -> Iterator[Finding]:
             stores = association.kind is not None and manner_of(association) is Manner.STORED
             for assigned in assignments(association.body, chart) if stores else ():
                 found_use = continuous_uses.get(path_of(assigned.target))
-                if found_use is not None:
-                    what = f"{print_node(assigned.target)} is stored here ({association.kind})"
+                if found_use is not None and association.kind is not None:
+                    what = f"{print_node(assigned.target)} is stored here ({association.kind.words})"
                     yield Finding(sheet.at(step, association), f"{what}, and {_there(found_use)}")
 
 
@@ -60,7 +60,7 @@ def _there(continuous: TargetUse) -> str:
 
 def _how(use: TargetUse) -> str:
     kind = use.association.kind
-    return kind.value if kind is not None else use.association.qualifier.value
+    return kind.words if kind is not None else use.association.qualifier.value
 
 
 def _takes_back(use: TargetUse) -> bool:
@@ -112,6 +112,8 @@ ACT02 = Rule(
     "at once (IEC 60848:2013, 4.8; tools for GRAFCET refuse it). With the action control of IEC 61131-3 the operand "
     "is TRUE while either of them wants it, which few readers expect; in S7-GRAPH N resets it when its step is left.",
     hint="Use S and R, or the continuous action in every step.",
+    grafcet_hint="Write it continuously in all steps that need it, or store it in all of them (ON ACTIVATION Q, "
+    "ON DEACTIVATION Q := FALSE).",
     example=_chart("q(N);", "q(S);"),
     check=_mixed,
     severity=Severity.WARNING,

@@ -69,8 +69,9 @@ class Rule:
     """A numbered rule on charts.
 
     `why` tells what goes wrong with charts that break it, and its source; `hint` what to do. `severity` is
-    that of a breach, but for the profiles in `severities`; None: the rule is not for them. `example` is a chart that
-    breaks it: in textual SFC, or a GRAFCET as text, where these can express it.
+    that of a breach, but for the profiles in `severities`; None: the rule is not for them. `grafcet_hint` is the hint
+    in the words of IEC 60848, which has no qualifiers and priorities. `example` is a chart that breaks it: in textual
+    SFC, or a GRAFCET as text, where these can express it.
     """
 
     code: str
@@ -81,10 +82,20 @@ class Rule:
     check: Callable[[CheckedChart], Iterator[Finding]]
     severity: Severity | None
     severities: Mapping[str, Severity | None] = field(default_factory=dict)
+    grafcet_hint: str = ""
 
     def severity_for(self, family: str) -> Severity | None:
         """Return how bad a breach is under a profile of `FAMILIES`; None: the rule does not apply."""
         return self.severities.get(family, self.severity)
+
+    def hint_for(self, family: str) -> str:
+        """Return what to do about a breach under a profile of `FAMILIES`."""
+        return self.grafcet_hint if family == "grafcet" and self.grafcet_hint else self.hint
+
+    @property
+    def hints(self) -> str:
+        """What to do about a breach, and what in a GRAFCET where that has other words."""
+        return f"{self.hint} In a GRAFCET: {self.grafcet_hint}" if self.grafcet_hint else self.hint
 
 
 MOST_MARKINGS = 5_000

@@ -465,18 +465,21 @@ CHART G2
 
 
 def _macro_names(chart: CheckedChart) -> Iterator[Finding]:
+    told = {(id(problem.chart), problem.kind) for problem in chart.net.problems}  # HIE01: no step is taken for it
     for sheet in chart.sheets:
         partial = sheet.partial
-        wanted = {}
+        ends: list[tuple[str | None, str, str, NetProblemKind]] = []
         if partial is not None and partial.kind is PartialChartKind.EXPANSION:
-            wanted = {partial.entry_step: ("entry step", "E"), partial.exit_step: ("exit step", "S")}
-            for name, (what, letter) in wanted.items():
-                if name is None and sheet.steps:
+            ends.append((partial.entry_step, "entry step", "E", NetProblemKind.NO_ENTRY))
+            ends.append((partial.exit_step, "exit step", "S", NetProblemKind.NO_EXIT))
+            for name, what, letter, missing in ends:
+                if name is None and sheet.steps and (id(sheet.chart), missing) not in told:
                     yield Finding(sheet.place, f"no step of {partial.name} is named as its {what}: {letter}..", _ENDS)
         for step in sheet.steps:
-            what, letter = ("macro-step", "M") if step.macro is not None else wanted.get(step.name, ("", ""))
-            if not step.name.upper().startswith(letter):
-                yield Finding(sheet.at(step), f"the name of the {what} does not begin with {letter}")
+            named = [(what, letter) for name, what, letter, _ in ends if name == step.name]
+            for what, letter in [("macro-step", "M")] if step.macro is not None else named:
+                if not step.name.upper().startswith(letter):
+                    yield Finding(sheet.at(step), f"the name of the {what} does not begin with {letter}")
 
 
 _ENDS = "Call the step so, or name it behind FROM or TO. A step without a way in or out is taken for it."

@@ -120,6 +120,9 @@ def _undeclared(chart: CheckedChart) -> Iterator[Finding]:
             message = f"{name!r} is the flag of a step {flag['step']}, and there is no such step"
             yield Finding(_place(chart, each), message, "Correct the number, or declare a variable of this name.")
             continue
+        if each.meaning.declaration is not None:
+            yield Finding(_place(chart, each), f"{name!r} is the name of the POU, which is no value")
+            continue
         if (partial and not _is_slip(name, like)) or _has_its_rule(each):
             continue  # VAR02 lists it
         what = "no step" if each.reference.access.casefold() in _OF_STEPS else "nothing"

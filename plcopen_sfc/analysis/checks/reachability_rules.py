@@ -6,7 +6,7 @@ Some of these charts do not come to rest.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import reduce
 from operator import or_
@@ -53,8 +53,10 @@ def cycles(chart: CheckedChart) -> Iterator[tuple[int, ...]]:
 
 def _endless(chart: CheckedChart) -> Iterator[Finding]:
     for cycle in cycles(chart):
-        names = ", ".join(chart.net.transitions[i].path for i in cycle)
-        yield Finding(chart.place_of(chart.net.transitions[cycle[0]]), f"always true in a circle: {names}")
+        first = chart.net.transitions[cycle[0]]
+        if not _is_dead(chart, first.sources):
+            names = ", ".join(chart.net.transitions[i].path for i in cycle)
+            yield Finding(chart.place_of(first), f"always true in a circle: {names}")
     if chart.family == "grafcet":
         yield from _unstable(chart)
 
@@ -75,7 +77,7 @@ def _unstable(chart: CheckedChart) -> Iterator[Finding]:
         while waiting:
             at, way = waiting.popleft()
             if at == start:
-                if frozenset(way) not in done:
+                if frozenset(way) not in done and not _is_dead(chart, net.transitions[first].sources):
                     done.add(frozenset(way))
                     one, names = net.transitions[first], ", ".join(net.transitions[i].path for i in way)
                     message = f"as long as the condition of {one.path} is true, a circle fires without end: {names}"
@@ -123,7 +125,7 @@ def _run_through(chart: CheckedChart) -> Iterator[Finding]:
         if not entering or not plain or any(_truth(chart, t) in _SAID for t in leaving):
             continue
         before = [chart.condition(chart.sheet_of(t), t.transition) for t in entering]
-        if all(implies(condition, plain) for condition in before):
+        if all(implies(condition, plain) for condition in before) and not _is_dead(chart, [step.index]):
             message = "whenever the step is entered, a transition that leaves it is true already"
             yield Finding(chart.place_of(step), message)
 
@@ -260,6 +262,11 @@ def unreachable(chart: CheckedChart) -> tuple[NetStep, ...]:
 def _started(chart: CheckedChart) -> bool:
     """Return True if there is a start to reach anything from; a missing one is found by another rule."""
     return bool(chart.net.initial)
+
+
+def _is_dead(chart: CheckedChart, steps: Iterable[int]) -> bool:
+    """Return True if one of the steps (indexes) can never be active, which STR06 finds: nothing else matters there."""
+    return _started(chart) and not {step.index for step in unreachable(chart)}.isdisjoint(steps)
 
 
 def _plain(chart: CheckedChart) -> bool:

@@ -168,10 +168,11 @@ def findings(chart: CheckedChart, rules: Iterable[Rule]) -> Iterator[Diagnostic]
         severity = rule.severity_for(chart.family)
         if severity is None:
             continue
+        hint = rule.hint_for(chart.family)
         for finding in rule.check(chart):
             if not finding.place.excluded and not suppressed(finding.place, rule.code):
                 location = Location(path=finding.place.path or None)
-                yield Diagnostic(rule.code, severity, finding.message, location, finding.hint or rule.hint)
+                yield Diagnostic(rule.code, severity, finding.message, location, finding.hint or hint)
 
 
 def _charts(subject: Project | Pou | SfcNetwork, around: CheckedProject, profile: Profile) -> Iterator[CheckedChart]:
@@ -342,7 +343,7 @@ def catalogue(rules: Iterable[Rule]) -> str:
             group = rule.code[:3]
             lines += ["", f"## {_GROUPS.get(group, group)}"]
         lines += ["", f"### {rule.code}", "", f"**{rule.title}.** {rule.why}", ""]
-        lines += [f"Severity: {in_profiles(rule)}. {rule.hint}", ""]
+        lines += [f"Severity: {in_profiles(rule)}. {rule.hints}", ""]
         lines += _example(rule.example)
     return "\n".join(lines) + "\n"
 

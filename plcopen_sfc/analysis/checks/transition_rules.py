@@ -24,12 +24,13 @@ from plcopen_sfc.languages.effects import path_of, targets
 from plcopen_sfc.languages.expression_types import CALCULATING
 from plcopen_sfc.languages.grafcet_conditions import OVERLINE, condition_problem, program_parts, separated
 from plcopen_sfc.languages.networks import NetworkExpression
+from plcopen_sfc.languages.problems import Problem
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, walk
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
-from plcopen_sfc.model.sfc import Body, BodyCondition, Step, Transition
+from plcopen_sfc.model.sfc import Body, BodyCondition, Condition, Step, Transition
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, EnumType, StringType, StructType
 
 
@@ -96,7 +97,7 @@ def _undecided(chart: CheckedChart) -> Iterator[Finding]:
 
 def _told(chart: CheckedChart, answer: Answer, words: str) -> Iterator[Finding]:
     for pair in _competing(chart):
-        if pair.answer is answer:
+        if pair.answer is answer and not any(_problem(chart, t.condition) for t in (pair.first, pair.second)):
             message = f"{words} {pair.sheet.label(pair.first)}, which leaves {pair.step.name} too"
             message += f": {chart.as_written(pair.why)}" if pair.why else ""
             message += "; there may be more, which were not looked for" if pair.is_last else ""
@@ -139,6 +140,7 @@ SEL01 = Rule(
     "one was (IEC 60848:2013, evolution rule 4). IEC 61131-3 takes the left one where no priorities are given, and "
     "older implementations did not. CODESYS and S7-GRAPH always take the left one.",
     hint="Make the conditions exclude each other (a, NOT a AND b), or give the transitions priorities.",
+    grafcet_hint="Make the conditions exclude each other: a, /a * b.",
     example="""
 INITIAL_STEP S1: END_STEP
 STEP S2: END_STEP
@@ -158,6 +160,7 @@ SEL02 = Rule(
     title="It can be decided whether the branches of a selection exclude each other",
     why="Conditions with calls or arithmetic are not decided: whether they exclude each other is left to the author.",
     hint="Look at the conditions; write them as comparisons with constants, or give the transitions priorities.",
+    grafcet_hint="Look at the conditions; write them as comparisons with constants.",
     example="""
 INITIAL_STEP S1: END_STEP
 STEP S2: END_STEP
@@ -255,11 +258,20 @@ def _conditions(
 ) -> Iterator[tuple[FindingPlace, Expression, n.Expression | None]]:
     """Yield the conditions in text of a network with their places and trees: in a GRAFCET those of actions, too."""
     for transition in sheet.transitions:
+        if _problem(chart, transition.condition) is not None:
+            continue  # CND09 finds it
         if isinstance(transition.condition, Expression):  # in a GRAFCET * and + join Boolean terms
             yield sheet.at(transition), transition.condition, chart.condition(sheet, transition).tree
     for step, association in sheet.actions() if chart.family == "grafcet" else ():
-        if isinstance(association.condition, Expression):
+        if isinstance(association.condition, Expression) and _problem(chart, association.condition) is None:
             yield sheet.at(step, association), association.condition, chart.term(association.condition)
+
+
+def _problem(chart: CheckedChart, condition: Condition | None) -> Problem | None:
+    """Return why the condition of a GRAFCET cannot be read; None where it can, and for other charts."""
+    if chart.family != "grafcet" or not isinstance(condition, Expression):
+        return None
+    return condition_problem(condition.text, chart.dialect)
 
 
 def _joined(tree: n.Node, chart: CheckedChart, site: Site) -> Iterator[tuple[str, str]]:
@@ -307,7 +319,7 @@ def _unreadable(chart: CheckedChart) -> Iterator[Finding]:
         places = [(sheet.at(transition), transition.condition) for transition in sheet.transitions]
         places += [(sheet.at(step, each), each.condition) for step, each in sheet.actions()]
         for place, condition in places:
-            problem = condition_problem(condition.text, chart.dialect) if isinstance(condition, Expression) else None
+            problem = _problem(chart, condition)
             if problem is not None and isinstance(condition, Expression):
                 text = " ".join(condition.text.split())
                 yield Finding(place, f"the condition {text!r} cannot be read: {problem.message}")
@@ -319,7 +331,11 @@ def _unreadable(chart: CheckedChart) -> Iterator[Finding]:
                     yield Finding(place, message, "Write * or AND for the dot, or blanks beside it: a * b, a . b.")
         for step, each in sheet.actions():
             body = each.body.text if isinstance(each.body, StBody) else ""
-            expressions = [(text or "", parse_expression) for text in (each.target, each.value)]
+            target = each.target or ""
+            expressions = [(text, parse_expression) for text in (target, each.value or "")]
+            if isinstance(parse_expression(target).tree, n.Literal) and target.casefold() not in chart.types:
+                message = f"the action writes {target}, which is a number and no name"
+                yield Finding(sheet.at(step, each), message, "Give the variable a name that begins with a letter.")
             for text, parse in (*expressions, (body, parse_statements)):
                 problems = parse(text, chart.dialect).problems if text.strip() else ()
                 if problems:
@@ -486,6 +502,7 @@ CND01 = Rule(
     title="A transition has a condition",
     why="Tools refuse a transition without one, or take it for TRUE.",
     hint="Add one; TRUE if it shall always fire.",
+    grafcet_hint="Add one; 1 if it shall always fire.",
     example="a transition symbol with nothing beside it",
     check=_missing,
     severity=Severity.ERROR,
@@ -499,6 +516,7 @@ CND02 = Rule(
     "one scan, and common behind an initial step; in GRAFCET the step is transient: its continuous actions never "
     "happen (IEC 60848:2013, transient evolution).",
     hint="Nothing, if the step is meant for one scan; else correct the condition.",
+    grafcet_hint="Nothing, if the step is meant to be passed only; else correct the condition.",
     example=_RING % "a OR NOT a",
     check=_always,
     severity=Severity.INFO,

@@ -71,7 +71,7 @@ def rules(screen: Screen, codes: Sequence[str], *, markdown: bool) -> int:
 def _explain(screen: Screen, rule: Rule) -> None:
     screen.line((f"{rule.code} ", "bold"), (rule.title, "bold"))
     screen.line(f"  {rule.why}")
-    screen.line(f"  What to do: {rule.hint}")
+    screen.line(f"  What to do: {rule.hints}")
     screen.line(f"  Severity: {in_profiles(rule)}")
     for line in rule.example.strip().splitlines():
         screen.line(f"    {line}")
@@ -83,6 +83,7 @@ def _rule_data(rule: Rule) -> dict[str, Any]:
         "title": rule.title,
         "why": rule.why,
         "hint": rule.hint,
+        "grafcet_hint": rule.grafcet_hint,
         "severity": rule.severity,
         "severities": dict(rule.severities),
         "example": rule.example.strip(),

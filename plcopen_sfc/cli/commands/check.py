@@ -147,7 +147,7 @@ def _rule(rule: Rule) -> dict[str, Any]:
         "id": rule.code,
         "shortDescription": {"text": rule.title},
         "fullDescription": {"text": rule.why},
-        "help": {"text": rule.hint},
+        "help": {"text": rule.hints},
         "defaultConfiguration": {"level": level},
     }
 

@@ -33,7 +33,7 @@ from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.owners import Owned
-from plcopen_sfc.model.pou import Method, Pou
+from plcopen_sfc.model.pou import Method, Pou, PouKind
 from plcopen_sfc.model.project import Project, Tag
 from plcopen_sfc.model.types import DerivedType, StructType, Variable
 from plcopen_sfc.model.variables import SectionKind
@@ -196,7 +196,7 @@ class Names:
                 if is_member or name in found or (text_site.site, reference.role, name) in declared:
                     continue
                 meaning = self.resolver.meaning(reference, text_site)
-                if meaning.declaration is not None:
+                if meaning.declaration is not None and not _is_own_name(reference, meaning.declaration, own):
                     declared.add((text_site.site, reference.role, name))
                 elif not meaning.doubt:
                     found.add(name)
@@ -349,6 +349,16 @@ class Names:
 
 
 _EVERY: tuple[frozenset[str], frozenset[int]] = frozenset(), frozenset()
+
+
+def _is_own_name(reference: Reference, declaration: Declaration, own: Pou | None) -> bool:
+    """True if a program or function block names itself where a value is expected: only a function is one, its result.
+
+    ``Pump.x`` is a variable of it, ``Pump()`` a call.
+    """
+    if own is None or own.kind is PouKind.FUNCTION or declaration.holder is not own:
+        return False
+    return reference.role is Role.VALUE and not reference.access
 
 
 def _is_for_text(declaration: Declaration) -> bool:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
@@ -816,7 +818,7 @@ case("ACT20", of_text(TABLES % "b"), of_text(TABLES % "Q"), "b is an input, and 
 case("ACT20", of_text(TABLES % "{ b := a; }"), of_text(TABLES % "{ Q := a; }"), "b is an input, and", "grafcet")
 case("VAR01", of_text(TABLES % "Q IF ā"), of_text(TABLES % "Q IF a̅"), "'ā' names nothing", "grafcet")
 MIXED = TABLES % "Q" + "CHART G2\nINITIAL STEP 10\n    ON ACTIVATION { %s := TRUE; }\n10 -> 10 : ↑b"
-case("ACT02", of_text(MIXED % "Q"), of_text(MIXED % "R"), "Q is stored here (onActivation), and step 1", "grafcet")
+case("ACT02", of_text(MIXED % "Q"), of_text(MIXED % "R"), "Q is stored here (on activation), and step 1", "grafcet")
 TWICE = TABLES % "Q" + "CHART G2\nINITIAL STEP %s\n%s -> %s : ↑b"
 FINE = of_text(TWICE % (3, 3, 3))
 case("NAM01", of_text(TWICE % (2, 2, 2)), FINE, "G1 has a step '2', too: X2 is the flag of both", "grafcet")
@@ -834,6 +836,10 @@ case(
 ENDS = "MACRO M3\n1 -> M3 : a\nEXPANSION M3\nSTEP %s\nSTEP %s"
 case("HIE07", grafcet(ENDS % ("E3", "31")), grafcet(ENDS % ("E3", "S3")), "named as its exit step: S..", "grafcet")
 case("HIE07", grafcet(ENDS % ("30", "S3")), grafcet(ENDS % ("E3", "S3")), "named as its entry step: E..", "grafcet")
+case("HIE07", grafcet(ENDS % ("30", "31")), grafcet(ENDS % ("E3", "S3")), "named as its entry step: E..", "grafcet")
+RING = "MACRO M3\n1 -> M3 : a\nEXPANSION M3\nSTEP E3\nE3 -> %s : b\nSTEP %s\n%s -> E3 : c"
+case("HIE01", grafcet(RING % ("7", "7", "7")), grafcet(RING % ("S3", "S3", "S3")), "without exit step", "grafcet")
+case("HIE07", grafcet(ENDS % ("E3", "7")), grafcet(RING % ("7", "7", "7")), "its exit step: S..", "grafcet")
 LEFT = "STEP 2\n1 -> 2 : %s"
 case("CND02", grafcet(LEFT % "X1/50ms"), grafcet(LEFT % "50ms/X1"), "X1/50ms is always true", "grafcet")
 case("CND02", grafcet(LEFT % "b + X1"), grafcet(LEFT % "b + X2"), "b + X1 is always true", "grafcet")
@@ -853,9 +859,17 @@ case("CND06", grafcet("    T1\n1 -> 1 : T1"), grafcet("    Q\n1 -> 1 : T1.Q"), "
 case("CND10", with_table("START * C1>3"), with_table("START * [C1>3]"), "START is BOOL, and START * C1>3", "grafcet")
 case("VAR01", with_table("1B1 * /STRT"), with_table("1̅B̅1̅ * START"), "'STRT' names nothing", "grafcet")
 case("VAR01", with_table("3s/1B2"), with_table("3s/1B1"), "'1B2' names nothing", "grafcet")
+case("VAR01", with_table("START * G"), with_table("START * [C1>3]"), "'G' is the name of the POU", "grafcet")
+case("CND09", with_table("1B1 * 1E5"), with_table("1B1 * [C1>1E5]"), "1E5 is no Boolean value", "grafcet")
+case(
+    "CND09", grafcet("    1E5\n1 -> 1 : a"), grafcet("    1M5\n1 -> 1 : a"), "writes 1E5, which is a number", "grafcet"
+)
 ENTERED = "1 -> 2 : ↑a\nSTEP 2\n2 -> 3 : %s\nSTEP 3\n3 -> 1 : b"
 ENTERED_SAID = "whenever the step is entered, a transition that leaves it is true already"
 case("EVO02", grafcet(ENTERED % "a + ↑a"), grafcet(ENTERED % "↑a"), ENTERED_SAID, "grafcet")
+ALONE = "STEP 8\nSTEP 9\n8 -> 9 : a\n9 -> 8 : a\n"  # can never become active, which STR06 finds
+for code, says in (("EVO01", "a circle fires"), ("EVO02", ENTERED_SAID)):
+    case(code, grafcet(ALONE + "1 -> 8 : a"), grafcet(ALONE), says, "grafcet")
 EDGED = "1 -> 2 : ↑a * b\n1 -> 3 : %s\nSTEP 2\nSTEP 3"
 case("SEL01", grafcet(EDGED % "a * c"), grafcet(EDGED % "c * /a"), "together with 1 -> 2", "grafcet")
 case("SEL01", grafcet(EDGED % "↑c"), grafcet(EDGED % "↓a"), "together with 1 -> 2", "grafcet")
@@ -1094,6 +1108,7 @@ def dotted(name: str) -> Callable[[], Subject]:
     return lambda: sfc.loads(data.replace(b'"other"', f'"{name}"'.encode()))
 
 
+case("VAR06", grafcet(NAMED % ("G", "1E5")), grafcet(NAMED % ("G", "1E5B")), "does not read '1E5' as one", "grafcet")
 case("VAR06", dotted("a.b"), dotted("2s/X2"), "does not read 'a.b' as one name", "grafcet")
 
 
@@ -1142,3 +1157,24 @@ def test_of_many_branches_that_are_true_together_some_pairs_are_told() -> None:
     told = Counter(finding.location.path for finding in found)
     assert sorted(told.values()) == [*range(1, 8), *[8] * (count - 8)]
     assert sum("there may be more" in finding.message for finding in found) == count - 8
+
+
+def test_hints_for_a_grafcet_have_its_words() -> None:
+    """It has no qualifiers, no priorities, and no TRUE."""
+    project = sfc.loads(
+        b"GRAFCET G\nINITIAL STEP 1\n    Q\n    ON ACTIVATION Q\n1 -> 2 : a\n1 -> 3 : b\n1 -> 4 : [n > m + 1]\n"
+        b"STEP 2\n2 -> 1 : 1\nSTEP 3\n3 -> 1 :\nSTEP 4\n4 -> 1 : Q"
+    )
+    found = {finding.code: finding for finding in sfc.check(project)}
+    hints = {code: found[code].hint for code in ("ACT02", "SEL01", "CND01", "CND02", "CND06")}
+    assert all(rule.grafcet_hint == hints[rule.code] for rule in all_rules() if rule.code in hints.keys() - {"CND06"})
+    assert "ON ACTIVATION" in hints["ACT02"]
+    assert not re.search(r"S and R|priorit|TRUE|scan|\.X", " ".join(hints.values()))
+    assert "(on activation)" in found["ACT02"].message
+
+
+def test_findings_about_a_table_have_the_lines_of_its_variables(tmp_path: Path) -> None:
+    text = "GRAFCET G\n\nINPUTS\n    a\n\n    b : FOO\n    IF\nCHART G1\n    INITIAL STEP 1\n    1 -> 1 : ↑a\n"
+    (tmp_path / "g.gct").write_text(text, encoding="utf-8")
+    found = sfc.check(sfc.load(tmp_path / "g.gct"), select=["VAR"])
+    assert [(each.code, each.location.line) for each in found] == [("VAR01", 6), ("VAR06", 7)]
