@@ -9,18 +9,19 @@ action that every scan executes, or by a permanent instruction. What has no coun
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
-from itertools import combinations
+from collections.abc import Callable, Sequence
+from enum import Enum
 from typing import TypeAlias
 
-from plcopen_sfc.analysis.exclusivity import exclusive
 from plcopen_sfc.conversion.adaptation.chart_rewriting import taken_names
+from plcopen_sfc.conversion.adaptation.grafcet_evolutions import Evolutions
 from plcopen_sfc.conversion.adaptation.grafcet_hierarchy import (
     FlatChart,
     HierarchyError,
     Rules,
     step_flag,
 )
+from plcopen_sfc.conversion.adaptation.stored_order import first_names, in_one_action, stored_names, stored_text
 from plcopen_sfc.conversion.executed_parts import FIRST_SCAN, SELECTION, STABILITY, START
 from plcopen_sfc.errors import ForcingConflictError, UnknownBehaviourError
 from plcopen_sfc.languages.binding.name_sites import in_tree
@@ -29,7 +30,7 @@ from plcopen_sfc.languages.networks import declared_rules, draw_ld
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform, walk
 from plcopen_sfc.languages.words import identifier, take_name
-from plcopen_sfc.lowering.code.boolean_logic import FALSE, disjunction
+from plcopen_sfc.lowering.code.boolean_logic import FALSE, conjunction, disjunction, simplified
 from plcopen_sfc.lowering.reading.text_reading import ActionTargets
 from plcopen_sfc.model.actions import ActionEvent, ActionKind, ForcedSituation, Qualifier
 from plcopen_sfc.model.body import StBody
@@ -92,17 +93,37 @@ class _TermError(ValueError):
     """A term that program text has no words for."""
 
 
-class _Terms:
-    """Times of steps and edges of variables as program text has them; `leaves`: the steps that a transition leaves."""
+class _Evolution(Enum):
+    """The evolution of a scan in which an event comes: the first, or the one behind that, as actions see both."""
 
-    def __init__(self, chart: _Chart, leaves: Sequence[int] = (), *, in_action: bool = False) -> None:
-        self._chart, self._leaves, self._in_action = chart, leaves, in_action
-        self.has_edge = False
+    FIRST = 1
+    SECOND = 2
+
+
+class _Terms:
+    """Times of steps and edges of variables as program text has them.
+
+    `leaves`: the steps that a transition leaves. `event`: they are of an event, and this is its evolution.
+    """
+
+    def __init__(
+        self,
+        chart: _Chart,
+        leaves: Sequence[int] = (),
+        *,
+        in_action: bool = False,
+        event: _Evolution | None = None,
+    ) -> None:
+        self._chart, self._leaves, self._in_action, self._event = chart, leaves, in_action, event
+        self.has_edge = self.has_edge_of_step = False
 
     def edge(self, operand: str, *, rising: bool) -> str:
         self.has_edge = True
+        self.has_edge_of_step |= bool(self._chart.steps_in(operand, rising=rising))
         if self._in_action:
             raise _TermError("an edge lasts for no time that an output could be seen (IEC 60848:2013, 4.8.2)")
+        if self._event is not None:
+            return self._chart.edge_in_event(operand, self._event, rising=rising)
         return self._chart.edge(operand, rising=rising)
 
     def delay(self, operand: str, first: str | None, last: str | None) -> str:
@@ -132,11 +153,16 @@ class _Chart:
         self._edges: dict[tuple[str, bool], str] = {}
         self._memories: list[str] = []
         self._events: list[str] = []
+        self._second_events: list[str] = []
+        self._seen: dict[str, str] = {}
         self._was_active: dict[int, str] = {}
         self._over: dict[str, n.Expression] = {}
         self._forced: set[str] = set()
         self._misfits: dict[int, str] = {}
         self._stores: dict[tuple[int, Qualifier], StBody] = {}
+        self._begun: list[str] = []
+        self._deactivations: list[str] = []
+        self._activations: list[str] = []
         self._inputs = {
             variable.name.casefold()
             for section in (pou.interface.sections if pou.interface is not None else ())
@@ -174,13 +200,8 @@ class _Chart:
             transition.condition = self._read(transition.condition, place, terms)
             if terms.has_edge:
                 edged.add(transition.id)
-        passed = [step.name for step in self._passed(flat)]
-        which = f"{_first_of(passed)} may be active where a GRAFCET only passes" if passed else "flags are a scan late"
-        why = f"the target fires transitions once in a scan, code of `lower` until none can fire: {which}"
-        self._note(Outcome.APPROXIMATED, STABILITY, path, why)
-        self._note_selections(path)
-        self._note_first_scan(path)
-        self._actions(path)
+        self._note_evolutions(path, flat)
+        self._actions(path, flat.activated() if flat is not None else set())
         if flat is not None and flat.ruled:
             try:
                 Rules(self._chart, flat, edged, self._new_name).apply()
@@ -188,7 +209,6 @@ class _Chart:
                 self._note(Outcome.TRANSLATED, "hierarchy", path, why)
             except HierarchyError as error:
                 self._refuse_hierarchy(path, error)
-        self._note_late_deactivations(path, flat.activated() if flat is not None else set())
         starts = [step for step in self._chart.steps if step.initial]
         self._keep_memories(path, starts)
         if self._of_graph:
@@ -200,54 +220,42 @@ class _Chart:
         why = f"{error}: lower the GRAFCET, which makes proven code of all of it"
         self._note(Outcome.NOT_EXECUTED, "hierarchy", path, why)
 
-    def _note_late_deactivations(self, path: str, by_rules: set[int]) -> None:
-        """Tell of variables that one evolution stores twice, where the target executes the actions in another order.
-
-        A GRAFCET stores on deactivation first. A target that fires transitions first executes actions in the order in
-        which its chart first uses them: that of a step behind the one that is activated comes last.
-        `by_rules`: the ids of steps that orders and enclosing steps activate.
-        """
-        if self._of_graph or self._actions_first:
-            return
-        numbers = {step.id: number for number, step in enumerate(self._chart.steps)}
-        names = {step.id: step.name for step in self._chart.steps}
-        follow = {(s, t) for each in self._chart.transitions for s in each.sources for t in each.targets}
-        written = {
-            key: {
-                print_node(each.target)
-                for each in walk(parse_statements(body.text).tree)
-                if isinstance(each, n.Assignment)
-            }
-            for key, body in self._stores.items()
-        }
-        for (left, one), before in written.items():
-            for (entered, other), after in written.items():
-                pair = (one, other) == (Qualifier.P0, Qualifier.P1) and numbers[left] > numbers[entered]
-                if pair and before & after and (entered in by_rules or (left, entered) in follow):
-                    both = ", ".join(sorted(before & after))
-                    why = f"what {names[left]} stores when it is left is executed behind what {names[entered]} stores"
-                    why += f" on activation, a GRAFCET executes it before ({both})"
-                    self._note(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, path, why)
-
-    def _note_selections(self, path: str) -> None:
-        """Tell of transitions that leave a step together, of which the target fires the first."""
-        trees = {each.id: _tree(each.condition) for each in self._chart.transitions}
-        found = []
-        for step in self._chart.steps:
-            leaving = [print_node(tree) for t in self._chart.outgoing(step) if (tree := trees[t.id]) is not None]
-            if any(not exclusive(one, other).answer for one, other in combinations(leaving, 2)):
-                found.append(step.name)
-        if found:
-            why = f"the target fires one of the transitions behind {_first_of(found)}, a GRAFCET all that are TRUE"
+    def _note_evolutions(self, path: str, flat: FlatChart | None) -> None:
+        """Tell what a GRAFCET does in one scan that the target does not, which fires transitions once."""
+        once = "the target fires transitions once in a scan, code of `lower` until none can fire"
+        lately = stored_names(self._chart)
+        for (operand, rises), name in self._edges.items():
+            tree = parse_expression(operand).tree
+            of_stored = tree is not None and not lately.isdisjoint(each.casefold() for each in first_names(tree))
+            if of_stored or self.steps_in(operand, rising=rises):
+                lately.add(name.casefold())
+        evolutions = Evolutions(self._chart, self._over, lately)
+        passed = list(evolutions.passed(flat.freed(self._chart) if flat is not None else {}))
+        late = [self._chart.label(transition) for transition in evolutions.late()]
+        if passed:
+            acting = {each.target: None for step in passed for each in step.actions if each.kind in _CONTINUOUS}
+            outputs = [each for each in acting if each]
+            writing = f", and drive {_first_of(outputs)} there" if outputs else ""
+            which = f"{_first_of([step.name for step in passed])} may be active where a GRAFCET only passes"
+            self._note(Outcome.APPROXIMATED, STABILITY, path, f"{once}: {which}{writing}")
+        if late:
+            why = f"{once}: {_first_of(late)} may fire a scan later, for flags and stored variables are read"
+            self._note(Outcome.APPROXIMATED, STABILITY, path, why)
+        if not passed and not late:
+            why = f"{once}: here none can fire behind another one with the same inputs"
+            self._note(Outcome.TRANSLATED, STABILITY, path, why)
+        if together := [step.name for step in evolutions.left_together()]:
+            why = f"the target fires one of the transitions behind {_first_of(together)}, a GRAFCET all that are TRUE"
             self._note(Outcome.APPROXIMATED, SELECTION, path, why)
 
-    def _note_first_scan(self, path: str) -> None:
-        """Tell what the target misses that a GRAFCET does in its first scan."""
+    def _note_first_scan(self, path: str, ordered: set[int]) -> None:
+        """Tell what the target misses that a GRAFCET does in its first scan. `ordered`: actions that miss nothing."""
         starts = [step for step in self._chart.steps if step.initial]
+        acting = [each for each in starts[0].actions if id(each) not in ordered] if starts else []
         if self._of_graph:
             why = "S7-GRAPH tests no transition in its first scan: what is TRUE in that scan only is missed"
             self._note(Outcome.APPROXIMATED, FIRST_SCAN, path, why)
-        elif not self._actions_first and len(starts) == 1 and any(map(self._is_missed, starts[0].actions)):
+        elif not self._actions_first and len(starts) == 1 and any(map(self._is_missed, acting)):
             why = f"where it leaves {starts[0].name}, stored actions miss it: they have not seen the step"
             self._note(Outcome.APPROXIMATED, FIRST_SCAN, path, why)
 
@@ -257,25 +265,6 @@ class _Chart:
             initial = {variable.name.casefold(): variable.initial for variable in self._pou.variables()}
             return initial.get((each.target or "").casefold()) is not None  # else it is so from the start
         return each.kind in (ActionKind.ON_ACTIVATION, ActionKind.ON_DEACTIVATION)
-
-    def _passed(self, flat: FlatChart | None) -> Iterator[Step]:
-        """Yield the steps that can be left with the inputs with which they are entered: a GRAFCET only passes them.
-
-        An enclosing step enters those with a link, the end of a forcing order frees those of its chart.
-        """
-        trees = {each.id: _tree(each.condition) for each in self._chart.transitions}
-        also = flat.freed(self._chart) if flat is not None else {}
-        for step in self._chart.steps:
-            entering = [*self._chart.incoming(step), *also.get(step.id, ())]
-            before = [print_node(tree) for t in entering if (tree := trees[t.id]) is not None]
-            leaving = [tree for t in self._chart.outgoing(step) if (tree := trees[t.id]) is not None]
-            after = [print_node(self._without_edges(_with_no_time_in(tree, step))) for tree in leaving]
-            if any(not exclusive(one, other).answer for one in before for other in after):
-                yield step
-
-    def _without_edges(self, tree: n.Expression) -> n.Expression:
-        """Return a condition as it is in the evolution behind that which edges of inputs are in."""
-        return transform(tree, lambda node: self._over.get(node.identifier, node) if isinstance(node, n.Name) else node)
 
     def _flatten(self, path: str) -> FlatChart:
         """Put all partial charts on one level."""
@@ -306,14 +295,7 @@ class _Chart:
 
     def edge(self, operand: str, *, rising: bool) -> str:
         """Return the expression of an edge; its memory is a variable that `_keep_memories` writes."""
-        tree = parse_expression(operand).tree
-        names = _named_first(tree) if tree is not None else ["?"]
-        undeclared = [name for name in names if not self._declares(name)]
-        steps = [step for name in undeclared if (step := self._step_of(name)) is not None]
-        unknown = [name for name in undeclared if self._step_of(name) is None and name.casefold() not in self._globals]
-        if unknown:
-            what = _shown_edge(operand, rising=rising)
-            raise _TermError(f"{what} is an edge of something that is no variable and no step: {unknown[0]}")
+        steps = self.steps_in(operand, rising=rising)
         starts = len(self._chart.initial_steps) > 1 and self._actions_first
         if starts and any(step.initial for step in steps):
             raise _TermError("its step becomes active one scan after the start, which would be an edge")
@@ -322,18 +304,28 @@ class _Chart:
             found = self._edges[operand, rising] = self._memory(operand, steps, rising=rising)
         return found
 
+    def steps_in(self, operand: str, *, rising: bool) -> list[Step]:
+        """Return the steps whose flags are in the operand of an edge. Raises `_TermError` for a name of nothing."""
+        tree = parse_expression(operand).tree
+        names = first_names(tree) if tree is not None else ["?"]
+        undeclared = [name for name in names if not self._declares(name)]
+        unknown = [name for name in undeclared if self._step_of(name) is None and name.casefold() not in self._globals]
+        if unknown:
+            what = _shown_edge(operand, rising=rising)
+            raise _TermError(f"{what} is an edge of something that is no variable and no step: {unknown[0]}")
+        return [step for name in undeclared if (step := self._step_of(name)) is not None]
+
     def _step_of(self, name: str) -> Step | None:
         """Return the step whose flag `name` is, as ``X5``."""
         return self.steps.get(name[1:].casefold()) if name[:1] in "Xx" else None
 
     def _memory(self, operand: str, steps: Sequence[Step], *, rising: bool) -> str:
-        bare = operand if re.fullmatch(r"\w+|\(.*\)", operand) else f"({operand})"
-        wish = re.sub(r"\W+", "_", operand).strip("_")
+        wish = _as_name(operand)
         # what is TRUE at the start had no edge
         before = self._new_variable(f"{wish}_before", initial="TRUE" if rising else None)
-        happens = f"{bare} AND NOT {before}" if rising else f"NOT {bare} AND {before}"
+        happens = _edge(operand, before, rising=rising)
         tree = parse_expression(operand).tree
-        of_inputs = tree is not None and self._inputs.issuperset(name.casefold() for name in _named_first(tree))
+        of_inputs = tree is not None and self._inputs.issuperset(name.casefold() for name in first_names(tree))
         if not self._actions_first and not self._of_graph:
             # the transitions of this scan have changed the flags of steps already
             earlier = {step.name.casefold(): self._activity_before(step) for step in steps}
@@ -341,12 +333,32 @@ class _Chart:
             self._memories.append(f"{before} := {print_node(now)};")
             if tree is not None and of_inputs:
                 self._over[before] = tree
-            return f"({happens})"
+            return happens
         edge = self._new_variable(f"{wish}_{'rises' if rising else 'falls'}")
         self._memories += [f"{edge} := {self._flagged(happens)};", f"{before} := {self._flagged(operand)};"]
         if of_inputs:
             self._over[edge] = FALSE
         return edge
+
+    def edge_in_event(self, operand: str, event: _Evolution, *, rising: bool) -> str:
+        """Return the expression of an edge as actions behind the transitions see it, in one evolution of the scan.
+
+        An edge of an input is in the first. In the second a flag has changed, which was as it is behind the
+        transitions of the scan before.
+        """
+        if not self.steps_in(operand, rising=rising):
+            return self.edge(operand, rising=rising) if event is _Evolution.FIRST else "FALSE"
+        tree = parse_expression(operand).tree
+        first = self._flagged(operand, self._flag_before)
+        if event is _Evolution.SECOND:
+            return _edge(self._flagged(operand), first, rising=rising)
+        if isinstance(tree, n.Name):
+            return "FALSE"  # a flag alone
+        seen = self._seen.get(operand)
+        if seen is None:
+            seen = self._seen[operand] = self._new_variable(f"{_as_name(operand)}_seen", initial="TRUE")
+            self._memories.append(f"{seen} := {self._flagged(operand)};")
+        return _edge(first, seen, rising=rising)
 
     def _earlier(self, node: n.Node, earlier: dict[str, str]) -> n.Node:
         step = self._step_of(node.identifier) if isinstance(node, n.Name) else None
@@ -368,7 +380,7 @@ class _Chart:
         found = self._times.get((operand, first, last))
         if found is None:
             found = self._flagged(operand)
-            wish = re.sub(r"\W+", "_", operand).strip("_")
+            wish = _as_name(operand)
             for block, delay in (("TON", first), ("TOF", last)):
                 if delay is not None:
                     name = self._new_variable(f"{block}_{wish}", block=block)
@@ -388,7 +400,8 @@ class _Chart:
 
     def _keep_memories(self, path: str, starts: Sequence[Step]) -> None:
         """Let every scan keep what edges need: before the transitions, or behind all of them."""
-        if not self._memories:
+        first = [*self._events, *self._in_order(), *self._second_events]
+        if not self._memories and not first:
             return
         flags = {step.id: print_node(step_flag(step)) for step in self._chart.steps}
         last = [f"{name} := {flags[step]};" for step, name in self._was_active.items()]
@@ -396,7 +409,7 @@ class _Chart:
             self._chart.permanent_pre.append(self._drawn("\n".join([*self._memories, *self._events])))
             why = "a permanent instruction before the sequences"
         else:
-            name = self._new_action("A_edges", StBody(text="\n".join([*self._events, *self._memories, *last])))
+            name = self._new_action("A_edges", StBody(text="\n".join([*first, *self._memories, *last])))
             # an event of a step comes before what its deactivation and the next activation store
             self._pou.actions.insert(0, self._pou.actions.pop())
             # of the first scan those steps are active that it begins with, or those that follow them
@@ -444,7 +457,7 @@ class _Chart:
     def _text(self, text: str, terms: _Terms) -> str:
         return self._flagged(to_structured_text(text, terms))
 
-    def _flagged(self, text: str) -> str:
+    def _flagged(self, text: str, flag: Callable[[n.Node], n.Node] | None = None) -> str:
         """Return structured text with the flags of steps as the tool has them."""
         parsed = parse_expression(text)
         if parsed.problems:  # a variable whose name is a keyword of structured text
@@ -457,7 +470,7 @@ class _Chart:
                 raise _TermError(
                     f"{each.name} is a BOOL: it has no {each.access}; AND is written * or . between blanks"
                 )
-        return print_node(transform(parsed.tree, self._flag))
+        return print_node(transform(parsed.tree, flag or self._flag))
 
     def _is_known(self, name: str) -> bool:
         return self._declares(name) or name.casefold() in self._globals
@@ -471,6 +484,21 @@ class _Chart:
             if name in self._macros and not self._declares(node.identifier):
                 return n.Parenthesized(disjunction(map(step_flag, self._macros[name])))
         return node
+
+    def _flag_before(self, node: n.Node) -> n.Node:
+        """Return for the flag of a step whether it was active before the transitions of the scan."""
+        flagged = self._flag(node)
+        if flagged is node:
+            return node
+
+        named = {step.name: step for step in self._chart.steps}
+
+        def before(member: n.Node) -> n.Node:
+            if isinstance(member, n.Member) and isinstance(member.base, n.Name):
+                return n.Name(self._activity_before(named[member.base.identifier]))
+            return member
+
+        return transform(flagged, before)
 
     def _declares(self, name: str) -> bool:
         """True for what a GRAFCET declares, which its steps do not hide; inputs with an address are tags by now."""
@@ -489,10 +517,11 @@ class _Chart:
 
     # -- actions
 
-    def _actions(self, path: str) -> None:
+    def _actions(self, path: str, by_rules: set[int]) -> None:
         """Rewrite all actions. Those of several steps that write one variable decide about it together.
 
         A continuous action is FALSE where its step is inactive, so each row would switch off what another one holds.
+        `by_rules`: the ids of steps that orders and enclosing steps activate.
         """
         conditional: dict[str, list[_Use]] = {}
         timed: dict[str, list[_Use]] = {}
@@ -506,6 +535,8 @@ class _Chart:
                 stored.setdefault(each.target.casefold(), []).append(each)
         numbers = self._numbers | {each.name.casefold() for each in self._pou.variables() if each.type != _BOOL}
         constants = {name for name, each in stored.items() if name not in numbers and all(map(_is_constant, each))}
+        ordered = self._ordered(path, by_rules, constants)
+        self._note_first_scan(path, ordered)
         for target, uses in timed.items():
             if target not in stored and self._share_a_time(uses):
                 self._share([*conditional.pop(target, []), *uses], path)
@@ -522,14 +553,16 @@ class _Chart:
                 self._note(Outcome.NOT_EXECUTED, "action", place, f"what it does cannot be read: {problem}")
             elif id(each) in self._misfits:
                 self._note(Outcome.NOT_EXECUTED, "action", place, f"no tool compiles it: {self._misfits[id(each)]}")
-            else:
-                self._put_flags(each)
+            elif each.kind is not ActionKind.ON_EVENT:
+                self._put_flags(each, self._flag)
             if each.forcing is not None:
                 self._note(Outcome.NOT_EXECUTED, "forcing order", place, "it has no counterpart in this chart")
             elif each.kind in _CONTINUOUS:
                 self._continuous(each, place)
             elif each.kind is ActionKind.ON_EVENT:
                 self._on_event(step, each, place)
+            elif id(each) in ordered:
+                self._store_in_order(step, each, place)
             elif each.kind is not None:
                 constant = (each.target or "").casefold() in constants
                 self._store(step, each, place, constant=constant and each.body is None)
@@ -537,16 +570,16 @@ class _Chart:
     def _misfit(self, each: ActionAssociation) -> str:
         """Return why no tool compiles what an action stores; empty where that is not known."""
         targets = ActionTargets(self._pou, self._project, Dialect.IEC)
-        statements = parse_statements(_stored_text(each)).tree.statements if each.kind not in _CONTINUOUS else ()
+        statements = parse_statements(stored_text(each)).tree.statements if each.kind not in _CONTINUOUS else ()
         return next((why for statement in statements for why in targets.mistakes(statement)), "")
 
-    def _put_flags(self, each: ActionAssociation) -> None:
+    def _put_flags(self, each: ActionAssociation, flag: Callable[[n.Node], n.Node]) -> None:
         """Put the flags of steps, as the tool has them, into what an action stores."""
         if each.value is not None:
-            each.value = self._flagged(each.value)
+            each.value = self._flagged(each.value, flag)
         if isinstance(each.body, StBody):
             tree = parse_statements(each.body.text).tree
-            flagged = transform(tree, self._flag)
+            flagged = transform(tree, flag)
             if flagged != tree:
                 each.body = StBody(text=print_node(flagged))
 
@@ -645,6 +678,7 @@ class _Chart:
         each.kind = each.value = None
 
     def _store(self, step: Step, each: ActionAssociation, place: str, *, constant: bool) -> None:
+        kind = each.kind.words if each.kind is not None else ""
         if constant and each.kind is ActionKind.ON_ACTIVATION:
             each.qualifier = Qualifier.S if _CONSTANTS[each.value] == "TRUE" else Qualifier.R
             self._note(
@@ -652,13 +686,13 @@ class _Chart:
             )
         elif self._of_graph and each.target is not None:
             each.event = ActionEvent.S1 if each.kind is ActionKind.ON_ACTIVATION else ActionEvent.S0
-            self._note(Outcome.TRANSLATED, "action", place, f"{each.kind} is the event {each.event}")
+            self._note(Outcome.TRANSLATED, "action", place, f"{kind} is the event {each.event}")
             each.kind, each.value = None, each.value or "TRUE"
             return
         else:
-            text = _stored_text(each)
+            text = stored_text(each)
             qualifier = Qualifier.P1 if each.kind is ActionKind.ON_ACTIVATION else Qualifier.P0
-            self._note(Outcome.TRANSLATED, "action", place, f"{each.kind} is {qualifier} with an action")
+            self._note(Outcome.TRANSLATED, "action", place, f"{kind} is {qualifier} with an action")
             first = self._stores.get((step.id, qualifier))
             if first is not None:  # a step has one entry action and one exit action in CODESYS
                 first.text += f"\n{text}"
@@ -670,6 +704,38 @@ class _Chart:
             each.qualifier = qualifier
         each.kind = each.value = None
 
+    def _ordered(self, path: str, by_rules: set[int], constants: set[str]) -> set[int]:
+        """Return the stored actions (ids of objects) that one action executes, for the order of a GRAFCET."""
+        if self._of_graph or self._actions_first:
+            return set()
+        found, is_possible = in_one_action(self._chart, by_rules, constants)
+        if is_possible:
+            return {id(each) for each in found}
+        why = "what a step stores when it is left may be executed behind what the next one stores on activation"
+        self._note(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, path, f"{why}, a GRAFCET executes it before")
+        return set()
+
+    def _store_in_order(self, step: Step, each: ActionAssociation, place: str) -> None:
+        """Let the action that keeps the edges execute a stored action, where its order matters."""
+        before, now, text = self._activity_before(step), print_node(step_flag(step)), stored_text(each)
+        if each.kind is ActionKind.ON_DEACTIVATION:
+            self._deactivations.append(f"IF {before} AND NOT {now} THEN\n    {text}\nEND_IF;")
+        else:
+            self._activations.append(f"IF {now} AND NOT {before} THEN\n    {text}\nEND_IF;")
+            if step.initial:
+                self._begun.append(f"    {text}")
+        step.actions.remove(each)
+        why = "a statement of an action that every scan executes: what is stored on deactivation comes first there"
+        self._note(Outcome.TRANSLATED, "action", place, why)
+
+    def _in_order(self) -> list[str]:
+        """Return the statements of stored actions whose order matters."""
+        first = []
+        if self._begun:
+            started = self._new_variable("started")
+            first = [f"IF NOT {started} THEN", f"    {started} := TRUE;", *self._begun, "END_IF;"]
+        return [*first, *self._deactivations, *self._activations]
+
     def _on_event(self, step: Step, each: ActionAssociation, place: str) -> None:
         """Let the action that keeps the edges execute an action on an event.
 
@@ -677,22 +743,55 @@ class _Chart:
         one scan later, together with the edge.
         """
         happens = rising(each.condition) if each.condition is not None else None
-        text = _stored_text(each)
+        two = not (self._of_graph or self._actions_first)
+        is_of_flags = False
+        statements: dict[_Evolution | None, list[str]] = {}
         try:
             if not isinstance(happens, Expression):
                 raise _TermError("it has no event")
-            edge = self._text(happens.text, _Terms(self))
-            statements = self._drawable(text) if self._of_graph else [text]
+            for event in _Evolution if two else (None,):
+                terms = _Terms(self, event=event)
+                text = to_structured_text(happens.text, terms)
+                statements[event] = self._at_event(step, each, text, event)
+                is_of_flags |= terms.has_edge_of_step
         except (ConditionError, _TermError) as error:
             self._note(Outcome.NOT_EXECUTED, "action", place, _why(error))
             return
-        was_active = print_node(step_flag(step))
-        if not self._of_graph:
-            was_active = self._activity_before(step)
-        self._events += [f"IF {was_active} AND {edge} THEN\n    {line}\nEND_IF;" for line in statements]
+        if is_of_flags and not two:
+            why = "the target fires transitions once in a scan: an edge of a flag comes with the scan behind its step"
+            self._note(Outcome.APPROXIMATED, STABILITY, place, why)
+        for event, lines in statements.items():
+            (self._second_events if event is _Evolution.SECOND else self._events).extend(lines)
         step.actions.remove(each)
         where = "permanent instruction" if self._of_graph else "action"
         self._note(Outcome.TRANSLATED, "action", place, f"a statement of the {where} that keeps the edges")
+
+    def _at_event(self, step: Step, each: ActionAssociation, text: str, event: _Evolution | None) -> list[str]:
+        """Return the statements for an event that comes in one evolution of the scan."""
+        is_now = self._of_graph or event is _Evolution.SECOND
+        flag = self._flag if is_now else self._flag_before
+        edge = parse_expression(self._flagged(text, flag)).tree
+        edge = simplified(edge) if edge is not None and event is not None else edge
+        if edge is None or edge == FALSE:
+            return []
+        active = [step_flag(step)] if is_now else []
+        if not self._of_graph:
+            active.append(n.Name(self._activity_before(step)))
+        if self._actions_first and not set(first_names(edge)) <= {*self._edges.values()}:
+            # the event is one of the scan before, and so is all that it asks for
+            edge = n.Name(self._new_variable(f"{step.name}_event"))
+            self._memories.append(f"{edge.identifier} := {self._flagged(text)};")
+        when = conjunction([*active, edge])
+        statements = []
+        operators = {node.operator for node in walk(when) if isinstance(node, n.Operation)}
+        if self._of_graph and n.Operator.OR in operators:
+            name = self._new_variable(f"{step.name}_event")  # a drawn IF is read as one branch for each of its ways
+            statements.append(f"{name} := {print_node(when)};")
+            when = n.Name(name)
+        done = each.model_copy()
+        self._put_flags(done, flag)
+        lines = self._drawable(stored_text(done)) if self._of_graph else [stored_text(done)]
+        return [*statements, *(f"IF {print_node(when)} THEN\n    {line}\nEND_IF;" for line in lines)]
 
     def _drawable(self, text: str) -> list[str]:
         """Return the assignments of a text, which is drawn with a condition before each."""
@@ -718,11 +817,6 @@ def _problem_of(each: ActionAssociation) -> str:
     return next((problem.message for problem in (*value, *body)), "")
 
 
-def _stored_text(each: ActionAssociation) -> str:
-    """Return what a stored action executes, as statements."""
-    return each.body.text if isinstance(each.body, StBody) else f"{each.target} := {each.value or 'TRUE'};"
-
-
 def _is_constant(each: ActionAssociation) -> bool:
     return each.kind is ActionKind.ON_ACTIVATION and each.value in _CONSTANTS and each.body is None
 
@@ -731,29 +825,19 @@ def _first_of(names: list[str]) -> str:
     return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
 
 
-def _tree(condition: Condition | None) -> n.Expression | None:
-    return parse_expression(condition.text).tree if isinstance(condition, Expression) else None
-
-
-def _with_no_time_in(tree: n.Expression, step: Step) -> n.Expression:
-    """Return a condition that waits for a time of a step as it is when the step was just entered."""
-    own = f"{step.name}.T".casefold()
-
-    def passed(node: n.Node) -> n.Node:
-        times = isinstance(node, n.Operation) and isinstance(node.operands[0], n.Member)
-        return FALSE if times and print_node(node).partition(" ")[0].casefold() == own else node
-
-    return transform(tree, passed)
-
-
-def _named_first(tree: n.Expression) -> list[str]:
-    """Return the names in a tree, but for those of members and parameters."""
-    return [each.name for each in in_tree(tree, Dialect.IEC) if each.base is None and each.callee is None]
-
-
 def _named_by(section: VariableSection) -> list[str]:
     """Return the names by which texts find a list of global variables: its own, and those of the variables."""
     return [*filter(None, [section.name]), *(variable.name for variable in section.variables)]
+
+
+def _as_name(operand: str) -> str:
+    return re.sub(r"\W+", "_", operand).strip("_")
+
+
+def _edge(operand: str, before: str, *, rising: bool) -> str:
+    """Return an edge in structured text; `before`: what has the value before."""
+    now, was = (each if re.fullmatch(r"[\w.]+|\([^()]*\)", each) else f"({each})" for each in (operand, before))
+    return f"({now} AND NOT {was})" if rising else f"(NOT {now} AND {was})"
 
 
 def _shown_edge(operand: str, *, rising: bool) -> str:
