@@ -324,7 +324,8 @@ def _put_into_notation(project: Project, kind: Format, report: ConversionReport)
 
     flags = _has_flags(kind)
     for path in name_steps_by_flags(project) if flags else name_steps_by_members(project):
-        why = f"`Step` in {kind.tool} for `Step.x`" if flags else f"`Step.x` in {kind.tool} for the flag `Step`"
+        tool = kind.tool or kind.name
+        why = f"`Step` in {tool} for `Step.x`" if flags else f"`Step.x` in {tool} for the flag `Step`"
         report.add(Outcome.TRANSLATED, "step flag", path, why)
 
 

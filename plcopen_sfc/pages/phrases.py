@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, cached_property
 from importlib import resources
 
@@ -29,14 +29,14 @@ class Phrases:
         """Return a message in German; None where the table does not have it."""
         if message in self._table:
             return self._table[message]
-        matches = (
-            (found, places, text) for pattern, places, text in self._patterns if (found := pattern.fullmatch(message))
-        )
-        # what ends as a message of its own does may be the reason in another one: `condition {} cannot be read: {+}`
-        first = next(matches, None)
-        if first is not None and first[0].start(1) == 0 and ": " in first[0][1]:
-            first = next((each for each in matches if each[0].start(1) > 0), first)
-        return first[2].format(*map(self._value, first[0].groups(), first[1])) if first is not None else None
+        first: str | None = None
+        for pattern, places, text in self._patterns:
+            if found := pattern.fullmatch(message):
+                told = text.format(*map(self._value, found.groups(), places))
+                if _are_names(found, places):
+                    return told
+                first = first or told
+        return first
 
     def _value(self, text: str, place: str) -> str:
         if place == "{+}":
@@ -61,6 +61,17 @@ class Phrases:
         values = [_NUMBER if place == "{#}" else "(.+?)" for place in places]
         pattern = first + "".join(f"{value}{own}" for value, own in zip(values, others, strict=True))
         return re.compile(pattern, re.DOTALL), places, self._table[message]
+
+
+def _are_names(found: re.Match[str], places: Sequence[str]) -> bool:
+    """True if what is shown as it is can be names.
+
+    What ends as one message does may be the reason in another, ``condition {} cannot be read: {+}``, and what begins as
+    one does may go on: ``{+}; S7-GRAPH executes it after that``.
+    """
+    values = [value for value, place in zip(found.groups(), places, strict=True) if place == "{}"]
+    is_sentence = found.start(1) == 0 and places[0] == "{}" and ": " in found[1]
+    return not is_sentence and not any("; " in value for value in values)
 
 
 @cache
