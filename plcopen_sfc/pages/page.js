@@ -16,7 +16,8 @@ function named() {
   });
 }
 function told() {
-  const places = all("main :is(pre, p, .comment, .findings > li)").filter((each) => !each.closest("tr, .uses"));
+  const kinds = ":is(pre, p, .comment, .findings > li)"; /* what is in one of these is found with it */
+  const places = all(`main ${kinds}`).filter((each) => !each.closest("tr, .uses") && !each.parentElement.closest(kinds));
   return places.flatMap((at) => {
     const owner = at.closest("[data-name]")?.dataset.name || at.closest("section")?.dataset.name || "";
     const lines = at.localName === "pre" ? at.textContent.split("\n") : [at.textContent];

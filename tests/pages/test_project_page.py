@@ -9,6 +9,7 @@ import pytest
 from lxml import html
 
 import plcopen_sfc as sfc
+from benchmarks.lowering import blocks
 from plcopen_sfc import model as sfc_model
 from plcopen_sfc.analysis.checks import all_rules
 from plcopen_sfc.drawing.pictures import dot_text
@@ -303,12 +304,12 @@ class TestInChromium:
         ("wanted", "label", "place"),
         [
             ("bin_no", "Recipe: Bin_No : INT", "pre"),  # a member of a structure
-            ("standby", "Mode: (Off, Standby, On)", "pre"),  # a value of an enumeration
+            ("standby", "Mode: Mode : (Off, Standby, On)", "pre"),  # a value of an enumeration
             ("speed * 2", "P.Run: speed := speed * 2;", "pre"),  # text of a program
             ("every_cycle", "Every_Cycle", "li"),  # a task
             ("not a and", "A \u2013 P", "tr"),  # a condition of a transition
             ("emptied by hand", "P: Emptied by hand", "div"),  # a comment
-            ("var03", "Findings: info VAR03 nothing uses the variable", "li"),
+            ("var03", "info VAR03 nothing uses the variable 'r'", "li"),
         ],
     )
     def test_search_finds_whatever_is_there(
@@ -335,6 +336,16 @@ PROGRAM I WITH Every_Cycle: P; END_RESOURCE END_CONFIGURATION
         browser.evaluate(f"field.value = '{wanted}'; look(); all('#found a')[0].click()")
         assert label in browser.evaluate("look(), document.querySelector('#found a').textContent")
         assert browser.evaluate("document.querySelector(':target').localName") == place
+        assert browser.messages == []
+
+    def test_a_page_of_500_steps_opens_and_is_searched(self, browser: Browser, tmp_path: Path) -> None:
+        page = tmp_path / "page.html"
+        page.write_text(sfc.page(next(blocks(500).charts()).pou.project), encoding="ascii")
+        browser.open(page)
+        assert browser.evaluate("all('g.step').length") >= 500
+        last = browser.evaluate("all('g.step')[499].querySelector('title').textContent.split(' ')[1]")
+        browser.evaluate(f"field.value = '{last}'; look(); all('#found a')[0].click()")
+        assert browser.evaluate("document.querySelector(':target').dataset.name") == last
         assert browser.messages == []
 
     def test_on_a_phone_and_on_paper_nothing_is_wider_than_there_is_room(
