@@ -449,10 +449,10 @@ def test_what_a_comparison_did_not_reach_is_marked() -> None:
     assert [each.text.splitlines()[0] for each in marked] == ["Schritt Release"]
     (section,) = tree.xpath("//section[@id='coverage']")
     assert english_in(words_of(section)) == []
-    assert "nicht erreicht Schritt Release: braucht `xQuit`, nie eingetreten" in words_of(section)
+    assert "nicht erreicht Schritt Release: braucht xQuit, nie eingetreten" in words_of(section)
     behind = [words_of(each) for each in section.findall(".//li") if "hinter diesen" in words_of(each)]
     assert behind == [
-        "hinter diesen Schritten nicht erreicht: Transition Release -> Retracting, Zuweisung uiJams := uiJams + 1;"
+        "hinter diesen Schritten nicht erreicht: Transition Release -> Retracting, Zuweisung uiJams := uiJams + 1"
     ]
     assert not parse(sfc.page(project)).xpath("//*[contains(@class, 'unreached')]")
 
