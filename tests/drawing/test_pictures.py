@@ -489,3 +489,6 @@ class TestChoices:
         root = read_picture(chart.to_svg()).root
         assert root.findtext(f"{SVG}title") == "PLC_PRG.ACT_Home"
         assert all(g.findtext(f"{SVG}title") for g in root.iter(f"{SVG}g"))
+        ids = [g.get("id") for g in root.iter(f"{SVG}g")]
+        assert all(ids)
+        assert len(ids) == len(set(ids))

@@ -112,8 +112,8 @@ class _Link:
 class FileArrangement:
     """A chart as its file draws it, with the size of its picture. `of` returns None where that cannot be shown."""
 
-    def __init__(self, symbols: Sequence[_Placed], links: Sequence[_Link]) -> None:
-        self._symbols, self._links = symbols, links
+    def __init__(self, sheet: PictureSheet, symbols: Sequence[_Placed], links: Sequence[_Link]) -> None:
+        self._sheet, self._symbols, self._links = sheet, symbols, links
         self._x, self._y = _Scale(), _Scale()
         for placed in symbols:
             self._demand(placed)
@@ -154,7 +154,7 @@ class FileArrangement:
                 shown = link.user.shown
                 if link.source.kind is SymbolKind.SELECTION_DIVERGENCE and isinstance(shown, TransitionSymbol):
                     link.source.starred |= shown.turn is None
-        return cls(list(symbols.values()), links)
+        return cls(sheet, list(symbols.values()), links)
 
     def draw(self, canvas: Canvas, left: int, top: int) -> None:
         """Draw the chart with its upper left corner at `left`, `top`."""
@@ -182,6 +182,7 @@ class FileArrangement:
             self._y.apart(box.top, box.bottom, shown.height)
 
     def _draw_wire(self, canvas: Canvas, link: _Link, left: int, top: int) -> None:
+        told = self._sheet.words.told("Leads up")
         path = [(left + self._x[x], top + self._y[y]) for x, y in link.points]
         source = link.source
         if source.kind in BARS:
@@ -192,7 +193,7 @@ class FileArrangement:
         for (x, end), (_, start) in pairwise(path):
             if start > end + 24:  # up is no way that a reader expects
                 middle = (start + end) // 2
-                with canvas.element("arrow", "", "Leads up", (x - 6, middle - 6, 12, 12)):
+                with canvas.element("arrow", self._sheet.next_id("arrow"), told, (x - 6, middle - 6, 12, 12)):
                     canvas.line("head", (x, middle - 5), (x - 5, middle + 5), (x + 5, middle + 5), closed=True)
 
     def _draw_bar(self, canvas: Canvas, placed: _Placed, left: int, y: int) -> None:

@@ -374,7 +374,7 @@ def _picture(body: FbdBody | LdBody, theme: Theme | None, prefix: str, name: str
             canvas.lines("name", _MARGIN, y + 10, lines, 16)
             right = max(right, _MARGIN + widest(lines, 13, bold=True))
             y += 16 * len(lines) + 10
-        sheet = _Sheet(network, f"{prefix}network-{number}-", is_ladder=body.language == "LD", is_s7=is_s7)
+        sheet = _Sheet(network, f"{prefix}network-{number}-", told, is_ladder=body.language == "LD", is_s7=is_s7)
         sheet.draw(canvas, _MARGIN, y)
         right = max(right, _MARGIN + sheet.width)
         y += sheet.height + 8
@@ -520,8 +520,9 @@ class _Symbol:
 class _Sheet:
     """A network: its symbols and their places."""
 
-    def __init__(self, network: n.LogicNetwork, prefix: str, *, is_ladder: bool, is_s7: bool) -> None:
+    def __init__(self, network: n.LogicNetwork, prefix: str, told: Told, *, is_ladder: bool, is_s7: bool) -> None:
         self._prefix = prefix
+        self._told = told
         self._is_ladder = is_ladder
         self._is_s7 = is_s7
         self.symbols: list[_Symbol] = []
@@ -599,7 +600,7 @@ class _Sheet:
         if isinstance(node, n.RightPowerRail):
             for connection in (each for pin in node.inputs for each in pin.connections):
                 self.symbols.append(
-                    _Symbol("rail", [], "Right power rail", inputs=[_Pin("", connections=[connection])])
+                    _Symbol("rail", [], self._told("Right power rail"), inputs=[_Pin("", connections=[connection])])
                 )
             return
         symbol = self._symbol(node)
@@ -623,7 +624,7 @@ class _Sheet:
             source, names = self._of.get(connection.source, (-1, {}))
             if connection.source in self._rails:
                 wires[Wire(len(self.symbols), 0, number, place)] = None
-                self.symbols.append(_Symbol("rail", [], "Left power rail", outputs=[_Pin("")]))
+                self.symbols.append(_Symbol("rail", [], self._told("Left power rail"), outputs=[_Pin("")]))
             elif source >= 0 and self.symbols[source].outputs:
                 wires[Wire(source, names.get(connection.pin or "", 0), number, place)] = None
             else:
@@ -659,7 +660,7 @@ class _Sheet:
                 return _Symbol("block", lines, title, "", caption, inputs, outputs)
             case n.Contact() | n.Coil():
                 kind = "contact" if isinstance(node, n.Contact) else "coil" if self._is_ladder else "assignment"
-                symbol = _Symbol(kind, [], f"{kind} {node.variable}", caption=node.variable)
+                symbol = _Symbol(kind, [], f"{self._told(kind)} {node.variable}", caption=node.variable)
                 symbol.negated, symbol.modifier = node.negated, _modifier(node.edge, node.storage)
                 symbol.inputs, symbol.outputs = [_input(node.input)], [_Pin("")]
                 return symbol

@@ -14,6 +14,7 @@ it: an arrow up or down for stored actions, the condition above the action, two 
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -128,8 +129,10 @@ _ACTION, _INDICATOR = 2, 3
 
 def _rows(step: Step, sheet: PictureSheet) -> Iterator[_Row]:
     words, width = sheet.words, sheet.text_width
-    for line, action in words.step_actions(step):
-        yield _row(line, action, width)
+    for number, (line, action) in enumerate(words.step_actions(step), 1):
+        row = _row(line, action, width)
+        row.identifier = f"{sheet.prefix}step-{step.id}-action-{number}"
+        yield row
     for association in step.actions:
         line = words.association(association)
         row = _row(line, None if association.target else association.body, width)
@@ -213,6 +216,7 @@ class PictureSheet:
     narrow: bool = False
     in_turn: bool = False
     room: Mapping[int, int] = field(default_factory=dict)
+    _drawn: Counter[str] = field(default_factory=Counter, init=False)
     steps: dict[int, Step] = field(init=False)
     transitions: dict[int, Transition] = field(init=False)
     labels: dict[int, str] = field(init=False)
@@ -221,6 +225,11 @@ class PictureSheet:
         self.steps = {step.id: step for step in self.chart.steps}
         self.transitions = {transition.id: transition for transition in self.chart.transitions}
         self.labels = self.chart.labels()
+
+    def next_id(self, kind: str) -> str:
+        """Return the id of an element that the model does not number: a jump, or a reference of one."""
+        self._drawn[kind] += 1
+        return f"{self.prefix}{kind}-{self._drawn[kind]}"
 
     @property
     def stars(self) -> bool:
@@ -322,7 +331,8 @@ class StepSymbol:
             canvas.wire((x, bottom), (x, y + self.height if leaves else exits[-1][1]))
         for reference, level in exits:
             canvas.wire((x, level), (x - 14, level))
-            with _reference(canvas, self.sheet.words.told("Continues at {}", reference.name), reference, x, level):
+            told = self.sheet.words.told("Continues at {}", reference.name)
+            with _reference(canvas, self.sheet, told, reference, (x, level)):
                 canvas.line("head", (x - 18, level), (x - 11, level - 4), (x - 11, level + 4), closed=True)
         kind = "step" + " initial" * self.step.initial + " excluded" * self.step.exclude
         area = (x - self._width // 2 - 20, top, self._width // 2 + 20 + self.right - 6, self._body)
@@ -502,6 +512,7 @@ class JumpSymbol:
     """A jump: an arrow and the name of the step that it leads to."""
 
     def __init__(self, sheet: PictureSheet, target: int) -> None:
+        self.sheet = sheet
         self.reference = sheet.step_reference(target)
         self._title = sheet.words.told("Jump to {}", sheet.steps[target].name)
         self._lines = wrap(self.reference.name, 12, _NAME_WIDTH)
@@ -513,7 +524,7 @@ class JumpSymbol:
         """Draw the jump on the axis `x` below `y`; nothing leaves it."""
         canvas.wire((x, y), (x, y + 18))
         area = (x - self.left, y + 14, self.left + self.right, self.height - 16)
-        with canvas.element("jump", "", self._title, area):
+        with canvas.element("jump", self.sheet.next_id("jump"), self._title, area):
             canvas.line("head", (x, y + 25), (x - 5, y + 14), (x + 5, y + 14), closed=True)
             for number, line in enumerate(self._lines):
                 canvas.text("link", x, y + 39 + 15 * number, line, anchor="middle", link=self.reference.element)
@@ -570,15 +581,20 @@ def _draw_entries(
         canvas.wire((x, first + 5 if enters is None else enters), (x, bottom))
     for reference, level in zip(references, _levels(references, first + 5), strict=True):
         canvas.wire((x - 18, level), (x - 6, level))
-        with _reference(canvas, sheet.words.told("From {}", reference.name), reference, x, level):
+        with _reference(canvas, sheet, sheet.words.told("From {}", reference.name), reference, (x, level)):
             canvas.line("head", (x - 1, level), (x - 9, level - 4), (x - 9, level + 4), closed=True)
 
 
 @contextmanager
-def _reference(canvas: Canvas, title: str, reference: LinkEnd, x: int, level: int) -> Iterator[None]:
-    """Write the name of a reference to the left of the axis `x`; its arrow is drawn inside."""
+def _reference(
+    canvas: Canvas, sheet: PictureSheet, title: str, reference: LinkEnd, place: tuple[int, int]
+) -> Iterator[None]:
+    """Write the name of a reference to the left of its `place` on a wire; its arrow is drawn inside."""
+    x, level = place
     width, height = widest(reference.lines, 11), _REFERENCE_PITCH * len(reference.lines)
-    with canvas.element("reference", "", title, (x - 22 - width, level - 7, width + 22, height)):
+    with canvas.element(
+        "reference", sheet.next_id("reference"), title, (x - 22 - width, level - 7, width + 22, height)
+    ):
         yield
         for number, line in enumerate(reference.lines):
             below = level + 4 + _REFERENCE_PITCH * number
