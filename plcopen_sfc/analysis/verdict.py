@@ -227,6 +227,11 @@ class Verdict:
         """True if there is none, whatever the inputs are."""
         return self.kind is VerdictKind.PROVEN
 
+    @property
+    def ran_nothing(self) -> bool:
+        """True if neither side finished a scan, as both end with an error."""
+        return not self.states and not self.scans and bool(self.gap)
+
     def __repr__(self) -> str:
         return f"Verdict({self.kind}: {self.states} states, {self.runs} runs, {len(self.compared)} values compared)"
 
@@ -260,7 +265,7 @@ class Verdict:
                 missed = f"not all was {'compared' if self.gap else 'reached'}{self._missing()}, "
             # a search that is ended before its first scan has not seen anything that is equal
             found = f"equal{later} in {run}{times}" if self.scans or not self.runs else "no scan was run"
-            if not self.states and not self.scans and self.gap:
+            if self.ran_nothing:
                 found = "no scan was finished"
             head = f"{missed}{found} (no proof: {self.reason}{tried})"
         return "\n".join([head, *self._covered()])

@@ -60,8 +60,8 @@ class _Token:
 OVERLINE = "\u0305"
 """The character that draws a line over the one before it."""
 _TIME = r"(?i:L?T(?:IME)?)\#\w+(?:\.\d+\w*)*|\d+(?:[.,]\d+)?[ \t]*(?:ms|min|s|m|h|d)(?![\w\u0305])"
-_LIKE_A_TIME = re.compile(r"(?i:\d+(?:ms|min|s|m|h|d))")
-"""A name such as ``2S``, in the place of a time."""
+_LIKE_A_TIME = re.compile(r"(?i:(?:\d+(?:ms|min|[uµμ]s|s|m|h|d))+)")
+"""A name such as ``2S`` or ``1m30s``, in the place of a time."""
 _NUMBER = r"\d+(?:\.\d+)?(?:[eE]\d+)?"
 NAME = (
     rf"(?!\d+[eE]\d+(?![\w{OVERLINE}]))"
@@ -226,7 +226,9 @@ class _Reader:
                 why = f"an operator is missing before {self.tokens[position].text!r}"
                 beside = (self.tokens[i].text for i in (position - 1, position + 1) if i < end)
                 if (time := next((each for each in beside if _LIKE_A_TIME.fullmatch(each)), None)) is not None:
-                    why += f": {time} is a name, and a time has small letters, {time.lower()}"
+                    is_one = re.fullmatch(_TIME, time.lower()) is not None
+                    means = f"has small letters, {time.lower()}" if is_one else "is one number with one unit, as 90s"
+                    why += f": {time} is a name, and a time {means}"
                 raise ConditionError(why, self.tokens[position].span)
             operand, position = self._operand(position + 1, end)
             text += f" {word} {operand}"

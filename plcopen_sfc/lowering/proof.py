@@ -174,8 +174,14 @@ def refuse_untested(name: str, found: Verdict, *, accepted: bool = False) -> Non
     ended = "the comparison was interrupted, so " if found.interrupted else ""
     hint = "Look at what was not reached: --accept-untested (accept_untested=True) takes the code as it is."
     hint += " --free NAME (free_inputs) makes inputs of frozen variables." if found.frozen else ""
+    so_far = "the code is equal to the chart where both were run, but "
+    if found.ran_nothing:
+        so_far, hint = (
+            "neither the chart nor the code can be run: ",
+            "Mend what is wrong in the chart: check tells more.",
+        )
     raise UntestedError(
-        f"the code is equal to the chart where both were run, but {ended}{found}",
+        f"{so_far}{ended}{found}",
         verdict=found,
         location=Location(path=name),
         hint="" if found.interrupted else hint,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from fnmatch import fnmatchcase
@@ -387,11 +388,15 @@ _FEW = 3
 _TRUE = n.Literal("TRUE")
 
 
+_EDGE = re.compile(r"\(*GRAFCET_EDGE_\d+ AND .*\)")
+"""An edge as `_JudgedTerms` has it."""
+
+
 class _JudgedTerms(TermTexts):
     """Terms of a GRAFCET with what is known of them.
 
     At a rising edge the operand is true, at a falling one false. ``3s/a`` is true only
-    with its operand, ``a/3s`` always with it.
+    with its operand, ``a/3s`` always with it, ``3s/↑a`` never: an edge lasts for no time.
     """
 
     def edge(self, operand: str, *, rising: bool) -> str:
@@ -402,6 +407,8 @@ class _JudgedTerms(TermTexts):
     def delay(self, operand: str, first: str | None, last: str | None) -> str:
         """Return a time, and the value that its operand gives it."""
         name = super().delay(operand, first, last)
+        if first is not None and _EDGE.fullmatch(operand):
+            return "FALSE"
         if (first is None) is (last is None) or "GRAFCET_EDGE" in operand:  # an edge is older than the time
             return name
         return f"({name} {'OR' if first is None else 'AND'} ({operand}))"

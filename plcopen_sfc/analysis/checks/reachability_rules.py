@@ -118,7 +118,7 @@ def _run_through(chart: CheckedChart) -> Iterator[Finding]:
         return known[key]
 
     for step in net.steps:
-        entering = [net.transitions[i] for i in net.entering[step.index]]
+        entering = [t for i in net.entering[step.index] if _truth(chart, t := net.transitions[i]) is not Truth.NEVER]
         leaving = [net.transitions[i] for i in net.leaving[step.index] if len(net.transitions[i].sources) == 1]
         after = [chart.condition(chart.sheet_of(t), t.transition) for t in leaving]
         plain = [_behind_edges(condition) for condition in after if not condition.before]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import NamedTuple
 
 from plcopen_sfc.analysis.checks.action_targets import continuous_operands, output_operands
@@ -19,6 +19,7 @@ from plcopen_sfc.analysis.exclusivity import Truth, covered
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import bind
+from plcopen_sfc.languages.binding.name_sites import in_tree
 from plcopen_sfc.languages.binding.text_sites import Site
 from plcopen_sfc.languages.effects import path_of, targets
 from plcopen_sfc.languages.expression_types import CALCULATING
@@ -30,6 +31,7 @@ from plcopen_sfc.languages.st import parse_expression, parse_statements, print_n
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.sfc import Body, BodyCondition, Condition, Step, Transition
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, EnumType, StringType, StructType
 
@@ -314,6 +316,7 @@ _NO_BOOLEANS = {"struct": "a structure", "string": "a string", "enum": "a value 
 
 def _unreadable(chart: CheckedChart) -> Iterator[Finding]:
     bool_ = ElementaryType(name=Elementary.BOOL)
+    steps = {step.name.casefold() for sheet in chart.sheets for step in sheet.steps}
     known = (chart.flags - chart.types.keys()) | {name for name, type_ in chart.types.items() if type_ == bool_}
     for sheet in chart.sheets:
         places = [(sheet.at(transition), transition.condition) for transition in sheet.transitions]
@@ -329,6 +332,8 @@ def _unreadable(chart: CheckedChart) -> Iterator[Finding]:
                     shown = " ".join(text.split())
                     message = f"a dot in {shown!r} is that of a member, and a BOOL and a flag have none"
                     yield Finding(place, message, "Write * or AND for the dot, or blanks beside it: a * b, a . b.")
+                else:
+                    yield from _members_of_bools(place, text, known - steps)
         for step, each in sheet.actions():
             body = each.body.text if isinstance(each.body, StBody) else ""
             target = each.target or ""
@@ -341,6 +346,14 @@ def _unreadable(chart: CheckedChart) -> Iterator[Finding]:
                 if problems:
                     message = f"what the action does, {' '.join(text.split())!r}, cannot be read: {problems[0].message}"
                     yield Finding(sheet.at(step, each), message, _AS_ACTIONS)
+
+
+def _members_of_bools(place: FindingPlace, text: str, bools: Collection[str]) -> Iterator[Finding]:
+    for start, end in program_parts(text):
+        for each in in_tree(parse_expression(text[start:end]).tree, Dialect.IEC):
+            if each.base is None and each.access and each.name.casefold() in bools:
+                hint = "Ask for the flag of a step as X2, for its time as 3s/X2; write AND between BOOLs as a * b."
+                yield Finding(place, f"{each.name} is a BOOL: it has no {each.access}", hint)
 
 
 _AS_ACTIONS = "Write a variable, and values in structured text: a AND b, NOT a, n + 1."

@@ -25,6 +25,7 @@ from plcopen_sfc.conversion.adaptation.stored_order import first_names, in_one_a
 from plcopen_sfc.conversion.executed_parts import FIRST_SCAN, SELECTION, STABILITY, START
 from plcopen_sfc.errors import ForcingConflictError, UnknownBehaviourError
 from plcopen_sfc.languages.binding.name_sites import in_tree
+from plcopen_sfc.languages.expression_types import CALCULATING
 from plcopen_sfc.languages.grafcet_conditions import ConditionError, to_structured_text
 from plcopen_sfc.languages.networks import declared_rules, draw_ld
 from plcopen_sfc.languages.st import nodes as n
@@ -469,6 +470,14 @@ class _Chart:
             if each.base is None and each.access and self._is_bool(each.name):
                 raise _TermError(
                     f"{each.name} is a BOOL: it has no {each.access}; AND is written * or . between blanks"
+                )
+        operations = [
+            each for each in walk(parsed.tree) if isinstance(each, n.Operation) and each.operator in CALCULATING
+        ]
+        for operand in (n.bare(operand) for each in operations for operand in each.operands):
+            if isinstance(operand, n.Name) and self._is_bool(operand.identifier):
+                raise _TermError(
+                    f"{operand.identifier} is BOOL, and {text} calculates with it: write [..] around a comparison"
                 )
         return print_node(transform(parsed.tree, flag or self._flag))
 

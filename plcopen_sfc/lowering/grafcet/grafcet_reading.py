@@ -8,6 +8,7 @@ from dataclasses import replace
 from plcopen_sfc.analysis.exclusivity import Truth, exclusive, truth
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.errors import ForcingConflictError, LoweringError, UnknownBehaviourError
+from plcopen_sfc.languages.grafcet_conditions import ConditionError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, disjunction, is_constant
@@ -109,7 +110,8 @@ class _Reader(TextReader):
         """Return the parts that were taken out; conditions have the names of their terms then."""
         for transition in self._net.transitions:
             if transition.transition.condition is not None:
-                transition.transition.condition = self._termless(transition.transition.condition)
+                path = f"transition {transition.path}"
+                transition.transition.condition = self._termless(transition.transition.condition, path)
         stored = tuple(self._stored())
         continuous = tuple(self._continuous())
         for step in [*(s.step for s in self._net.steps), *(m.step for m in self._net.macros)]:
@@ -135,10 +137,14 @@ class _Reader(TextReader):
         assert operand is not None  # noqa: S101  # terms have one
         return DelayInCondition(term.name, operand, times[0], times[1], _words(operand))
 
-    def _termless(self, condition: Condition) -> Condition:
+    def _termless(self, condition: Condition, path: str) -> Condition:
         if not self._profile.grafcet_terms or not isinstance(condition, Expression):
             return condition
-        return condition.model_copy(update={"text": self._terms.read(condition.text)})
+        try:
+            text = self._terms.readable(condition.text)
+        except ConditionError as error:
+            self.refuse(f"the condition {condition.text!r} cannot be read: {error}", path, "")
+        return condition.model_copy(update={"text": text})
 
     def _stored(self) -> Iterator[StoredAction]:
         for owner, chart, model in self._owned:
@@ -151,7 +157,7 @@ class _Reader(TextReader):
                     self.refuse(
                         "the stored action has no event that could be lowered", path, "Give it one, such as ↑a."
                     )
-                event = self.condition(chart, self._termless(rising(model.condition)), path).value
+                event = self.condition(chart, self._termless(rising(model.condition), path), path).value
             statements: tuple[n.Statement, ...] = ()
             if model.body is not None:
                 statements = self.statements(model.body, path)
@@ -223,7 +229,7 @@ class _Reader(TextReader):
             duration = self.expression(model.duration, path)
         condition = ConditionText(TRUE, ())
         if model.condition is not None:
-            condition = self.condition(chart, self._termless(model.condition), path)
+            condition = self.condition(chart, self._termless(model.condition, path), path)
         return ActionUse(
             tuple(indexes(owner.steps)),
             inverted,

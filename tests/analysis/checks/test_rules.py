@@ -845,6 +845,9 @@ case("CND02", grafcet(LEFT % "X1/50ms"), grafcet(LEFT % "50ms/X1"), "X1/50ms is 
 case("CND02", grafcet(LEFT % "b + X1"), grafcet(LEFT % "b + X2"), "b + X1 is always true", "grafcet")
 case("CND02", grafcet(LEFT % "1"), grafcet("STEP 2\n1, 2 -> 1 : 1"), "1 is always true", "grafcet")
 case("CND03", grafcet(LEFT % "3s/X1 * /X1"), grafcet(LEFT % "3s/X1/2s * /a"), "is never true", "grafcet")
+case("CND03", grafcet(LEFT % "3s/↑a"), grafcet(LEFT % "↑a/3s"), "3s/↑a is never true", "grafcet")
+case("EVO02", grafcet(LEFT % "b" + "\n2 -> 1 : b"), grafcet(LEFT % "3s/↑a" + "\n2 -> 1 : b"), "is entered", "grafcet")
+case("CND09", grafcet(LEFT % "X1.X"), grafcet(LEFT % "X1"), "X1 is a BOOL: it has no X", "grafcet")
 case("CND03", grafcet(LEFT % "3s/a * /a"), grafcet(LEFT % "a/3s * /a"), "is never true", "grafcet")
 FLAGS = LEFT % "X%s * 3s/X2"
 case("VAR01", grafcet(FLAGS % "99"), grafcet(FLAGS % "2"), "'X99' is the flag of a step 99, and there is no", "grafcet")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from pathlib import Path
 
 import pytest
 
@@ -213,3 +214,38 @@ def test_steps_get_numbers_as_names_in_a_grafcet_only() -> None:
     )
     with pytest.raises(ModelError, match="digit"):
         project.rename("P.S1", "12")
+
+
+PLAIN = "GRAFCET N\nINPUTS\n    a\n    b\n    n : INT\nINITIAL STEP 1\n1 -> 2 : {}\nSTEP 2\n2 -> 1 : ↓a\n"
+
+
+@pytest.mark.parametrize(
+    "condition",
+    [
+        "n<5 + b",
+        "[n + a > 3]",
+        "1E5 * a",
+        "X1.X * a",
+        "[X1.T > T#3s]",
+        "a // c",
+        "a (* c *)",
+        "a/b",
+        "[n==0]",
+        "1m30s/a",
+    ],
+)
+def test_a_condition_that_check_refuses_is_refused_by_all(condition: str, tmp_path: Path) -> None:
+    """Some were run and lowered as structured text, or written, since neither side could be run."""
+    (tmp_path / "n.gct").write_text(PLAIN.format(condition), encoding="utf-8")
+    project = sfc.load(tmp_path / "n.gct")
+    found = sfc.check(project, select=["CND"])
+    assert [each.location.line for each in found if each.severity is sfc.Severity.ERROR] == [7]
+    with pytest.raises(sfc.SfcError) as caught:
+        sfc.simulate(project, scans=2)
+    assert "transition 1 -> 2" in str(caught.value)
+    with pytest.raises(sfc.SfcError) as caught:
+        sfc.save(sfc.lower(project), tmp_path / "n.st", format="iec-text")
+    assert "is equal" not in str(caught.value)
+    with pytest.raises(sfc.SfcError):
+        sfc.save(project, tmp_path / "n.xml", format="plcopen")
+    assert [each.name for each in tmp_path.iterdir()] == ["n.gct"]

@@ -56,7 +56,7 @@ def _event(model: ActionAssociation, terms: ChartTerms | None, path: str, owner:
             f"the stored action on {model.target} has no event that the profile knows",
             location=Location(path=f"{path} / step {owner.path}"),
         )
-    return terms.rising(model.condition)
+    return terms.rising(model.condition, f"{path} / step {owner.path}")
 
 
 class GrafcetActions:
@@ -89,7 +89,9 @@ class GrafcetActions:
                     update={
                         "qualifier": CONTINUOUS[model.kind] if model.kind else Qualifier.N,
                         "value": None,
-                        "condition": terms.read(model.condition) if terms is not None else model.condition,
+                        "condition": terms.read(model.condition, f"{path} / step {owner.path}")
+                        if terms is not None
+                        else model.condition,
                     }
                 ),
             )
@@ -172,15 +174,17 @@ class Grafcet:
     ) -> None:
         self.terms = ChartTerms(scope, path)
         self._reads = profile.grafcet_terms
-        self._conditions = {t.index: self.read(t.transition.condition) for t in net.transitions}
+        self._conditions = {
+            t.index: self.read(t.transition.condition, f"{path} / transition {t.path}") for t in net.transitions
+        }
         self._hierarchy = Hierarchy(net, owned, path)
         self._actions = GrafcetActions(
             owned, scope, path, self.terms if self._reads else None, profile, reached=reached
         )
 
-    def read(self, condition: Condition | None) -> Condition | None:
-        """Return a condition without terms that program text does not know."""
-        return self.terms.read(condition) if self._reads else condition
+    def read(self, condition: Condition | None, where: str) -> Condition | None:
+        """Return the condition at `where` without terms that program text does not know."""
+        return self.terms.read(condition, where) if self._reads else condition
 
     def condition(self, transition: int) -> Condition | None:
         """Return the condition of a transition, without terms."""

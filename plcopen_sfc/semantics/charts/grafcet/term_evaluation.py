@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from plcopen_sfc.errors import Location, UnknownBehaviourError
 from plcopen_sfc.languages.grafcet_conditions import ConditionError, to_structured_text
 from plcopen_sfc.model import Condition, Expression
 from plcopen_sfc.semantics.programs.routines import Routines
@@ -55,9 +56,13 @@ class TermTexts:
         A text that is no condition of a GRAFCET is returned unchanged, for the parser of program text to refuse.
         """
         try:
-            return to_structured_text(text, self)
+            return self.readable(text)
         except ConditionError:
             return text
+
+    def readable(self, text: str) -> str:
+        """Return a condition as `read` does. Raises `ConditionError`."""
+        return to_structured_text(text, self)
 
     def shown(self, text: str) -> str:
         """Return a text that has names of terms with the terms as people write them."""
@@ -139,17 +144,21 @@ class ChartTerms:
     def __bool__(self) -> bool:
         return bool(self._edges or self._timers)
 
-    def read(self, condition: Condition | None) -> Condition | None:
-        """Return the condition without terms. Only while the chart is being declared."""
+    def read(self, condition: Condition | None, where: str) -> Condition | None:
+        """Return the condition at `where` without terms. Only while the chart is being declared."""
         if not isinstance(condition, Expression):
             return condition
-        text = self._texts.read(condition.text)
+        try:
+            text = self._texts.readable(condition.text)
+        except ConditionError as error:
+            message = f"the condition {condition.text!r} cannot be read: {error}"
+            raise UnknownBehaviourError(message, location=Location(path=where)) from error
         self._declare()
         return condition if text == condition.text else condition.model_copy(update={"text": text})
 
-    def rising(self, condition: Condition) -> Condition:
+    def rising(self, condition: Condition, where: str) -> Condition:
         """Return the rising edge of a condition, unless it has an edge in it already."""
-        return self.read(rising(condition)) or condition
+        return self.read(rising(condition), where) or condition
 
     def _declare(self) -> None:
         """Declare the variables of terms that are new."""
