@@ -69,7 +69,7 @@ class RuledSituations:
             targets |= transition.post
         situation = before & ~sources | targets
         try:
-            return self._hierarchy.apply(before, situation, targets)
+            return self._hierarchy.apply(before, situation)
         except ForcingConflictError:
             return situation
 

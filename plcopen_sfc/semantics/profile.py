@@ -213,6 +213,11 @@ class Profile:
     zero again. This happens in charts that are not safe only; 60848 rule 5: it stays active. matiec: it sets the time
     of every step that it enters to zero."""
 
+    leaving_restarts_time: bool = True
+    """True if a step that transitions leave and enter at once counts its time from zero again. 60848 rule 5: it stays
+    active, so that no time of its variable begins again, ``3s/X5`` and a delayed action alike. Without effect where
+    actions come first."""
+
     final_scan: bool = True
     """True if an action is executed once more after it ended (IEC 6.7.4.6, output A: with or without, the implementer
     chooses). CODESYS: yes, hence a P action runs exactly twice. matiec, GRAPH: no."""
@@ -386,6 +391,7 @@ PROFILES: Mapping[str, Profile] = MappingProxyType(
             name="grafcet",
             evolution=Evolution.UNTIL_STABLE,
             competing=Competing.ALL,
+            leaving_restarts_time=False,
             final_scan=False,
             step_variables=StepVariables.GRAFCET,
             grafcet_terms=True,

@@ -26,7 +26,7 @@ from tests.corpus import require_corpus
 from tests.lowering.grafcets import pou_with
 from tests.lowering.random_grafcets import random_calm_grafcet, random_grafcet
 from tests.semantics.charts.rig import chain
-from tests.semantics.charts.test_grafcet import action, emergency_stop, enclosing, seed_chain
+from tests.semantics.charts.test_grafcet import AGAIN, action, emergency_stop, enclosing, seed_chain
 from tests.semantics.charts.test_grafcet_oracle import CHART, read, section
 from tests.sweeps import some_of
 
@@ -167,6 +167,14 @@ def test_an_emergency_stop_above_the_chain(situation: str, steps: list[str] | No
 @pytest.mark.parametrize("initial", [True, False])
 def test_enclosing_steps(initial: bool) -> None:
     check(enclosing(initial=initial), "c1 c2 c3", "Q")
+
+
+@pytest.mark.parametrize("again", ["G2", "G1"])
+def test_a_step_that_is_left_and_entered_at_once_stays_active(again: str) -> None:
+    text = AGAIN if again == "G2" else AGAIN.partition("CHART G2")[0]
+    lowered = sfc.lower(sfc.loads(text.encode()), "flipflop", language="ST")
+    assert lowered.proof is not None
+    assert lowered.proof.proven
 
 
 @pytest.mark.slow

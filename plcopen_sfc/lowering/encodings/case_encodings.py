@@ -495,7 +495,7 @@ class RegionEncoding(ScanSchedule):
     def _declare_again(self) -> None:
         reported = SfcFlag.TRANS in self.source.flags
         # where steps change between two scans such a step is never seen to be left
-        timed = self.profile.order is ScanOrder.TRANSITIONS_FIRST
+        timed = self.profile.order is ScanOrder.TRANSITIONS_FIRST and self.profile.leaving_restarts_time
         for transition in self.net.transitions:
             for step in set(transition.sources) & set(transition.targets):
                 if (reported or (timed and self.times.measures(step))) and step not in self._again:

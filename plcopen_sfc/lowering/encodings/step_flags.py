@@ -282,7 +282,7 @@ class StepFlagEncoding(ScanSchedule):
         safe two of them can.
         """
         found: dict[int, Expression] = {}
-        for step in range(len(self.net.steps)):
+        for step in range(len(self.net.steps) if self.profile.leaving_restarts_time else 0):
             leaving, entering = self.net.leaving[step], self.net.entering[step]
             # a self-loop: the flag never goes FALSE, so that the timer of the step would run on
             loops = disjunction(self.fired[i] for i in leaving if i in entering)

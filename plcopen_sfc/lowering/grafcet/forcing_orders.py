@@ -15,13 +15,12 @@ from plcopen_sfc.semantics.net import indexes
 class ForcingCode:
     """Code of the forcing orders and enclosing steps (IEC 60848:2013, 7.1 and 7.3) that act on one chart.
 
-    `active`: a step is active, `before`: it was so before the evolution, `entered`: a transition has activated a step
-    that may have been active before.
+    `active`: a step is active, `before`: it was so before the evolution.
     """
 
-    def __init__(self, chart: RuledChart, active: StepValue, before: StepValue, entered: StepValue) -> None:
+    def __init__(self, chart: RuledChart, active: StepValue, before: StepValue) -> None:
         self._chart = chart
-        self._active, self._before, self._entered = active, before, entered
+        self._active, self._before = active, before
         self.steps = tuple(indexes(chart.steps))
 
     def forced(self) -> Expression:
@@ -43,7 +42,7 @@ class ForcingCode:
         opened = [
             (
                 enclosing.links,
-                conjunction([self._active(i), disjunction([negation(self._before(i)), self._entered(i)])]),
+                conjunction([self._active(i), negation(self._before(i))]),
             )
             for enclosing in self._chart.enclosures
             for i in indexes(enclosing.steps)

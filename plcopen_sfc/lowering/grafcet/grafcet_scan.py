@@ -79,7 +79,7 @@ class GrafcetScan:
         self._acting = self._drive.memory if self._drive is not None else encoding.memory
         memory = self._drive_of_stored.memory if self._drive_of_stored is not None else encoding.memory
         self._stored = StoredActions(self._grafcet.stored, memory, sights, bits)
-        self._ruled = [ForcingCode(chart, encoding.active, before, self._reentered) for chart in self._grafcet.ruled]
+        self._ruled = [ForcingCode(chart, encoding.active, before) for chart in self._grafcet.ruled]
 
     def append(self) -> None:
         """Append all networks."""
@@ -192,7 +192,7 @@ class GrafcetScan:
         initial = self._net.initial >> step & 1
         if self._stable:
             starting = self._in_first_evolution() if initial else FALSE
-            return disjunction([negation(self._situation.before(step)), self._reentered(step), starting])
+            return disjunction([negation(self._situation.before(step)), starting])
         return self._starting() if initial else FALSE
 
     def _fired(self, transition: int) -> Expression:
@@ -201,14 +201,10 @@ class GrafcetScan:
             return self._situation.fired[transition]
         return FALSE  # no code asks: with a CASE no transition leads back to its own step
 
-    def _reentered(self, step: int) -> Expression:
-        """Return an expression that is TRUE if a transition has entered a step that was active before."""
-        entering = (self._net.transitions[i] for i in self._net.entering[step])
-        again = [t.index for t in entering if self._concurrency.enters_active(t, step)]
-        return disjunction(self._fired(i) for i in again)
-
     def _again(self, step: int) -> Expression:
-        """Return an expression that is TRUE if transitions have left and entered a step at once."""
+        """Return an expression that is TRUE if transitions have left and entered a step at once: its time restarts."""
+        if not self._encoding.profile.leaving_restarts_time:
+            return FALSE
         leaving, entering = leaving_and_entering(self._net, step)
         fired = self._fired
         pairs = [(t, u) for t in leaving for u in entering if t is u or self._concurrency.both_fire(t, u)]

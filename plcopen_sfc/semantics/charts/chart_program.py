@@ -309,7 +309,7 @@ class ChartProgram:
                 fired = True
                 previous = situation
                 situation = self._move_on(frame, now, situation, cleared)
-                fresh = situation & (cleared.entered | ~previous)
+                fresh = situation & ~previous
                 seen |= situation
                 if not self._until_stable:
                     break
@@ -335,11 +335,13 @@ class ChartProgram:
         return self._choose(frame, moves)
 
     def _move_on(self, frame: Frame, now: int, situation: int, cleared: Cleared) -> int:
-        """The next situation. A step that is left and entered at once stays active, and its time starts again."""
+        """The next situation. A step that is left and entered at once stays active; its time may start again."""
         after: int = situation & ~cleared.left | cleared.entered
         if self._grafcet is not None:
-            after = self._grafcet.rule(situation, after, cleared)
+            after = self._grafcet.rule(situation, after)
         restarted = cleared.entered if self._profile.entering_restarts_time else cleared.entered & cleared.left
+        if not self._profile.leaving_restarts_time:
+            restarted = 0
         entered = after & (restarted | ~situation)
         self.reached.steps |= after
         self.reached.transitions |= cleared.transitions

@@ -433,3 +433,39 @@ def test_actions_of_grafcet_under_a_profile_with_one_evolution() -> None:
     assert bench["Q1"] is True
     bench.scan(B1=True, B2=True)
     assert (bench.active, bench["Q1"], bench["Q2"]) == ("2", False, True)
+
+
+AGAIN = """GRAFCET N
+INPUTS
+    a
+OUTPUTS
+    Q
+    R
+    S
+    T
+CHART G1
+    INITIAL STEP 1
+        Q AFTER 30ms
+        R IF 30ms/X1
+        S FOR 30ms
+        T IF /30ms/X1
+    1 -> 1 : ↑a
+CHART G2
+    INITIAL STEP 10 ENCLOSES G3{22}
+    10 -> 10 : ↑a
+    -> 10 : ↓a
+ENCLOSED G3
+    INITIAL STEP 20
+    STEP 22
+    20 -> 22 : 0
+"""
+
+
+def test_a_step_that_is_left_and_entered_at_once_stays_active() -> None:
+    """Delayed and limited actions began their time again, times of the flag did not; what it encloses began again."""
+    inputs = [0, 0, 1, 0, 0, 0, 0, 1, 0, 0]
+    trace = sfc.simulate(sfc.loads(AGAIN.encode()), inputs=lambda scan, _: {"a": bool(inputs[scan])}, scans=10)
+    assert trace["Q"] == trace["R"]
+    assert trace["S"] == trace["T"]
+    assert [bool(each) for each in trace["Q"]] == [False] * 3 + [True] * 7
+    assert trace.active(9) == ("G1.1", "G2.10", "G3.20")

@@ -16,7 +16,7 @@ from plcopen_sfc.semantics.charts.grafcet.partial_charts import Hierarchy
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import ChartTerms
 from plcopen_sfc.semantics.charts.qualifier_control import SituationChange
 from plcopen_sfc.semantics.charts.step_state import ActionOrigin, Reached
-from plcopen_sfc.semantics.charts.transition_firing import Cleared, Move, Run
+from plcopen_sfc.semantics.charts.transition_firing import Move, Run
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.routines import Routines
@@ -221,9 +221,9 @@ class Grafcet:
         held = self._hierarchy.held(situation) if self._hierarchy else 0
         return [move for move in moves if not (move.sources | move.targets) & held] if held else moves
 
-    def rule(self, before: int, situation: int, cleared: Cleared) -> int:
+    def rule(self, before: int, situation: int) -> int:
         """Return the situation after an evolution, as forcing orders and enclosing steps want it."""
-        return self._hierarchy.apply(before, situation, cleared.entered) if self._hierarchy else situation
+        return self._hierarchy.apply(before, situation) if self._hierarchy else situation
 
     def act(self, frame: Frame, now: int, situation: int) -> None:
         """Write the outputs of the situation that a scan ends with."""

@@ -151,10 +151,10 @@ class Hierarchy:
     def _place(self, where: str) -> Location:
         return Location(path=f"{self._path} / step {where}")
 
-    def apply(self, before: int, situation: int, entered: int) -> int:
+    def apply(self, before: int, situation: int) -> int:
         """Return the situation after an evolution, as the charts above want it.
 
-        `entered` are the steps that transitions have activated, also those that were active before.
+        An enclosing step that is left and entered at once stays active (60848 rule 5), and what it encloses goes on.
         """
         for chart in self._ordered:
             own = situation & chart.steps
@@ -162,7 +162,7 @@ class Hierarchy:
             if order is not None:
                 own = before & chart.steps if order.imposed is None else order.imposed
             elif chart.enclosures:
-                opened = [e for e in chart.enclosures if situation & e.steps & (entered | ~before)]
+                opened = [e for e in chart.enclosures if situation & e.steps & ~before]
                 if opened:
                     own = 0
                     for enclosure in opened:
