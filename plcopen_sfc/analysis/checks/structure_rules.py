@@ -91,6 +91,12 @@ def _place(sheet: CheckedSheet, symbol: Symbol) -> FindingPlace:
 
 
 def _alternation(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet in chart.sheets if chart.family == "grafcet" else ():  # elsewhere STR11 and STR14 find each end
+        for transition in sheet.transitions:
+            if not transition.sources and not transition.targets:
+                yield Finding(
+                    sheet.at(transition), "the transition leads from no step to no step", "Connect or remove it."
+                )
     for sheet, wires in _drawings(chart):
         for symbol in wires.symbols.values():
             if symbol.kind not in _ENDS and symbol.kind is not SymbolKind.JUMP:

@@ -225,11 +225,12 @@ class _Chart:
         """Tell what a GRAFCET does in one scan that the target does not, which fires transitions once."""
         once = "the target fires transitions once in a scan, code of `lower` until none can fire"
         lately = stored_names(self._chart)
-        for (operand, rises), name in self._edges.items():
-            tree = parse_expression(operand).tree
-            of_stored = tree is not None and not lately.isdisjoint(each.casefold() for each in first_names(tree))
-            if of_stored or self.steps_in(operand, rising=rises):
-                lately.add(name.casefold())
+        steps = {step.name for step in self._chart.steps}
+        for (operand, rises), edge in self._edges.items():
+            trees = [parse_expression(text).tree for text in (operand, edge)]
+            names, memories = (first_names(tree) if tree is not None else [] for tree in trees)
+            if not lately.isdisjoint(map(str.casefold, names)) or self.steps_in(operand, rising=rises):
+                lately |= {name.casefold() for name in memories if name not in steps}
         evolutions = Evolutions(self._chart, self._over, lately)
         passed = list(evolutions.passed(flat.freed(self._chart) if flat is not None else {}))
         late = [self._chart.label(transition) for transition in evolutions.late()]
@@ -322,10 +323,11 @@ class _Chart:
 
     def _memory(self, operand: str, steps: Sequence[Step], *, rising: bool) -> str:
         wish = _as_name(operand)
-        # what is TRUE at the start had no edge
-        before = self._new_variable(f"{wish}_before", initial="TRUE" if rising else None)
-        happens = _edge(operand, before, rising=rising)
         tree = parse_expression(operand).tree
+        # what is TRUE at the start had no edge, but the flags of initial steps
+        is_flag = isinstance(tree, n.Name) and bool(steps)
+        before = self._new_variable(f"{wish}_before", initial="TRUE" if rising and not is_flag else None)
+        happens = _edge(operand, before, rising=rising)
         of_inputs = tree is not None and self._inputs.issuperset(name.casefold() for name in first_names(tree))
         if not self._actions_first and not self._of_graph:
             # the transitions of this scan have changed the flags of steps already

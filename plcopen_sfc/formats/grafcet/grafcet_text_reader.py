@@ -74,6 +74,7 @@ _ADDRESS = re.compile(
     r"%(?:[EA][XBWDL]?\d+(?:\.[0-7])?|(?:[IQM][XBWDL]?|DB\d+\.DB[XBWD])(?:\*|\d+(?:\.\d+)*))", re.IGNORECASE
 )
 """Tools that address words count bits up to 15; the German letters are of S7, which addresses bytes."""
+_SEVERAL = re.compile(_NAMES)
 _FORCE = re.compile(r"FORCE\s+(?P<chart>[^\s{}]+)\s*\{(?P<situation>[^{}]*)\}$")
 _ON = re.compile(rf"ON\s+(?:(?P<when>{'|'.join(STORED)})|EVENT\s+(?P<event>.+?)\s*:(?!=))\s+(?P<done>.+)$")
 _CONTINUOUS = re.compile(
@@ -265,6 +266,8 @@ class _Reader:
 
     def _grafcet(self, found: re.Match[str], comment_text: str | None, start: int, end: int) -> None:
         self._finish_grafcet()
+        if any(each.name.casefold() == found["name"].casefold() for each in self._project.pous):
+            raise self._wrong(f"there is a GRAFCET {found['name']} already", "Rename one of them.")
         network = SfcNetwork()
         kind = PouKind.FUNCTION_BLOCK if found["block"] else PouKind.PROGRAM
         self._pou = Pou(name=found["name"], kind=kind, bodies=[SfcBody(chart=network)])
@@ -384,6 +387,11 @@ class _Reader:
             transition.name = designation
         transition.condition = Expression(text=condition) if condition else None
         sources, targets = _names(found["sources"]), _names(found["targets"])
+        for names in (sources, targets):
+            if twice := next((name for name in names if [*map(str.casefold, names)].count(name.casefold()) > 1), ""):
+                raise self._wrong(f"the transition names the step {twice} twice", "Name it once.")
+        if found["name"] is not None and not designation:
+            raise self._wrong("the designation of the transition is empty", "Write: (name) 1 -> 2, or 1 -> 2.")
         chart.network.transitions.append(transition)
         chart.waiting.append((transition, sources, targets, self._number))
         place = self._add(("transition", f"{','.join(sources)} -> {','.join(targets)}"), start, end, self._depth())
@@ -400,6 +408,8 @@ class _Reader:
             inside = found["situation"].strip()
             situation = SITUATIONS.get(inside.upper(), ForcedSituation.EXPLICIT)
             steps = _names(inside) if situation is ForcedSituation.EXPLICIT else []
+            if steps and not _SEVERAL.fullmatch(inside):
+                raise self._wrong(f"{content!r} names no steps", "Write: FORCE G1{INIT}, {10, 12}, {*} or {}.")
             action.kind = ActionKind.FORCING
             action.forcing = ForcingOrder(chart=found["chart"], situation=situation, steps=steps)
         elif (found := _ON.match(content)) is not None:

@@ -887,6 +887,7 @@ STORED = "    ON ACTIVATION %s := FALSE\n"
 case("EVO01", grafcet(AROUND % (STORED % "c", "a")), grafcet(AROUND % (STORED % "a", "a")), "G1.3 -> 1", "grafcet")
 case("EVO01", grafcet("1 -> 1 : a"), grafcet("1 -> 1 : ↑a"), "a circle fires without end: G1.1 -> 1", "grafcet")
 UNUSED = "EXPANSION M3 FROM E3 TO S3\nSTEP E3\nSTEP S3\nENCLOSED G2\nSTEP 20"
+case("STR01", grafcet("-> : a"), grafcet("-> 1 : ↑a"), "leads from no step to no step", "grafcet")
 case("HIE08", grafcet(UNUSED), grafcet("MACRO M3\nSTEP 2 ENCLOSES G2{20}\n" + UNUSED), "never active", "grafcet")
 
 
@@ -1103,15 +1104,15 @@ case(
 )
 NAMED = "GRAFCET %s\nINPUTS\n    a\n    %s\nINITIAL STEP 1\n1 -> 2 : a\nSTEP 2\n2 -> 1 : /a\n"
 case("VAR06", grafcet(NAMED % ("Not", "b")), grafcet(NAMED % ("Note", "b")), "'Not' is a keyword", "grafcet")
-case("VAR06", grafcet(NAMED % ("G", "While")), grafcet(NAMED % ("G", "1B1")), "'While' is a keyword", "grafcet")
+case("VAR06", grafcet(NAMED % ("H", "While")), grafcet(NAMED % ("H", "1B1")), "'While' is a keyword", "grafcet")
 
 
 def dotted(name: str) -> Callable[[], Subject]:
-    data, _ = sfc.convert(sfc.loads((NAMED % ("G", "other")).encode()), "grafcet")
+    data, _ = sfc.convert(sfc.loads((NAMED % ("H", "other")).encode()), "grafcet")
     return lambda: sfc.loads(data.replace(b'"other"', f'"{name}"'.encode()))
 
 
-case("VAR06", grafcet(NAMED % ("G", "1E5")), grafcet(NAMED % ("G", "1E5B")), "does not read '1E5' as one", "grafcet")
+case("VAR06", grafcet(NAMED % ("H", "1E5")), grafcet(NAMED % ("H", "1E5B")), "does not read '1E5' as one", "grafcet")
 case("VAR06", dotted("a.b"), dotted("2s/X2"), "does not read 'a.b' as one name", "grafcet")
 
 
