@@ -199,6 +199,9 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
             if narrower is not None:
                 found.append(TranslatedText(text_site.report_path, changed=True, notes=()))
                 text_site.put(narrower)
+            elif _ROUNDS.search(text_site.text):
+                notes = _translated(text_site, target, Renames(), project, known).notes
+                found.append(TranslatedText(text_site.report_path, changed=False, notes=notes))
             continue  # all else that IEC 61131-3 has is left to CODESYS, whose files often are in TC6
         is_wider = family(target) is Dialect.IEC and _calculates_otherwise(text_site, project.dialect, target, resolver)
         has_types = is_wider or (family(target) is Dialect.CODESYS and "TRUNC" in text_site.text.upper())
@@ -209,6 +212,10 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
             found.append(TranslatedText(text_site.report_path, result.text != text_site.text, result.notes))
             text_site.put(result.text)
     return found
+
+
+_ROUNDS = re.compile(r"REAL_TO_(?!L?REAL)|TO_U?[SDL]?INT\b|\bROUND\b", re.IGNORECASE)
+"""Conversions of numbers with decimals, which CODESYS rounds otherwise than IEC 61131-3."""
 
 
 def rename_pins(project: Project, target: Dialect) -> list[TranslatedText]:

@@ -38,6 +38,20 @@ def test_every_conversion_that_rounds_is_approximated(target: str, flavour: str,
     assert len(found) == 1 or (flavour and "*" in call)  # matiec does not know the type of an operation
 
 
+@pytest.mark.parametrize("target", ["codesys", "twincat"])
+def test_a_condition_of_iec_that_rounds_is_approximated_in_codesys(target: str) -> None:
+    text = """FUNCTION_BLOCK Main
+        VAR_INPUT r : REAL; END_VAR VAR_OUTPUT q, p : BOOL; END_VAR
+        INITIAL_STEP S1: END_STEP
+        STEP S2: q(N); END_STEP
+        TRANSITION FROM S1 TO S2 := REAL_TO_INT(r) = 2; END_TRANSITION
+        TRANSITION FROM S2 TO S1 := INT_TO_REAL(2) > r; END_TRANSITION
+        END_FUNCTION_BLOCK"""
+    report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), target, partial=True, limit=0).report
+    rounded = [item for item in report.losses if "rounds halves away from zero" in item.why]
+    assert [(item.outcome, item.path) for item in rounded] == [(Outcome.APPROXIMATED, "POU Main / transition S1 -> S2")]
+
+
 def test_a_conversion_to_the_same_type_is_the_value() -> None:
     data, report = sfc.convert(block("VAR_INPUT i : INT; END_VAR VAR n : INT; END_VAR", "n := TO_INT(i);"), "scl")
     assert "#n := (#i);" in data.decode()
