@@ -43,6 +43,8 @@ ARITHMETIC = "arithmetic"
 INPUTS_OF_ACTIONS = "inputs of actions"
 """Subject of items on actions that read inputs, and see others where the target executes them in another order with
 transitions; see `CHART_OF_ACTION`."""
+START_OF_CHART = "start of the chart"
+"""Subject of items on initial steps that do something for good, where tools differ in their first scan."""
 SEQUENCE = "sequence"
 """Subject of items that tell which inputs, at rest, keep the form of the sequences of a chart."""
 FIELD = "field"

@@ -19,7 +19,7 @@ from plcopen_sfc.conversion.executed_parts import Detail, Part
 from plcopen_sfc.conversion.executed_projects import executed
 from plcopen_sfc.conversion.execution_differences import ExecutionDifference, compare
 from plcopen_sfc.conversion.reporting import report_errors, report_execution
-from plcopen_sfc.conversion.scan_order import report_inputs_of_actions
+from plcopen_sfc.conversion.scan_order import report_scan_order
 
 __all__ = [
     "Detail",
@@ -29,5 +29,5 @@ __all__ = [
     "executed",
     "report_errors",
     "report_execution",
-    "report_inputs_of_actions",
+    "report_scan_order",
 ]

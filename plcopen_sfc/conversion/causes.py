@@ -15,7 +15,7 @@ from plcopen_sfc.model.project import Chart
 from plcopen_sfc.model.sfc import ActionAssociation, Step
 from plcopen_sfc.model.types import SimpleValue
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.report import INPUTS_OF_ACTIONS, Item
+from plcopen_sfc.report import INPUTS_OF_ACTIONS, START_OF_CHART, Item
 from plcopen_sfc.semantics.profile import Profile, ScanOrder
 from plcopen_sfc.whole_numbers import counted
 
@@ -121,7 +121,7 @@ def _called(place: str) -> str:
 _STEP_ACTIONS = ("entry action", "main action", "exit action")
 
 
-_SEPARATE = frozenset({FIRST_SCAN, INPUTS_OF_ACTIONS})
+_SEPARATE = frozenset({FIRST_SCAN, INPUTS_OF_ACTIONS, START_OF_CHART})
 """Subjects of items that explain no difference which stays with the same inputs behind the first scan."""
 _FIRST_SCANS = 2
 _OF_EVOLUTION = frozenset(

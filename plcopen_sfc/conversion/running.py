@@ -37,6 +37,7 @@ from plcopen_sfc.report import (
     FALLING_EDGE,
     INPUTS_OF_ACTIONS,
     ORDER_OF_ACTIONS,
+    START_OF_CHART,
     ConversionReport,
     Item,
     Outcome,
@@ -60,7 +61,7 @@ SHIFTED = "the same but for the inputs that actions see, and the first scan"
 """Begin of the verdict on a chart that does the same in both tools if its actions get the same inputs."""
 
 _APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, FIRST_SCAN, CHART_OF_ACTION, ORDER_OF_ACTIONS, FALLING_EDGE}
-_APART |= {SELECTION, INPUTS_OF_ACTIONS, ARITHMETIC, BOOLEAN_ACTIONS, "retain", "address", "interval"}
+_APART |= {SELECTION, INPUTS_OF_ACTIONS, START_OF_CHART, ARITHMETIC, BOOLEAN_ACTIONS, "retain", "address", "interval"}
 _APART |= {"max time", "maximum time"}
 """Losses beside which a run shows more: what operates a chart rests, nothing looks at addresses or times of tasks, and
 the chart of a GRAFCET may have no step that is only passed or left by two transitions, and begins one scan later. A
@@ -293,6 +294,8 @@ def _report_run(report: ConversionReport, run: _Run, held: str) -> None:
         _note_proven(report, path, ARITHMETIC, "which calculates with other numbers of bits")
     if as_run.proven:
         _note_proven(report, path, INPUTS_OF_ACTIONS, "whose actions see other inputs")
+    if as_run.equal:  # every run has a first scan
+        _note_proven(report, path, START_OF_CHART, "which begins otherwise")
     if verdict.counterexample is not None:
         report.add(Outcome.APPROXIMATED, "chart", path, run.told(verdict.counterexample, report.losses, held))
     elif not as_run.equal:
@@ -301,7 +304,8 @@ def _report_run(report: ConversionReport, run: _Run, held: str) -> None:
         if example is not None:
             why = run.told(example, (), told_apart(example, run.place, run.profiles, run.tool))
             # which tells what these items do, with an example
-            report.items = [each for each in report.items if (each.what, each.path) != (INPUTS_OF_ACTIONS, path)]
+            told = {INPUTS_OF_ACTIONS, START_OF_CHART}
+            report.items = [each for each in report.items if each.what not in told or each.path != path]
         report.add(Outcome.APPROXIMATED, "chart", path, why)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from plcopen_sfc.conversion.causes import acting_early
+from plcopen_sfc.conversion.executed_parts import FIRST_SCAN
 from plcopen_sfc.conversion.reporting import in_the_source
 from plcopen_sfc.languages.binding import actions_by_name, bind, names_in, step_effects
 from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
@@ -16,9 +17,9 @@ from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import ActionAssociation, Step
 from plcopen_sfc.model.types import used_types
 from plcopen_sfc.model.variables import SectionKind
-from plcopen_sfc.report import INPUTS_OF_ACTIONS, ConversionReport, Outcome
+from plcopen_sfc.report import INPUTS_OF_ACTIONS, START_OF_CHART, ConversionReport, Outcome
 from plcopen_sfc.semantics.inputs import MEMBER_NAMES
-from plcopen_sfc.semantics.profile import Profile
+from plcopen_sfc.semantics.profile import Profile, ScanOrder
 
 _GIVEN = (SectionKind.INPUT, SectionKind.IN_OUT)
 _KEPT = (SectionKind.LOCAL, SectionKind.EXTERNAL, SectionKind.GLOBAL)
@@ -29,7 +30,7 @@ _OF_SUPERVISIONS = (ActionEvent.V1, ActionEvent.V0, ActionEvent.A1)
 _SHOWN = 5
 
 
-def report_inputs_of_actions(
+def report_scan_order(
     report: ConversionReport,
     source: Project,
     result: Project,
@@ -38,23 +39,39 @@ def report_inputs_of_actions(
     profiles: tuple[Profile, Profile],
     tool: str,
 ) -> None:
-    """Report charts whose actions read inputs, where one tool executes them before the transitions, so a scan later.
+    """Report what charts do otherwise where tools have another order of actions and transitions, or another start.
 
     `called` gives the paths in the source of what has another name in the result, `profiles` the rules of both tools.
     """
-    early = acting_early(profiles, tool)
-    for there, here in chart_pairs(source, result, called) if early else ():
-        read = _inputs_read(there, source) if here is not None else []
+    early, start = acting_early(profiles, tool), _start(profiles, tool)
+    begun = {item.path for item in report.items if item.what == FIRST_SCAN}
+    for there, here in chart_pairs(source, result, called) if early or start else ():
+        if here is None:
+            continue
+        if start and there.report_path not in begun and is_begun_for_good(there):
+            why = f"its initial step does more than switch on variables while it is active: {start}"
+            report.add(Outcome.APPROXIMATED, START_OF_CHART, there.report_path, why)
+        read = _inputs_read(there, source) if early else []
         if read:
             shown = ", ".join(read[:_SHOWN]) + (", .." if len(read) > _SHOWN else "")
             why = f"its actions read {shown}: {early}"
             report.add(Outcome.APPROXIMATED, INPUTS_OF_ACTIONS, there.report_path, why)
 
 
+def _start(profiles: tuple[Profile, Profile], tool: str) -> str:
+    """Return what one of two tools alone does in the first scan of a chart; empty where both do the same."""
+    sides = {True: "the source", False: tool}
+    held = [sides[each is profiles[0]] for each in profiles if each.initial_situation_held]
+    if len(held) == 1:
+        return f"{held[0]} tests no transition in its first scan"
+    early = [sides[each is profiles[0]] for each in profiles if each.order is ScanOrder.ACTIONS_FIRST]
+    return f"{early[0]} executes its actions in the first scan before a transition is tested" if len(early) == 1 else ""
+
+
 def _inputs_read(chart: Chart, project: Project) -> list[str]:
     """Return the variables that the actions of a chart read and that get their values from outside.
 
-    They are inputs of its POU, and other variables without a start value that nothing writes which a scan executes.
+    They are inputs of its POU, and other variables that nothing writes which a scan executes.
     """
     (_, _), *others_called = reading = list(_names_of_actions(chart, project))
     actions = actions_by_name(chart.pou)
@@ -74,7 +91,7 @@ def _inputs_read(chart: Chart, project: Project) -> list[str]:
         for section in sections
         if section.kind in _KEPT and not section.constant
         for variable in section.variables
-        if variable.initial is None and plain.issuperset(map(str.casefold, used_types(variable.type)))
+        if plain.issuperset(map(str.casefold, used_types(variable.type)))
     }
     wanted = {name for name in given | others if name.casefold() in named}
     written = _written([pou for pou, _ in reading], project) if wanted - given else set()

@@ -190,7 +190,7 @@ def report_behaviour(
         executed,
         report_errors,
         report_execution,
-        report_inputs_of_actions,
+        report_scan_order,
     )
     from plcopen_sfc.semantics.profile import PROFILES, default_profile  # noqa: PLC0415
 
@@ -213,7 +213,7 @@ def report_behaviour(
     errors = [each for each in seen.diagnostics if each.severity is Severity.ERROR and each.code not in known]
     report_errors(report, errors, flavour or tool, called)
     profiles = default_profile(project), target or default_profile(seen)
-    report_inputs_of_actions(report, project, seen, called, profiles=profiles, tool=flavour or tool)
+    report_scan_order(report, project, seen, called, profiles=profiles, tool=flavour or tool)
     if limit:
         from plcopen_sfc.conversion.running import report_running  # noqa: PLC0415  # brings the interpreter
 

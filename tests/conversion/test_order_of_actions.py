@@ -8,7 +8,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.errors import LossError
 from plcopen_sfc.pages.report_words import german
-from plcopen_sfc.report import Item, Outcome
+from plcopen_sfc.report import START_OF_CHART, Item, Outcome
 from tests.conversion.features import Feature, FeatureChart, feature_project, variable
 from tests.conversion.matrix import converted, same_behaviour
 
@@ -168,4 +168,5 @@ def test_orders_of_step_actions_of_codesys_are_kept_or_told(
         result, report = converted(project, target)
         verdict = same_behaviour(project, result)
         assert verdict is not None
-        assert bool(report.losses) is not verdict.equal, f"{names}: {report.losses}, {verdict}"
+        losses = [item for item in report.losses if item.what != START_OF_CHART]  # which the comparison allows for
+        assert bool(losses) is not verdict.equal, f"{names}: {losses}, {verdict}"

@@ -6,7 +6,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.report import Outcome
+from plcopen_sfc.report import START_OF_CHART, Outcome
 from tests.conversion.features import Feature, FeatureChart, feature_project
 
 
@@ -43,7 +43,7 @@ def test_the_other_name_of_r_is_r(target: str) -> None:
     if target != "iec-text":
         project = sfc.loads(sfc.dumps(project, format="iec-text"), format="iec-text")
     data = sfc.dumps(project, format=target)
-    assert sfc.convert(project, target)[1].losses == []
+    assert {item.what for item in sfc.convert(project, target)[1].losses} <= {START_OF_CHART}
     row = next(sfc.loads(data, as_tool=True).charts()).chart.step("Work").actions[0]
     assert row.qualifier is m.Qualifier.R
     again = next(sfc.loads(data).charts()).chart.step("Work").actions[0]

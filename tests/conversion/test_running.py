@@ -15,7 +15,7 @@ from plcopen_sfc.conversion.running import SHIFTED, report_running
 from plcopen_sfc.errors import LossError, SfcError
 from plcopen_sfc.pages.conversion_overview import ChartVerdict, verdict_of
 from plcopen_sfc.pages.report_words import german
-from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.report import START_OF_CHART, ConversionReport, Outcome
 from tests.corpus import corpus_files
 from tests.samples import FIXTURES
 
@@ -196,7 +196,7 @@ def test_an_input_that_a_called_block_reads_is_no_constant_delay(call: str, valu
         ("sampler();", "sampler.seen", "b"),
         ("", "Sample()", "b"),
         ("plain();", "plain.seen", ""),
-        ("", "kept", ""),
+        ("", "kept", "kept"),
         ("", "S1.x", ""),
         ("kept := a;", "kept", "a"),
     ],
@@ -209,6 +209,25 @@ def test_actions_that_read_inputs_are_told_without_a_run(target: str, call: str,
     why = f"its actions read {told}: CODESYS executes the actions before the transitions, and so sees other inputs in"
     assert found == ([(Outcome.APPROXIMATED, "POU Main", f"{why} them")] if told and target == "codesys" else [])
     assert all(german(why).startswith("ihre Aktionen lesen ") for _, _, why in found)
+
+
+@pytest.mark.parametrize(("initial", "told"), [("W(N);", True), ("q(S);", True), ("W(P1);", True), ("q(N);", False)])
+@pytest.mark.parametrize("target", ["codesys", "simaticml", "plcopen-2.01"])
+def test_initial_steps_that_do_something_for_good_are_told_without_a_run(target: str, initial: str, told: bool) -> None:
+    text = f"""FUNCTION_BLOCK Main
+        VAR_INPUT go : BOOL; END_VAR VAR_OUTPUT q, p : BOOL; n : INT; END_VAR
+        INITIAL_STEP S1: {initial} END_STEP
+        STEP S2: p(N); q(R); END_STEP
+        TRANSITION FROM S1 TO S2 := go; END_TRANSITION
+        TRANSITION FROM S2 TO S1 := NOT go; END_TRANSITION
+        ACTION W: n := n + 1; END_ACTION
+        END_FUNCTION_BLOCK"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    found = [item for item in sfc.convert(project, target).report.items if item.what == START_OF_CHART]
+    is_told = told and target != "plcopen-2.01"
+    assert [(item.outcome, item.path) for item in found] == [(Outcome.APPROXIMATED, "POU Main")] * is_told
+    assert all(german(item.why).startswith("ihr Initialschritt ") for item in found)
+    assert is_told or sfc.convert(project, target, limit=8).report.losses == []
 
 
 def test_actions_that_read_no_input_are_only_later() -> None:
