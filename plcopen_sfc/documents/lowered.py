@@ -35,6 +35,7 @@ from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.languages.binding import names_in
 from plcopen_sfc.languages.binding.name_uses import dialect_of
 from plcopen_sfc.languages.s7_globals import tag_tables_of
+from plcopen_sfc.languages.translation.renames import KeptNames, kept_names
 from plcopen_sfc.lowering import LoweredPou, lower_project
 from plcopen_sfc.lowering.chart_lowering import faults_of
 from plcopen_sfc.lowering.construction import errors_of
@@ -243,6 +244,7 @@ class _Draft:
         with errors_of(chart.project, chart.pou, chart.name):
             refuse_comments(self.report, lowered.name)
             seen = seen or self._seen()
+            self._refuse_other_name(lowered)
             refuse_uncompiled(self.report, seen, lowered)
             if options is None:
                 return lowered
@@ -255,6 +257,17 @@ class _Draft:
                 raise
             refuse_untested(lowered.name, proof, accepted=options.accept_untested)
         return replace(lowered, proof=proof, faults=faults_of(chart, lowered))
+
+    def _refuse_other_name(self, lowered: LoweredPou) -> None:
+        """Raise `LoweringError` for a program that is a block in the draft: its variables are inputs of that."""
+        rows = kept_names(self._loaded(), KeptNames.PROGRAMS)
+        block = next((block for name, block, _ in rows if block and name == lowered.pou.name), "")
+        if block:
+            raise LoweringError(
+                f"others call the program or name its variables, so that it is the function block {block} in the file: "
+                "that cannot be compared with the chart",
+                hint="Make it a function block with inputs and outputs before, or take a format of its own tool.",
+            )
 
     def _seen(self) -> Project:
         return self._loaded(as_tool=True)

@@ -261,18 +261,23 @@ def _refuse_what_was_not_read(subject: Subject) -> None:
 
 
 def _refuse_ambiguous_names(subject: Subject) -> None:
-    """Raise `LoweringError` where the POU has two actions or transitions of one name: each reader takes another one."""
-    for kind, names in (
-        ("action", [action.name for action in subject.pou.actions]),
-        ("transition", [transition.name for transition in subject.pou.transitions]),
+    """Raise `LoweringError` where two POUs, or two actions or transitions of the POU, have one name.
+
+    The code would be that of one of them, each reader takes another one.
+    """
+    pou = subject.pou
+    alike = [each.name for each in subject.project.pous if each.name.casefold() == pou.name.casefold()]
+    for owner, kind, names in (
+        ("the project", "POU", alike),
+        (pou.name, "action", [action.name for action in pou.actions]),
+        (pou.name, "transition", [transition.name for transition in pou.transitions]),
     ):
         times = Counter(map(str.casefold, names))
         twice = next((name for name in names if times[name.casefold()] > 1), None)
         if twice is not None:
-            path = f"{subject.pou.report_path} / {kind} {twice}"
+            path = pou.report_path if kind == "POU" else f"{pou.report_path} / {kind} {twice}"
             raise LoweringError(
-                f"{subject.pou.name} has {times[twice.casefold()]} {kind}s called {twice}: "
-                "nothing tells which of them the chart means",
+                f"{owner} has {times[twice.casefold()]} {kind}s called {twice}: nothing tells which of them is meant",
                 location=subject.project.locations_of([path])[0],
                 hint="Rename or delete all but one.",
             )

@@ -6,6 +6,7 @@ from there. So code can be complete when it is read back, although no other tool
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import PurePath
 from textwrap import wrap
@@ -86,7 +87,7 @@ def refuse_uncompiled(report: ConversionReport, seen: Project, lowered: LoweredP
     variables and library types may be elsewhere in the project of the user: the report lists them.
     """
     for item in uncompiled(report, lowered):
-        raise LoweringError(f"the target does not compile the code: {item.why}", location=Location(path=item.path))
+        raise _not_compiled(item.why, item.path, lowered)
     sections = lowered.pou.interface.sections if lowered.pou.interface is not None else []
     inner = [each for each in sections if each.kind is not SectionKind.EXTERNAL]
     # S7 has variables with addresses in its tables of tags
@@ -94,11 +95,18 @@ def refuse_uncompiled(report: ConversionReport, seen: Project, lowered: LoweredP
     pou, given = resolve(seen, lowered.pou.name).pou, lowered.chart.pou.variables()
     made = own - {each.name.casefold() for each in given}
     for why in compile_mistakes(_body(lowered, pou), pou, seen.dialect, made):
-        raise LoweringError(f"the target does not compile the code: {why}", location=Location(path=pou.report_path))
+        raise _not_compiled(why, pou.report_path, lowered)
     for each in Names(seen).undeclared(pou):
         if each.reference.name.casefold() in own:
-            message = f"the target does not compile the code: the file does not declare {each.reference.name}"
-            raise LoweringError(message, location=Location(path=each.text_site.report_path))
+            why = f"the file does not declare {each.reference.name}"
+            raise _not_compiled(why, each.text_site.report_path, lowered)
+
+
+def _not_compiled(why: str, path: str, lowered: LoweredPou) -> LoweringError:
+    # calls stay of actions whose statements could not be in their place
+    left = next((each.name for each in lowered.pou.actions if re.search(rf"\b{re.escape(each.name)}\b", why)), "")
+    hint = f"Write {left} in structured text without RETURN, jumps and calls of itself." if left else ""
+    return LoweringError(f"the target does not compile the code: {why}", location=Location(path=path), hint=hint)
 
 
 def uncompiled(report: ConversionReport, lowered: LoweredPou) -> list[Item]:

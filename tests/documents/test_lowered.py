@@ -178,6 +178,35 @@ def test_code_that_the_target_does_not_compile_is_not_saved(tmp_path: Path) -> N
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_call_of_an_action_that_returns_is_refused_for_scl_with_what_to_do(tmp_path: Path) -> None:
+    project = with_action("IF B2 THEN RETURN; END_IF;\nQ5 := TRUE;")
+    made = sfc.lower_to_file(project, str(tmp_path / "main.scl"), "case", format="scl", verify=False)
+    assert "S7 has no actions and methods to call: Blink" in made.refused["Ablauf"].message
+    assert made.refused["Ablauf"].hint == "Write Blink in structured text without RETURN, jumps and calls of itself."
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_program_that_others_call_is_refused_where_it_becomes_a_block(tmp_path: Path) -> None:
+    project = plant("Ablauf")
+    project.pous[0].kind = m.PouKind.PROGRAM
+    project.pous.append(m.Pou(name="Main", kind=m.PouKind.PROGRAM, bodies=[m.StBody(text="Ablauf(B1 := TRUE);")]))
+    made = sfc.lower_to_file(project, str(tmp_path / "main.xml"), "case", format="plcopen", partial=True)
+    assert "it is the function block Ablauf_block in the file" in made.refused["Ablauf"].message
+    assert "Make it a function block" in made.refused["Ablauf"].hint
+
+
+def test_charts_of_pous_with_one_name_are_refused() -> None:
+    """Else the code of one would be put in the place of the other, or one would stay a chart in silence."""
+    project = plant("Ablauf", "ABLAUF")
+    for pou in project.pous:
+        with pytest.raises(LoweringError, match="the project has 2 POUs called") as caught:
+            sfc.lower(pou, "case", verify=False)
+        assert caught.value.hint == "Rename or delete all but one."
+    made = lower_project(project, "case")
+    assert made.pous == ()
+    assert set(made.refused) == {"Ablauf", "ABLAUF"}
+
+
 @pytest.mark.slow
 def test_drawn_actions_that_a_text_cannot_hold_are_not_saved(tmp_path: Path) -> None:
     """The file had an undeclared name in the place of the body, and the code was proven without it."""
