@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
-from types import MappingProxyType
 from typing import NamedTuple
 
 from plcopen_sfc.analysis.regions import Regions, find_regions
@@ -24,124 +23,12 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
     when,
 )
-from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode
+from plcopen_sfc.lowering.code.lowered_code import CodeNetwork
 from plcopen_sfc.lowering.lowering_options import OperatingMode
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule, exclusive_transitions, firing_together
-from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
-from plcopen_sfc.semantics.profile import Profile, ScanOrder
-
-
-class StepFlags:
-    """Situation held by a flag for each step, with a bit for each transition that fires.
-
-    `initial` are the steps, as bits, that are active at the start. `captioned`: the comment of a flag has the captions
-    of its step, which has no network of its own.
-    """
-
-    def __init__(self, net: Net, code: LoweredCode, *, initial: int, captioned: bool) -> None:
-        texts = code.texts
-        self._net, self._code, self._texts = net, code, texts
-        self.flags: list[Expression] = []
-        self.fired: list[n.Name] = []
-        self._before: dict[int, n.Name] = {}
-        for step in net.steps:
-            comment = texts.described_flag(step.step, step.path) if captioned else texts.flag_of(step.path)
-            name, is_initial = texts.flag_name(step.step), bool(initial & step.bit)
-            self.flags.append(code.declare_flag(name, step.path, initial=is_initial, comment=comment))
-
-    def declare_transitions(self) -> None:
-        """Declare the bits of the transitions."""
-        for transition in self._net.transitions:
-            comment = self._texts.transition_of(transition.path)
-            self.fired.append(self._code.declare(self._texts.transition_name(self._net, transition), comment=comment))
-
-    def name(self, step: int) -> str:
-        """Return the name of a flag, also of one that is a member of a data block."""
-        flag = self.flags[step]
-        if isinstance(flag, n.Member):
-            flag = flag.name
-        return flag.identifier if isinstance(flag, n.Name) else self._texts.flag_name(self._net.steps[step].step)
-
-    def title(self, step: NetStep, *, initial: bool) -> tuple[str, str]:
-        """Return the title of the network of a step, and what the title leaves out: of a flag with an address that."""
-        usual = self._texts.step(step.step, step.path, initial=initial)
-        name = self.name(step.index)
-        address = self._code.flags.address_of(name) if self._code.flags is not None else ""
-        return (self._texts.flag_title(name, address), usual) if address else (usual, "")
-
-    def before(self, step: int) -> n.Name:
-        """Return a copy of a flag, to be made as `remembered` has it."""
-        if step not in self._before:
-            self._before[step] = self._code.declare(self._texts.with_suffix(self.name(step), "old"))
-        return self._before[step]
-
-    def remembered(self) -> list[Statement]:
-        """Return the copies of flags that are in use; complete after all calls of `before`."""
-        return [assignment(copy, self.flags[step]) for step, copy in sorted(self._before.items())]
-
-    def changed(self) -> Expression:
-        """Return an expression that is TRUE if any transition fires."""
-        return disjunction(self.fired)
-
-    def add_transitions(self, tried: Iterable[FiringTransition], shared: Sequence[Statement] = ()) -> None:
-        """Append the bits of the transitions, given in the order of the net, behind statements that they share."""
-        parts = [CodeNetwork(self._texts.transitions, tuple(shared))]
-        for transition, bit, each in zip(self._net.transitions, self.fired, tried, strict=True):
-            title, remark = self._texts.transition_title(transition.path), self._texts.remark(transition.transition)
-            parts.append(CodeNetwork(title, (*each.before, assignment(bit, each.fires)), remark))
-        self._code.add_each(self._texts.transitions, parts)
-
-    def next_situation(
-        self,
-        *,
-        held: Mapping[int, Expression] = MappingProxyType({}),
-        entered: Mapping[int, Expression] | None = None,
-    ) -> list[Statement]:
-        """Return an assignment for each step: it is active if a transition enters it, or if it was and none leaves it.
-
-        This is the rule of evolution itself (IEC 60848:2013, rules 4 and 5: what is left and entered at once stays
-        active), so it holds for every chart, also for one that is not safe. `held`: what counts as active before
-        instead of the flag. `entered`: when a step is entered, where that is not by a transition before it alone.
-        """
-        found: list[Statement] = []
-        for step, flag in enumerate(self.flags):
-            enters = disjunction(self.fired[i] for i in self._net.entering[step])
-            if entered is not None:
-                enters = entered.get(step, FALSE)
-            leaves = disjunction(self.fired[i] for i in self._net.leaving[step])
-            value = disjunction([enters, conjunction([held.get(step, flag), negation(leaves)])])
-            if value != flag:
-                found.append(assignment(flag, value))
-        return found
-
-    def set_and_reset(
-        self,
-        step: int,
-        both_fire: Callable[[NetTransition, NetTransition], bool],
-        held: Mapping[int, Expression] = MappingProxyType({}),
-    ) -> tuple[list[Expression], list[Expression]]:
-        """Return the set and reset conditions of the flip-flop of a step, so that it does the same as `next_situation`.
-
-        A transition that leaves and enters the step does neither. Activation dominates: the reset by a transition is
-        locked where one that enters fires too. `both_fire` tells whether that can be; a lock that can never act is left
-        out.
-        """
-        leaving, entering = (
-            [self._net.transitions[i] for i in side[step]] for side in (self._net.leaving, self._net.entering)
-        )
-        sets: list[Expression] = [self.fired[t.index] for t in entering if t not in leaving]
-        by_lock: dict[tuple[Expression, ...], list[Expression]] = {}
-        for transition in leaving:
-            if transition not in entering:
-                lock = tuple(negation(self.fired[t.index]) for t in entering if both_fire(transition, t))
-                by_lock.setdefault(lock, []).append(self.fired[transition.index])
-        resets = [conjunction([disjunction(fired), *lock]) for lock, fired in by_lock.items()]
-        if step in held:
-            flag = self.flags[step]
-            sets.append(conjunction([held[step], negation(flag)]))
-            resets.append(conjunction([flag, negation(held[step]), *(negation(self.fired[t.index]) for t in entering)]))
-        return sets, resets
+from plcopen_sfc.semantics.net import NetStep, NetTransition
+from plcopen_sfc.semantics.profile import ScanOrder
 
 
 class Imposed(NamedTuple):
@@ -168,52 +55,71 @@ class Imposed(NamedTuple):
         return [*sets, conjunction([self.when, value])], [*resets, conjunction([self.when, negation(value)])]
 
 
-class FiringTransition(NamedTuple):
-    """Statements before a transition is decided on, and the expression for when it fires."""
-
-    before: Sequence[Statement]
-    fires: Expression
-
-
-def is_safe(source: ChartSource, profile: Profile) -> bool:
-    """Return True if a step that a transition enters is never active already, as the structure of the chart tells."""
-    return firing_together(source, profile) is None and isinstance(find_regions(source.net), Regions)
-
-
 class StepFlagEncoding(ScanSchedule):
     """A flag for each step, and a bit for each transition that fires.
 
-    `held`: what counts as active at the beginning of a scan instead of a flag.
+    `held`: what counts as active at the beginning of a scan instead of a flag. `captioned`: the comment of a flag has
+    the captions of its step, which has no network of its own.
     """
 
     captioned = False
 
     def declare_states(self, source: ChartSource) -> None:
         """Declare the flags, those of initial steps TRUE at the start, and the bits of transitions."""
-        initial = 0 if source.starts_off else source.net.initial
-        self.steps = StepFlags(source.net, self.code, initial=initial, captioned=self.captioned)
-        self.flags, self.fired = self.steps.flags, self.steps.fired
+        code, texts = self.code, self.texts
+        self.flags: list[Expression] = []
         self.held: Mapping[int, Expression] = {}
-        if self.code.flags is not None and not self.code.flags.have_values and not source.starts_off:
+        self._before: dict[int, n.Name] = {}
+        for step in self.net.steps:
+            comment = texts.described_flag(step.step, step.path) if self.captioned else texts.flag_of(step.path)
+            initial = not source.starts_off and bool(source.net.initial & step.bit)
+            self.flags.append(
+                code.declare_flag(texts.flag_name(step.step), step.path, initial=initial, comment=comment)
+            )
+        if code.flags is not None and not code.flags.have_values and not source.starts_off:
             # addresses of S7 have no start values: the first scan sets them
-            start = self.memory.conditional("", self.code.first_scan_pulse(), self.starting())
-            self.code.add(self.texts.initial_steps, start)
-        self.steps.declare_transitions()
+            start = self.memory.conditional("", code.first_scan_pulse(), self.starting())
+            code.add(texts.initial_steps, start)
+        self.fired = [
+            code.declare(texts.transition_name(self.net, each), comment=texts.transition_of(each.path))
+            for each in self.net.transitions
+        ]
 
     @property
-    def situation(self) -> StepFlags:
-        """Flags."""
-        return self.steps
+    def situation(self) -> StepFlagEncoding:
+        """Flags, which are the situation."""
+        return self
 
     @property
     def initial_situation(self) -> Mapping[int, Expression]:
         """TRUE for initial steps, FALSE for all others."""
         return {step.index: TRUE if self.net.initial & step.bit else FALSE for step in self.net.steps}
 
+    def name(self, step: int) -> str:
+        """Return the name of a flag, also of one that is a member of a data block."""
+        flag = self.flags[step]
+        if isinstance(flag, n.Member):
+            flag = flag.name
+        return flag.identifier if isinstance(flag, n.Name) else self.texts.flag_name(self.net.steps[step].step)
+
+    def before(self, step: int) -> n.Name:
+        """Return a copy of a flag, to be made as `remembered` has it."""
+        if step not in self._before:
+            self._before[step] = self.code.declare(self.texts.with_suffix(self.name(step), "old"))
+        return self._before[step]
+
+    def remembered(self) -> list[Statement]:
+        """Return the copies of flags that are in use; complete after all calls of `before`."""
+        return [assignment(copy, self.flags[step]) for step, copy in sorted(self._before.items())]
+
+    def changed(self) -> Expression:
+        """Return an expression that is TRUE if any transition fires."""
+        return disjunction(self.fired)
+
     def imposing(self, situation: Mapping[int, Expression | None]) -> list[Statement]:
         """Return the assignments of the flags that impose a situation."""
         return [
-            assignment(self.flags[step], value if value is not None else self.steps.before(step))
+            assignment(self.flags[step], value if value is not None else self.before(step))
             for step, value in situation.items()
         ]
 
@@ -252,15 +158,15 @@ class StepFlagEncoding(ScanSchedule):
         # without the guard two branches of a selection with TRUE conditions would both become active
         competing = exclusive_transitions(self.net, self.profile)
 
-        def tried(transition: NetTransition) -> FiringTransition:
-            enabled = self.enabled(transition)
-            free = [negation(self.fired[i]) for i in competing[transition.index]]
+        parts = [CodeNetwork(self.texts.transitions, tuple(shared))]
+        for transition, bit in zip(self.net.transitions, self.fired, strict=True):
+            index, enabled = transition.index, self.enabled(transition)
+            free = [negation(self.fired[i]) for i in competing[index]]
             free += [negation(each) for each in self.blocking]
-            condition = self.source.conditions[transition.index]
-            before = self.prepared(transition.index, enabled, free)
-            return FiringTransition(before, conjunction([enabled, condition, *free]))
-
-        self.steps.add_transitions(map(tried, self.net.transitions), shared)
+            fires = assignment(bit, conjunction([enabled, self.source.conditions[index], *free]))
+            title, remark = self.texts.transition_title(transition.path), self.texts.remark(transition.transition)
+            parts.append(CodeNetwork(title, (*self.prepared(index, enabled, free), fires), remark))
+        self.code.add_each(self.texts.transitions, parts)
 
     def chosen(self) -> Sequence[n.Name]:
         """Return the bits of the transitions."""
@@ -268,12 +174,13 @@ class StepFlagEncoding(ScanSchedule):
 
     def any_fires(self) -> Expression:
         """Return the disjunction of the bits of the transitions."""
-        return self.steps.changed()
+        return self.changed()
 
     @cached_property
     def is_safe(self) -> bool:
-        """True if a step that a transition enters is never active already."""
-        return is_safe(self.source, self.profile)
+        """True if a step that a transition enters is never active already, as the structure of the chart tells."""
+        source = self.source
+        return firing_together(source, self.profile) is None and isinstance(find_regions(source.net), Regions)
 
     def reentered(self) -> Mapping[int, Expression]:
         """Return the steps whose time restarts though they are active, by the bits of the transitions.
@@ -309,9 +216,20 @@ class StepBitEncoding(StepFlagEncoding):
     def change_situation(self, entered: Mapping[int, Expression] | None = None) -> None:
         """Append an assignment for each step, then selection and restart, which override the transitions.
 
-        `entered`: when a step is entered, where that is not by a transition before it alone.
+        A step is active if a transition enters it, or if it was and none leaves it. This is the rule of evolution
+        itself (IEC 60848:2013, rules 4 and 5: what is left and entered at once stays active), so it holds for every
+        chart, also for one that is not safe. `entered`: when a step is entered, where that is not by a transition
+        before it alone.
         """
-        changes = self.steps.next_situation(held=self.held, entered=entered)
+        changes: list[Statement] = []
+        for step, flag in enumerate(self.flags):
+            enters = disjunction(self.fired[i] for i in self.net.entering[step])
+            if entered is not None:
+                enters = entered.get(step, FALSE)
+            leaves = disjunction(self.fired[i] for i in self.net.leaving[step])
+            value = disjunction([enters, conjunction([self.held.get(step, flag), negation(leaves)])])
+            if value != flag:
+                changes.append(assignment(flag, value))
         changes += [when(each.when, *self.imposing(each.situation)) for each in self._selection()]
         self.code.add(self.texts.moves, changes)
         if self.init is not None:
@@ -344,12 +262,37 @@ class FlipFlopEncoding(StepFlagEncoding):
         guarded = self.profile.order is ScanOrder.ACTIONS_FIRST and not self.forgets
         for step in order if order is not None else self.net.steps:
             fire = both_fire if both_fire is not None else lambda *_: not self.is_safe
-            set_, reset = self.steps.set_and_reset(step.index, fire, self.held)
+            set_, reset = self._set_and_reset(step.index, fire)
             for each in imposed:
                 set_, reset = each.onto(step.index, set_, reset)
             if self.net.initial & step.bit:
                 set_.insert(0, starts if starts is not None else self.memory.starting())
             self._add_step(step, set_, reset, guarded=guarded)
+
+    def _set_and_reset(
+        self, step: int, both_fire: Callable[[NetTransition, NetTransition], bool]
+    ) -> tuple[list[Expression], list[Expression]]:
+        """Return the set and reset conditions of the flip-flop of a step, so that it does the same as a step bit.
+
+        A transition that leaves and enters the step does neither. Activation dominates: the reset by a transition is
+        locked where one that enters fires too. `both_fire` tells whether that can be; a lock that can never act is left
+        out.
+        """
+        leaving, entering = (
+            [self.net.transitions[i] for i in side[step]] for side in (self.net.leaving, self.net.entering)
+        )
+        sets: list[Expression] = [self.fired[t.index] for t in entering if t not in leaving]
+        by_lock: dict[tuple[Expression, ...], list[Expression]] = {}
+        for transition in leaving:
+            if transition not in entering:
+                lock = tuple(negation(self.fired[t.index]) for t in entering if both_fire(transition, t))
+                by_lock.setdefault(lock, []).append(self.fired[transition.index])
+        resets = [conjunction([disjunction(fired), *lock]) for lock, fired in by_lock.items()]
+        if step in self.held:
+            flag, held = self.flags[step], self.held[step]
+            sets.append(conjunction([held, negation(flag)]))
+            resets.append(conjunction([flag, negation(held), *(negation(self.fired[t.index]) for t in entering)]))
+        return sets, resets
 
     def classic(self) -> None:
         """Append the textbook sequence: step by step, each with the flags as they are at that moment.
@@ -410,6 +353,10 @@ class FlipFlopEncoding(StepFlagEncoding):
         statements: list[Statement] = [*before]
         name = f"FF_{self.texts.flag_name(step.step)}"
         self.memory.latch(name, disjunction(set_), disjunction(reset), statements, self.flags[step.index])
-        title, also = self.steps.title(step, initial=initial)
+        usual = self.texts.step(step.step, step.path, initial=initial)
+        flag = self.name(step.index)
+        address = self.code.flags.address_of(flag) if self.code.flags is not None else ""
+        # of a flag with an address that is the title
+        title, also = (self.texts.flag_title(flag, address), usual) if address else (usual, "")
         comment = "\n".join([*filter(None, [also, self.texts.remark(step.step)]), *remarks])
         self.code.add(title, statements, comment)

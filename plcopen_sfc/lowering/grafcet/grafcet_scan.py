@@ -26,7 +26,7 @@ from plcopen_sfc.lowering.code.code_bodies import titled
 from plcopen_sfc.lowering.code.lowered_code import BOOL, INT, CodeNetwork
 from plcopen_sfc.lowering.encodings.case_encodings import RegionEncoding
 from plcopen_sfc.lowering.encodings.case_states import StateVariables
-from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding, StepFlagEncoding, StepFlags
+from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding, StepFlagEncoding
 from plcopen_sfc.lowering.grafcet.forcing_orders import ForcingCode
 from plcopen_sfc.lowering.grafcet.grafcet_actions import (
     ContinuousActionCode,
@@ -169,7 +169,7 @@ class GrafcetScan:
 
         The copy of a state, whose first value can be that of an initial step, does not tell that.
         """
-        if isinstance(self._situation, StepFlags):
+        if isinstance(self._situation, StepFlagEncoding):
             return drive.call
         before = {self._situation.before(step.index) for step in self._net.steps}
         return transform(drive.call, lambda node: FALSE if node in before else node)
@@ -197,7 +197,7 @@ class GrafcetScan:
 
     def _fired(self, transition: int) -> Expression:
         """Return an expression that is TRUE if a transition has fired in this evolution."""
-        if isinstance(self._situation, StepFlags):
+        if isinstance(self._situation, StepFlagEncoding):
             return self._situation.fired[transition]
         return FALSE  # no code asks: with a CASE no transition leads back to its own step
 
