@@ -122,7 +122,7 @@ def test_what_cannot_be_said_is_refused() -> None:
     act(chart(pou), chart(pou).step("S1"), "q", m.Qualifier.SL, duration="T#20ms")
     with pytest.raises(LoweringError, match="R does not end the times"):
         lowered(pou, profile=replace(PROFILES["iec"], name="ours", reset_cancels_delays=False))
-    with pytest.raises(LoweringError, match="initial situation is held"):
+    with pytest.raises(LoweringError, match="ours holds the initial situation"):
         lowered(pou, profile=replace(PROFILES["iec"], name="ours", initial_situation_held=True))
     chart(pou).step("S1").actions.clear()
     chart(pou).step("S1").entry_action = m.StBody(text="q := TRUE;")

@@ -23,6 +23,7 @@ from plcopen_sfc.lowering.graph.sequencer_source import (
     GraphSource,
 )
 from plcopen_sfc.lowering.lowering_options import LoweringRules, tool_of
+from plcopen_sfc.lowering.reading.chart_reading import OF_GRAFCET
 from plcopen_sfc.lowering.reading.chart_source import ConditionText
 from plcopen_sfc.lowering.reading.text_reading import REPAIR, TextReader
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
@@ -163,11 +164,7 @@ class _Reader(TextReader):
         if net.problems:
             self.refuse(f"the chart is broken: {net.problems[0].message}", net.problems[0].path, REPAIR)
         if net.macros or net.hierarchy:
-            self.refuse(
-                "S7-GRAPH has no macro-steps, enclosing steps and forcing orders",
-                "",
-                "Take the profile of their tool: --profile grafcet.",
-            )
+            self.refuse("S7-GRAPH has no macro-steps, enclosing steps and forcing orders", "", OF_GRAFCET)
         settings = chart.graph_settings
         if settings is not None and (unknown := sorted(filter(self._declares, _NOT_KNOWN))):
             self.refuse(
@@ -241,60 +238,52 @@ class _Reader(TextReader):
         # C is no event but the interlock, written in the same column
         event = model.event if model.event is not ActionEvent.C else None
         interlock = model.interlock or model.event is ActionEvent.C
-        if qualifier not in self._profile.qualifiers:
-            self.refuse(
-                f"the profile {self._profile.name} has no rule for the qualifier {qualifier}",
-                path,
-                "Take one of S7-GRAPH: N, S, R, D, L, CALL ..",
-            )
-        if model.kind is not None or model.forcing is not None:
-            self.refuse(
-                "S7-GRAPH has no actions of GRAFCET", path, "Take the profile of their tool: --profile grafcet."
-            )
-        if model.negated or step.step.negated or model.condition is not None:
-            self.refuse(
-                "S7-GRAPH has no negated actions and no conditions of actions",
-                path,
-                "Take an interlock, or an assignment in an action.",
-            )
-        if qualifier in _NEED_EVENT and event is None:
-            self.refuse(f"{qualifier} needs an event", path, "Give it one: S1 is the activation of the step.")
-        if qualifier in _WITHOUT_EVENT and event is not None:
-            self.refuse(f"{qualifier} has no event", path, "Delete the event: it acts while the step is active.")
+        unknown = f"the profile {self._profile.name} has no rule for the qualifier {qualifier}"
+        grafcet = model.kind is not None or model.forcing is not None
+        conditional = model.negated or step.step.negated or model.condition is not None
+        negated = "S7-GRAPH has no negated actions and no conditions of actions"
+        lacks, has = qualifier in _NEED_EVENT and event is None, qualifier in _WITHOUT_EVENT and event is not None
+        self.refuse_any(
+            path,
+            (qualifier not in self._profile.qualifiers, unknown, "Take one of S7-GRAPH: N, S, R, D, L, CALL .."),
+            (grafcet, "S7-GRAPH has no actions of GRAFCET", OF_GRAFCET),
+            (conditional, negated, "Take an interlock, or an assignment in an action."),
+            (lacks, f"{qualifier} needs an event", "Give it one: S1 is the activation of the step."),
+            (has, f"{qualifier} has no event", "Delete the event: it acts while the step is active."),
+        )
         row = ActionRow(model.target or step.path, qualifier, event, interlock)
         return self._completed(row, model, path)
 
     def _completed(self, row: ActionRow, model: ActionAssociation, path: str) -> ActionRow:
-        """Return the row with its statements."""
-        name, qualifier, event, interlock = row.name, row.qualifier, row.event, row.interlock
+        """Return the row with its operand or its statements."""
+        qualifier, name = row.qualifier, model.target
         if qualifier in SWITCHES:
-            switched = self._steps_named(model.target or "", path)
-            return ActionRow(name, qualifier, event, interlock, switched=switched)
+            return replace(row, switched=self._steps_named(name or "", path))
         value = model.value if qualifier in COUNTERS else model.duration
         read = self.expression(value, path) if value else None
         if model.body is not None:
-            return ActionRow(name, qualifier, event, interlock, statements=self.statements(model.body, path))
-        if model.target is None:
+            return replace(row, statements=self.statements(model.body, path))
+        if name is None:
             self.refuse(f"{qualifier} has no operand", path, "Give it the operand that it acts on.")
         if qualifier in COUNTERS:
-            return ActionRow(name, qualifier, event, interlock, self.expression(model.target, path), value=read)
+            return replace(row, target=self.expression(name, path), value=read)
         if model.value is not None:
-            target, assigned = self.expression(model.target, path), self.expression(model.value, path)
-            return ActionRow(name, qualifier, event, interlock, statements=(assignment(target, assigned),))
-        statements = self._called(model.target, qualifier, path)
+            assigned = assignment(self.expression(name, path), self.expression(model.value, path))
+            return replace(row, statements=(assigned,))
+        statements = self._called(name, qualifier, path)
         if statements:
-            return ActionRow(name, qualifier, event, interlock, statements=statements)
-        if qualifier in _NEED_TIME and read is None:
-            self.refuse(f"{qualifier} needs a time", path, "Give the action one, such as T#5s.")
-        target = self.expression(model.target, path)
+            return replace(row, statements=statements)
+        target = self.expression(name, path)
         # S5 timers and counters are set by instructions only, not by an assignment
-        if isinstance(target, n.Address) and target.text.lstrip("%")[:1].upper() in "TCZ":
-            self.refuse(
-                f"{target.text} is a timer or counter of S5: other code cannot write it",
-                path,
-                "Take an instance of an IEC timer or counter.",
-            )
-        return ActionRow(name, qualifier, event, interlock, target, value=read)
+        written = isinstance(target, n.Address) and target.text.lstrip("%")[:1].upper() in "TCZ"
+        lasts = qualifier in _NEED_TIME and read is None
+        other = f"{name} is a timer or counter of S5: other code cannot write it"
+        self.refuse_any(
+            path,
+            (lasts, f"{qualifier} needs a time", "Give the action one, such as T#5s."),
+            (written, other, "Take an instance of an IEC timer or counter."),
+        )
+        return replace(row, target=target, value=read)
 
     def _called(self, target: str, qualifier: Qualifier, path: str) -> tuple[n.Statement, ...]:
         """Return the code of a target that is no Boolean operand: an action of the POU, or the call of an instance."""

@@ -54,6 +54,11 @@ def read_chart(
 
 
 _OTHER_PROFILE = "Take another profile: --profile iec."
+_OTHER_QUALIFIER = "Take another qualifier, or a profile that has it (--profile)."
+OF_GRAFCET = "Take the profile of their tool: --profile grafcet."
+_OF_GRAPH = "Take the profile of their tool: --profile s7graph."
+_OF_OTHERS = "Take the profile of their tool: --profile grafcet, s7graph."
+_OF_CODESYS = "Take the profile of their tool: --profile codesys."
 
 
 class _Owner(NamedTuple):
@@ -86,64 +91,42 @@ class _Reader(TextReader):
         self._flags = flags_in_use(chart, profile, lambda name: name.casefold() in self._declared)
         self._net = Net.of(chart)
 
-    def _check_profile(self) -> None:
-        """Refuse rules of profiles that users write themselves and that no tool has."""
-        profile = self._profile
-        if profile.initial_situation_held:
-            self.refuse(
-                f"the initial situation is held under the profile {profile.name}: that is not lowered",
-                "",
-                _OTHER_PROFILE,
-            )
-        # a profile that a user composes can ask for rules that no construction has: refused rather than lowered
-        # otherwise
+    def _check(self) -> None:
+        """Refuse what only other profiles have, and rules of profiles that users write and no tool has."""
+        net, profile, chart = self._net, self._profile, self.chart
+        if net.problems:
+            self.refuse(f"the chart is broken: {net.problems[0].message}", net.problems[0].path, REPAIR)
         used = {a.qualifier for owner in self._owners() for a in owner.step.actions if not a.exclude}
         shared = profile.action_control is ActionControl.PER_ACTION
-        if shared and not profile.reset_cancels_delays and used & {Qualifier.SD, Qualifier.SL}:
-            self.refuse(
-                f"R does not end the times of SD and SL under {profile.name}: that is not lowered", "", _OTHER_PROFILE
+        delays = shared and not profile.reset_cancels_delays and used & {Qualifier.SD, Qualifier.SL}
+        searches = profile.evolution is Evolution.UNTIL_STABLE
+        foreign = profile.graph_parameters or (net.hierarchy and self._grafcet is None)
+        # only CODESYS has SFC flags, and there actions come first: what they end is defined in that order only
+        flags = self._flags and profile.order is not ScanOrder.ACTIONS_FIRST
+        self.refuse_any(
+            "",
+            (searches, "the search for stability is lowered for GRAFCETs only", _OTHER_PROFILE),
+            (foreign, f"{profile.name} has no enclosing steps, forcing orders and sequencers", _OF_OTHERS),
+            (flags, "SFC flags are lowered only where actions come before transitions", _OF_CODESYS),
+            (chart.permanent_pre or chart.permanent_post, f"{profile.name} has no permanent operations", _OF_GRAPH),
+            # rules that a user can compose and that no construction has
+            (profile.initial_situation_held, f"{profile.name} holds the initial situation", _OTHER_PROFILE),
+            (delays, f"R does not end the times of SD and SL under {profile.name}", _OTHER_PROFILE),
+        )
+        for step in net.steps:
+            kind = self._types.get(step.step.name.casefold())
+            is_flag = isinstance(kind, ElementaryType) and kind.name is Elementary.BOOL
+            skipped = not profile.initial_steps_entered and net.initial & step.bit and step.step.entry_action
+            twice = f"a variable of the POU is called {step.step.name}, too: rename it or the step"
+            self.refuse_any(
+                step.path,
+                (skipped, f"{profile.name} does not execute the entry action of an initial step", _OTHER_PROFILE),
+                (is_flag, twice, "plcopen-sfc rename does it in all texts."),  # it would be the flag of the step
             )
-        if not profile.initial_steps_entered:
-            for step in self._net.steps:
-                if self._net.initial & step.bit and step.step.entry_action is not None:
-                    self.refuse(
-                        "the entry action of an initial step is not executed: that is not lowered",
-                        step.path,
-                        _OTHER_PROFILE,
-                    )
 
     def source(self) -> ChartSource:
         """Return the chart."""
-        if self._net.problems:
-            self.refuse(f"the chart is broken: {self._net.problems[0].message}", self._net.problems[0].path, REPAIR)
-        if self._profile.evolution is Evolution.UNTIL_STABLE:
-            self.refuse("the search for stability is not lowered yet", "", _OTHER_PROFILE)
-        if self._profile.graph_parameters or (self._net.hierarchy and self._grafcet is None):
-            self.refuse(
-                "enclosing steps, forcing orders and S7-GRAPH are not lowered yet",
-                "",
-                "Take the profile of their tool: --profile grafcet, s7graph.",
-            )
-        # only CODESYS has SFC flags, and there actions come first: what they end is defined in that order only
-        if self._flags and self._profile.order is not ScanOrder.ACTIONS_FIRST:
-            self.refuse(
-                "SFC flags are lowered only where actions come before transitions",
-                "",
-                "Take the profile of their tool: --profile codesys.",
-            )
-        if self.chart.permanent_pre or self.chart.permanent_post:
-            self.refuse(
-                "permanent operations are not lowered yet", "", "Take the profile of their tool: --profile s7graph."
-            )
-        self._check_profile()
-        for step in self._net.steps:
-            kind = self._types.get(step.step.name.casefold())
-            if isinstance(kind, ElementaryType) and kind.name is Elementary.BOOL:  # it would be the flag of the step
-                self.refuse(
-                    f"a variable of the POU is called {step.step.name}, too: rename it or the step",
-                    step.path,
-                    "plcopen-sfc rename does it in all texts.",
-                )
+        self._check()
         logic = self.logic()
         conditions = [self._transition(transition) for transition in self._net.transitions]
         actions = tuple(self._actions())
@@ -270,25 +253,17 @@ class _Reader(TextReader):
         return not asks and any(isinstance(node, n.ReturnStatement) for node in parts)
 
     def _use(self, owner: _Owner, association: ActionAssociation, path: str) -> ActionUse:
-        if association.event is not None or association.interlock or association.forcing is not None:
-            self.refuse(
-                "events, interlocks and forcing orders are not lowered yet",
-                path,
-                "Take the profile of their tool: --profile grafcet, s7graph.",
-            )
-        if association.kind not in (None, ActionKind.CONTINUOUS, ActionKind.CONDITIONAL):
-            self.refuse(
-                f"actions of kind {association.kind} are not lowered yet",
-                path,
-                "Take the profile of their tool: --profile grafcet.",
-            )
         qualifier = Qualifier.N if association.qualifier is Qualifier.NONE else association.qualifier
-        if qualifier not in self._profile.qualifiers:
-            self.refuse(
-                f"the profile {self._profile.name} has no rule for the qualifier {qualifier}",
-                path,
-                "Take another qualifier, or a profile that has it (--profile).",
-            )
+        name, kind = self._profile.name, association.kind
+        events = association.event is not None or association.interlock or association.forcing is not None
+        stored = kind not in (None, ActionKind.CONTINUOUS, ActionKind.CONDITIONAL)
+        unknown = qualifier not in self._profile.qualifiers
+        self.refuse_any(
+            path,
+            (events, f"{name} has no events, interlocks and forcing orders", _OF_OTHERS),
+            (stored, f"{name} has no actions of kind {kind}", OF_GRAFCET),
+            (unknown, f"the profile {name} has no rule for the qualifier {qualifier}", _OTHER_QUALIFIER),
+        )
         duration = self.expression(association.duration, path) if association.duration else None
         if qualifier.needs_duration and duration is None:
             self.refuse(f"{qualifier} needs a time", path, "Give the action one, such as T#5s.")
@@ -311,11 +286,8 @@ class _Reader(TextReader):
         for step in self._net.steps:
             model = step.step
             if model.interlock is not None or model.supervision is not None:
-                self.refuse(
-                    "interlocks and supervisions are not lowered yet",
-                    f"step {step.path}",
-                    "Take the profile of their tool: --profile s7graph.",
-                )
+                what = f"{self._profile.name} has no interlocks and supervisions"
+                self.refuse(what, f"step {step.path}", _OF_GRAPH)
             entry, main, exit_ = (
                 self._step_action(action, f"step {step.path}")
                 for action in (model.entry_action, model.main_action, model.exit_action)

@@ -115,6 +115,12 @@ class TextReader:
         place = f"{self.pou.name} / {path}" if path else self.pou.name
         raise LoweringError(message, location=Location(path=place), hint=hint)
 
+    def refuse_any(self, path: str, *things: tuple[object, str, str]) -> None:
+        """Refuse the first of some things that is there; each has a message, and what a user can do."""
+        for thing, message, hint in things:
+            if thing:
+                self.refuse(message, path, hint)
+
     def variable(self, name: str, targets: ActionTargets, path: str) -> n.Expression:
         """Return the variable of an action, which its steps write. Refuses one that is known not to be Boolean."""
         variable = self.expression(name, path)
