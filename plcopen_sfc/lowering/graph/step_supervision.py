@@ -72,10 +72,8 @@ class SupervisionChecks:
         wanted: set[str] = set()
         if self._interlock is not None:
             wanted |= needed & {*INTERLOCK}
-            if wanted & {"L1", "L0", "LA"} or (self.early and self._interlock.preparation):
-                wanted |= {"LS"}
-            if wanted & {"L1", "L0"}:
-                wanted |= {"LA"}
+            wanted |= {"LS"} if wanted or (self.early and self._interlock.preparation) else set()
+            wanted |= {"LA"} if wanted & {"L1", "L0"} else set()
         if self._supervision is not None:
             wanted |= needed & {*SUPERVISION}
             if remembers:
@@ -149,12 +147,10 @@ class SupervisionChecks:
 
     def _evaluated(self, resolve: Resolve, phase: CyclePhase, acknowledge: Expression) -> list[Statement]:
         """Return the checks of an active step."""
-        v = self._variables
         into: list[Statement] = []
-        if self._interlock is not None and "LS" in v:
+        if self._interlock is not None and "LS" in self._variables:
             into += [resolve(each, phase) for each in self._interlock.preparation]
-            into.append(assignment(v["LS"], resolve(self._interlock.value, phase)))
-            self._interlock_events(into)
+            self._interlock_events(resolve(self._interlock.value, phase), into)
         if self._supervision is not None:
             into += [resolve(each, phase) for each in self._supervision.preparation]
             self._supervision_events(resolve(self._supervision.value, phase), into)
@@ -165,69 +161,58 @@ class SupervisionChecks:
     def _first_evaluated(self, resolve: Resolve, phase: CyclePhase) -> list[Statement]:
         """Return the checks of a step just entered: what they remember is FALSE, so nothing can have ended."""
         into: list[Statement] = []
-        for stated, result, follow, inverted in (
-            (self._interlock, "LS", ("L1", "LA"), True),
-            (self._supervision, "VS", ("V1", "VA"), False),
+        for stated, result, follow in (
+            (self._interlock, "LS", ("L1", "LA")),
+            (self._supervision, "VS", ("V1", "VA")),
         ):
             if stated is None or result not in self._variables:
                 continue
             value = self._variables[result]
             into += [resolve(each, phase) for each in stated.preparation]
             into.append(assignment(value, resolve(stated.value, phase)))
-            for name in follow:
-                if name in self._variables:
-                    into.append(assignment(self._variables[name], negation(value) if inverted else value))
+            self._assign(into, dict.fromkeys(follow, negation(value) if result == "LS" else value))
         return into
 
     def _late(self, resolve: Resolve) -> list[Statement]:
-        v = self._variables
         into: list[Statement] = []
-        if self._interlock is not None and "LS" in v:
-            satisfied = resolve(self._interlock.value, CyclePhase.ACT)
-            into.append(assignment(v["LS"], conjunction([self._flag, satisfied])))
-            self._interlock_events(into)
-        if self._supervision is not None and "VS" in v:
-            fault = resolve(self._supervision.value, CyclePhase.ACT)
-            self._supervision_events(conjunction([self._flag, fault]), into)
+        for stated, result, events in (
+            (self._interlock, "LS", self._interlock_events),
+            (self._supervision, "VS", self._supervision_events),
+        ):
+            if stated is not None and result in self._variables:
+                events(conjunction([self._flag, resolve(stated.value, CyclePhase.ACT)]), into)
         return into
 
-    def _interlock_events(self, into: list[Statement]) -> None:
-        v = self._variables
+    def _assign(self, into: list[Statement], values: Mapping[str, Expression]) -> None:
+        """Append the assignments of the results that code asks for."""
+        into += [assignment(self._variables[name], value) for name, value in values.items() if name in self._variables]
+
+    def _interlock_events(self, satisfied: Expression, into: list[Statement]) -> None:
+        ls, la = (self._variables.get(name, FALSE) for name in ("LS", "LA"))
         guard = [] if self.early else [self._flag]
-        if "L1" in v:
-            into.append(assignment(v["L1"], conjunction([*guard, negation(v["LS"]), negation(v["LA"])])))
-        if "L0" in v:
-            into.append(assignment(v["L0"], conjunction([v["LS"], v["LA"]])))
-        if "LA" in v:
-            into.append(assignment(v["LA"], conjunction([*guard, negation(v["LS"])])))
+        gone = {"L1": conjunction([*guard, negation(ls), negation(la)]), "L0": conjunction([ls, la])}
+        self._assign(into, {"LS": satisfied, **gone, "LA": conjunction([*guard, negation(ls)])})
 
     def _supervision_events(self, fault: Expression, into: list[Statement]) -> None:
-        v = self._variables
-        if "fault" not in v:
-            into.append(assignment(v["VS"], fault))
+        vs, now = self._variables["VS"], self._variables.get("fault")
+        if now is None:
+            into.append(assignment(vs, fault))
             return
         guard = [] if self.early else [self._flag]
-        into.append(assignment(v["fault"], fault))
-        if "V1" in v:
-            into.append(assignment(v["V1"], conjunction([v["fault"], negation(v["VS"])])))
-        if "V0" in v:
-            into.append(assignment(v["V0"], conjunction([*guard, v["VS"], negation(v["fault"])])))
-        # the events above compare the new value with the one of the last cycle
-        into.append(assignment(v["VS"], v["fault"]))
+        gone = conjunction([*guard, vs, negation(now)])
+        # the events compare the new value with the one of the last cycle
+        self._assign(into, {"fault": fault, "V1": conjunction([now, negation(vs)]), "V0": gone, "VS": now})
 
     def _remembered(self, acknowledge: Expression, into: list[Statement]) -> None:
         """Append the memory of an error, which stays until it is gone and acknowledged: then both are forgotten."""
         v = self._variables
-        into.append(assignment(v["VA"], disjunction([v["VS"], v["VA"]])))
-        event = conjunction([acknowledge, v["VA"]])
-        if "A1" in v:
-            into.append(assignment(v["A1"], conjunction([event, negation(v["acknowledged"])])))
-            event = v["A1"]
+        known, event = v["acknowledged"], conjunction([acknowledge, v["VA"]])
+        self._assign(into, {"VA": disjunction([v["VS"], v["VA"]]), "A1": conjunction([event, negation(known)])})
         if not is_constant(acknowledge, FALSE):
-            into.append(when(event, assignment(v["acknowledged"], TRUE)))
-        known = [v["acknowledged"]] if self._must_acknowledge else []
-        ended = [assignment(v[name], FALSE) for name in ("VA", "acknowledged")]
-        into.append(when(conjunction([negation(v["VS"]), *known]), *ended))
+            into.append(when(v.get("A1", event), assignment(known, TRUE)))
+        must = [known] if self._must_acknowledge else []
+        ended = [assignment(each, FALSE) for each in (v["VA"], known)]
+        into.append(when(conjunction([negation(v["VS"]), *must]), *ended))
 
 
 _EVENTS = ("L1", "L0", "V1", "V0", "A1")
