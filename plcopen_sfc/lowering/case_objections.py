@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.lowering.encodings.case_states import regions_of
 from plcopen_sfc.lowering.graph.sequencer_source import GraphSource
 from plcopen_sfc.lowering.lowering_options import Construction
@@ -34,15 +33,11 @@ def refuse_cases(source: ChartSource, profile: Profile, construction: Constructi
     """Raise `LoweringError` where CASEs are wanted that cannot hold a chart."""
     found = objection(source, profile, construction)
     if found:
-        which = "one CASE" if construction is Construction.CASE else "no CASEs"
+        which = "one CASE cannot" if construction is Construction.CASE else "no CASEs can"
         hint = "Step bits can hold every chart."
         if _is_on_by_hand(source):
             hint += f" Where {_ON_BY_HAND} is never operated, leave it inactive: at_rest=['{_ON_BY_HAND}'], --at-rest."
-        raise LoweringError(
-            f"{which} {'cannot' if construction is Construction.CASE else 'can'} hold the chart: {found}",
-            location=Location(path=source.pou.name),
-            hint=hint,
-        )
+        source.refuse(f"{which} hold the chart: {found}", hint)
 
 
 def fits_without_switching(source: ChartSource, profile: Profile) -> bool:

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
-from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.st import print_node, transform
 from plcopen_sfc.languages.st.nodes import Expression, Name, Node
 from plcopen_sfc.languages.standard_blocks import Tool
@@ -80,7 +80,7 @@ def choose(source: ChartSource, rules: LoweringRules) -> tuple[Construction, Lan
         language = Language.FBD if drawn else Language.ST
     wrong = [*_wrong_options(source, rules), *_wrong_language(source, rules, chosen, language)]
     for message, hint in [*wrong, *_wrong_places(rules, chosen, why)]:
-        raise LoweringError(message, location=Location(path=source.pou.name), hint=hint)
+        source.refuse(message, hint)
     return chosen, language, why
 
 

@@ -21,6 +21,7 @@ from functools import cached_property
 from plcopen_sfc.analysis.marking import marking_graph
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term
+from plcopen_sfc.conversion.adaptation.decided_terms import reduced
 from plcopen_sfc.conversion.adaptation.operating_inputs import (
     INIT,
     OFF,
@@ -36,7 +37,6 @@ from plcopen_sfc.formats.format_interface import ChartHost, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import OF_BRANCHES, replaced_sequences
 from plcopen_sfc.formats.provenance import is_replaced
 from plcopen_sfc.languages.st import parse_expression, print_node
-from plcopen_sfc.lowering.code.boolean_logic import reduced
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition, connected_parts
 from plcopen_sfc.report import SEQUENCE, Outcome
 from plcopen_sfc.semantics.net import Net

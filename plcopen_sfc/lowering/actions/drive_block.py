@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
-from typing import NamedTuple, NoReturn
+from typing import NamedTuple
 
-from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.effects import targets
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
@@ -132,12 +131,16 @@ class DriveBlock:
         named = {name.identifier.casefold() for name in self._names()} - own
         for action in pou.actions:
             if action.name.casefold() in named:
-                self._refuse(f"the action {action.name} is called in other actions, and stays in its POU")
+                self._source.refuse(
+                    f"the action {action.name} is called in other actions, and stays in its POU", _INLINE
+                )
         found = {v.name: v for v in declared if v.name.casefold() in named}
         for variable in found.values():
             kind = variable.type
             if isinstance(kind, DerivedType) and kind.name.casefold() not in self._caller.known_types:
-                self._refuse(f"{variable.name} is an instance of a function block, which stays in its POU")
+                self._source.refuse(
+                    f"{variable.name} is an instance of a function block, which stays in its POU", _INLINE
+                )
         return found
 
     def _kind(self, name: str) -> SectionKind:
@@ -162,7 +165,7 @@ class DriveBlock:
             return SectionKind.OUTPUT  # the block keeps it
         # in networks an in-out is one pin: readers would not see that the block changes it
         if self.code.drawn:
-            self._refuse(f"{name} is read and written: networks do not show what goes in and out")
+            self._source.refuse(f"{name} is read and written: networks do not show what goes in and out", _INLINE)
         return SectionKind.IN_OUT
 
     def _names(self) -> Iterator[n.Name]:
@@ -175,8 +178,8 @@ class DriveBlock:
     def _statements(self) -> Iterator[Statement]:
         return (statement for network in self.code.networks for statement in network.statements)
 
-    def _refuse(self, message: str) -> NoReturn:
-        raise LoweringError(message, location=Location(path=self._source.pou.name), hint="Leave actions inline.")
+
+_INLINE = "Leave actions inline."
 
 
 def without_texts(source: ChartSource) -> ChartSource:

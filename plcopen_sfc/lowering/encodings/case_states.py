@@ -14,7 +14,6 @@ from functools import cached_property
 from typing import NamedTuple
 
 from plcopen_sfc.analysis.regions import ParallelBlock, Region, Regions, Unstructured, find_regions
-from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, transform
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
@@ -211,11 +210,8 @@ class StateNames:
 
 def _refuse_without_enumerations(source: ChartSource, rules: LoweringRules) -> None:
     if source.dialect is Dialect.SCL or tool_of(rules.target, source.dialect) is Tool.S7:
-        raise LoweringError(
-            f"there are no enumerations in {rules.target or source.dialect}",
-            location=Location(path=source.pou.name),
-            hint="Constants name the steps there as well.",
-        )
+        message = f"there are no enumerations in {rules.target or source.dialect}"
+        source.refuse(message, "Constants name the steps there as well.")
 
 
 def _states(

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
@@ -140,11 +139,8 @@ class GrafcetScan:
             return None, None
         problem = events_asked_early(encoding.source, self._grafcet, encoding.active)
         if problem:
-            raise LoweringError(
-                f"stored actions on events cannot be in a block of their own: {problem}",
-                location=Location(path=encoding.source.pou.name),
-                hint="Leave actions inline.",
-            )
+            message = f"stored actions on events cannot be in a block of their own: {problem}"
+            encoding.source.refuse(message, "Leave actions inline.")
         stored = [statement for each in self._grafcet.stored for statement in each.statements]
         if not self._stable and not asked_in_between(encoding.source, self._grafcet, self._net.initial):
             only = encoding.drive_block(self._texts.drive)

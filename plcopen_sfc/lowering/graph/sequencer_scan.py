@@ -11,7 +11,6 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform
 from plcopen_sfc.languages.st.nodes import Expression, Statement
@@ -212,11 +211,7 @@ class GraphCycle:
         encoding.choose_transitions(shared)
         if isinstance(encoding, FlipFlopEncoding):
             if skips is not None:
-                raise LoweringError(
-                    "steps that are skipped need a loop, which networks do not have",
-                    location=Location(path=source.pou.name),
-                    hint="Take --language ST.",
-                )
+                source.refuse("steps that are skipped need a loop, which networks do not have", "Take --language ST.")
             by_hand = [*self._imposed_by_hand()]
             start, off = disjunction([self._first, self._started()]), self._commands.edge("OFF_SQ")
             ends = Imposed(off, dict.fromkeys(encoding.initial_situation, FALSE))

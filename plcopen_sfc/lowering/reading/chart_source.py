@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from itertools import count
-from typing import Any, Self, TypeAlias
+from typing import Any, NoReturn, Self, TypeAlias
 
+from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.networks import Helper
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
@@ -232,6 +233,11 @@ class ChartSource(SourcePart):
     instances: Mapping[str, str] = field(default_factory=dict)
     asked_outside: bool = False
     asked_by_contacts: frozenset[int] = frozenset()
+
+    def refuse(self, message: str, hint: str, path: str = "") -> NoReturn:
+        """Raise `LoweringError` at `path` of the chart. `hint`: what a user can do."""
+        place = f"{self.pou.name} / {path}" if path else self.pou.name
+        raise LoweringError(message, location=Location(path=place), hint=hint)
 
     @property
     def starts_off(self) -> bool:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import replace
-from typing import NoReturn
 
-from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
@@ -85,22 +83,22 @@ class _Conditions:
         """Return the input of this name, which is added if the POU has none."""
         tree = n.bare(self._parsed(name))
         if not isinstance(tree, n.Name) or tree.quoting is n.Quoting.GLOBAL:
-            self._refuse(f"{name!r} is no name of an input")
+            self._source.refuse(f"{name!r} is no name of an input", "Give one name, such as Init.")
         declared = self._declared(tree.identifier)
         if declared is not None:
             if declared != BOOL:
-                self._refuse(f"{name} is there already, and is no BOOL")
+                self._source.refuse(f"{name} is there already, and is no BOOL", "Give the input another name.")
             if tree.identifier.casefold() in map(str.casefold, self._source.names_in_texts()):
                 # the proof would hold it FALSE, and call what needs it unreachable
                 hint = f"stop={name!r}, --stop {name}, restarts the chart by a condition on what it reads."
-                self._refuse(f"{name} cannot restart the chart: the chart itself reads or writes it", hint)
+                self._source.refuse(f"{name} cannot restart the chart: the chart itself reads or writes it", hint)
             # as with an input that was added, the proof holds while it is FALSE
             self._code.at_rest[tree.identifier] = False
             return self._code.naming.local(tree.identifier)
         if tree.identifier.casefold() in self._known:
             steps = {each.step.name.casefold() for each in self._source.net.steps}
             what = "a step" if tree.identifier.casefold() in steps else "something else"
-            self._refuse(f"{name} is the name of {what} already", "Give the input another name.")
+            self._source.refuse(f"{name} is the name of {what} already", "Give the input another name.")
         return self._input(tree.identifier, comment, rests=True)
 
     def condition(self, text: str, comment: str) -> Expression:
@@ -136,11 +134,9 @@ class _Conditions:
     def _parsed(self, text: str) -> Expression:
         parsed = parse_expression(text, self._source.dialect)
         if parsed.problems:
-            self._refuse(f"{text!r} is no condition: {parsed.problems[0].message}")
+            hint = "Write it as conditions of the project are written: NOT Stop OR Fault."
+            self._source.refuse(f"{text!r} is no condition: {parsed.problems[0].message}", hint)
         return parsed.tree
-
-    def _refuse(self, message: str, hint: str = "") -> NoReturn:
-        raise LoweringError(message, location=Location(path=self._source.pou.name), hint=hint)
 
 
 class ModeInputs:
@@ -157,17 +153,12 @@ class ModeInputs:
         self.selecting: n.Name | None = None
         self.selected: n.Name | None = None
         if source.grafcet is not None and self._modes - {OperatingMode.ENABLE}:
-            raise LoweringError(
-                "charts that search for stability are not stepped by hand: one push would lead through several steps",
-                location=Location(path=source.pou.name),
-                hint="Leave out these modes: --mode enable is possible.",
+            message = (
+                "charts that search for stability are not stepped by hand: one push would lead through several steps"
             )
+            source.refuse(message, "Leave out these modes: --mode enable is possible.")
         if OperatingMode.SELECT in self._modes and not self._numbers:
-            raise LoweringError(
-                "the chart has no step that could be selected",
-                location=Location(path=source.pou.name),
-                hint="Leave out --mode select.",
-            )
+            source.refuse("the chart has no step that could be selected", "Leave out --mode select.")
         self._usual, self._forced = self._declared(init)
         comment = rules.texts.step_numbers(source.net, self._numbers) if self.selected is not None else ""
         memory.code.add(rules.texts.modes, self._statements, comment)

@@ -8,7 +8,6 @@ from dataclasses import replace
 from typing import NoReturn
 
 from plcopen_sfc.analysis.exclusivity import exclusive
-from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.effects import is_impure
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
@@ -95,9 +94,7 @@ def refuse_classic(source: ChartSource, what: str, path: str = "", hint: str = "
 
     `hint`: what to change, where more can be said than that the exact form has it.
     """
-    place = f"{source.pou.name} / {path}" if path else source.pou.name
-    message = f"the classic form has no place for {what}"
-    raise LoweringError(message, location=Location(path=place), hint=hint or "The exact form has.")
+    source.refuse(f"the classic form has no place for {what}", hint or "The exact form has.", path)
 
 
 class ScanSchedule(ABC):

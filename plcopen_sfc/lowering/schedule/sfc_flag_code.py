@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 
-from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import string_literal
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
@@ -59,11 +58,8 @@ class ErrorTable:
         if SfcFlag.ERROR_ANALYZATION_TABLE in source.undeclared_flags:
             code.declare_as(_VARIABLE, kind)
         elif declared is not None and not _is_table(declared):
-            raise LoweringError(
-                f"{_VARIABLE} is declared with another type than ARRAY [0..15] OF {_TYPE}",
-                location=Location(path=source.pou.name),
-                hint="Declare it so, or not at all.",
-            )
+            message = f"{_VARIABLE} is declared with another type than ARRAY [0..15] OF {_TYPE}"
+            source.refuse(message, "Declare it so, or not at all.")
         if _TYPE.casefold() not in code.known_types:
             members = [Variable(name=name, type=StringType()) for name in ("name", "address", "comment")]
             members.append(Variable(name="value", type=BOOL))
