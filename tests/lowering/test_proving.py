@@ -23,7 +23,7 @@ def test_texts_that_are_wrong_in_their_types_are_no_error_of_the_lowering() -> N
     chart.transitions[0].condition = m.Expression(text="B1 + 1")
     with pytest.raises(LoweringError, match=r"both end with an error: .*BOOL") as caught:
         lower(pou, "bits", profile="iec")
-    assert "--accept-untested" in str(caught.value)
+    assert "check tells more" in str(caught.value)
     assert lower(pou, "bits", profile="iec", verify=False).proof is None
 
 
