@@ -52,7 +52,7 @@ def report_execution(
     if called:
         report.items = [replace(item, path=in_the_source(item.path, called)) for item in report.items]
         differences = [_of_the_source(difference, called) for difference in differences]
-    refused = {item.path for item in report.losses if item.what == "hierarchy"}
+    refused = {ObjectPath.of(item.path).owner for item in report.losses if item.what == "hierarchy"}
     report.items = [item for item in report.items if not _is_of_refused(item, refused)]
     settled = Counter(
         (_unnumbered(item.path), item.what)

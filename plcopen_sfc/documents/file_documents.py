@@ -147,7 +147,7 @@ def encode(
         report_behaviour(report, project, behaviour, seen, called, tool=kind.tool, flavour=flavour, limit=limit)
     elif limit:
         _report_without_tool(report, project, data, kind, called, limit=limit)
-    if source is not None and format_named(source.format)[0].xml:
+    if source is not None:
         report.locate(format_named(source.format)[0].codec().lines(source.content, project), called=called)
     locate_in_folder(project, report, called)
     return data, report

@@ -561,7 +561,7 @@ def test_one_fault_is_told_once(form: str) -> None:
     missing = HIERARCHY.replace("FORCE G1", "FORCE G9").replace("/d * ↑c", "/d * 3s/c")
     report = converted(missing, form)[1]
     told = [(item.what, item.path) for item in report.items if item.outcome == "not executed"]
-    assert told == [("hierarchy", "POU Ofen")]
+    assert told == [("hierarchy", "POU Ofen / G2 / step 11")]
     starting = MIXED.replace("INITIAL STEP 1\n", "INTERNALS\n    n %MW4 : INT := 3\nINITIAL STEP 1\n")
     told = [(item.what, item.path) for item in converted(starting, form)[1].items if item.outcome == "not executed"]
     assert told == ([("initial value", "POU M / n")] if form == "simaticml" else [])
@@ -1068,3 +1068,19 @@ def test_a_broken_hierarchy_is_not_sent_to_lower(lines: str, why: str) -> None:
     told = losses(converted(f"GRAFCET G\nINITIAL STEP 1\n{lines}\n", "codesys")[1])["hierarchy"]
     assert told.startswith("the hierarchy is broken: ")
     assert told.endswith(why)
+
+
+@pytest.mark.parametrize("form", ["plcopen", "codesys", "simaticml"])
+def test_items_have_the_lines_of_the_text(form: str, tmp_path: Path) -> None:
+    """Only those of files in XML had; orders that contradict each other were told of the whole POU."""
+    (tmp_path / "g.gct").write_text(
+        "GRAFCET H\nINPUTS\n    b\nCHART G1\n    INITIAL STEP 1\n    1 -> 2 : b\n    STEP 2\n    2 -> 1 : /b\n"
+        "CHART G2\n    INITIAL STEP 10\n        FORCE G1{INIT}\n    10 -> 10 : ↑b\n"
+        "CHART G3\n    INITIAL STEP 20\n        FORCE G1{2}\n    20 -> 20 : ↑b\n",
+        encoding="utf-8",
+    )
+    _, report = sfc.convert(sfc.load(tmp_path / "g.gct"), form, partial=True, limit=0)
+    (item,) = [item for item in report.losses if item.what == "hierarchy"]
+    assert item.path == "POU H / G3 / step 20"
+    assert item.line == 14
+    assert all(each.line is not None for each in report.losses)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -156,6 +157,17 @@ def test_comments_of_tags_are_in_the_language_asked_for() -> None:
     assert tag.comment == m.MultilingualText(texts={"de-DE": "Schritt S1 ist aktiv"})
     data = sfc.dumps(lowered.project, format="simaticml").decode("utf-8-sig")
     assert re.findall(r"<Culture>([\w-]+)</Culture>\s*<Text>Schritt S1 ist aktiv<", data) == ["de-DE"]
+
+
+@pytest.mark.parametrize(("lang", "culture"), [("de", "de-DE"), ("en", "en-US")])
+def test_comments_of_tags_have_the_language_of_the_code(lang: str, culture: str, tmp_path: Path) -> None:
+    """Those of inputs and outputs, which a GRAFCET has in one language, were English beside German flags."""
+    plan = sfc.load("fixtures/grafcet/two_cylinders.gct")
+    lowered = lower(plan, "flipflop", target="simaticml", flags="M20.0", lang=lang, verify=False)
+    (tmp_path / "tags").mkdir()
+    sfc.save(lowered, tmp_path / "tags", format="simaticml")
+    tables = [path.read_text(encoding="utf-8") for path in tmp_path.glob("tags/PLC tags/*.xml")]
+    assert {found for each in tables for found in re.findall(r"<Culture>([\w-]+)<", each)} == {culture}
 
 
 def test_flags_that_kept_their_values_are_set_back_in_the_first_scan() -> None:

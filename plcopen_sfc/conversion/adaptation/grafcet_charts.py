@@ -23,7 +23,7 @@ from plcopen_sfc.conversion.adaptation.grafcet_hierarchy import (
 )
 from plcopen_sfc.conversion.adaptation.stored_order import first_names, in_one_action, stored_names, stored_text
 from plcopen_sfc.conversion.executed_parts import FIRST_SCAN, SELECTION, STABILITY, START
-from plcopen_sfc.errors import ForcingConflictError, UnknownBehaviourError
+from plcopen_sfc.errors import ForcingConflictError, SfcError, UnknownBehaviourError
 from plcopen_sfc.languages.binding.name_sites import in_tree
 from plcopen_sfc.languages.expression_types import CALCULATING
 from plcopen_sfc.languages.grafcet_conditions import ConditionError, to_structured_text
@@ -53,6 +53,7 @@ from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Var
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ORDER_OF_ACTIONS, Outcome
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import rising
+from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile, ScanOrder
 
 Note = Callable[[Outcome, str, str, str], None]
@@ -183,7 +184,8 @@ class _Chart:
             try:
                 flat = self._flatten(path)
             except (UnknownBehaviourError, ForcingConflictError) as error:
-                self._note(Outcome.NOT_EXECUTED, "hierarchy", path, f"the hierarchy is broken: {error}")
+                place, why = self._place_of(error, path), f"the hierarchy is broken: {error.message}"
+                self._note(Outcome.NOT_EXECUTED, "hierarchy", place, why)
             except HierarchyError as error:
                 self._refuse_hierarchy(path, error)
         self.steps = {step.name.casefold(): step for step in self._chart.steps}
@@ -216,6 +218,13 @@ class _Chart:
             self._sequences()
         elif len(starts) > 1:
             self._start(starts, path)
+
+    def _place_of(self, error: SfcError, path: str) -> str:
+        """Return the place of the step that an error about the hierarchy names; `path` where it names none."""
+        net = Net.of(self._chart)
+        named = (error.location.path or "") if error.location is not None else ""
+        steps = zip(net.steps, net.report_paths(path)[0], strict=True)
+        return next((at for step, at in steps if named.endswith(f" / step {step.path}")), path)
 
     def _refuse_hierarchy(self, path: str, error: HierarchyError) -> None:
         why = f"{error}: lower the GRAFCET, which makes proven code of all of it"
