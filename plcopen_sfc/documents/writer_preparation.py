@@ -159,6 +159,11 @@ def _put_texts_into_words(
         _in_structured_text(copy, kind, report)
         if options.of_matiec and kind.dialect is not None and not profile_as(copy, kind.name).matiec_library:
             count_in_seconds(copy, report, kind.tool)
+    if dialect is Dialect.SCL and not is_scl:
+        from plcopen_sfc.refactor.declaration_translation import start_by_statements  # noqa: PLC0415  # for S7 alone
+
+        for path in start_by_statements(copy):
+            report.add(Outcome.TRANSLATED, "initial value", path, "a statement at the beginning: S7 has none of these")
     if dialect is not None:
         calls_actions = kind.name == TIA_FORMAT  # its writer puts statements in the place of the calls
         wholly = bool(options.flavour)

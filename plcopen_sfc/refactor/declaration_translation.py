@@ -26,6 +26,7 @@ from plcopen_sfc.model import (
     Qualifier,
     Variable,
 )
+from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import STRING_LENGTHS, Dialect
 from plcopen_sfc.model.types import (
     ArrayType,
@@ -80,6 +81,34 @@ def compute_constants(project: Project) -> list[TranslatedText]:
         note = Note(severity, why, (0, 0), 1, 1)
         found.append(TranslatedText(text_site.report_path, literal is not None, (note,), "constant expression"))
     return found
+
+
+def start_by_statements(project: Project) -> list[str]:
+    """Give variables of functions and temporary ones their start values in statements; return the paths of these.
+
+    In S7 they have none. Statements stand at the beginning of a body of structured text; other bodies get none.
+    """
+    found: list[str] = []
+    for pou in project.pous:
+        body = pou.bodies[0] if pou.bodies else None
+        if not isinstance(body, StBody) or pou.interface is None:
+            continue
+        kinds = _BEGUN_BY_CALLS if pou.kind is PouKind.FUNCTION else (SectionKind.TEMP,)
+        statements = ""
+        for variable in (v for each in pou.interface.sections if each.kind in kinds for v in _variables(each)):
+            if isinstance(variable.initial, SimpleValue):
+                statements += f"{variable.name} := {variable.initial.text};\n"
+                variable.initial = None
+                found.append(f"{pou.report_path} / variable {variable.name}")
+        body.text = statements + body.text
+    return found
+
+
+_BEGUN_BY_CALLS = (SectionKind.LOCAL, SectionKind.TEMP, SectionKind.OUTPUT)
+
+
+def _variables(section: VariableSection) -> list[Variable]:
+    return [] if section.constant else section.variables
 
 
 def _renaming(renames: Renames, target: Dialect) -> Callable[[NameScope, str], str | None]:

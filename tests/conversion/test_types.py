@@ -84,6 +84,31 @@ def test_start_values_that_functions_of_s7_do_not_have_are_told_and_not_written(
     assert starts == {"k": m.SimpleValue(text="2")}
 
 
+BEGUN = """FUNCTION F : INT
+VAR_INPUT x : INT; END_VAR
+VAR k : INT := 2; r : REAL := 1.5; END_VAR
+k := k + x; F := k + REAL_TO_INT(r * 2.0);
+END_FUNCTION
+FUNCTION_BLOCK Main
+VAR_INPUT a : INT; END_VAR
+VAR_OUTPUT n : INT; END_VAR
+VAR_TEMP t : INT := 4; END_VAR
+t := t + F(a); n := t;
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.mark.parametrize("target", ["simaticml", "scl"])
+def test_start_values_that_s7_does_not_have_are_statements(target: str) -> None:
+    project = sfc.loads(BEGUN.encode(), format="iec-text")
+    data, report = sfc.convert(project, target)
+    assert {item.what for item in report.losses} <= {"text"}  # REAL_TO_INT rounds otherwise
+    paths = [item.path for item in report.items if item.what == "initial value"]
+    assert paths == ["POU F / variable k", "POU F / variable r", "POU Main / variable t"]
+    result = sfc.loads(data, format=target, as_tool=True)
+    assert sfc.simulate(result, pou="Main", scans=2)["n"] == sfc.simulate(project, pou="Main", scans=2)["n"] == [9, 9]
+
+
 @pytest.mark.parametrize(("source", "target", "length"), [("scl", "codesys", "254"), ("codesys", "scl", "80")])
 def test_strings_keep_the_length_that_their_tool_gives_them(source: str, target: str, length: str) -> None:
     section = m.VariableSection(variables=[m.Variable(name="s", type="STRING")])

@@ -203,9 +203,13 @@ _WHOLE = re.compile(r"[+-]?\d[\d_]*")
 
 
 class TypeFitter:
-    """Changes types and values of variables; what matiec has not is reported. `declared` are the data types by name."""
+    """Changes types and values of variables; what matiec has not is reported.
 
-    def __init__(self, declared: Iterable[DataTypeDeclaration], report: ConversionReport) -> None:
+    `declared` are the data types by name; `own`: those of a project for matiec, whose strings have its length.
+    """
+
+    def __init__(self, declared: Iterable[DataTypeDeclaration], report: ConversionReport, *, own: bool) -> None:
+        self._own = own
         self._declared = {one.name.casefold(): one.type for one in declared}
         self._report = report
 
@@ -259,7 +263,7 @@ class TypeFitter:
         elif isinstance(kind, StructType):
             for member in kind.members:
                 self._variable(member, f"{path} / {member.name}", constants)
-        elif isinstance(kind, StringType) and kind.length is not None:
+        elif isinstance(kind, StringType) and (kind.length is not None or not self._own):
             self._report.add(Outcome.APPROXIMATED, "string", path, "matiec has strings of its own length")
             return StringType(wide=kind.wide)
         return kind

@@ -66,7 +66,7 @@ def fit_project(
     name_structures(project, report)
     _number_enumerations(project, report)
     give_plain_names(project, report)
-    types = TypeFitter(project.data_types, report)
+    types = TypeFitter(project.data_types, report, own=own)
     constants = types.sections(project.global_sections(), "", {})
     lists = frozenset(section.name.casefold() for section in project.global_sections() if section.name)
     declare_globals(project, report)

@@ -68,7 +68,7 @@ def adapt(project: Project, report: ConversionReport, *, foreign: bool) -> None:
         variables = {each.name.casefold() for each in chart.pou.variables() if not is_system_data(each)}
         if foreign:
             _report_names(chart.chart, chart.report_path, variables, report)
-        _numbers(chart.chart, chart.report_path, variables, report)
+        _numbers(chart.chart, chart.report_path, variables, report, renames=foreign)
 
 
 _APART = 1 << 20
@@ -179,12 +179,18 @@ def _languages(thing: Any, language: str) -> None:
             _languages(item, language)
 
 
-def _numbers(chart: SfcNetwork, place: str, variables: set[str], report: ConversionReport) -> None:
+def _numbers(chart: SfcNetwork, place: str, variables: set[str], report: ConversionReport, *, renames: bool) -> None:
     _number(chart.steps)
     _number(chart.transitions)
-    taken = {step.name.casefold() for step in chart.steps} | {t.name.casefold() for t in chart.transitions}
-    taken |= variables | system_members(variables)
+    used = {step.name.casefold() for step in chart.steps} | variables | system_members(variables)
+    taken = used | {t.name.casefold() for t in chart.transitions}
     for transition in chart.transitions:
+        if renames and transition.name and transition.name.casefold() in used:
+            path = f"{place} / transition {transition.name}"
+            transition.name = take_name(transition.name, taken)
+            why = f"it is called {transition.name}: in TIA Portal another member of the block has its name"
+            report.add(Outcome.TRANSLATED, "name", path, why)
+        used.add(transition.name.casefold())
         if not transition.name:
             transition.name = take_name(f"Trans{transition.number}", taken)
             why = "it got a name, as S7-GRAPH requires"
@@ -203,16 +209,12 @@ def _numbers(chart: SfcNetwork, place: str, variables: set[str], report: Convers
 
 
 def _report_names(chart: SfcNetwork, place: str, variables: set[str], report: ConversionReport) -> None:
-    """Report steps and transitions with the name of something else: all of these are members of the block."""
-    called = dict.fromkeys(variables | system_members(variables), "variable of the block")
-    things: list[tuple[str, Step | Transition]] = [("step", step) for step in chart.steps]
-    things += [("transition", transition) for transition in chart.transitions if transition.name]
-    for kind, thing in things:
-        other = called.get(thing.name.casefold())
-        if other is not None:
-            why = f"a {other} is called {thing.name} too: TIA Portal does not compile it"
-            report.add(Outcome.NOT_EXECUTED, kind, f"{place} / {kind} {thing.name}", why)
-        called.setdefault(thing.name.casefold(), kind)
+    """Report steps with the name of a variable: all of these are members of the block."""
+    called = variables | system_members(variables)
+    for step in chart.steps:
+        if step.name.casefold() in called:
+            why = f"a variable of the block is called {step.name} too: TIA Portal does not compile it"
+            report.add(Outcome.NOT_EXECUTED, "step", f"{place} / step {step.name}", why)
 
 
 def _limits(chart: SfcNetwork, place: str, report: ConversionReport) -> None:

@@ -12,6 +12,8 @@ from typing import Any
 from plcopen_sfc.semantics.programs import function_runtime
 from plcopen_sfc.semantics.programs.runtime_types import Family, ScalarType
 
+LONGEST_STRING = 126
+"""Characters of every STRING (``STR_MAX_LEN``)."""
 _SECOND = 1_000_000_000
 _DIGITS = 20
 

@@ -438,6 +438,18 @@ def test_texts_and_numbers_of_matiec_are_those_of_its_library(condition: str, ex
     assert require_matiec().build(data.decode(), tmp_path, program="Plant").run([{}], ["q"])[0]["q"] is expected
 
 
+def test_strings_have_the_length_of_matiec(tmp_path: Path) -> None:
+    text = "PROGRAM Plant VAR s : STRING; n : INT; END_VAR s := CONCAT(s, '1234567890'); n := LEN(s); END_PROGRAM"
+    project = sfc.loads(text.encode(), format="iec-text")
+    data, report = sfc.convert(project, "iec-text", flavour="matiec")
+    assert [item.what for item in report.losses] == ["string"]
+    instance = Controller(project, "matiec").instance("Plant")
+    for _ in range(20):
+        instance.scan()
+    assert instance["n"] == 126
+    assert require_matiec().build(data.decode(), tmp_path, program="Plant").run([{}] * 20, ["n"])[-1]["n"] == 126
+
+
 def test_durations_and_times_of_day_that_matiec_calculates_otherwise_are_told() -> None:
     statements = "d := d + T#13h; t := t * k; t := t + t;"
     text = f"PROGRAM Plant VAR d : TOD; t : TIME; k : INT; END_VAR {statements} END_PROGRAM"
