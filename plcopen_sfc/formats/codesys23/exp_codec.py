@@ -15,7 +15,7 @@ from __future__ import annotations
 import codecs
 import re
 from collections import Counter
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -50,7 +50,7 @@ from plcopen_sfc.languages.declarations.declaration_comments import LINE_END
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.pragmas import RemainderEntry, changes, plain_fields
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import print_node, transform, walk
+from plcopen_sfc.languages.st import parse_expression, print_node, transform, walk
 from plcopen_sfc.languages.st.lexer import CommentKind, Token, tokenize
 from plcopen_sfc.languages.st.printing import render
 from plcopen_sfc.languages.text_edits import Edit, apply_edits, without
@@ -72,10 +72,11 @@ from plcopen_sfc.model.types import (
     ElementaryType,
     EnumType,
     PointerType,
+    SimpleValue,
     StringType,
     StructType,
 )
-from plcopen_sfc.model.variables import VariableSection
+from plcopen_sfc.model.variables import SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
 USUAL = "cp1252"
@@ -481,10 +482,21 @@ def replace_later_language(project: Project, report: ConversionReport) -> None:
     """Write enumerations and set statements in `project` as CoDeSys 2.3 does, and report what it does not compile."""
     enumerations = {each.name.casefold() for each in project.data_types if isinstance(each.type, EnumType)}
     plain = partial(_plain, _unique_values(project))
+    functions = {pou.name.casefold(): pou for pou in project.pous if pou.kind is PouKind.FUNCTION}
+    for pou in functions.values():
+        for variable in pou.variables(SectionKind.OUTPUT):
+            why = "an output of a function: it is not known whether CoDeSys 2.3 compiles that"
+            report.add(Outcome.APPROXIMATED, "variable", f"{pou.report_path} / {variable.name}", why)
     for site in text_sites(project):
         if not site.is_program_text:
             continue
         parsed = site.parsed(project.dialect)
+        passed = transform(parsed.tree, partial(_with_all_inputs, functions))
+        if passed is not parsed.tree and passed != parsed.tree:
+            why = "calls of functions pass all inputs, also those with a start value: CoDeSys 2.3 may take no fewer"
+            report.add(Outcome.TRANSLATED, "text", site.report_path, why)
+            site.put(render(parsed, passed))
+            parsed = site.parsed(project.dialect)
         tree = transform(parsed.tree, plain)
         if tree is not parsed.tree and tree != parsed.tree:
             site.put(render(parsed, tree))
@@ -526,6 +538,30 @@ def _plain(unique: Collection[tuple[str, str]], node: n.Node) -> n.Node:
         case n.Assignment():
             return conditional_assignment(node) or node
     return node
+
+
+def _with_all_inputs(functions: Mapping[str, Pou], node: n.Node) -> n.Node:
+    """Return the call of a function of the project with the start values of inputs that it leaves out."""
+    if not isinstance(node, n.Call) or not isinstance(node.callee, n.Name):
+        return node
+    function = functions.get(node.callee.identifier.casefold())
+    inputs = function.variables(SectionKind.INPUT) if function is not None else []
+    given = [argument for argument in node.arguments if not argument.output]
+    if any(argument.name is None for argument in given):
+        left = inputs[len(given) :]
+    else:
+        names = {argument.name.identifier.casefold() for argument in given if argument.name is not None}
+        left = [variable for variable in inputs if variable.name.casefold() not in names]
+    values = [variable.initial for variable in left]
+    if not left or not all(isinstance(value, SimpleValue) and value.text for value in values):
+        return node
+    by_name = not given or given[0].name is not None
+    added = tuple(
+        n.Argument(parse_expression(value.text).tree, n.Name(variable.name) if by_name else None)
+        for variable, value in zip(left, values, strict=True)
+        if isinstance(value, SimpleValue) and value.text is not None
+    )
+    return replace(node, arguments=(*node.arguments, *added))
 
 
 def _words(node: n.Node, enumerations: Collection[str]) -> Iterator[str]:

@@ -182,6 +182,39 @@ def test_set_statements_become_conditions() -> None:
     assert "IF NOT a OR i > 3 THEN q := FALSE; END_IF" in statements
 
 
+FUNCTION = """{plcopen_sfc project.dialect := 'codesys'}
+FUNCTION F : INT
+VAR_INPUT x : INT; y : INT := 2; z : INT := 3; END_VAR
+%s
+F := x * 100 + y * 10 + z;
+END_FUNCTION
+"""
+
+
+@pytest.mark.parametrize(
+    ("call", "written"),
+    [
+        ("F(1)", b"F(1, 2, 3)"),
+        ("F(1, 5)", b"F(1, 5, 3)"),
+        ("F(x := 1, z := 7)", b"F(x := 1, z := 7, y := 2)"),
+        ("F(1, 2, 4)", b"F(1, 2, 4)"),
+    ],
+)
+def test_calls_of_functions_pass_the_start_values_of_inputs_that_they_leave_out(call: str, written: bytes) -> None:
+    text = FUNCTION % "" + V3_ONLY.format(condition="a", action=f"i := {call};", variable="").partition("\n")[2]
+    data, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "codesys23", limit=0)
+    assert written in data
+    assert [item.path for item in report.items if "pass all inputs" in item.why] == (
+        [] if call.encode() == written else ["POU Main / action Act"]
+    )
+
+
+def test_outputs_of_functions_are_told() -> None:
+    text = FUNCTION % "VAR_OUTPUT o : BOOL; END_VAR"
+    _, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "codesys23")
+    assert [(item.outcome, item.path) for item in report.losses] == [(Outcome.APPROXIMATED, "POU F / o")]
+
+
 def test_values_of_enumerations_have_no_type_before_them() -> None:
     text = V3_ONLY.format(condition="col = Color.Green", action="col := Color.Red;", variable="")
     project = sfc.loads(text.encode(), format="iec-text")
