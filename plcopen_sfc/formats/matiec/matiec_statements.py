@@ -27,7 +27,7 @@ from plcopen_sfc.languages.expression_types import (
     fits,
 )
 from plcopen_sfc.languages.il import CALLS
-from plcopen_sfc.languages.st import names_of, parse_statements, print_node, render, transform, walk
+from plcopen_sfc.languages.st import names_of, parse_expression, parse_statements, print_node, render, transform, walk
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
 from plcopen_sfc.languages.text_edits import Edit, apply_edits, without
@@ -279,7 +279,7 @@ def fit_expressions(project: Project, report: ConversionReport, *, same_library:
         parsed = text_site.parsed(project.dialect)
         if parsed.problems:
             continue
-        fitter = _ExpressionFitter(text_site, resolver, same_library=same_library)
+        fitter = _ExpressionFitter(text_site, resolver, _written(parsed.tree), same_library=same_library)
         tree = transform(parsed.tree, fitter)
         if not fitter.missing:
             found = _TypeCheck(ExpressionTypes(Dialect.IEC, fitter.type_of)).mistakes(tree)
@@ -292,9 +292,17 @@ def fit_expressions(project: Project, report: ConversionReport, *, same_library:
             report.add(Outcome.NOT_EXECUTED, what, text_site.report_path, f"{why}; the text does not compile there")
 
 
+def _written(tree: n.Node) -> frozenset[str]:
+    """Return what statements write, in lower case: targets of assignments, and outputs of calls."""
+    targets = [node.target for node in walk(tree) if isinstance(node, n.Assignment)]
+    outputs = [node.value for node in walk(tree) if isinstance(node, n.Argument) and node.output]
+    return frozenset(print_node(each).casefold() for each in (*targets, *outputs) if each is not None)
+
+
 class _ExpressionFitter:
-    def __init__(self, text_site: TextSite, resolver: Resolver, *, same_library: bool) -> None:
+    def __init__(self, text_site: TextSite, resolver: Resolver, written: frozenset[str], *, same_library: bool) -> None:
         self.text_site = text_site
+        self.written = written
         self.same_library = same_library
         self.resolver = resolver
         self.missing: list[tuple[str, str]] = []
@@ -318,14 +326,29 @@ class _ExpressionFitter:
             return replace(node, operand=n.Parenthesized(node.operand))  # IEC 61131-3 ed. 2, B.3.1: one sign or NOT
         if isinstance(node, n.Assignment):
             return self.converter.assignment(node)
-        if isinstance(node, n.Member) and _BIT.fullmatch(node.name.identifier):
-            self.missing.append(("bit access", f"matiec has no bits of variables, here .{node.name.identifier}"))
+        if isinstance(node, n.Member) and (bit := _BIT.fullmatch(node.name.identifier)):
+            return self._bit(node, bit)
         if isinstance(node, n.Call) and isinstance(node.callee, n.Name):
             converted = self._conversion(node, node.callee)
             if isinstance(converted, n.Call) and not self.same_library:
                 return in_milliseconds(converted) or converted
             return converted
         return node
+
+    def _bit(self, node: n.Member, found: re.Match[str]) -> n.Node:
+        """``w.3`` as ``(w AND WORD#16#8) <> WORD#16#0``, where it is read only."""
+        kind = self._type(node.base)
+        bits = kind if kind in _BITS else _BITS_OF.get(kind, "")
+        if not bits or found["number"] is None or int(found["number"]) >= 2 ** (_BITS.index(bits) + 3):
+            self.missing.append(("bit access", f"matiec has no bits of variables, here .{node.name.identifier}"))
+            return node
+        if print_node(node).casefold() in self.written:
+            self.missing.append(("bit access", f"matiec writes no bits of variables, here .{node.name.identifier}"))
+            return node
+        word = print_node(node.base)
+        word = word if bits == kind else f"{kind}_TO_{bits}({word})"
+        text = f"(({word} AND {bits}#16#{1 << int(found['number']):X}) <> {bits}#16#0)"
+        return parse_expression(text).tree
 
     def _literal(self, node: n.Literal) -> n.Node:
         text = node.text
@@ -365,13 +388,15 @@ _POINTLESS = re.compile(r"^(?:L?REAL#)?[+-]?\d[\d_]*(?=[eE][+-]?\d)|^L?REAL#[+-]
 _LINE_FEED = re.compile(r"\$(.)")
 _LATIN_1 = 255
 _LONG = re.compile(r"(?:LTIME|LT|LD|LDATE|LTOD|LDT|LTIME_OF_DAY|LDATE_AND_TIME|W?CHAR|WSTRING)#|\"", re.IGNORECASE)
-_BIT = re.compile(r"%?[XBWDL]?\d+", re.IGNORECASE)
+_BIT = re.compile(r"%?(?:X?(?P<number>\d+)|[BWDL]\d+)", re.IGNORECASE)
 _CONVERSION = re.compile(r"TO_(?:[SDL]?INT|U[SDL]?INT|L?REAL|BOOL|BYTE|[DL]?WORD|TIME|STRING)")
 
 
 _SIGNED = ("SINT", "INT", "DINT", "LINT")
 _UNSIGNED = ("USINT", "UINT", "UDINT", "ULINT")
 _BITS = ("BYTE", "WORD", "DWORD", "LWORD")
+_BITS_OF = dict(zip((*_SIGNED, *_UNSIGNED), (*_BITS, *_BITS), strict=True))
+"""Bit strings of the size of integers."""
 _NUMBERS = frozenset({*_SIGNED, *_UNSIGNED, *_BITS, *REALS})
 _TYPED = re.compile(r"([A-Z]+)#", re.IGNORECASE)
 REAL_LITERAL = re.compile(r"[\d_]+\.[\d_]+(?:[eE][+-]?\d+)?")

@@ -438,6 +438,25 @@ def test_texts_and_numbers_of_matiec_are_those_of_its_library(condition: str, ex
     assert require_matiec().build(data.decode(), tmp_path, program="Plant").run([{}], ["q"])[0]["q"] is expected
 
 
+def test_bits_that_are_read_are_conjunctions_in_matiec(tmp_path: Path) -> None:
+    text = """PROGRAM Plant VAR w : WORD := 16#8008; i : INT := -2; b : BYTE; k : INT; END_VAR
+        IF w.3 AND NOT w.4 AND w.15 THEN k := 1; END_IF; IF i.15 AND NOT i.0 THEN k := k + 2; END_IF;
+        IF b.7 OR b.%X0 THEN k := 0; END_IF; END_PROGRAM"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    data, report = sfc.convert(project, "iec-text", flavour="matiec")
+    assert report.losses == []
+    instance = Controller(project, "iec").instance("Plant")
+    instance.scan()
+    assert instance["k"] == 3
+    assert require_matiec().build(data.decode(), tmp_path, program="Plant").run([{}], ["k"])[0]["k"] == 3
+
+
+def test_bits_that_are_written_are_not_executed_in_matiec() -> None:
+    text = "PROGRAM Plant VAR w : WORD; q : BOOL; END_VAR w.3 := q; q := w.3; END_PROGRAM"
+    _, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "iec-text", flavour="matiec", partial=True)
+    assert {(item.outcome, item.what) for item in report.losses} == {(Outcome.NOT_EXECUTED, "bit access")}
+
+
 def test_strings_have_the_length_of_matiec(tmp_path: Path) -> None:
     text = "PROGRAM Plant VAR s : STRING; n : INT; END_VAR s := CONCAT(s, '1234567890'); n := LEN(s); END_PROGRAM"
     project = sfc.loads(text.encode(), format="iec-text")
