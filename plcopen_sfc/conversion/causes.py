@@ -86,6 +86,8 @@ def _causes(
     written = _written_at(chart, profiles, tool)
     for name in (each.name for each in example.differences if each.name in written):
         return f"; {written[name]}"
+    if any(item.what == START and concerns(item, chart.report_path) for item in losses):
+        return f"; look at the {START}, which the report names"
     order = ": tools have an order of their own for what writes a variable in one scan"
     return f"; look at {_listed([*parts])}{order if len(parts) > 1 and not evolves else ''}" if parts else ""
 

@@ -181,13 +181,17 @@ def _inputs_written(chart: CheckedChart) -> Iterator[Finding]:
             for name, path in written.items():
                 if path and path[0] in inputs:
                     yield Finding(sheet.at(step, association), f"{name} is an input, and the action writes it")
+                elif path and path[0] in chart.flags - chart.types.keys():
+                    message = f"{name} is the flag of a step, and the action writes it"
+                    yield Finding(sheet.at(step, association), message, "Write a variable: transitions change steps.")
 
 
 ACT20 = Rule(
     code="ACT20",
-    title="An action writes no input",
+    title="An action writes no input and no flag of a step",
     why="An input is what the machine tells the chart: nothing that an action writes to it stays, or the machine does "
-    "(IEC 60848:2013, 4.8: actions act on outputs and internal variables).",
+    "(IEC 60848:2013, 4.8: actions act on outputs and internal variables). A flag belongs to its step: it tells what "
+    "transitions have made of it.",
     hint="Declare it among the outputs or internals, or correct the name.",
     example="""
 GRAFCET Example

@@ -590,7 +590,12 @@ class _Chart:
     def _misfit(self, each: ActionAssociation) -> str:
         """Return why no tool compiles what an action stores; empty where that is not known."""
         targets = ActionTargets(self._pou, self._project, Dialect.IEC)
-        statements = parse_statements(stored_text(each)).tree.statements if each.kind not in _CONTINUOUS else ()
+        tree = parse_statements(stored_text(each)).tree
+        written = [first_names(node.target)[:1] for node in walk(tree) if isinstance(node, n.Assignment)]
+        for name in (name for names in written for name in names):
+            if self._step_of(name) is not None and not self._is_known(name):
+                return f"{name} is the flag of a step, which only transitions change"
+        statements = tree.statements if each.kind not in _CONTINUOUS else ()
         return next((why for statement in statements for why in targets.mistakes(statement)), "")
 
     def _put_flags(self, each: ActionAssociation, flag: Callable[[n.Node], n.Node]) -> None:

@@ -95,6 +95,7 @@ class _Reader(TextReader):
         net = self._net = Net.of(chart)
         self._owned = _owned(net)
         self._terms = TermTexts()
+        self._flags = frozenset(map(str.casefold, bits_by_number(net)))
         if profile.order is ScanOrder.ACTIONS_FIRST:
             self.refuse(
                 f"it has something of GRAFCET, which the profile {profile.name} does not have",
@@ -174,8 +175,18 @@ class _Reader(TextReader):
 
     def _refuse_misfits(self, statements: Iterable[n.Statement], path: str) -> None:
         """Refuse values that no tool takes, where a GRAFCET's `simulate` converts them: the proof would not tell."""
+        for statement in statements:
+            for node in walk(statement):
+                if isinstance(node, n.Assignment):
+                    self._refuse_flag(print_node(node.target), path)
         for why in (why for statement in statements for why in self._targets.mistakes(statement)):
             self.refuse(f"no tool compiles the action: {why}", path, "Convert the value, or compare it: n <> 0.")
+
+    def _refuse_flag(self, name: str, path: str) -> None:
+        declared = {variable.name.casefold() for variable in self.pou.variables()}
+        if self._profile.step_variables is StepVariables.GRAFCET and name.casefold() in self._flags - declared:
+            why = f"{name} is the flag of a step, and the action writes it"
+            self.refuse(why, path, "Write a variable: transitions change steps.")
 
     def _continuous(self) -> Iterator[ActionSource]:
         """Yield the actions: associations with the same target are one, every body in place is one of its own."""
@@ -185,6 +196,7 @@ class _Reader(TextReader):
             if model.kind not in CONTINUOUS:
                 continue
             path = f"step {owner.path} / action {model.target or ''}".rstrip()
+            self._refuse_flag(model.target or "", path)
             use = self._use(owner, chart, model, path)
             if model.target is not None:
                 uses = by_target.get(model.target.casefold())

@@ -887,6 +887,8 @@ STORED = "    ON ACTIVATION %s := FALSE\n"
 case("EVO01", grafcet(AROUND % (STORED % "c", "a")), grafcet(AROUND % (STORED % "a", "a")), "G1.3 -> 1", "grafcet")
 case("EVO01", grafcet("1 -> 1 : a"), grafcet("1 -> 1 : ↑a"), "a circle fires without end: G1.1 -> 1", "grafcet")
 UNUSED = "EXPANSION M3 FROM E3 TO S3\nSTEP E3\nSTEP S3\nENCLOSED G2\nSTEP 20"
+FLAG = "    ON ACTIVATION %s := TRUE\n    X3\nSTEP 2"
+case("ACT20", grafcet(FLAG % "X2"), grafcet(FLAG.replace("X3", "X4") % "X5"), "X2 is the flag of a step", "grafcet")
 case("STR01", grafcet("-> : a"), grafcet("-> 1 : ↑a"), "leads from no step to no step", "grafcet")
 case("HIE08", grafcet(UNUSED), grafcet("MACRO M3\nSTEP 2 ENCLOSES G2{20}\n" + UNUSED), "never active", "grafcet")
 
