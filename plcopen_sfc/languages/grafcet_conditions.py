@@ -29,7 +29,9 @@ from typing import Protocol
 from plcopen_sfc.languages.problems import Problem
 from plcopen_sfc.languages.st import parse_condition, parse_expression
 from plcopen_sfc.languages.words import IEC_KEYWORDS
+from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.sfc import SfcNetwork
 
 
 class ConditionError(ValueError):
@@ -98,6 +100,19 @@ def to_structured_text(text: str, terms: Terms) -> str:
     if [token.text for token in reader.tokens] == ["=", "1"]:  # "always true", as drawings label it
         return "TRUE"
     return reader.level(0, len(reader.tokens))
+
+
+def is_grafcet(chart: SfcNetwork) -> bool:
+    """Return True if a chart has what only GRAFCETs have: partial charts, kinds of actions, signs in its conditions."""
+    if chart.partial_charts or any(step.encloses for step in chart.steps):
+        return True
+    if any(action.kind is not None or action.forcing is not None for _, action in chart.associations()):
+        return True
+    conditions = (transition.condition for transition in chart.transitions)
+    return any(isinstance(each, Expression) and _SIGNS.search(each.text) for each in conditions)
+
+
+_SIGNS = re.compile(r"[↑↓·⋅∙•¬!]|(?<![\w.])\d+[ \t]*(?:ms|min|[smhd])[ \t]*/")
 
 
 def condition_problem(text: str, dialect: Dialect = Dialect.IEC) -> Problem | None:

@@ -18,14 +18,14 @@ Sources, by the short names used below:
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from types import MappingProxyType
 
 from plcopen_sfc.errors import ModelError, check_argument, nearest
-from plcopen_sfc.model import Dialect, Expression, Project, Qualifier, SfcFlag
+from plcopen_sfc.languages.grafcet_conditions import is_grafcet
+from plcopen_sfc.model import Dialect, Project, Qualifier, SfcFlag
 from plcopen_sfc.semantics.net import Competing
 
 
@@ -461,7 +461,7 @@ def profile_as(project: Project, format: str) -> Profile:
     if name is None and format.startswith("plcopen") and project.header.is_of_beremiz:
         name = "beremiz"
     if name is None:
-        name = "grafcet" if _has_grafcet(project) else "iec"
+        name = "grafcet" if any(is_grafcet(chart) for _, _, chart in project.charts()) else "iec"
     return PROFILES[name]
 
 
@@ -478,19 +478,3 @@ def have_equal_rules(one: Profile, other: Profile) -> bool:
 def format_of_profile(name: str) -> str:
     """Return the format whose files have the profile of this name by their format alone; TC6 for what has none."""
     return next((format for format, profile in _BY_FORMAT.items() if profile == name), "plcopen")
-
-
-def _has_grafcet(project: Project) -> bool:
-    for _, _, chart in project.charts():
-        if chart.partial_charts or any(step.encloses for step in chart.steps):
-            return True
-        if any(a.kind is not None or a.forcing is not None for _, a in chart.associations()):
-            return True
-        conditions = [transition.condition for transition in chart.transitions]
-        if any(isinstance(each, Expression) and _NOTATION.search(each.text) for each in conditions):
-            return True
-    return False
-
-
-_NOTATION = re.compile(r"[↑↓·⋅∙•¬!]|(?<![\w.])\d+[ \t]*(?:ms|min|[smhd])[ \t]*/")
-"""Signs that only conditions of GRAFCETs have."""

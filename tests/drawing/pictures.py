@@ -60,7 +60,7 @@ def read_picture(svg: str) -> Picture:
 
 
 def assert_tidy(picture: Picture) -> None:
-    """Nothing overlaps, no wire runs through an element or across another, texts are inside of their elements."""
+    """Nothing overlaps, no wire runs through an element, across another or on one."""
     width, height = int(picture.root.get("width")), int(picture.root.get("height"))
     ordered = sorted(picture.areas, key=lambda item: item[1])
     for position, (one, a) in enumerate(ordered):
@@ -79,6 +79,13 @@ def assert_tidy(picture: Picture) -> None:
     for one in picture.wires:
         for other in picture.wires:
             assert not _cross(one, other), (one, other)
+    spans: dict[tuple[bool, int], list[tuple[int, int]]] = {}
+    for x, y, end, below in picture.wires:
+        spans.setdefault((x == end, x if x == end else y), []).append(
+            tuple(sorted((y, below) if x == end else (x, end)))
+        )  # type: ignore[arg-type]
+    for line, each in spans.items():
+        assert all(one[1] <= other[0] for one, other in pairwise(sorted(each))), (line, sorted(each))
 
 
 def _axis(element: etree._Element) -> float:

@@ -296,6 +296,21 @@ class TestSymbols:
             transition.priority = None
         assert drawn(chart, fresh=True).texts().count("*") == count
 
+    @pytest.mark.parametrize("edge", ["\u2193", ""])
+    def test_a_grafcet_without_actions_is_drawn_as_one(self, edge: str) -> None:
+        """It was drawn as a chart of IEC 61131-3, with an asterisk, and all its transitions that are true fire."""
+        text = f"GRAFCET G\nINPUTS\n    a\nINITIAL STEP 1\n1 -> 2 : a\n1 -> 3 : /a\nSTEP 2\nSTEP 3\n2 -> 1 : {edge}a\n"
+        project = sfc.loads(text.encode())
+        chart = project.pous[0].chart
+        assert default_profile(project).competing is Competing.ALL
+        assert chart.to_svg() == chart.to_svg(style="grafcet")
+        assert drawn(chart).texts().count("*") == 0
+
+    def test_a_branch_of_a_branch_has_one_line(self) -> None:
+        """Where the last branch of one divergence goes on to the end of the one around it, two lines were drawn."""
+        edges = [([0], [1]), ([0], [2]), ([1], [3]), ([2], [3]), ([2], [0]), ([0], [3]), ([3], [0])]
+        drawn(make(4, edges))
+
     def test_branches_that_a_file_draws_in_another_order_have_their_turns(self) -> None:
         """Above them was the asterisk, by which they are tried from left to right, and they are not."""
         chart = make(3, [([0], [1]), ([0], [2]), ([1], [0]), ([2], [0])])

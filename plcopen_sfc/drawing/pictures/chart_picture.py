@@ -16,6 +16,7 @@ from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme, text_width, w
 from plcopen_sfc.drawing.pictures.symbol_pictures import PictureSheet, PictureStyle
 from plcopen_sfc.drawing.wording import KINDS, Told, Wording, english
 from plcopen_sfc.errors import ModelError, check_argument, nearest
+from plcopen_sfc.languages.grafcet_conditions import is_grafcet
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.owners import Owned
 from plcopen_sfc.model.project import Project
@@ -152,10 +153,10 @@ def usual_style(chart: SfcNetwork) -> PictureStyle:
     """Return the style of the standard or tool that a chart is of, as far as its content tells."""
     if chart.graph_settings is not None or chart.sequences:
         return PictureStyle.S7GRAPH
-    kinds = any(association.kind is not None for _, association in chart.associations())
-    if chart.partial_charts or kinds or any(step.encloses for step in chart.steps):
-        return PictureStyle.GRAFCET
     project = chart.project
+    is_of_tool = project is not None and project.dialect is not Dialect.IEC
+    if (project is not None and project.tool_format.startswith("grafcet")) or (not is_of_tool and is_grafcet(chart)):
+        return PictureStyle.GRAFCET
     return PictureStyle.S7GRAPH if project is not None and project.dialect is Dialect.SCL else PictureStyle.IEC
 
 

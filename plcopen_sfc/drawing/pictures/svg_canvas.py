@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from bisect import bisect_left
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from enum import StrEnum
@@ -320,16 +321,46 @@ class Canvas:
         self._marks, self._names = marks, names
         self._linked: Mapping[str, str] = {}
         self._wires: list[str] = []
+        self._spans: dict[tuple[str, int], list[tuple[int, int]]] = {}
         self._paths: set[str] = set()
         self._elements: list[str] = []
 
     def wire(self, *points: tuple[int, int], kind: str = "wire") -> None:
-        """Draw a wire in right angles, or straight; a line of another `kind` too."""
+        """Draw a wire in right angles, or straight; a line of another `kind` too.
+
+        Of a straight one only what no other covers is drawn: twice, it would look thicker.
+        """
+        if kind == "wire" and len(points) == 2:
+            (x, y), (end, below) = points
+            if x == end:
+                pieces = [((x, low), (x, high)) for low, high in self._uncovered(("x", x), y, below)]
+            else:
+                pieces = [((low, y), (high, y)) for low, high in self._uncovered(("y", y), x, end)]
+            self._wires += [f'<path class="wire" d="M{a} {b}L{c} {d}"/>' for (a, b), (c, d) in pieces]
+            return
         path = "L".join([f"{x} {y}" for x, y in points])
         drawn = f'<path class="{kind}" d="M{path}"/>'
-        if drawn not in self._paths:  # drawn twice it would look thicker
+        if drawn not in self._paths:
             self._paths.add(drawn)
             self._wires.append(drawn)
+
+    def _uncovered(self, line: tuple[str, int], one: int, other: int) -> list[tuple[int, int]]:
+        """Return the parts between two places on a line that no wire is on yet, and take them."""
+        low, high = (one, other) if one <= other else (other, one)
+        spans = self._spans.setdefault(line, [])  # in order, none on another
+        first = bisect_left(spans, (low, low))
+        first -= first > 0 and spans[first - 1][1] > low
+        last, at, found = first, low, []
+        while last < len(spans) and spans[last][0] < high:
+            if spans[last][0] > at:
+                found.append((at, spans[last][0]))
+            at = max(at, spans[last][1])
+            last += 1
+        if at < high:
+            found.append((at, high))
+        covered = spans[first:last]
+        spans[first:last] = [(min(low, *(each[0] for each in covered)), max(high, at))] if covered else [(low, high)]
+        return found
 
     def bar(self, left: int, right: int, y: int, *, parallel: bool) -> None:
         """Draw the bar of a selection, or the double one of simultaneous branches, which goes down by `DOUBLE`."""
