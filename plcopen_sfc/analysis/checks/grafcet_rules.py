@@ -11,7 +11,7 @@ from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedSheet
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.effects import path_of
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_condition, print_node, walk
+from plcopen_sfc.languages.st import parse_condition, parse_expression, print_node, walk
 from plcopen_sfc.model.actions import ActionKind, ForcedSituation, ForcingOrder
 from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.network import Block, Contact, Edge, InputVariable
@@ -19,6 +19,7 @@ from plcopen_sfc.model.sfc import BodyCondition, Condition, PartialChart, Partia
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, PointerType
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.reachability import reached
+from plcopen_sfc.semantics.charts.grafcet.term_evaluation import TermTexts, is_edge
 from plcopen_sfc.semantics.net import NetProblemKind, NetStep
 
 _ARROWS = "↑↓"
@@ -80,6 +81,27 @@ def _no_edge(chart: CheckedChart) -> Iterator[Finding]:
             elif association.kind is ActionKind.ON_EVENT and not has_edge(association.condition, chart):
                 message = "the event of the action is no edge" if association.condition else "the action has no event"
                 yield Finding(sheet.at(step, association), message)
+            elif association.kind is ActionKind.ON_EVENT and _lasts(association.condition):
+                message = "the event of the action can be TRUE without an edge"
+                yield Finding(sheet.at(step, association), message, "Write an edge on both sides of an OR: ↑a + ↑b.")
+
+
+def _lasts(condition: Condition | None) -> bool:
+    """Return True if an event with edges in it can be TRUE in evolutions in which none of them is."""
+    if not isinstance(condition, Expression):
+        return False
+    terms = TermTexts()
+    tree = parse_expression(terms.read(condition.text)).tree
+    return bool(terms.edges) and not _needs_edge(tree)
+
+
+def _needs_edge(node: n.Expression) -> bool:
+    node = n.bare(node)
+    if isinstance(node, n.Operation) and node.operator is n.Operator.OR:
+        return all(map(_needs_edge, node.operands))
+    if isinstance(node, n.Operation) and node.operator is n.Operator.AND:
+        return any(map(_needs_edge, node.operands))
+    return isinstance(node, n.Name) and is_edge(node.identifier)
 
 
 def _edge(chart: CheckedChart) -> Iterator[Finding]:

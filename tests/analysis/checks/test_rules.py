@@ -827,6 +827,9 @@ MACRO = "MACRO %s EXPANDS M3\n1 -> %s : a\nEXPANSION M3 FROM %s TO S3\nSTEP %s\n
 OWN = "STEP 2\n    ON EVENT %s : Q := TRUE\n1 -> 2 : a\n2 -> 1 : b"
 case("ACT11", grafcet(OWN % "↑X2 * a"), grafcet(OWN % "↑X1 * a"), "the event ↑X2 never comes", "grafcet")
 case("ACT11", grafcet(OWN % "↓X2"), grafcet(OWN % "↑(X2 * a) + ↑X2"), "the event ↓X2 never comes", "grafcet")
+for event in ("↑a + b", "/↑a", "↑a * b + X1"):
+    says = "can be TRUE without an edge"
+    case("ACT11", grafcet(OWN % event), grafcet(OWN % "(↑a + ↓b) * c + ↑c"), says, "grafcet")
 CONTINUOUS = "    %s\n1 -> 1 : a"
 case("ACT13", grafcet(CONTINUOUS % "n := n + 1"), grafcet(CONTINUOUS % "n"), "is no continuous action", "grafcet")
 case("HIE07", grafcet(MACRO % ("X3", "X3", "E3", "E3")), grafcet(MACRO % ("M3", "M3", "E3", "E3")), "M", "grafcet")
