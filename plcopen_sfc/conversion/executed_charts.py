@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
+from functools import cached_property
+from itertools import combinations, starmap
 from typing import Protocol
 
 from plcopen_sfc.conversion.executed_parts import (
@@ -26,7 +28,7 @@ from plcopen_sfc.conversion.meaning import (
     plain,
     program_form,
 )
-from plcopen_sfc.languages.binding import bind
+from plcopen_sfc.languages.binding import SharedScans, bind
 from plcopen_sfc.languages.effects import ANYTHING, Path, path_of
 from plcopen_sfc.languages.networks import NetworkExpression, chart_statements, condition_reader
 from plcopen_sfc.languages.sfc_flag_uses import OPERATING_FLAGS, WATCHING_FLAGS
@@ -90,6 +92,9 @@ class Around(Protocol):
 
     def tell_networks(self, part: Part, body: Body | None, aspect: str = "networks") -> None:
         """Note the titles and comments of networks."""
+
+
+_PULSES = frozenset({Qualifier.P1, Qualifier.P0})
 
 
 class ExecutedChartReader:
@@ -393,9 +398,35 @@ class ExecutedChartReader:
             return _ALONE
         if association.qualifier is Qualifier.P and not is_code and self._is_plain_but_for(association):
             return _ALONE  # what is N in other steps neither begins nor hides its pulse
+        if function is None and association.qualifier in _PULSES and name in self._pulses_apart:
+            return _ALONE  # no scan has two of its pulses
         profile = self.owner.profile
         alone = profile.graph_parameters and profile.action_control is not ActionControl.SEQUENTIAL
         return _ALONE if alone else "one for all"
+
+    @cached_property
+    def _pulses_apart(self) -> frozenset[str]:
+        """The actions that have P1 and P0 only, and no two of them in one scan or of steps that follow each other."""
+        rows: dict[str, list[tuple[Step, Qualifier]]] = {}
+        for step, row in self.chart.associations():
+            if row.target is not None:
+                rows.setdefault(plain_name(row.target), []).append((step, row.qualifier))
+        scans = SharedScans(self.chart, self.pou, self.owner.dialect)
+
+        def meet(one: tuple[Step, Qualifier], other: tuple[Step, Qualifier]) -> bool:
+            if one[1] is other[1]:  # one edge for all: that of a step right behind another one is none
+                return scans.follow(one[0], other[0]) or scans.follow(other[0], one[0])
+            left, entered = (one, other) if one[1] is Qualifier.P0 else (other, one)
+            return scans.follow(left[0], entered[0])
+
+        return frozenset(
+            name
+            for name, used in rows.items()
+            if len(used) == self.used[name]
+            and all(qualifier in _PULSES for _, qualifier in used)
+            and not scans.are_switched
+            and not any(starmap(meet, combinations(used, 2)))
+        )
 
     def _is_plain_but_for(self, pulse: ActionAssociation) -> bool:
         """True if all other associations with the variable of a pulse are N."""

@@ -65,6 +65,36 @@ def test_only_orders_that_differ_and_count_are_told(qualifier: str, other: str, 
     assert report.compared["POU Main"].startswith("different" if told else "equal")
 
 
+@pytest.mark.parametrize(
+    ("rows", "back", "executed"),
+    [
+        (("P1", "", "P0"), "S2", True),
+        (("P1", "", "P0"), "S1", False),  # left and entered in one scan
+        (("", "P1", "P1"), "S1", False),  # the second is no edge of the action
+        (("P1", "", "P1"), "S2", True),
+        (("", "P0", "P1"), "S1", False),
+        (("P0", "", "P0"), "S2", True),
+    ],
+)
+def test_pulses_of_one_action_are_step_actions_where_no_scan_has_two(
+    rows: tuple[str, ...], back: str, executed: bool
+) -> None:
+    acts = ["", *(f"Count({row});" if row else "" for row in rows)]
+    text = f"""FUNCTION_BLOCK Main
+        VAR_INPUT a, b : BOOL; END_VAR VAR_OUTPUT n : INT; END_VAR
+        INITIAL_STEP S0: END_STEP
+        STEP S1: {acts[1]} END_STEP STEP S2: {acts[2]} END_STEP STEP S3: {acts[3]} END_STEP
+        TRANSITION FROM S0 TO S1 := a; END_TRANSITION
+        TRANSITION FROM S1 TO S2 := b; END_TRANSITION
+        TRANSITION FROM S2 TO S3 := a; END_TRANSITION
+        TRANSITION FROM S3 TO {back} := b; END_TRANSITION
+        ACTION Count: n := n + 1; END_ACTION
+        END_FUNCTION_BLOCK"""
+    report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "codesys", partial=True, limit=8).report
+    assert (not report.losses) is executed
+    assert report.compared["POU Main"].startswith("equal" if executed else "not compared")
+
+
 def test_an_action_on_a_variable_of_a_list_writes_it() -> None:
     project = of_codesys(qualifier="P1", other="Aaa", code="m := 1;")
     project.global_variables = [m.VariableSection(kind=m.SectionKind.GLOBAL, name="AA", variables=[variable("q")])]
