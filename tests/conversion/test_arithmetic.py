@@ -17,6 +17,7 @@ from plcopen_sfc.languages.networks import DrawingRules, draw_fbd, draw_ld
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.pages.report_words import german
 from plcopen_sfc.refactor.dialect_translation import translate_project
 from plcopen_sfc.report import Outcome
 from plcopen_sfc.semantics.programs import Controller
@@ -297,3 +298,19 @@ END_FUNCTION_BLOCK
     assert isinstance(body, StBody)
     assert result in body.text
     assert ("_TO_" in body.text) is (type_ == "DINT")
+
+
+@pytest.mark.parametrize("condition", ["LEN(s) = 3", "SHR(w, 1) = 16#2"])
+def test_boxes_that_no_network_is_written_with_are_told_with_the_remedy(condition: str) -> None:
+    text = f"""FUNCTION_BLOCK Main
+        VAR_INPUT s : STRING; w : WORD; END_VAR VAR_OUTPUT q : BOOL; END_VAR
+        INITIAL_STEP S1: END_STEP
+        STEP S2: q(N); END_STEP
+        TRANSITION FROM S1 TO S2 := {condition}; END_TRANSITION
+        TRANSITION FROM S2 TO S1 := q; END_TRANSITION
+        END_FUNCTION_BLOCK"""
+    report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "simaticml", partial=True).report
+    (why,) = [item.why for item in report.with_outcome(Outcome.NOT_EXECUTED)]
+    assert why.endswith(f"written with {condition[:3]}: let statements calculate it into a variable before")
+    remedy = "lassen Sie Anweisungen es vorher in eine Variable berechnen"
+    assert german(why).endswith(f"mit {condition[:3]} geschrieben: {remedy}")

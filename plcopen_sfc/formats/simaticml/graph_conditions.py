@@ -97,7 +97,8 @@ class _Typing:
         if block.call is not None and block.call.value in ("functionblock", "function") and standard is None:
             return None
         if standard is None or Tool.S7 not in standard.tools:
-            self.problem = self.problem or f"TIA Portal has no box {block.type_name}"
+            why = f"networks are not written with {block.type_name}: let statements calculate it into a variable before"
+            self.problem = self.problem or why
             return None
         inputs = [pin for pin in block.parameters.inputs if pin.name not in ("EN", "operand")]
         known = {kind for pin in inputs if (kind := self._type_of(pin)) is not None}
