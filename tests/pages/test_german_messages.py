@@ -19,7 +19,18 @@ CODE = re.compile(r"(?!XSD|IMP|LNG)[A-Z]{3}\d{3}")
 """Codes of findings; not of those that `validate` alone tells."""
 REASONS = {"ConditionError", "Problem", "_doubt", "_unknown", "DamagedError"}
 """What is called with a message that becomes a part of a finding."""
-FILLINGS = ("'x'", "3", "", "step", "body", "entry", "comment", "has no number", "is wired to 2 steps")
+FILLINGS = (
+    "'x'",
+    "3",
+    "",
+    "step",
+    "body",
+    "entry",
+    "comment",
+    "has no number",
+    "is wired to 2 steps",
+    "the source tests no transition in its first scan",
+)
 NEVER = (
     "`\0`\0 is not executed",
     "than in;",
