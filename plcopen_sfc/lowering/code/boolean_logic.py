@@ -64,6 +64,12 @@ def equal(left: Expression, right: Expression) -> Expression:
     return n.Operation(Operator.EQUAL, (left, right))
 
 
+def operands_of(expression: Expression, operator: Operator) -> tuple[Expression, ...]:
+    """Return the operands that an operator joins; an expression without it alone."""
+    inner = n.bare(expression)
+    return inner.operands if isinstance(inner, n.Operation) and inner.operator is operator else (inner,)
+
+
 def without_constant(statement: Statement) -> Sequence[Statement]:
     """Return an IF without branches that are never executed, or what it always executes; others as they are."""
     if not isinstance(statement, n.If):
@@ -133,8 +139,7 @@ def with_distinct(tree: Statement, alternative: Alternative) -> Statement:
             return node
         known: dict[Hashable, set[Hashable]] = {}
         for operand in node.operands:
-            inner = n.bare(operand)
-            one_of = inner.operands if isinstance(inner, n.Operation) and inner.operator is Operator.OR else (inner,)
+            one_of = operands_of(operand, Operator.OR)
             pairs = [pair for each in one_of if (pair := alternative(n.bare(each))) is not None]
             if len(pairs) == len(one_of) and len({key for key, _ in pairs}) == 1:
                 ((key, _), *_), values = pairs, {value for _, value in pairs}
@@ -211,9 +216,7 @@ def _joined(
 ) -> Expression:
     found: dict[Expression, None] = {}
     for operand in operands:
-        inner = n.bare(operand)
-        parts = inner.operands if isinstance(inner, n.Operation) and inner.operator is operator else (inner,)
-        for part in parts:
+        for part in operands_of(operand, operator):
             if is_constant(part, absorbing):
                 return absorbing
             if not is_constant(part, neutral):

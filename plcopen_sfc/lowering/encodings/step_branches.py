@@ -22,6 +22,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     is_constant,
     negation,
     not_all,
+    operands_of,
     remark,
     when,
 )
@@ -189,10 +190,10 @@ class StepBranches:
 
     def _stored(self, target: Expression, value: Expression) -> _Parts | None:
         """Return ``Q := (state = 2 OR Q) AND state <> 4`` as what steps 2 and 4 do."""
-        first, *others = _operands(value, Operator.AND)
-        sets = [each for each in _operands(first, Operator.OR) if each != target]
-        resets = [each for other in others for each in _operands(negation(other), Operator.OR)]
-        if len(sets) == len(_operands(first, Operator.OR)):
+        first, *others = operands_of(value, Operator.AND)
+        sets = [each for each in operands_of(first, Operator.OR) if each != target]
+        resets = [each for other in others for each in operands_of(negation(other), Operator.OR)]
+        if len(sets) == len(operands_of(first, Operator.OR)):
             return None
         moves: list[tuple[int, BranchCode]] = []
         for asked, constant in [*((each, TRUE) for each in sets), *((each, FALSE) for each in resets)]:
@@ -204,14 +205,9 @@ class StepBranches:
 
     def _asked(self, condition: Expression) -> tuple[int | None, Expression]:
         """Return the step that a condition asks for, and the rest of it."""
-        operands = _operands(condition, Operator.AND)
+        operands = operands_of(condition, Operator.AND)
         for operand in operands:
             match n.bare(operand):
                 case n.Operation(Operator.EQUAL, (state, value)) if state == self.state and value in self._steps:
                     return self._steps[value], conjunction(each for each in operands if each is not operand)
         return None, condition
-
-
-def _operands(expression: Expression, operator: Operator) -> tuple[Expression, ...]:
-    inner = n.bare(expression)
-    return inner.operands if isinstance(inner, n.Operation) and inner.operator is operator else (inner,)

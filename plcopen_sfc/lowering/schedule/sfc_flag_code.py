@@ -129,18 +129,17 @@ class SfcFlagCode:
             code.declare_as(flag.variable, _STRING if flag in _TEXTS else BOOL)
         flags = source.flags - {SfcFlag.ERROR_ANALYZATION_TABLE}
         self._flags = {flag: code.naming.local(flag.variable) for flag in sorted(flags)}
+        self._sfc_init, self._sfc_reset = self._flags.get(SfcFlag.INIT), self._flags.get(SfcFlag.RESET)
         self._edges: list[Statement] = []
         self._back = self._going_back()
         self._tip = self._pushed()
 
     def _going_back(self) -> Expression:
         """Return an expression that is TRUE in a scan in which the flags set the chart back; FALSE if they never do."""
-        init, reset = (self._flags.get(flag) for flag in (SfcFlag.INIT, SfcFlag.RESET))
-        causes: list[Expression] = [init] if init is not None else []
-        if reset is not None:
-            causes.append(
-                self._memory.rising(self._texts.with_suffix(reset.identifier, "edge"), reset, self._edges, kept=True)
-            )
+        causes: list[Expression] = [self._sfc_init] if self._sfc_init is not None else []
+        if self._sfc_reset is not None:
+            name = self._texts.with_suffix(self._sfc_reset.identifier, "edge")
+            causes.append(self._memory.rising(name, self._sfc_reset, self._edges, kept=True))
         back = disjunction(causes)
         # read in many places: one variable instead of the disjunction
         if len(causes) > 1:
@@ -161,13 +160,12 @@ class SfcFlagCode:
     @property
     def held(self) -> Expression:
         """Condition that is TRUE while the chart is held in its initial steps; FALSE if nothing holds it."""
-        flags = (self._flags.get(flag) for flag in (SfcFlag.INIT, SfcFlag.RESET))
-        return disjunction(each for each in (self._init, *flags) if each is not None)
+        return disjunction(each for each in (self._init, self._sfc_init, self._sfc_reset) if each is not None)
 
     @property
     def blocking(self) -> list[Expression]:
         """Conditions of which each keeps all transitions from firing while it is TRUE."""
-        return [each for each in (self._init, self._flags.get(SfcFlag.RESET)) if each is not None]
+        return [each for each in (self._init, self._sfc_reset) if each is not None]
 
     # -- before anything else in a scan
 
@@ -176,9 +174,8 @@ class SfcFlagCode:
         self._late_edges = late_edges
         if not late_edges:
             self._code.add(self._texts.init, self._edges)
-        init, reset = (self._flags.get(flag) for flag in (SfcFlag.INIT, SfcFlag.RESET))
         # a restart overrides SFCPause and SFCQuitError, as in CODESYS
-        stronger = [negation(each) for each in (self._init, init, reset) if each is not None]
+        stronger = [negation(each) for each in (self._init, self._sfc_init, self._sfc_reset) if each is not None]
         quit_ = self._flags.get(SfcFlag.QUIT_ERROR)
         if quit_ is not None:
             done = [*self._forgotten_error(), *times.ends(), n.ReturnStatement()]
@@ -207,9 +204,8 @@ class SfcFlagCode:
         """
         if self._back == FALSE:
             return
-        init = self._flags.get(SfcFlag.INIT)
         done = [*times.ends(), *self._memory.ends, *self._forgotten_error()]
-        if init is not None:  # else the initial step is executed now, and does all this
+        if self._sfc_init is not None:  # else the initial step is executed now, and does all this
             done += [] if calls else self._ended_targets()
             done += self._assigned(SfcFlag.TRANS, FALSE) + self._assigned(SfcFlag.CURRENT_STEP, _EMPTY)
         statements = self._left(self._memory, list(dict.fromkeys(done)), calls)
@@ -221,8 +217,7 @@ class SfcFlagCode:
         """Insert, before all else in a block with actions, the end of these, and of the scan of SFCInit."""
         if self._back == FALSE:
             return
-        init = self._flags.get(SfcFlag.INIT)
-        done = [*memory.ends, *(self._ended_targets() if init is not None else [])]
+        done = [*memory.ends, *(self._ended_targets() if self._sfc_init is not None else [])]
         memory.code.add(self._texts.actions_end, self._left(memory, done), place=0)
 
     def _left(self, memory: Memory, done: Sequence[Statement], calls: Sequence[Statement] = ()) -> list[Statement]:
@@ -230,13 +225,12 @@ class SfcFlagCode:
 
         While it is TRUE nothing else is executed; SFCReset executes the initial step.
         """
-        init = self._flags.get(SfcFlag.INIT)
-        if init is None:
+        if self._sfc_init is None:
             return memory.conditional("", self._back, done)
         leaving = [*calls, n.ReturnStatement()]
-        if self._back == init:
-            return memory.conditional("", init, [*done, *leaving])
-        return [*memory.conditional("", self._back, done), *memory.conditional("", init, leaving)]
+        if self._back == self._sfc_init:
+            return memory.conditional("", self._sfc_init, [*done, *leaving])
+        return [*memory.conditional("", self._back, done), *memory.conditional("", self._sfc_init, leaving)]
 
     def _ended_targets(self) -> list[Statement]:
         """Return the end of the variables that are written in every scan; those of the others is in `Memory.ends`."""
