@@ -305,7 +305,7 @@ class _Planner:
         lasting = self._masked(list(self._parts(draft, rows, reset)), reset)
         pulses = self._masked(list(self._pulses(draft, rows)), reset)
         wanted = _or(filter(None, (lasting, pulses)))
-        if code is None and not self._is_named_elsewhere(label):
+        if code is None and not self._is_written_elsewhere(row):
             draft.lines.append(f"{row.target} := {wanted};")
             return draft, self._drawn(draft)
         if code is None:  # what others write stays: TRUE while the action is on, and FALSE once when it ends
@@ -370,19 +370,15 @@ class _Planner:
             return False
         if all(each.qualifier in _RESETS for _, each in rows):
             return False
-        path = frozenset({path_of(parse_expression(rows[0][1].target or "", Dialect.SCL).tree)})
-        by_steps, others = self._written
+        path, (by_steps, others) = _path(row), self._written
         writing = {number for number, each in by_steps.items() if may_change(path, each, frozenset())}
         is_alone = writing.isdisjoint(step.id for step, _ in rows) and not may_change(path, others, frozenset())
         return bool(writing) and is_alone
 
-    def _is_named_elsewhere(self, label: str) -> bool:
-        """True if a text of the block may write the variable too."""
-        codes = [getattr(step, f"{when}_action") for step in self._chart.steps for when in ("entry", "main", "exit")]
-        codes += [row.body for _, row in self._chart.associations()]
-        bodies = [action.body for action in self._pou.actions] + [code for code in codes if not isinstance(code, str)]
-        texts = [body.text if isinstance(body, StBody) else str(body) for body in bodies if body is not None]
-        return any(label.casefold() in text.replace("#", "").replace('"', "").casefold() for text in texts)
+    def _is_written_elsewhere(self, row: ActionAssociation) -> bool:
+        """True if a text of the block may write the variable of an action too."""
+        path, (by_steps, others) = _path(row), self._written
+        return any(may_change(path, each, frozenset()) for each in (*by_steps.values(), others))
 
     # -- the control as statements
 
@@ -538,6 +534,10 @@ class _Planner:
 
 def _written(bodies: Iterable[Body]) -> frozenset[Path]:
     return Effects.all(bind(body, Dialect.SCL).code for body in bodies).writes - {ANYTHING}
+
+
+def _path(row: ActionAssociation) -> frozenset[Path]:
+    return frozenset({path_of(parse_expression(row.target or "", Dialect.SCL).tree)})
 
 
 def _is_of_iec(row: ActionAssociation) -> bool:

@@ -138,3 +138,15 @@ def test_a_variable_that_others_write_keeps_what_they_write() -> None:
     verdict = same_behaviour(project, sfc.loads(data, format="simaticml", as_tool=True), later_inputs=True)
     assert verdict is not None
     assert verdict.equal, verdict
+
+
+@pytest.mark.parametrize("text", ["// q is the lamp\nr := a;", "r := q;", "r := sq;"])
+def test_a_variable_that_others_only_name_needs_no_memory(text: str) -> None:
+    """Two variables hold what an association does beside others that write; one that they read is assigned."""
+    project = _chart(("Work", "q", "SD", T), ("Done", "q", "R", None), source="codesys")
+    main = project.pou("Main")
+    main.actions.append(m.Action(name="First", body=m.StBody(text=text)))
+    main.chart.step("Idle").entry_action = "First"
+    data, _ = sfc.convert(project, "simaticml", partial=True)
+    assert b"q_waits" in data
+    assert b"q_active" not in data
