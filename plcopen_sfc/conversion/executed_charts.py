@@ -94,7 +94,9 @@ class Around(Protocol):
         """Note the titles and comments of networks."""
 
 
-_PULSES = frozenset({Qualifier.P1, Qualifier.P0})
+_OF_STEPS = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.P1, Qualifier.P0})
+"""Qualifiers without time and memory: their step alone determines what is executed."""
+_RESTARTS = frozenset({SfcFlag.INIT, SfcFlag.RESET})
 
 
 class ExecutedChartReader:
@@ -398,32 +400,38 @@ class ExecutedChartReader:
             return _ALONE
         if association.qualifier is Qualifier.P and not is_code and self._is_plain_but_for(association):
             return _ALONE  # what is N in other steps neither begins nor hides its pulse
-        if function is None and association.qualifier in _PULSES and name in self._pulses_apart:
-            return _ALONE  # no scan has two of its pulses
+        if function is None and name in self._apart:
+            return _ALONE
         profile = self.owner.profile
         alone = profile.graph_parameters and profile.action_control is not ActionControl.SEQUENTIAL
         return _ALONE if alone else "one for all"
 
     @cached_property
-    def _pulses_apart(self) -> frozenset[str]:
-        """The actions that have P1 and P0 only, and no two of them in one scan or of steps that follow each other."""
+    def _apart(self) -> frozenset[str]:
+        """The actions that no scan executes for two steps, nor for one right behind another one.
+
+        Then it is the same whether they have one control or each step its own. SFCInit and SFCReset lead from any step
+        to an initial one.
+        """
         rows: dict[str, list[tuple[Step, Qualifier]]] = {}
         for step, row in self.chart.associations():
             if row.target is not None:
                 rows.setdefault(plain_name(row.target), []).append((step, row.qualifier))
-        scans = SharedScans(self.chart, self.pou, self.owner.dialect)
+        scans, restarts = SharedScans(self.chart, self.pou, self.owner.dialect), bool(self.flags & _RESTARTS)
 
         def meet(one: tuple[Step, Qualifier], other: tuple[Step, Qualifier]) -> bool:
-            if one[1] is other[1]:  # one edge for all: that of a step right behind another one is none
-                return scans.follow(one[0], other[0]) or scans.follow(other[0], one[0])
-            left, entered = (one, other) if one[1] is Qualifier.P0 else (other, one)
-            return scans.follow(left[0], entered[0])
+            if restarts and (one[0].initial or other[0].initial):
+                return True
+            if {one[1], other[1]} == {Qualifier.P0, Qualifier.P1}:
+                left, entered = (one, other) if one[1] is Qualifier.P0 else (other, one)
+                return scans.follow(left[0], entered[0])
+            return scans.follow(one[0], other[0]) or scans.follow(other[0], one[0])
 
         return frozenset(
             name
             for name, used in rows.items()
-            if len(used) == self.used[name]
-            and all(qualifier in _PULSES for _, qualifier in used)
+            if 1 < len(used) == self.used[name]
+            and all(qualifier in _OF_STEPS for _, qualifier in used)
             and not scans.are_switched
             and not any(starmap(meet, combinations(used, 2)))
         )

@@ -74,6 +74,9 @@ def test_only_orders_that_differ_and_count_are_told(qualifier: str, other: str, 
         (("P1", "", "P1"), "S2", True),
         (("", "P0", "P1"), "S1", False),
         (("P0", "", "P0"), "S2", True),
+        (("P1", "", "N"), "S2", True),
+        (("P1", "N", ""), "S2", False),
+        (("P1", "", "S"), "S2", False),
     ],
 )
 def test_pulses_of_one_action_are_step_actions_where_no_scan_has_two(
@@ -93,6 +96,21 @@ def test_pulses_of_one_action_are_step_actions_where_no_scan_has_two(
     report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "codesys", partial=True, limit=8).report
     assert (not report.losses) is executed
     assert report.compared["POU Main"].startswith("equal" if executed else "not compared")
+
+
+def test_pulses_of_one_action_in_parallel_steps_are_not_executed() -> None:
+    text = """PROGRAM Main
+        VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT n : INT; END_VAR
+        INITIAL_STEP S0: END_STEP
+        STEP S1: Count(P1); END_STEP STEP S2: END_STEP STEP S3: Count(P1); END_STEP
+        TRANSITION FROM S0 TO (S1, S2) := a; END_TRANSITION
+        TRANSITION FROM S2 TO S3 := NOT a; END_TRANSITION
+        TRANSITION FROM (S1, S3) TO S0 := a; END_TRANSITION
+        ACTION Count: n := n + 1; END_ACTION
+        END_PROGRAM"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    found = sfc.convert(project, "codesys", partial=True).report.with_outcome(Outcome.NOT_EXECUTED)
+    assert {item.path.rpartition(" / ")[0] for item in found} == {"POU Main / step S1", "POU Main / step S3"}
 
 
 def test_an_action_on_a_variable_of_a_list_writes_it() -> None:
