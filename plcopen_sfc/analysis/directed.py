@@ -154,8 +154,6 @@ class DirectedSearch:
         self._others = Goals(other, signals, parts[1 - leading], look)
         for goal in chain(self._others.branches, self._others.parts):
             goal.leads = False
-        for goal in self._goals.parts:
-            goal.places = ()  # most are decided on the way to transitions and branches
         has_outcomes = not all(branch.is_statement for branch in other.marks.branches)
         if any(parts[1 - leading]) or (has_outcomes and bool(other.instance.charts()) == bool(self._goals.charts)):
             self._with_parts.append(self._others)
@@ -183,7 +181,7 @@ class DirectedSearch:
         self._reached = -1
         self._progress = 0
         self._dead: set[Goal] | None = None
-        self._looks_aside = False
+        self._looks_aside = self._only_parts = False
         self._turned = False
         self._read: dict[str, None] = {}
         self._notes: dict[str, None] = {}
@@ -195,10 +193,13 @@ class DirectedSearch:
         self._at = 0
         self._way: list[Step] = []
 
-    def run(self) -> Directed:
-        """Search to the end."""
+    def run(self, more: int = 0) -> Directed:
+        """Search to the end; with another effort, of `more` scans, go on behind it."""
+        if more:
+            self._effort, self._end = more, self._scans + more
         try:
-            self._start()
+            if not self._states:
+                self._start()
             while self._waiting:
                 if self._turned:
                     self._harvest()
@@ -335,8 +336,11 @@ class DirectedSearch:
     def _open(self) -> list[Goal]:
         leading = chain(self._goals.open_transitions(), self._goals.open_branches())
         dead = self._dead or ()
-        found = [] if self._looks_aside else list(islice((each for each in leading if each not in dead), _MOST_GOALS))
-        if not found:  # parts of conditions come last: they are many, and most decide on the way
+        found = list(islice((each for each in leading if each not in dead), _MOST_GOALS))
+        if self._only_parts is bool(found):
+            self._only_parts = not found
+            self._turned = True
+        if not found or self._looks_aside:  # parts of conditions come last: they are many, and most decide on the way
             parts = (
                 goal
                 for goals in self._with_parts
@@ -347,10 +351,14 @@ class DirectedSearch:
         return found
 
     def _push(self, number: int) -> None:
+        heapq.heappush(self._waiting, self._turn(number))
+
+    def _turn(self, number: int) -> tuple[int, bool, float, int, int]:
+        """Return the turn of a state: near ones first, of them those of which few were looked at."""
         state = self._states[number]
         is_near = self._is_near(state)
         order = (float(self._visits[state.situation]), -number) if is_near else (state.distance, number)
-        heapq.heappush(self._waiting, (state.rounds, not is_near, *order, number))
+        return state.rounds, not is_near, *order, number
 
     def _is_near(self, state: _State) -> bool:
         """True if a step is active in which something is looked at that is wanted."""
@@ -360,10 +368,15 @@ class DirectedSearch:
         return any(
             steps & (leading if goal.leads else others)[chart]
             for goal in self._frontier
+            if self._only_parts or goal.part is None or not goal.leads  # most are decided on the way to the others
             for chart, steps in goal.places
         )
 
     def _next(self) -> int:
+        if self._turned:  # other goals are wanted now: what was far may be near to them
+            self._turned = False
+            self._waiting = [self._turn(number) for *_, number in self._waiting]
+            heapq.heapify(self._waiting)
         while True:
             _, was_far, visits, _, number = heapq.heappop(self._waiting)
             state = self._states[number]
@@ -380,21 +393,22 @@ class DirectedSearch:
 
     def _go_on_from(self, number: int) -> None:
         state = self._states[number]
-        if state.rounds == 0:
-            self._read = {}
-            self._solve(number)
-            self._begin(number)
-            self._wait(state.row)
-            self._repeat(number)
-            self._flips(number, list(self._read))
-        else:
-            self._random(number)
-        state.rounds += 1
-        self._push(number)
+        try:
+            if state.rounds == 0:
+                self._read = {}
+                self._solve(number)
+                self._begin(number)
+                self._wait(state.row)
+                self._repeat(number)
+                self._flips(number, list(self._read))
+            else:
+                self._random(number)
+            state.rounds += 1
+        finally:
+            self._push(number)
 
     def _harvest(self) -> None:
         """Go on from all kept states in which only inputs are missing for branches that are wanted now."""
-        self._turned = False
         wanted = [
             (goals, each)
             for goals in (self._goals, self._others)
@@ -462,7 +476,7 @@ class DirectedSearch:
             for goal in chain(goals.open_actions(), goals.open_parts()):
                 try_part(goals, goal, goals.solve_part(goal))
             for goal in goals.open_bounds(_BOUND_TRIES):
-                bounds += self._at_bound(goals.solve([goal], []))
+                bounds += self._at_bound(goals.solve_bound(goal))
             for goal in goals.open_outcomes():
                 try_part(goals, goal, goals.solve([goal], []))
         for row in rows:

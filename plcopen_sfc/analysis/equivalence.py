@@ -19,7 +19,7 @@ from typing import Any, NamedTuple, Protocol, TypedDict
 
 from plcopen_sfc.analysis.coverage import Tally, any_untested, coverage_of
 from plcopen_sfc.analysis.decomposition import divide, race
-from plcopen_sfc.analysis.directed import DirectedSearch, Step
+from plcopen_sfc.analysis.directed import Directed, DirectedSearch, Step
 from plcopen_sfc.analysis.domains import Domain
 from plcopen_sfc.analysis.number_terms import explore_terms
 from plcopen_sfc.analysis.pairing import (
@@ -120,6 +120,7 @@ def equivalent(
     left_out: str | None = None,
     cap: int = 100_000,
     runs: int = 100,
+    most_runs: int = 0,
     scans: int = 200,
     seed: int = 0,
     scan_time: str | int | None = None,
@@ -146,7 +147,8 @@ def equivalent(
     variable of `b`; scans that end with its value TRUE are not compared, nor what follows them. A `LoweredPou` as `b`
     brings its profile, step flags, inactive inputs and what is left out; SFC flags that operate the chart are inputs.
     `cap`: the most states of the search; `runs` of `scans` scans are tried where that ends without an answer,
-    and up to ten times as many while they come to something new.
+    and up to ten times as many while they come to something new. `most_runs` are tried instead where something that
+    may be reachable is left.
     `scan_time`: without it one for which all durations of the programs end exactly in a scan.
 
     Functions and blocks that are called and that neither the project nor `functions` has are taken as unknown functions
@@ -184,7 +186,7 @@ def equivalent(
     )
     compared.check_freed()
     given = seconds(limit)
-    tries = _Tries(cap, runs, scans, seed, given, progress, given)
+    tries = _Tries(cap, runs, most_runs, scans, seed, given, progress, given)
     wanted = [each for each in delays(delay, profiles) if compared.can_have(each)]
     return compared.verdict(wanted[0], tries) if len(wanted) == 1 else _best_of(wanted, compared, tries)
 
@@ -219,6 +221,7 @@ def _best_of(wanted: Sequence[Delay], compared: _Compared, tries: _Tries) -> Ver
             if not found.different:
                 if best is None or (found.equal and not best.equal):
                     best = found
+                tries = tries._replace(most_runs=0)  # another one is worth a proof, but not more runs
                 continue
             assert found.counterexample is not None  # noqa: S101  # it is different
             length = len(found.counterexample.inputs)
@@ -258,6 +261,7 @@ class _Tries(NamedTuple):
 
     cap: int
     runs: int
+    most_runs: int
     scans: int
     seed: int
     limit: float | None
@@ -511,6 +515,7 @@ class _Attempt:
         self._left, self._right = self._comparison.left, self._comparison.right
         heed_called(self._left, self._right)
         self._tallies = (Tally(self._left), Tally(self._right))
+        self._untried = self._left.reached(), self._right.reached()
         self._watch = SearchWatch(tries.limit, tries.progress, self._tallies[0].numbers, tries.whole)
         self._domains = {name: Domain(name, signal) for name, signal in self._signals.items()}
 
@@ -521,12 +526,12 @@ class _Attempt:
         if found.inputs is not None and self._comparison.unknown:
             found = self._comparison.without_impossible(found, filled(found.inputs, self._signals))
         if found.inputs is not None:
-            ran = _Runs(self._comparison.show(found.inputs, self._signals, shortest=found.shortest))
-        elif not found.complete and found.reason != INTERRUPTED:
-            ran = self._run()
-        else:
-            ran = _Runs()
-        return self._verdict(found, ran)
+            return self._verdict(
+                found, _Runs(self._comparison.show(found.inputs, self._signals, shortest=found.shortest))
+            )
+        if found.complete or found.reason == INTERRUPTED:
+            return self._verdict(found, _Runs())
+        return self._verdict_of_runs(found)
 
     def _search(self) -> Explored:
         """Try every value of every input, in the whole and in parts."""
@@ -563,29 +568,42 @@ class _Attempt:
         rows = filled(shown.inputs or [], self._signals)
         return self._comparison.first_difference(rows) == len(rows)
 
-    def _run(self) -> _Runs:
+    def _verdict_of_runs(self, found: Explored) -> Verdict:
         """Run both with inputs that lead to what was not executed yet."""
         comparison, signals, tries = self._comparison, self._signals, self._tries
         parts = self._tallies[0].look_at_conditions(), self._tallies[1].look_at_conditions()
+        sides = self._left, self._right
+        searched = [side.reached() for side in sides]
+        for side, untried in zip(sides, self._untried, strict=True):
+            side.forget(untried)  # on the way to what the search for a proof has reached, conditions are looked at
         variants = range(_VARIANTS) if comparison.unknown else (0,)
-        made = _Runs()
+        before, made = _Runs(), _Runs()
         for variant in variants:  # of the results of unknown functions
             comparison.vary(variant)
             directed = DirectedSearch(
-                *(self._left, self._right, signals, self._domains, self._clock),
+                *(*sides, signals, self._domains, self._clock),
                 parts=parts,
                 scans=tries.runs * tries.scans // len(variants),
                 seed=tries.seed,
                 look=self._watch.look,
-            ).run()
-            counterexample, stopped = None, directed.stopped
-            if directed.steps is not None:
-                counterexample, stopped = _confirmed(directed.steps, comparison, signals, self._watch)
-            notes = tuple(dict.fromkeys([*made.notes, *directed.notes]))
-            made = _Runs(counterexample, made.runs + directed.runs, made.scans + directed.scans, stopped, notes)
-            if counterexample is not None or stopped:
+            )
+            before, made = made, self._ran(directed.run(), made)
+            if made.counterexample is not None or made.stopped:
                 break
-        return made
+        for side, proving in zip(sides, searched, strict=True):
+            side.recall(proving)
+        verdict = self._verdict(found, made)
+        if not tries.most_runs or made.counterexample or made.stopped or not any_untested(verdict.coverage):
+            return verdict
+        return self._verdict(found, self._ran(directed.run(tries.most_runs * tries.scans), before))
+
+    def _ran(self, directed: Directed, made: _Runs) -> _Runs:
+        """Return what runs have come to, with those that were `made` before; a difference is run once more."""
+        counterexample, stopped = None, directed.stopped
+        if directed.steps is not None:
+            counterexample, stopped = _confirmed(directed.steps, self._comparison, self._signals, self._watch)
+        notes = tuple(dict.fromkeys([*made.notes, *directed.notes]))
+        return _Runs(counterexample, made.runs + directed.runs, made.scans + directed.scans, stopped, notes)
 
     def _verdict(self, found: Explored, ran: _Runs) -> Verdict:
         comparison, clock, compared = self._comparison, self._clock, self._compared

@@ -18,6 +18,7 @@ from datetime import date
 from fractions import Fraction
 from functools import reduce
 from threading import local
+from types import MappingProxyType
 from typing import Any
 
 from plcopen_sfc.analysis.knowledge import (
@@ -287,14 +288,25 @@ class Formula:
         return [atom.text for atom in self._atoms.values()]
 
     def model(
-        self, terms: list[Any], known: Mapping[str, bool | int | float | str | date | None]
+        self,
+        terms: list[Any],
+        known: Mapping[str, bool | int | float | str | date | None],
+        avoided: Mapping[str, int] = MappingProxyType({}),
     ) -> dict[str, Any] | None:
         """Return values of variables with which all terms are true, or None.
 
         `known` are values that variables have; names of enumerations are texts. Values unknown to the formula may be
-        anything, so the returned values are only a guess that has to be tried.
+        anything, so the returned values are only a guess that has to be tried. `avoided` are numbers that variables are
+        not to have.
         """
         z3, solver = self._solver(terms, known)
+        solver.add(
+            *(
+                a.term != avoided[a.text]
+                for a in self._atoms.values()
+                if a.kind is ValueKind.INTEGER and a.text in avoided
+            )
+        )
         solver.add(
             *(z3.IsInt(a.term) for a in self._atoms.values() if a.kind is ValueKind.INTEGER and a.term.is_real())
         )

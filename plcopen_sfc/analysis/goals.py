@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from datetime import date, timedelta
 from functools import cached_property
 from itertools import chain, islice, takewhile
+from types import MappingProxyType
 from typing import Any, cast
 
 from plcopen_sfc.analysis.coverage import counted_charts
@@ -70,7 +71,7 @@ class Goal:
     often inputs that were to do it have not done it; `has_inputs`: it may be solved, as far as that was looked at.
     `places`: numbers of charts, and bits of steps in one of which it is looked at, as far as that is known. `leads`:
     these are charts of the leading side. `waits`: it asks for an elapsed time. `origin`: the same goal with the
-    expressions that its variables get in each scan in their places.
+    expressions that its variables get in each scan in their places. `last`: numbers with which it was tried last.
     """
 
     name: str
@@ -89,6 +90,7 @@ class Goal:
     own: frozenset[str] = frozenset()
     distance: Distance = lambda: 0.0
     origin: Goal | None = field(default=None, repr=False)
+    last: Mapping[str, int] = field(default_factory=dict)
     _formula: _Solving | None = field(default=None, repr=False)
 
 
@@ -435,6 +437,14 @@ class Goals:
         found = self.solve([goal], competing)
         return found if found is not None or not competing else self.solve([goal], [])
 
+    def solve_bound(self, goal: Goal) -> dict[str, Value] | None:
+        """Values of inputs at a bound: with other numbers than the last ones, if that is possible."""
+        found = self.solve([goal], [], avoided=goal.last) if goal.last else None
+        found = found or self.solve([goal], [])
+        numbers = (found or {}).items()
+        goal.last = {name: value for name, value in numbers if isinstance(value, int) and not isinstance(value, bool)}
+        return found
+
     def solve_after(self, goal: Goal) -> dict[str, Value] | None:
         """Values of inputs with which a goal is reached if a scan with other ones comes before, as an edge asks for."""
         if goal.origin is None or (goal.sources and goal.sources & ~self.markings()[goal.chart]):
@@ -544,12 +554,19 @@ class Goals:
     # -- which inputs
 
     def solve(
-        self, wanted: Sequence[Goal], unwanted: Sequence[Goal], *, hoping: bool = False, remembering: bool = True
+        self,
+        wanted: Sequence[Goal],
+        unwanted: Sequence[Goal],
+        *,
+        hoping: bool = False,
+        remembering: bool = True,
+        avoided: Mapping[str, int] = MappingProxyType({}),
     ) -> dict[str, Value] | None:
         """Return values of inputs with which some conditions are TRUE and others FALSE now; None where there are none.
 
         All but inputs have their present values, or, `hoping`, any. Not `remembering`, what permanent statements keep
-        from scan to scan has any value. Only as good as what z3 knows of the conditions.
+        from scan to scan has any value. `avoided` are numbers that inputs are not to have. Only as good as what z3
+        knows of the conditions.
         """
         goals = [*wanted, *unwanted]
         if any(goal.tree is None for goal in goals):
@@ -562,10 +579,10 @@ class Goals:
                 if text.casefold().partition(".")[0] not in goal.own and (remembering or text.casefold() not in kept):
                     known[text] = self._present(text)
         of = tuple(map(id, wanted)), tuple(map(id, unwanted))
-        key = (hoping, of, tuple(sorted(known.items(), key=lambda each: each[0])))
+        key = (hoping, of, tuple(sorted(known.items(), key=lambda each: each[0])), tuple(avoided.items()))
         cache = parts[0].found
         if key not in cache:
-            cache[key] = self._solved(wanted, unwanted, known)
+            cache[key] = self._solved(wanted, unwanted, known, avoided)
             if cache[key] is None and any(each.origin is not None for each in goals):
                 first, other = ([each.origin or each for each in some] for some in (wanted, unwanted))
                 cache[key] = self.solve(first, other, hoping=hoping, remembering=remembering)
@@ -615,7 +632,7 @@ class Goals:
             return None
 
     def _solved(
-        self, wanted: Sequence[Goal], unwanted: Sequence[Goal], known: Mapping[str, Any]
+        self, wanted: Sequence[Goal], unwanted: Sequence[Goal], known: Mapping[str, Any], avoided: Mapping[str, int]
     ) -> dict[str, Value] | None:
         goals = [*wanted, *unwanted]
         key = tuple(map(id, goals))
@@ -625,7 +642,9 @@ class Goals:
             self._terms[key] = goals, formula, formula.terms([JudgedCondition(tree) for tree in trees])
         _, formula, terms = self._terms[key]
         terms = [*terms[: len(wanted)], *map(negation, terms[len(wanted) :])]
-        found = formula.model(terms, {text: self._named(text, value) for text, value in known.items()})
+        inputs = {text: self._input(text) for text in formula.names()} if avoided else {}
+        others = {text: avoided[name] for text, name in inputs.items() if name is not None and name in avoided}
+        found = formula.model(terms, {text: self._named(text, value) for text, value in known.items()}, others)
         if found is None:
             return None
         values: dict[str, Value] = {}

@@ -13,7 +13,7 @@ import re
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from operator import itemgetter
+from operator import itemgetter, or_
 from types import MappingProxyType
 from typing import Any
 
@@ -265,6 +265,15 @@ class ProgramSystem:
         for each, (steps, transitions, actions) in zip(self._chart_marks(), charts, strict=True):
             each.steps, each.transitions, each.actions = steps, transitions, actions
         self.marks.reached[: len(texts)] = texts
+
+    def recall(self, before: tuple[list[tuple[int, int, int]], list[bool]]) -> None:
+        """Count what had been executed when `reached` gave this, too."""
+        charts, texts = before
+        for each, (steps, transitions, actions) in zip(self._chart_marks(), charts, strict=True):
+            each.steps |= steps
+            each.transitions |= transitions
+            each.actions |= actions
+        self.marks.reached[: len(texts)] = map(or_, texts, self.marks.reached)
 
     def _chart_marks(self) -> list[Reached]:
         units = self._controller.library.units.values()  # charts of called programs are none of an instance in it

@@ -50,11 +50,8 @@ from plcopen_sfc.semantics.subjects import resolve
 if TYPE_CHECKING:
     from plcopen_sfc.analysis.verdict import Counterexample, Verdict
 
-_CAP, _RUNS, _SCANS = 2_000, 10, 100
+_CAP, _RUNS, _MOST_RUNS, _SCANS = 2_000, 10, 100, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
-
-_LONGER = 10
-"""Times the runs of a second comparison, where the first one has not reached all and time is left."""
 
 _IN_IT = "; what the report names as approximated is in it"
 SHIFTED = "the same but for the inputs that actions see, and the first scan"
@@ -119,6 +116,7 @@ def report_running(
             free_inputs=ALL_FREE,
             cap=_CAP,
             runs=_RUNS,
+            most_runs=_MOST_RUNS,
             scans=_SCANS,
         )
         run = _run(report, there, compared, source=source, profiles=profiles, tool=tool, limit=left)
@@ -168,18 +166,12 @@ def _run(
 ) -> _Run | None:
     """Run a chart for at most `limit` seconds; None, and in `report` why, where it cannot be run."""
     from plcopen_sfc.analysis.pairing import Delay  # noqa: PLC0415  # most conversions run nothing
-    from plcopen_sfc.analysis.verdict import VerdictKind  # noqa: PLC0415
 
     if limit <= 0:
         _note_untested(report, place.report_path, "not run: the time limit was reached")
         return None
-    end = time.thread_time() + limit
     try:
         verdict = compared(delay="auto", limit=limit)
-        left = end - time.thread_time()
-        if verdict.kind is VerdictKind.UNTESTED and not verdict.gap and left > limit / 2:
-            longer = compared(delay=verdict.delay, limit=left, runs=_RUNS * _LONGER)
-            verdict = longer if longer.different or longer.scans > verdict.scans else verdict
         is_cut = verdict.delay.retimed and verdict.equal
         other = profiles[0].order is not profiles[1].order
         is_cut = is_cut and (is_begun_for_good(place) or (other and reads_inputs(place, source, verdict.inputs)))

@@ -405,3 +405,25 @@ def test_edges_and_modes_of_permanent_statements_are_reached(profile: str) -> No
     chart = sfc.loads(EDGES.encode(), format="iec-text")
     found = equivalent(chart, chart, profile, cap=1, runs=10, scans=50)
     assert found.kind is VerdictKind.TESTED, str(found)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("cap", [30, 59])
+def test_a_long_chart_is_walked_though_the_search_for_a_proof_was_there_before(cap: int) -> None:
+    """Conditions are looked at on the way: what a search for a proof has entered already is entered once more."""
+    count = 60
+    names = ", ".join(f"a{i}, b{i}" for i in range(count))
+    steps = "\n".join(f"STEP S{i}: q(N); END_STEP" for i in range(1, count))
+    transitions = "\n".join(
+        f"TRANSITION FROM S{i} TO S{(i + 1) % count} := a{i} AND NOT b{i}; END_TRANSITION" for i in range(count)
+    )
+    text = f"""PROGRAM Ring VAR_INPUT {names} : BOOL; END_VAR VAR_OUTPUT q : BOOL; END_VAR
+INITIAL_STEP S0: END_STEP
+{steps}
+{transitions}
+END_PROGRAM
+"""
+    ring = sfc.loads(text.encode(), format="iec-text")
+    verdict = equivalent(ring, ring, cap=cap, runs=5, scans=100)
+    assert verdict.kind is VerdictKind.TESTED, str(verdict)
+    assert verdict.coverage[0].counts["part of condition"] == (4 * count, 4 * count)
