@@ -37,6 +37,7 @@ class Guards:
         self._translator = translator
         self._wanted = wanted
         self.holding: tuple[Expression, ...] = ()
+        self._found: dict[int, tuple[Expression, frozenset[str] | None]] = {}
 
     def enter(self, conditions: Sequence[Expression]) -> tuple[Expression, ...]:
         """Assume conditions from here on, evaluated in this order; return those that are TRUE at first.
@@ -84,6 +85,11 @@ class Guards:
 
     def _roots(self, condition: Expression) -> frozenset[str] | None:
         """Return the roots of the variables in a condition; None: not all of them are known."""
+        if id(condition) not in self._found:  # a long CASE asks for each of its conditions in each of its branches
+            self._found[id(condition)] = condition, self._roots_in(condition)
+        return self._found[id(condition)][1]
+
+    def _roots_in(self, condition: Expression) -> frozenset[str] | None:
         members = {id(node.name) for node in walk(condition) if isinstance(node, n.Member)}
         callees = {id(node.callee) for node in walk(condition) if isinstance(node, n.Call)}
         found: set[str] = set()
@@ -499,11 +505,14 @@ class StatementTranslator:
         self._writer.write(f"{held} = {selector.text}")
         branches: list[tuple[list[tuple[int, int]], _Branch]] = []
         others: list[n.Expression] = []
+        taken: list[tuple[int, int]] = []
         for branch in node.branches:
             labels = [self._label(label, selector.type) for label in branch.labels]
             text = f"{print_node(node.selector)} = {', '.join(map(print_node, branch.labels))}"
             condition = case_condition(node.selector, branch)
-            branches.append((labels, (text, [*others, condition], branch.statements)))
+            overlaps = any(low <= end and start <= high for low, high in labels for start, end in taken)
+            branches.append((labels, (text, [*others, condition] if overlaps else [condition], branch.statements)))
+            taken += labels
             others.append(inverted(condition))
         single = all(low == high for labels, _ in branches for low, high in labels)
         if single and len(branches) > _MANY_LABELS:
