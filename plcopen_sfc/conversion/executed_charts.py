@@ -115,7 +115,7 @@ class ExecutedChartReader:
         self.excluded = {step.id for step in chart.steps if step.exclude and not owner.detail}
         declared = {variable.name.casefold() for variable in pou.variables()} | owner.global_names
         self.flags = flags_in_use(chart, owner.profile, lambda name: name.casefold() in declared)
-        self.used = Counter(name for step in chart.steps for name in _executed_by(step))
+        self.used = Counter(name for step in chart.steps for name, _ in _executed_by(step))
         self.calls: Counter[str] = Counter()
         for step in chart.steps if owner.added_functions else ():
             lasts = [last for last, _ in self._final_calls(step)]
@@ -414,9 +414,9 @@ class ExecutedChartReader:
         to an initial one.
         """
         rows: dict[str, list[tuple[Step, Qualifier]]] = {}
-        for step, row in self.chart.associations():
-            if row.target is not None:
-                rows.setdefault(plain_name(row.target), []).append((step, row.qualifier))
+        for step in self.chart.steps:
+            for name, qualifier in _executed_by(step):
+                rows.setdefault(name, []).append((step, qualifier))
         scans, restarts = SharedScans(self.chart, self.pou, self.owner.dialect), bool(self.flags & _RESTARTS)
 
         def meet(one: tuple[Step, Qualifier], other: tuple[Step, Qualifier]) -> bool:
@@ -430,8 +430,7 @@ class ExecutedChartReader:
         return frozenset(
             name
             for name, used in rows.items()
-            if 1 < len(used) == self.used[name]
-            and all(qualifier in _OF_STEPS for _, qualifier in used)
+            if all(qualifier in _OF_STEPS for _, qualifier in used)
             and not scans.are_switched
             and not any(starmap(meet, combinations(used, 2)))
         )
@@ -585,12 +584,18 @@ def _shown_name(condition: NamedCondition) -> str:
     return f"NOT {condition.name}" if condition.negated else condition.name
 
 
-def _executed_by(step: Step) -> Iterator[str]:
-    """Yield the names of what a step executes, in every association and step action; assignments share no control."""
-    targets = (row.target for row in step.actions if row.value is None)
-    for action in (*targets, step.entry_action, step.main_action, step.exit_action):
+def _executed_by(step: Step) -> Iterator[tuple[str, Qualifier]]:
+    """Yield the names of what a step executes, with entry and exit actions as P1 and P0.
+
+    Every association and step action counts; assignments share no control.
+    """
+    for row in step.actions:
+        if row.value is None and isinstance(row.target, str):
+            yield plain_name(row.target), row.qualifier
+    pairs = ((step.entry_action, Qualifier.P1), (step.main_action, Qualifier.N), (step.exit_action, Qualifier.P0))
+    for action, qualifier in pairs:
         if isinstance(action, str):
-            yield plain_name(action)
+            yield plain_name(action), qualifier
 
 
 def _same_name(argument: n.Argument) -> str:
