@@ -7,6 +7,7 @@ from itertools import count
 from typing import Any
 
 from plcopen_sfc.errors import Location, ModelError
+from plcopen_sfc.languages.networks import wired_steps
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition
 from plcopen_sfc.model.conditions import Expression
@@ -170,11 +171,17 @@ def joined(what: str, conditions: Sequence[Condition], operator: str, dialect: D
 
 
 def _take_out(journal: Journal, chart: SfcNetwork, steps: Sequence[Step], transitions: Sequence[Transition]) -> None:
-    """Remove steps, and their variables that the tool declares, and transitions."""
+    """Remove steps and transitions. Refused where drawn logic, or a condition that stays, has a wire from a step."""
     ids = {step.id for step in steps}
     journal.put(chart, "steps", [each for each in chart.steps if each.id not in ids])
     gone = {id(each) for each in transitions}
     journal.put(chart, "transitions", [each for each in chart.transitions if id(each) not in gone])
+    needed = wired_steps(chart)
+    for step in steps:
+        if step.id in needed:
+            raise refused(
+                f"the step {step.name!r} cannot be removed", "a wire leads from it to logic that is drawn in the chart"
+            )
     for sequence in chart.sequences:
         if not ids.isdisjoint(sequence.steps):
             journal.put(sequence, "steps", [each for each in sequence.steps if each not in ids])
@@ -403,6 +410,11 @@ def move_to_macro(journal: Journal, chart: SfcNetwork, steps: Sequence[Step], na
     ends_there = [s for s in steps if not any(s.id in each.sources for each in inner) and s.id not in exits]
     if exits and ends_there:
         raise refused(what, f"the step {ends_there[0].name!r} leads nowhere")
+
+    needed = wired_steps(chart)
+    wired = [step for step in steps if step.id in needed]
+    if wired:
+        raise refused(what, f"a wire leads from {wired[0].name!r} to logic that is drawn in the chart")
 
     macro = Step(id=chart.new_id(), name=name)
     place = min(index for index, step in enumerate(chart.steps) if step.id in inside)

@@ -37,19 +37,39 @@ def _edit(method: _Method) -> _Method:
     def transaction(self: Editor, *args: Any, **kwargs: Any) -> Any:
         with self:
             wanted = _argument_types(method)
-            for name, value in signature(method).bind(self, *args, **kwargs).arguments.items():
-                types = wanted.get(name, (object,))
+            bound = signature(method).bind(self, *args, **kwargs)
+            for name, value in bound.arguments.items():
+                types, items = wanted.get(name, ((object,), ()))
                 needs = " or ".join(each.__name__ for each in types if each is not type(None))
-                check_argument(value, types, f"{method.__name__} needs as {name}: {needs}")
-            return method(self, *args, **kwargs)
+                several = f" of {' or '.join(each.__name__ for each in items)}" if items else ""
+                need = f"{method.__name__} needs as {name}: {needs}{several}"
+                alone = tuple(each for each in types if each not in _SEVERAL)
+                if not items or isinstance(value, alone):
+                    check_argument(value, types, need)
+                    continue
+                check_argument(value, alone if isinstance(value, str | Model) else types, need)  # both can be iterated
+                bound.arguments[name] = things = list(value)
+                for each in things:
+                    check_argument(each, items, need)
+            return method(*bound.args, **bound.kwargs)
 
     return cast(_Method, transaction)
 
 
 @cache
-def _argument_types(method: Callable[..., Any]) -> dict[str, tuple[type, ...]]:
-    """Return the classes that each argument may have, by the annotations."""
-    return {name: _classes(hint) for name, hint in get_type_hints(method).items()}
+def _argument_types(method: Callable[..., Any]) -> dict[str, tuple[tuple[type, ...], tuple[type, ...]]]:
+    """Return the classes that each argument may have, by the annotations, and those of the things in it."""
+    return {name: (_classes(hint), _item_classes(hint)) for name, hint in get_type_hints(method).items()}
+
+
+_SEVERAL = (Iterable, Sequence)
+"""Annotations of arguments that are several things."""
+
+
+def _item_classes(hint: Any) -> tuple[type, ...]:
+    options = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+    several = (each for each in options if get_origin(each) in _SEVERAL)
+    return tuple(kind for each in several for item in get_args(each) for kind in _classes(item))
 
 
 def _classes(hint: Any) -> tuple[type, ...]:
@@ -77,6 +97,9 @@ class Editor:
         self, project: Project, *, clean: bool = False, prove: bool = False, limit: float | str | None = None
     ) -> None:
         check_argument(project, Project, "an editor needs a project")
+        check_argument(clean, bool, "clean is True or False")
+        check_argument(prove, bool, "prove is True or False")
+        check_argument(limit, (int, float, str, type(None)), "limit is a number of seconds, or a time")
         self.project = project
         self.removed: list[str] = []
         self.proofs: tuple[Any, ...] = ()
@@ -172,7 +195,7 @@ class Editor:
     # -- steps
 
     @_edit
-    def set(self, things: Iterable[Model] | Model, **fields: Any) -> None:
+    def set(self, things: Iterable[Model | str] | Model | str, **fields: Any) -> None:
         """Give fields of steps, actions, transitions .. other values: ``edit.set(steps, max_time="T#30s")``.
 
         Refused for fields that other edits keep right: names, ids, and where transitions lead.
@@ -180,7 +203,8 @@ class Editor:
         for name in fields:
             if name in _STRUCTURE:
                 raise refused(f"{name!r} cannot be set", "references would not follow", f"Use {_STRUCTURE[name]}.")
-        for each in [things] if isinstance(things, Model) else things:
+        for thing in [things] if isinstance(things, Model | str) else things:
+            each = self._step(thing)[0] if isinstance(thing, str) else thing
             if isinstance(each, ActionAssociation):
                 name_edits.change_association(self._journal, each, fields)
                 continue
@@ -229,6 +253,7 @@ class Editor:
         declared = Names(self.project)
         by_holder = {id(each.holder): each for each in declared.declarations()}
         counts: Counter[int] = Counter()
+        is_changed = False
         for chart in charts_of(self.project) if charts is None else charts:
             numbered = any(step.number is not None for step in chart.steps)
             pou = pou_of(chart)
@@ -245,11 +270,14 @@ class Editor:
                         "the chart cannot be renumbered", "its steps have no numbers", 'Use names="S{number}".'
                     )
                 continue
+            is_changed = True
             for place, step in enumerate(steps, before):
                 if form:
                     table[by_holder[id(step)]] = _name(form, start + place * increment, step.name)
             if numbered:
                 chart_edits.renumber(self._journal, chart, start, increment)
+        if not is_changed:
+            raise refused("the steps cannot be renumbered", "no step has a number", 'Use names="S{number}".')
         if table:
             rename_many(self.project, table, self._journal)
 
@@ -263,6 +291,8 @@ class Editor:
     @_edit
     def join_transitions(self, links: Sequence[Transition]) -> Transition:
         """Make one transition of several between the same steps; their conditions are joined by OR."""
+        if not links:
+            raise ModelError("there are no transitions to join")
         return chart_edits.join_transitions(self._journal, self._chart_of(links[0]), links)
 
     @_edit
@@ -339,13 +369,14 @@ class Editor:
     # -- larger parts
 
     @_edit
-    def move_to_macro(self, steps: Sequence[Step], name: str) -> Step:
+    def move_to_macro(self, steps: Sequence[Step | str], name: str) -> Step:
         """Move a run of steps, entered at one step and left at one, into a new macro-step."""
         if not steps:
             raise ModelError("a macro-step needs steps")
-        chart = self._step(steps[0])[1]
+        moved = [self._step(each)[0] for each in steps]
+        chart = self._step(moved[0])[1]
         with self._adding(chart):
-            return chart_edits.move_to_macro(self._journal, chart, steps, name)
+            return chart_edits.move_to_macro(self._journal, chart, moved, name)
 
     @_edit
     def dissolve_macro(self, macro: Step | str) -> list[Step]:

@@ -145,7 +145,10 @@ def check_new_steps(names: Names, pou: Pou, steps: Iterable[Step], texts: Mappin
 
     `texts`, by their object and field, are those from before: what is new may name the steps.
     """
-    added = {step.name.casefold(): names.declaration_of(step) for step in steps}
+    made = list(steps)
+    if any(not step.name for step in made):
+        raise ModelError("a step needs a name: it is empty")
+    added = {step.name.casefold(): names.declaration_of(step) for step in made}
     for step in added.values():
         problem = names.objection_to(step, step.name)
         if problem:

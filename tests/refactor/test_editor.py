@@ -205,6 +205,9 @@ REFUSED: list[tuple[Callable[[Editor, sfc.Project], Any], str]] = [
     (lambda e, p: e.copy_pou(plant(), "Main"), "has a POU 'Main' already"),
     (lambda e, p: e.set(sfc.Step(id=1, name="A"), targets=[1]), "Use retarget"),
     (lambda e, p: e.delete_step(sfc.Step(id=1, name="A")), "is not in this project"),
+    (lambda e, p: e.renumber(), "no step has a number"),
+    (lambda e, p: e.insert_step("", link(p, "Wait -> Fill"), "Full"), "a step needs a name"),
+    (lambda e, p: e.join_transitions([]), "no transitions to join"),
 ]
 
 
@@ -239,6 +242,53 @@ def test_arguments_of_other_types_are_refused(edit: str, given: int, value: obje
     project = plant()
     with pytest.raises(ArgumentError, match=f"{edit} needs as "):
         getattr(project.edit(), edit)(*[value] * given)
+
+
+@pytest.mark.parametrize(
+    ("do", "message"),
+    [
+        (lambda e, p: e.renumber(charts=p.pou("Main").chart), "renumber needs as charts: Iterable of SfcNetwork"),
+        (lambda e, p: e.renumber(charts="Main"), "renumber needs as charts: "),  # type: ignore[arg-type]
+        (lambda e, p: e.renumber(charts=[None]), "renumber needs as charts: "),  # type: ignore[list-item]
+        (lambda e, p: e.set([5], max_time="T#5s"), "set needs as things: "),  # type: ignore[list-item]
+        (lambda e, p: e.retarget("Main.Wait", "Main.Fill", link(p, "Wait -> Fill")), "retarget needs as links: "),  # type: ignore[arg-type]
+    ],
+)
+def test_lists_of_other_things_are_refused(do: Callable[[Any, sfc.Project], object], message: str) -> None:
+    project = plant()
+    with pytest.raises(ArgumentError, match=message):
+        do(project.edit(), project)
+
+
+@pytest.mark.parametrize("options", [{"limit": object()}, {"clean": "x"}, {"prove": "x"}], ids=str)
+def test_editors_refuse_options_of_other_types(options: dict[str, Any]) -> None:
+    with pytest.raises(ArgumentError):
+        plant().edit(**options)
+
+
+def test_steps_are_set_and_moved_by_their_paths() -> None:
+    project = plant()
+    project.edit().set("Main.Heat", max_time="T#9s")
+    assert find(project, "Heat").max_time == "T#9s"
+    by_path, by_object = plant(), plant()
+    by_path.edit().move_to_macro(["Main.Heat"], "Warm")
+    by_object.edit().move_to_macro([find(by_object, "Heat")], "Warm")
+    assert by_path.model_dump() == by_object.model_dump()
+
+
+@pytest.mark.parametrize(
+    "edit", [lambda e: e.remove_branch("Main.Heat"), lambda e: e.move_to_macro(["Main.Heat"], "M")], ids=["cut", "move"]
+)
+def test_steps_that_feed_drawn_logic_stay(edit: Callable[[sfc.Editor], object]) -> None:
+    project = plant()
+    chart = project.pou("Main").chart
+    assert chart is not None
+    wire = m.InputPin(connections=[m.Connection(source=find(project, "Heat").id)])
+    chart.logic = [m.OutputVariable(id=chart.new_id(), expression="Valve", input=wire)]
+    before = project.model_dump()
+    with pytest.raises(ModelError, match="logic that is drawn"):
+        edit(project.edit())
+    assert project.model_dump() == before
 
 
 def test_a_block_of_edits_is_one_transaction() -> None:

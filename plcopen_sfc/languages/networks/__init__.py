@@ -22,6 +22,7 @@ from plcopen_sfc.languages.networks.condition_reading import (
     shown_body,
     shown_condition,
     shown_named_condition,
+    wired_steps,
 )
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, declared_rules
 from plcopen_sfc.languages.networks.network_drawing import (
@@ -71,4 +72,5 @@ __all__ = [
     "shown_body",
     "shown_condition",
     "shown_named_condition",
+    "wired_steps",
 ]

@@ -11,7 +11,7 @@ from dataclasses import replace
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.il import instructions, result_expression, statements_with_result
 from plcopen_sfc.languages.networks.exported_networks import SOURCES, network_statements
-from plcopen_sfc.languages.networks.network_graph import is_fed
+from plcopen_sfc.languages.networks.network_graph import Graph, is_fed
 from plcopen_sfc.languages.networks.network_reading import NetworkReader, body_statements, reader_of_chart
 from plcopen_sfc.languages.networks.results import NetworkExpression, NetworkProblem, NetworkStatements
 from plcopen_sfc.languages.networks.wires import inverted
@@ -182,6 +182,15 @@ def kept_conditions(
     helpers = tuple(helper for part in parts for helper in part.helpers)
     instances = {name: type_ for part in parts for name, type_ in part.instances.items()}
     return NetworkStatements(helpers, instances, tree=n.Statements(statements)), found
+
+
+def wired_steps(chart: SfcNetwork) -> set[int]:
+    """Return the ids of the elements from which wires lead into the logic drawn in a chart, or to a condition."""
+    graph = Graph([chart.logic])
+    wires = {wire.source for node in chart.logic for pin in graph.pins(node) for wire in pin.connections}
+    conditions = [each.condition for each in chart.transitions] + [each.condition for _, each in chart.associations()]
+    pins = [condition.input for condition in conditions if isinstance(condition, WiredCondition)]
+    return wires | {wire.source for pin in pins for wire in pin.connections}
 
 
 def _feeding(reader: NetworkReader, pins: Iterable[Iterable[tuple[int, str | None]]]) -> set[int]:
