@@ -171,13 +171,16 @@ def test_standard_input_is_one_file(cli: Any, exports: Path) -> None:
 
 
 def _converting(exports: Path) -> subprocess.Popen[str]:
-    """Return the command that converts many files, with two processes that have written some of them."""
+    """Return the command that converts many files, with two processes that have written some of them.
+
+    It cannot write all: its lines do not fit into the pipe, which nothing reads meanwhile.
+    """
     for number in range(30):
-        shutil.copy(exports / CODESYS[2], exports / f"more{number}.xml")
+        shutil.copy(exports / CODESYS[2], exports / f"more{number}{'_' * 200}.xml")
     arguments = ["convert", "exports", "out/", "--to", "json", "--jobs", "2", "--resume", "run.journal"]
     command = [sys.executable, "-m", "plcopen_sfc", *arguments]
-    run = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, process_group=0,
-                           env={"PYTHONPATH": str(FIXTURES.parent)})  # fmt: skip
+    run = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, pipesize=4096, text=True,
+                           process_group=0, env={"PYTHONPATH": str(FIXTURES.parent)})  # fmt: skip
     for _ in range(600):
         if len(list(Path("out").glob("*.json"))) > 1:
             break
