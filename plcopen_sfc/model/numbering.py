@@ -26,7 +26,7 @@ def numbered_in_order(project: Project) -> Project:
 
 def number_in_order(project: Project) -> None:
     """Number everything in `project` as `numbered_in_order` does in a copy."""
-    for thing in _models(project):
+    for thing in models_in(project):
         if isinstance(thing, SfcNetwork):
             thing.drawing = None
             _number_chart(thing)
@@ -34,17 +34,18 @@ def number_in_order(project: Project) -> None:
             _number_nodes(nodes)
 
 
-def _models(thing: Any) -> Iterator[Model]:
+def models_in(thing: Any) -> Iterator[Model]:
+    """Yield an object of the model and all that is in it."""
     if isinstance(thing, Model):
         if isinstance(thing, LateElement):
             thing.read()
         yield thing
         for value in [*thing.__dict__.values()]:
             if isinstance(value, Model | list):
-                yield from _models(value)
+                yield from models_in(value)
     elif isinstance(thing, list):
         for item in thing:
-            yield from _models(item)
+            yield from models_in(item)
 
 
 def _numbers(ids: Iterable[int]) -> dict[int, int]:

@@ -22,6 +22,7 @@ from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.numbering import models_in
 from plcopen_sfc.model.pou import Action, NamedTransition, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import (
@@ -392,7 +393,8 @@ def remove_objects(journal: Journal, project: Project, objects: Iterable[object]
 def copy_pou(journal: Journal, project: Project, name: str, target: Project, names: Mapping[str, str]) -> Pou:
     """Put a copy of a POU into another project, with other names for what it and its project declare.
 
-    Everything that it names must be there under its (new) name already, and be declared alike. Gives the copy.
+    Everything that it names must be there under its (new) name already, and be declared alike. Gives the copy, without
+    the identities of the original: tools and writers make new ones.
     """
     what = f"{name!r} cannot be copied"
     if dialect_of(project) is not dialect_of(target):
@@ -409,6 +411,7 @@ def copy_pou(journal: Journal, project: Project, name: str, target: Project, nam
     journal.keep(copy, "pous")
     copy.pous = [each for each in copy.pous if each is not pou]
     pou.place = target.pous[0].place if target.pous else ""
+    _forget_identities(pou, target)
     journal.put(target, "pous", [*target.pous, pou])
     there = Names(target)
     found = zip(before, declarations_in(there, pou), strict=True)
@@ -422,3 +425,13 @@ def copy_pou(journal: Journal, project: Project, name: str, target: Project, nam
         hint = 'Make both alike, or give it the name of something that is: {"Speed": "Speed2"}.'
         raise refused(what, others, hint)
     return pou
+
+
+def _forget_identities(pou: Pou, target: Project) -> None:
+    """Take out what tools and files know an object by, and the number of a block that the target has already."""
+    for each in models_in(pou):
+        for field in ("object_id", "global_id"):
+            if each.__dict__.get(field) is not None:
+                setattr(each, field, None)
+    if any(each.kind is pou.kind and each.number == pou.number for each in target.pous):
+        pou.number = None

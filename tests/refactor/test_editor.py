@@ -14,6 +14,7 @@ from plcopen_sfc import model as m
 from plcopen_sfc.errors import ArgumentError, ModelError
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.model import Dialect
+from plcopen_sfc.model.numbering import models_in
 from plcopen_sfc.refactor.editor import Editor
 from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from tests.samples import FIXTURES
@@ -582,6 +583,32 @@ def test_a_pou_is_copied_into_another_project() -> None:
     assert target.pous == []
     target.global_variables.append(sfc.VariableSection(variables=[sfc.Variable(name="Lamp2", type="BOOL")]))
     assert edit.copy_pou(source, "Main", {"Light": "Lamp2"}).chart is not None
+
+
+@pytest.mark.parametrize(
+    ("file", "name"),
+    [
+        ("codesys-export/mixer.export", "Mischer"),
+        ("codesys/sorting_conveyor.xml", "FB_Pusher"),
+        ("twincat/press_station.xml", "FB_Cylinder"),
+        ("plcopen/every_element_2.01.xml", "Mixer"),
+        ("simaticml/FC_Count.xml", "FC_Count"),
+    ],
+)
+def test_a_copy_in_the_same_project_has_no_identity_of_its_original(file: str, name: str) -> None:
+    project = sfc.load(FIXTURES / file)
+    found = [each.code for each in project.diagnostics]
+    copy = project.edit().copy_pou(project, name, {name: "ZCopy"})
+    kept = {
+        (type(each), field): value
+        for each in models_in(copy)
+        for field, value in each.__dict__.items()
+        if field in {"object_id", "global_id", "number"} and value is not None and not isinstance(each, m.Step)
+    }
+    assert not kept
+    again = sfc.loads(sfc.dumps(project))
+    assert [each.code for each in again.diagnostics] == found
+    assert str(sfc.diff(project, again)) == "no differences"
 
 
 SURROUNDINGS = """TYPE Sort : STRUCT weight : INT := 3; END_STRUCT END_TYPE
