@@ -45,7 +45,7 @@ SAMPLE = {
 REFUSED = {
     "iectext": {
         "chart that fails when it runs": (7, 7, 7, 7, 7, 7, 5, 7, 2),
-        "code only in a comment": (0, 0, 0, 0, 0, 0, 0, 24, 8),
+        "code only in a comment": (0, 0, 0, 0, 0, 0, 16, 50, 34),
         "no regions": (4, 4, 4, 4, 4, 4, 4, 4, 4),
         "older TIA Portal": (0, 0, 0, 0, 0, 0, 0, 0, 136),
         "several steps at a time": (5, 5, 5, 5, 5, 5, 5, 5, 5),
@@ -53,11 +53,12 @@ REFUSED = {
     },
     "plcopen": {
         "broken connections": (7, 7, 7, 7, 7, 7, 7, 7, 7),
-        "code only in a comment": (0, 0, 0, 0, 0, 0, 5, 2, 2),
+        "code only in a comment": (0, 0, 0, 2, 0, 0, 0, 0, 0),
         "condition that is no BOOL": (7, 7, 7, 7, 7, 7, 7, 7, 7),
         "no regions": (1, 1, 1, 1, 1, 1, 1, 1, 1),
-        "older TIA Portal": (0, 0, 0, 0, 0, 0, 0, 0, 30),
-        "competing transitions that fire together": (4, 4, 4, 4, 4, 4, 4, 4, 4),
+        "nothing to compare": (5, 5, 5, 3, 5, 5, 3, 5, 5),
+        "older TIA Portal": (0, 0, 0, 0, 0, 0, 0, 0, 25),
+        "competing transitions that fire together": (2, 2, 2, 2, 2, 2, 2, 2, 2),
         "several steps at a time": (3, 3, 3, 3, 3, 3, 3, 3, 3),
         "text that does not parse": (7, 7, 7, 7, 7, 7, 7, 7, 7),
         "text without networks": (0, 0, 0, 0, 0, 0, 12, 0, 0),
