@@ -18,6 +18,7 @@ from plcopen_sfc.formats.steplist.list_tables import (
     TableRow,
     cell_name,
     tables_in,
+    unread_rows,
 )
 from plcopen_sfc.languages.declarations import read_declarations
 from plcopen_sfc.languages.translation.literal_translation import translated_address
@@ -79,7 +80,7 @@ def read_list(sheets: Sequence[Sheet], file: str | None) -> ReadResult:
         hint = "A step list has a row with the headings Step, Action, Condition, Next; see docs/formats/xlsx.md."
         where = Location(file, 1 if any(sheet.lines for sheet in sheets) else None)
         raise StructureError("no sheet has the headings of a step list", location=where, hint=hint)
-    return _Reader(tables, file).run()
+    return _Reader(tables, sheets, file).run()
 
 
 @dataclass
@@ -104,10 +105,12 @@ class _Program:
 
 
 class _Reader:
-    def __init__(self, tables: Sequence[ListTable], file: str | None) -> None:
+    def __init__(self, tables: Sequence[ListTable], sheets: Sequence[Sheet], file: str | None) -> None:
         self._tables = tables
+        self._sheets = sheets
         self._file = file
         self._table = tables[0]
+        self._sheet = sheets[0]
         self._project = Project()
         self._programs: dict[str, _Program] = {}
         self._found: list[Diagnostic] = []
@@ -116,13 +119,26 @@ class _Reader:
         # the steps first: the variables of an I/O list are of the programs in them
         order = {TableKind.STEPS: self._steps, TableKind.ACTIONS: self._actions, TableKind.VARIABLES: self._variables}
         for table in sorted(self._tables, key=lambda each: [*order].index(each.kind)):
-            self._table = table
+            self._table, self._sheet = table, table.sheet
             order[table.kind]()
             for at, heading in table.unknown:
                 known = [column.heading for column in COLUMNS[table.kind]]
                 near = nearest(heading, known)
                 self._note("LST110", f"the column {heading!r} is not read{near}", table.start, at, Severity.WARNING)
+        for sheet in self._sheets:
+            self._unread(sheet)
         return ReadResult(self._project, self._found)
+
+    def _unread(self, sheet: Sheet) -> None:
+        """Note the rows of a sheet that are outside of its tables."""
+        self._sheet = sheet
+        for row in unread_rows(sheet):
+            if row.is_data:
+                message = "this row is of no table, as an empty row above it ends the table: take the empty row out"
+                self._note("LST112", message, row.place, row.column)
+            else:
+                message = "this row is of no table, and is not read"
+                self._note("LST112", message, row.place, row.column, Severity.WARNING)
 
     # -- findings
 
@@ -131,11 +147,11 @@ class _Reader:
         self._found.append(Diagnostic(code, severity, message, place))
 
     def _line(self, row: int) -> int:
-        lines = self._table.sheet.lines
+        lines = self._sheet.lines
         return lines[row] if lines else row + 1
 
     def _cell(self, row: int, column: int) -> str:
-        name = self._table.sheet.name
+        name = self._sheet.name
         return f"{name}!{cell_name(row, column)}" if name else f"line {self._line(row)}, column {column + 1}"
 
     def _wrong(self, code: str, message: str, row: TableRow, heading: str) -> None:
@@ -308,6 +324,8 @@ class _Reader:
             if not row["Action"]:
                 self._wrong("LST106", "statements without the name of their action", row, "Action")
                 continue
+            if program.pou.find_action(row["Action"]) is not None:
+                self._wrong("LST103", f"{program.pou.name} has an action {row['Action']} already", row, "Action")
             action = Action(name=row["Action"], body=StBody(text=row.texts.get("Statements", "")))
             action.comment = row.texts.get("Comment") or None
             program.pou.actions.append(action)
@@ -329,6 +347,9 @@ class _Reader:
                 program = self._program(row, program or self._first())
                 interface = program.pou.interface = program.pou.interface or Interface()
                 sections = interface.sections
+            known = {v.name.casefold() for each in sections if each.name == declared.name for v in each.variables}
+            if row["Variable"].casefold() in known:
+                self._wrong("LST103", f"the variable {row['Variable']} is declared already", row, "Variable")
             section = next((each for each in sections if _head(each) == _head(declared)), None)
             if section is None:
                 sections.append(declared)

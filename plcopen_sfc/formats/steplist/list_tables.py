@@ -154,6 +154,38 @@ def tables_in(sheets: Sequence[Sheet]) -> Iterator[ListTable]:
             yield ListTable(kind, rows, sheet, start, columns)
 
 
+class UnreadRow(NamedTuple):
+    """A row outside of the tables of a sheet: its place, that of its first text, and True if it is data of a table."""
+
+    place: int
+    column: int
+    is_data: bool
+
+
+def unread_rows(sheet: Sheet) -> Iterator[UnreadRow]:
+    """Yield the rows outside of the tables of a sheet that can be rows of a table.
+
+    Below a table, a row with a text in a column of that table other than its first one is data: an empty row ended the
+    table. Other rows there are notes; the title of the next table is left out. Where no table is above, a row with
+    several texts can be one of headings, and one of them is told.
+    """
+    done, above = 0, None
+    for table in (*tables_in([sheet]), None):
+        end = table.start if table is not None else len(sheet.rows)
+        for at in range(done, end):
+            texts = [place for place, text in enumerate(sheet.rows[at]) if text.strip()]
+            if above is None and len(texts) > 1:
+                yield UnreadRow(at, texts[0], is_data=False)
+                break
+            if above is None or not texts:
+                continue
+            data = sorted(set(above.columns.values()).intersection(texts) - {min(above.columns.values())})
+            if data or table is None or at + 1 < end:
+                yield UnreadRow(at, (data or texts)[0], is_data=bool(data))
+        if table is not None:
+            done, above = table.end, table
+
+
 def _headings(row: Sequence[str]) -> tuple[TableKind, dict[str, int]] | None:
     """Return the table that begins with these headings, and the places of its columns."""
     for kind, (all_of, one_of) in _NEEDED.items():

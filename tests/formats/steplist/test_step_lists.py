@@ -232,6 +232,15 @@ WRONG = {
     "Variable|Type|Address\nx|INT|over there": ("LST109", 2, 3),
     "Variable|Type|Address\nx|INT|EW65": ("LST109", 2, 3),
     "Variable|Type\na b|INT": ("LST109", 2, 1),
+    "Variable|Type\nb|INT\nB|INT": ("LST103", 3, 1),
+    "Program|Variable|Type\nMain|b|INT\nMain|c|INT\n|B|BOOL": ("LST103", 4, 2),
+    "Program|Variable|Section|Type\nL|b|VAR_GLOBAL|INT\nL|b|VAR_GLOBAL CONSTANT|INT": ("LST103", 3, 2),
+    "Program|Action|Statements\nMain|a|x := 1;\n|A|x := 2;": ("LST103", 3, 2),
+    "Step|Qualifier|Action|Condition|Next\nA|N|v|x|A\n\n|||z|A": ("LST112", 4, 4),
+    "Step|Action|Next|Condition\nA||A|x\n|||\n|S||": ("LST112", 4, 2),
+    "Step|Action|Next|Condition\nA||A|x\n\n||A|y\n\nVariable|Type\nx|BOOL": ("LST112", 4, 3),
+    "Step|Action|Next|Condition\nA||A|x\n\nwritten by Karl": ("LST112", 4, 1),
+    "Stepp|Action|Qualifier\nA|x|N\n\nVariable|Type\nx|BOOL": ("LST112", 1, 1),
 }
 
 
@@ -242,6 +251,25 @@ def test_what_is_wrong_is_found_with_its_cell(source: str) -> None:
     project = sfc.loads(data.getvalue().encode(), format="csv")
     found = [(each.code, each.location.line, each.location.column) for each in project.diagnostics]
     assert found == [WRONG[source]]
+
+
+def test_titles_are_no_findings_and_notes_are_warnings() -> None:
+    titled = "Mixer\n\nSteps\nStep|Next|Condition\nA|A|x\n\nVariables\nVariable|Type\nx|BOOL\n"
+    assert not sfc.loads(table(titled)).diagnostics
+    (note,) = sfc.loads(table(f"{titled}\nchecked by Karl\n")).diagnostics
+    assert (note.code, note.severity) == ("LST112", "warning")
+
+
+def test_a_workbook_tells_the_sheet_of_a_row_that_it_does_not_read() -> None:
+    book = openpyxl.load_workbook(FOLDER / "mixer.xlsx")
+    steps = book["Steps"]
+    steps.insert_rows(5)
+    book.create_sheet("IO").append(["Variabel", "Typ"])
+    saved = io.BytesIO()
+    book.save(saved)
+    found = [each for each in sfc.loads(saved.getvalue(), path="list.xlsx").diagnostics if each.code == "LST112"]
+    assert "list.xlsx:6:2 (Steps!B6)" in [str(each.location) for each in found if each.severity == "error"]
+    assert [str(each.location) for each in found if each.severity == "warning"] == ["list.xlsx:1:1 (IO!A1)"]
 
 
 def test_the_place_in_a_workbook_is_its_cell() -> None:
