@@ -422,16 +422,18 @@ class _Charts:
             self._mine.transitions = [each for each in self._mine.transitions if each is not gone]
             self._changes.append(f"{self._path} / transition {self._shown.label(shown)}: removed")
         above: Transition | None = None
+        placed: dict[int, Transition] = {}
         is_reordered = any(
             each.id not in found or each.priority != found[each.id][1].priority for each in self._now.transitions
         )
         for transition, wanted in zip(self._now.transitions, self._then.transitions, strict=True):
             path = f"{self._path} / transition {self._now.label(transition)}"
             if transition.id not in found:
-                above = self._new_transition(transition, wanted, above)
+                above = placed[transition.id] = self._new_transition(transition, wanted, above)
                 self._changes.append(f"{path}: new")
                 continue
             above, shown = found[transition.id]
+            placed[transition.id] = above
             if is_reordered and above.priority is None is not shown.priority and "Priority" in self._columns:
                 above.priority = shown.priority  # the list numbers all that compete with a numbered one
                 if transition.priority == shown.priority:
@@ -441,6 +443,23 @@ class _Charts:
             if olds.ends(shown) != news.ends(transition):
                 above.sources, above.targets = self._ids(news.ends(transition))
                 self._changes.append(f"{path}: leads elsewhere")
+        self._order(placed, {id(mine): shown for mine, shown in found.values()})
+
+    def _order(self, placed: Mapping[int, Transition], shown: Mapping[int, Transition]) -> None:
+        """Put competing transitions without priorities into the order of their rows, where it is another one."""
+        for step in self._now.steps:
+            wanted = [placed[each.id] for each in self._now.outgoing(step)]
+            before = _named(self._shown.steps, step)
+            known = self._shown.outgoing(before) if before is not None else []
+            is_same = [id(shown.get(id(each))) for each in wanted] == [id(each) for each in known]
+            if is_same or any(each.priority is not None for each in wanted):
+                continue
+            transitions = self._mine.transitions
+            places = [at for at, each in enumerate(transitions) if any(each is one for one in wanted)]
+            if any(transitions[at] is not each for at, each in zip(places, wanted, strict=True)):
+                for at, each in zip(places, wanted, strict=True):
+                    transitions[at] = each
+                self._changes.append(f"{self._path} / step {step.name}: order of transitions")
 
     def _new_transition(self, now: Transition, then: Transition, above: Transition | None) -> Transition:
         chart = self._mine

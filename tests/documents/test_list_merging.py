@@ -230,6 +230,41 @@ def test_what_is_removed_with_all_that_names_it_is_gone() -> None:
     assert "POU Main / variable a: removed" in changes
 
 
+COMPETING = """PROGRAM Main
+VAR a, b, c, d : BOOL; END_VAR
+INITIAL_STEP S0: END_STEP
+TRANSITION FROM S0 TO S1 := a; END_TRANSITION
+TRANSITION FROM S1 TO S0 := c; END_TRANSITION
+TRANSITION FROM S0 TO S2 := b; END_TRANSITION
+STEP S1: END_STEP
+STEP S2: END_STEP
+TRANSITION FROM S2 TO S0 := d; END_TRANSITION
+END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize("target", ["iec-text", "codesys", "plcopen"])
+@pytest.mark.parametrize(
+    ("rows", "order"),
+    [
+        (["b;S2", "a;S1"], ["b", "a"]),
+        (["c;S2", "a;S1", "b;S2"], ["c", "a", "b"]),
+        (["b;S2", "c;S1", "a;S1"], ["b", "c", "a"]),
+    ],
+)
+def test_the_order_of_rows_is_that_of_competing_transitions(target: str, rows: list[str], order: list[str]) -> None:
+    """Two conditions that were exchanged with their next steps changed nothing, without a word."""
+    project = sfc.loads(sfc.convert(sfc.loads(COMPETING.encode()), target).data)
+    table = "\n".join(["Step;Condition;Next", f"S0;{rows[0]}", *(f";{row}" for row in rows[1:]), "S1;c;S0", "S2;d;S0"])
+    listed = sfc.loads(table.encode())
+    assert "POU Main / step S0: order of transitions" in sfc.merge_list(project, listed) or len(rows) > 2
+    chart = sfc.loads(sfc.dumps(project)).pou("Main").chart
+    assert chart is not None
+    found = chart.outgoing(chart.step("S0"))
+    assert [getattr(each.condition, "text", None) for each in found] == order
+    assert sfc.merge_list(project, listed) == []
+
+
 @pytest.mark.slow
 def test_columns_and_tables_that_a_list_does_not_have_change_nothing() -> None:
     project = loaded("codesys/sorting_conveyor.xml")
