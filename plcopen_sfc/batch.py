@@ -359,7 +359,7 @@ def _applied(
         return AppliedFile(path, () if error else changes, error, proofs=proofs, returned=returned, lost=lost)
     except SfcError as error:
         return AppliedFile(path, error=str(error))
-    except Exception as error:  # whatever a script does wrong, the other files go on
+    except (Exception, SystemExit) as error:  # whatever a script does wrong, the other files go on
         return AppliedFile(path, error=str(_mistake(name, error)))
 
 
@@ -375,13 +375,13 @@ def script_edit(script: str, settings: Mapping[str, str]) -> Edit:
             return function(project, **values)
         except SfcError:
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise _mistake(script, error) from error
 
     return edit
 
 
-def _mistake(script: str, error: Exception) -> ScriptError:
+def _mistake(script: str, error: BaseException) -> ScriptError:
     """Return the error of a script with its line."""
     frames = traceback.extract_tb(error.__traceback__)
     line = next((each.lineno for each in reversed(frames) if each.filename == script), 0)
@@ -422,7 +422,7 @@ def _function(script: Script, settings: Mapping[str, str]) -> tuple[Callable[...
         hints = get_type_hints(found) if found is not None else {}
     except SfcError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise ScriptError(f"{type(error).__name__}: {error}", location=where) from error
     if function is None:
         hint = "Or a class with a method refactor(self, project)."
@@ -473,7 +473,7 @@ def functions_of(script: str) -> dict[str, Callable[..., Any]]:
     """
     try:
         module = _executed(Path(script).read_text(encoding="utf-8"), script)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise ScriptError(f"{type(error).__name__}: {error}", location=Location(script)) from error
     found = {name: each for name, each in vars(module).items() if inspect.isfunction(each) and not name.startswith("_")}
     return {name: each for name, each in found.items() if each.__module__ == module.__name__}

@@ -34,7 +34,7 @@ def loaded(group: str, name: str) -> Any:
     entry = {each.name: each for each in _entries(group)}[name]
     try:
         return entry.load()
-    except Exception as error:  # whatever another package does wrong
+    except (Exception, SystemExit) as error:  # whatever another package does wrong
         package = entry.dist.name if entry.dist is not None else entry.value
         message = f"the plugin {name} of the package {package} cannot be imported: {type(error).__name__}: {error}"
         raise PluginError(message, hint="Mend the package, or uninstall it.") from error

@@ -92,6 +92,18 @@ def test_mistakes_of_a_script_are_told_with_their_line(cli, exports):
     assert outcome.out.splitlines()[-1].startswith("0 changed, 0 unchanged, 3 failed")
 
 
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_script_that_exits_fails_for_its_file_alone(cli, exports, jobs):
+    text = "import sys\ndef refactor(project):\n    'distribution' in project.source.path and sys.exit(3)\n"
+    (exports.parent / "script.py").write_text(text, encoding="utf-8")
+    outcome = cli("apply", "script.py", "exports", "--jobs", jobs)
+    assert outcome.code == 2
+    assert "script.py:3: SystemExit: 3" in outcome.err
+    assert outcome.out.splitlines()[-1].startswith("0 changed, 2 unchanged, 1 failed")
+    (exports.parent / "script.py").write_text("import sys\nsys.exit()\n", encoding="utf-8")
+    assert "script.py: SystemExit" in cli("apply", "script.py", "exports", "--jobs", jobs).err
+
+
 @pytest.mark.parametrize(
     ("settings", "message"),
     [

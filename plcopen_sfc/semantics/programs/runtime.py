@@ -220,7 +220,7 @@ def checked(function: Callable[..., Any]) -> Callable[..., Any]:
             result = function(*arguments, **given)
         except SimulationError:
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             told = f"{type(error).__name__}: {error}"
             raise SimulationError(f"the supplied function {name} ends with an error: {told}") from None
         if isinstance(result, bool | int | float | str):
