@@ -1,8 +1,9 @@
 """Scripts that change many files: what each file becomes, and the changes on the disk.
 
 A script is a Python file with a function ``refactor(project)``, or with a class that has such a method. Further
-parameters of the function, or the attributes that the class declares, are settings: they have a type (`str`, `int`,
-`float` or `bool`), and a default where they may be left out. A plugin provides the same under a name of its own.
+parameters of the function, or the attributes that the class declares, are settings. They have a type (`str`, `int`,
+`float`, `bool`, `Path`, `Literal`, one of several, or a list of these), else that of their default, and a default where
+they may be left out. A plugin provides the same under a name of its own.
 """
 
 from __future__ import annotations
@@ -20,9 +21,9 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import partial
 from hashlib import blake2b
-from pathlib import Path
-from types import ModuleType
-from typing import TYPE_CHECKING, Any, get_type_hints
+from pathlib import Path, PurePath
+from types import ModuleType, NoneType, UnionType
+from typing import TYPE_CHECKING, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from plcopen_sfc import plugins
 from plcopen_sfc.documents.folder_projects import edited_files, files_below
@@ -437,7 +438,9 @@ def _function(script: Script, settings: Mapping[str, str]) -> tuple[Callable[...
     if missing:
         hint = f"--set {missing[0]}=VALUE"
         raise ScriptError(f"the script needs the setting {missing[0]!r}", location=where, hint=hint)
-    return function, {name: _value(script.path, name, text, hints.get(name, str)) for name, text in settings.items()}
+    usual = {each.name: str if each.default in (None, each.empty) else type(each.default) for each in parameters}
+    kinds = usual | hints
+    return function, {name: _value(script.path, name, text, kinds[name]) for name, text in settings.items()}
 
 
 def _refactoring(script: Script) -> Callable[..., Any] | None:
@@ -489,10 +492,58 @@ def _executed(text: str, path: str) -> ModuleType:
 
 
 def _value(script: str, name: str, text: str, kind: Any) -> Any:
+    """Return the text of a setting as a value of its type."""
     try:
-        if kind is bool:
-            return {"true": True, "false": False}[text.casefold()]
-        return kind(text) if kind in (int, float) else text
-    except (ValueError, KeyError):
-        what = {bool: "true or false", int: "a whole number", float: "a number"}[kind]
-        raise ScriptError(f"the setting {name} is {what}, not {text!r}", location=Location(script)) from None
+        return _converted(text, kind)
+    except ValueError as error:
+        message = f"the setting {name} is {error}, not {text!r}"
+        raise ScriptError(message, location=Location(script)) from None
+    except TypeError as error:
+        message = f"the setting {name} cannot be given: its type is {error}"
+        hint = "Settings are str, int, float, bool, Path, Literal, and lists of these."
+        raise ScriptError(message, location=Location(script), hint=hint) from None
+
+
+def _converted(text: str, kind: Any) -> Any:
+    """Return a text as a value of a type; `ValueError` tells what the type takes, `TypeError` that no text is one."""
+    made, choices = get_origin(kind) or kind, get_args(kind)
+    if made in (Union, UnionType):
+        return _first_of(text, [each for each in choices if each is not NoneType])
+    if made is Literal:
+        found = next((each for each in choices if str(each) == text), None)
+        if found is None:
+            raise ValueError(" or ".join(map(str, choices)))
+        return found
+    if made in (list, tuple, set, frozenset, Sequence, Iterable):
+        if made is tuple and choices and choices[1:] != (...,):
+            raise TypeError(kind)
+        parts = [part.strip() for part in text.split(",")] if text.strip() else []
+        found = [_converted(part, choices[0] if choices else str) for part in parts]
+        return found if made in (Sequence, Iterable) else made(found)
+    if made is bool and text.casefold() not in _BOOLEANS:
+        raise ValueError("true or false")
+    if made in _NUMBERS:
+        try:
+            return made(text)
+        except ValueError:
+            raise ValueError(_NUMBERS[made]) from None
+    if isinstance(made, type) and issubclass(made, PurePath):
+        return made(text)
+    if made not in (bool, str, Any, object):
+        raise TypeError(getattr(kind, "__name__", kind) if not choices else kind)
+    return _BOOLEANS[text.casefold()] if made is bool else text
+
+
+_BOOLEANS = {"true": True, "false": False}
+_NUMBERS = {int: "a whole number", float: "a number"}
+
+
+def _first_of(text: str, kinds: Sequence[Any]) -> Any:
+    """Return a text as a value of the first type that takes it: any text is a str, so that is the last one."""
+    wanted: list[str] = []
+    for kind in sorted(kinds, key=lambda each: each is str):
+        try:
+            return _converted(text, kind)
+        except ValueError as error:
+            wanted.append(str(error))
+    raise ValueError(" or ".join(wanted))

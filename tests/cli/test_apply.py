@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import shutil
+from pathlib import Path
 
 import pytest
 
@@ -117,6 +119,62 @@ def test_settings_are_those_of_the_script(cli, exports, settings, message):
     outcome = cli("apply", "script.py", "exports", *(text for each in settings for text in ("--set", each)))
     assert outcome.code == 2
     assert message in outcome.err
+
+
+SETTINGS = """
+from pathlib import Path
+from typing import Literal, Optional
+
+def refactor(project, names: list[str] = None, o: Optional[int] = None, u: float | str | None = None, d: dict = None,
+        level: Literal["a", 2] = "a", path: Path = None, raw=5, free=None, pair: tuple[int, str] = None,
+        several: tuple[int, ...] = (), of: list[Literal["x", "y"]] = ["x"], on=False,
+        where=Path()):
+    return repr(locals())
+"""
+
+
+@pytest.mark.parametrize(
+    ("given", "value"),
+    [
+        ("names=a, b", "['a', 'b']"),
+        ("names=", "[]"),
+        ("o=3", "3"),
+        ("u=3", "3.0"),
+        ("u=T#3s", "'T#3s'"),
+        ("level=2", "2"),
+        ("raw=7", "7"),
+        ("free=7", "'7'"),
+        ("several=1,2", "(1, 2)"),
+        ("of=y,x", "['y', 'x']"),
+        ("on=TRUE", "True"),
+        ("path=x", repr(Path("x"))),
+        ("where=x", repr(Path("x"))),
+    ],
+)
+def test_a_setting_has_the_type_of_its_parameter(exports, given, value):
+    (exports.parent / "script.py").write_text(SETTINGS, encoding="utf-8")
+    name, _, text = given.partition("=")
+    (exports / "empty.st").write_text("PROGRAM P\nEND_PROGRAM\n", encoding="utf-8")
+    (done,) = apply("script.py", ["exports/empty.st"], settings={name: text})
+    assert f"'{name}': {value}" in done.returned
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ("o=x", "the setting o is a whole number, not 'x'"),
+        ("level=c", "the setting level is a or 2, not 'c'"),
+        ("of=y,z", "the setting of is x or y, not 'y,z'"),
+        ("raw=x", "the setting raw is a whole number, not 'x'"),
+        ("d={}", "the setting d cannot be given: its type is dict"),
+        ("pair=1,a", "the setting pair cannot be given: its type is tuple[int, str]"),
+    ],
+)
+def test_a_setting_of_another_type_is_refused(exports, given, message):
+    (exports.parent / "script.py").write_text(SETTINGS, encoding="utf-8")
+    name, _, text = given.partition("=")
+    with pytest.raises(sfc.SfcError, match=re.escape(message)):
+        list(apply("script.py", [], settings={name: text}))
 
 
 def test_standard_input_lists_files(cli, exports, monkeypatch):
