@@ -98,7 +98,6 @@ def test_what_matiec_spells_otherwise_is_written_so(part: dict[str, str], writte
 @pytest.mark.parametrize(
     ("part", "what", "path"),
     [
-        ({"condition": "n.3"}, "bit access", "POU Plant / transition S1 -> S2"),
         ({"work": "n.2 := go;"}, "bit access", "POU Plant / action ChartLogic"),
         ({"declared": "VAR long : LTIME; END_VAR"}, "type", "POU Plant / variable long"),
         ({"declared": 'VAR wide : WSTRING := "a"; END_VAR'}, "type", "POU Plant / variable wide"),
