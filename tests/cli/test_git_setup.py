@@ -178,6 +178,120 @@ def test_a_name_that_both_sides_give_is_a_conflict(repository, cli):
     assert "POU Main: a second action New" in merged(cli, theirs, ours)
 
 
+MACHINE = """VAR_GLOBAL
+  x, start : BOOL;
+END_VAR
+
+PROGRAM Main
+VAR
+  n : INT;
+  b : BOOL;
+
+END_VAR
+INITIAL_STEP S0:
+END_STEP
+
+TRANSITION FROM S0 TO S1
+  := start;
+END_TRANSITION
+
+STEP S1:
+  Act(N);
+END_STEP
+
+TRANSITION FROM S1 TO S2
+  := b;
+END_TRANSITION
+
+STEP S2:
+END_STEP
+
+TRANSITION FROM S2 TO S0
+  := n > 3;
+END_TRANSITION
+
+ACTION Act:
+  n := n + 1;
+
+  b := start;
+
+  n := n * 2;
+END_ACTION
+END_PROGRAM
+"""
+
+
+@pytest.fixture
+def git_merge(tmp_path, monkeypatch, cli):
+    """Merging edits of MACHINE, each from and to a text, as git asks the driver; returns the outcome and the file."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(ours, theirs):
+        for name, edits in (("base", ()), ("ours", ours), ("theirs", theirs)):
+            text = MACHINE
+            for old, new in edits:
+                assert old in text
+                text = text.replace(old, new)
+            Path(name).write_text(text, encoding="utf-8")
+        return cli("git-merge", "base", "ours", "theirs", "m.st"), Path("ours").read_text(encoding="utf-8")
+
+    return run
+
+
+LOCAL_X = ("  b : BOOL;\n", "  b : BOOL;\n  x : BOOL;\n")
+USED_X = ("n > 3", "n > 3 AND x")
+INITIAL = ("INITIAL_STEP S0", "STEP S0")
+
+
+@pytest.mark.parametrize(
+    ("ours", "theirs", "told"),
+    [
+        ([LOCAL_X], [USED_X], "'x' means Main.x, and x on one side"),
+        ([LOCAL_X, (":= b;", ":= x;")], [USED_X], "'x' means Main.x, and x on one side"),
+        (
+            [("  b : BOOL;\n", "  b : BOOL;\n  y : BOOL;\n")],
+            [("n > 3", "n > 3 AND y")],
+            "'y' means Main.y, and something",
+        ),
+        ([INITIAL, ("STEP S1:", "INITIAL_STEP S1:")], [INITIAL, ("STEP S2:", "INITIAL_STEP S2:")], "POU Main: STR"),
+        (
+            [("  b : BOOL;\n", "  b : BOOL;\n  S9 : BOOL;\n")],
+            [
+                (
+                    "ACTION Act:",
+                    "STEP S9: END_STEP\nTRANSITION FROM S2 TO S9 := x; END_TRANSITION\n"
+                    "TRANSITION FROM S9 TO S0 := TRUE; END_TRANSITION\nACTION Act:",
+                )
+            ],
+            "NAM03",
+        ),
+    ],
+)
+def test_a_merge_that_makes_what_no_side_has_is_a_conflict(git_merge, ours, theirs, told):
+    """Lines merge; a use of a global variable meant a local one then, or a chart had two initial steps."""
+    for one, other in ((ours, theirs), (theirs, ours)):
+        outcome, _ = git_merge(one, other)
+        assert outcome.code == 1
+        assert told in outcome.err
+
+
+@pytest.mark.parametrize(
+    ("ours", "theirs", "parts"),
+    [
+        ([("n + 1", "n + 2")], [("n * 2", "n * 9")], ["n + 2", "n * 9"]),
+        ([LOCAL_X, ("n + 1", "n + 2")], [("n * 2", "n * 9"), ("n > 3", "n > 4")], ["x : BOOL;\n", "n > 4"]),
+        ([LOCAL_X, (":= b;", ":= b AND x;")], [(":= start;", ":= start AND n = 0;")], ["b AND x", "n = 0"]),
+        ([("S1", "Fill")], [("n > 3", "n > 3 AND n < 9")], ["Fill", "n < 9"]),
+    ],
+)
+def test_lines_of_both_sides_are_no_conflict(git_merge, ours, theirs, parts):
+    """Two that change other lines of one action are both taken."""
+    for one, other in ((ours, theirs), (theirs, ours)):
+        outcome, text = git_merge(one, other)
+        assert (outcome.code, outcome.err) == (0, "")
+        assert all(part in text for part in parts)
+
+
 def test_outside_of_a_repository_it_is_an_error(tmp_path, monkeypatch, cli):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path.parent))

@@ -5,13 +5,16 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
-from collections.abc import Sequence, Set
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from plcopen_sfc.api import loads
+from plcopen_sfc.checking import check
 from plcopen_sfc.cli.screen import Screen
-from plcopen_sfc.comparison import diff
-from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.comparison import Change, diff
+from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location, SfcError
 from plcopen_sfc.files import path_exists, read_bytes, write_atomic
 from plcopen_sfc.formats.registry import all_formats
@@ -109,58 +112,139 @@ def merge(screen: Screen, base: str, ours: str, theirs: str, name: str) -> int:
     done = subprocess.run(["git", "merge-file", "-p", ours, base, theirs], capture_output=True, check=False)  # noqa: S603, S607
     if done.returncode < 0 or done.returncode > _MOST_CONFLICTS:
         raise SfcError(f"git: {done.stderr.decode(errors='replace').strip()}", location=Location(name))
-    sides = {side: read_bytes(path) for side, path in (("base", base), ("ours", ours), ("theirs", theirs))}
+    sides = [read_bytes(path) for path in (base, ours, theirs)]
     write_atomic(ours, done.stdout)
     try:
-        before = loads(sides["base"], path=name)
-        changes = {
-            side: set(map(str, diff(before, loads(sides[side], path=name)).changes)) for side in ("ours", "theirs")
-        }
+        versions = _Versions(*(loads(data, path=name) for data in sides))
+        changes = [diff(versions.base, side).changes for side in (versions.ours, versions.theirs)]
     except SfcError:  # no file of a PLC tool, or new on both sides: lines are all there is
         return min(done.returncode, _CONFLICT)
-    told = set() if done.returncode else _unlike(done.stdout, before, set().union(*changes.values()), name)
-    if not done.returncode:
-        lost = _undeclared(done.stdout, name) - _undeclared(sides["ours"], name) - _undeclared(sides["theirs"], name)
-        told |= {f"{each!r} is named, and nothing declares it" for each in lost}  # one side renamed it
-        told |= _declared_twice(done.stdout, name) - _declared_twice(sides["ours"], name)  # both sides added it
+    told = set() if done.returncode else _faults(done.stdout, versions, changes, name)
     if not done.returncode and not told:
         return 0
     screen.note(f"{name}: {'both sides change the same lines' if done.returncode else 'the merged file is not both'}")
-    for side, found in (*changes.items(), ("merged", told)):
-        for text in sorted(found):
+    for side, found in zip(("ours", "theirs", "merged"), (*(map(str, each) for each in changes), told), strict=True):
+        for text in sorted(set(found)):
             screen.note(f"  {side}: {text}")
     return _CONFLICT
 
 
-def _unlike(merged: bytes, before: Project, wanted: Set[str], name: str) -> set[str]:
-    """Return the faults of a merged file: errors of reading, and changes that are missing or of no side."""
+class _Versions(NamedTuple):
+    """A file as it was before both sides changed it, and as they have it."""
+
+    base: Project
+    ours: Project
+    theirs: Project
+
+
+def _faults(data: bytes, versions: _Versions, changes: Sequence[Sequence[Change]], name: str) -> set[str]:
+    """Return the faults of a merged file, in words: what neither side has, or only one, and is not meant so."""
     try:
-        after = loads(merged, path=name)
-        errors = {str(each) for each in after.diagnostics if each.severity is Severity.ERROR}
-        known = {str(each) for each in before.diagnostics}
-        found = set(map(str, diff(before, after).changes))
+        merged = loads(data, path=name)
+        told = _errors(merged) - _errors(versions.base) | _unlike(diff(versions.base, merged).changes, changes)
+        told |= _new_findings(merged, versions)
     except SfcError as error:
         return {str(error)}
-    missing = {f"lacks {each}" for each in wanted - found}
-    return (errors - known) | missing | {f"of no side: {each}" for each in found - wanted}
+    names = [Names(each) for each in (merged, *versions)]
+    lost = _undeclared(names[0]) - _undeclared(names[2]) - _undeclared(names[3])
+    told |= {f"{each!r} is named, and nothing declares it" for each in lost}  # one side renamed it
+    told |= _declared_twice(merged) - _declared_twice(versions.ours)  # both sides added it
+    return told | set(_other_meanings(names))
 
 
-def _undeclared(data: bytes, name: str) -> set[str]:
+def _errors(project: Project) -> set[str]:
+    return {str(each) for each in project.diagnostics if each.severity is Severity.ERROR}
+
+
+def _unlike(found: Sequence[Change], sides: Sequence[Sequence[Change]]) -> set[str]:
+    """Return the changes of a merged file that are missing or of no side.
+
+    Of one text both sides may have changed lines: the merged one has the changed lines of both, and no others.
+    """
+    ours, theirs = ({_place(each): _changed_lines(each) for each in side} for side in sides)
+    lines = {place: ours[place] | theirs[place] for place in ours if ours[place] and theirs.get(place)}
+    fits = {_place(each) for each in found if _changed_lines(each) == lines.get(_place(each))}
+    told, wanted = (
+        {str(each) for each in changes if _place(each) not in fits}
+        for changes in (found, [each for side in sides for each in side])
+    )
+    return {f"lacks {each}" for each in wanted - told} | {f"of no side: {each}" for each in told - wanted}
+
+
+def _place(change: Change) -> tuple[str, str, str]:
+    return change.path, change.what, change.aspect
+
+
+def _changed_lines(change: Change) -> set[str]:
+    return {line for line in change.lines if line.startswith(("+", "-"))}
+
+
+def _new_findings(merged: Project, versions: _Versions) -> set[str]:
+    """Return the findings of `check` in a merged file that neither side has.
+
+    One that a side brought may have other words, where the other side renamed what it names.
+    """
+    found, base, *sides = ({_finding(each): each.code for each in check(p)} for p in (merged, *versions))
+    known = {text: code for side in sides for text, code in side.items()}
+    gone = Counter(code for text, code in known.items() if text not in found and text not in base)
+    new = {text: code for text, code in found.items() if text not in known}
+    counts = Counter(new.values())
+    return {text for text, code in new.items() if counts[code] > gone[code]}
+
+
+def _finding(found: Diagnostic) -> str:
+    return f"{found.location.path or ''}: {found.code} {found.message}"
+
+
+def _undeclared(names: Names) -> set[str]:
     """Return the names in program text of a file that it does not declare."""
-    try:
-        found = Names(loads(data, path=name))
-        return {each.reference.name for each in (*found.undeclared(), *found.undeclared_members())}
-    except SfcError:
-        return set()  # which is told already
+    return {each.reference.name for each in (*names.undeclared(), *names.undeclared_members())}
 
 
-def _declared_twice(data: bytes, name: str) -> set[str]:
+def _declared_twice(project: Project) -> set[str]:
     """Return the things of a file whose names others of their kind have, in words."""
-    try:
-        pous = loads(data, path=name).pous
-    except SfcError:
-        return set()  # which is told already
-    return {f"{p.report_path}: a second {word} {thing.name}" for p in pous for word, thing, _ in p.declared_twice()}
+    return {
+        f"{pou.report_path}: a second {word} {thing.name}"
+        for pou in project.pous
+        for word, thing, _ in pou.declared_twice()
+    }
+
+
+class _Meaning(NamedTuple):
+    """What a name in a text means: the path of its declaration, empty for what is not in the file."""
+
+    name: str
+    path: str
+    is_local: bool
+
+
+def _meanings(names: Names) -> Counter[_Meaning]:
+    """Return what the names in the texts of a file mean, each with how often."""
+    found = Counter[_Meaning]()
+    for each in names.everything:
+        meant = each.meaning.declaration
+        if not each.meaning.doubt:
+            path = meant.path if meant is not None else ""
+            found[_Meaning(each.reference.name.casefold(), path, meant is not None and meant.pou is not None)] += 1
+    return found
+
+
+def _other_meanings(names: Sequence[Names]) -> Iterator[str]:
+    """Yield the names that mean something else after a merge: more mean the one than both sides have made so.
+
+    Fewer mean another thing then that the file still declares, or that is in another file.
+    """
+    merged, base, ours, theirs = map(_meanings, names)
+    declared = {each.path for each in names[0].declarations()}
+    for meaning, count in merged.items():
+        if count <= max(ours[meaning], theirs[meaning], ours[meaning] + theirs[meaning] - base[meaning]):
+            continue
+        for other in {*ours, *theirs}:
+            is_lost = ours[other] + theirs[other] - base[other] > merged[other]
+            is_there = other.path in declared if other.path else meaning.is_local
+            if other.name == meaning.name and other != meaning and is_lost and is_there:
+                before = other.path or "something of another file"
+                yield f"{meaning.name!r} means {meaning.path or 'nothing of this file'}, and {before} on one side"
 
 
 _MOST_CONFLICTS = 127
