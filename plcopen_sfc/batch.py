@@ -26,7 +26,7 @@ from types import ModuleType, NoneType, UnionType
 from typing import TYPE_CHECKING, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from plcopen_sfc import plugins
-from plcopen_sfc.documents.folder_projects import edited_files, files_below
+from plcopen_sfc.documents.folder_projects import edited_files, files_below, folder_format
 from plcopen_sfc.documents.sources import FileSource
 from plcopen_sfc.documents.storage import load_project, refuse_mistakes, save_project
 from plcopen_sfc.errors import (
@@ -251,7 +251,8 @@ def _digest(content: bytes) -> str:
 def project_files(paths: Iterable[str]) -> list[str]:
     """Return files and folders that are a project each, once.
 
-    The documents of TIA Portal Openness or TwinCAT in a folder are one project, each file of another tool is one.
+    The documents of TIA Portal Openness in a folder are one project, those of TwinCAT are one, and each file of another
+    format.
     """
     found = (_in_folder(path) if folder_exists(path) else [path] for path in paths)
     return without_repeated(name for each in found for name in each)
@@ -305,7 +306,18 @@ def _in_folder(folder: str) -> list[str]:
     kinds = _kinds_in(folder)
     if not any(kind.folders for kind in kinds.values()):
         return [*kinds]
-    return [folder, *(path for path, kind in kinds.items() if kind.tool and not kind.folders)]
+    own = folder_format(folder)
+    others = {path: kind for path, kind in kinds.items() if kind is not own}
+    return [folder, *dict.fromkeys(_project_of(path, kind, kinds) for path, kind in others.items())]
+
+
+def _project_of(path: str, kind: Format, kinds: Mapping[str, Format]) -> str:
+    """Return the folder with all documents of a kind, where it has none of another one; else the file alone."""
+    if not kind.folders:
+        return path
+    folder = os.path.commonpath([Path(each).parent for each, its in kinds.items() if its is kind])
+    below = (its for each, its in kinds.items() if its.folders and Path(each).is_relative_to(folder))
+    return folder if all(its is kind for its in below) else path
 
 
 def _kinds_in(folder: str) -> dict[str, Format]:

@@ -7,9 +7,7 @@ docs/decisions/0012.
 from __future__ import annotations
 
 import os
-from collections import Counter
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, BinaryIO, TypeVar, cast
@@ -124,12 +122,21 @@ def load_listed(path: str, kind: Format, *, progress: Progress | None = None, as
     return load_folder(str(Path(path).parent), format=kind.name, progress=progress, as_tool=as_tool, listed=wanted)
 
 
+def folder_format(folder: str) -> Format:
+    """Return the format in which a folder is read where none is named."""
+    return _folder_format(folder, None, _Scan(Path(folder)).files)
+
+
 def _folder_format(folder: str, format: str | None, files: list[str]) -> Format:
-    """Return the format of a folder: the one named, else that of which it has the most files by their names."""
+    """Return the format of a folder: the one named, else that of which it has the most documents."""
     known = [kind for kind in all_formats() if kind.folders]
     if format is None:
-        endings = Counter(PurePosixPath(name).suffix.casefold() for name in files)
-        return max(known, key=lambda kind: sum(endings[ending] for ending in kind.extensions))
+        named = {
+            kind.name: [n for n in files if PurePosixPath(n).suffix.casefold() in kind.extensions] for kind in known
+        }
+        if all(named.values()):  # exports of other tools end in .xml, too
+            named = {kind.name: [n for n in named[kind.name] if _is_document(kind, folder, n)] for kind in known}
+        return max(known, key=lambda kind: len(named[kind.name]))
     kind = format_named(format)[0]
     if not kind.folders:
         names = ", ".join(each.name for each in known)
@@ -185,6 +192,13 @@ def _read(source: FolderSource, kind: Format, name: str, *, as_tool: bool) -> li
         source.others.append(name)
         return []
     return add_document(source, name, read_bytes(path), as_tool=as_tool)
+
+
+def _is_document(kind: Format, folder: str, name: str) -> bool:
+    try:
+        return recognised_as(kind, _start(Path(folder, name)))
+    except FileAccessError:
+        return False
 
 
 def _start(path: Path) -> bytes:
@@ -267,11 +281,10 @@ def _of_other_tools(source: FolderSource) -> Iterator[Diagnostic]:
     found: dict[str, list[str]] = {}
     for name in source.others:
         for kind in all_formats():
-            if kind.tool and PurePosixPath(name).suffix.casefold() in kind.extensions and kind.name != source.format:
-                with suppress(FileAccessError):
-                    if recognised_as(kind, _start(Path(source.path, name))):
-                        found.setdefault(kind.name, []).append(name)
-                        break
+            like = PurePosixPath(name).suffix.casefold() in kind.extensions and kind.name != source.format
+            if like and _is_document(kind, source.path, name):
+                found.setdefault(kind.name, []).append(name)
+                break
     for format, names in found.items():
         shown = ", ".join(names[:_SHOWN]) + (f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else "")
         message = f"the folder is a project of {source.format}; its files of {format} are no part of it"

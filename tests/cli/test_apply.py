@@ -6,6 +6,7 @@ import io
 import json
 import re
 import shutil
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -188,6 +189,32 @@ def test_exports_of_another_tool_in_a_folder_of_tia_are_projects_of_their_own(fi
     assert project_files(["exports"]) == ["exports", *(f"exports/{name}" for name in CODESYS)]
     found = list(apply("script.py", project_files(["exports"]), settings={"prefix": "Z"}))
     assert all(each.changes and not each.error for each in found)
+
+
+@pytest.mark.parametrize(
+    ("files", "projects"),
+    [
+        (["twincat-belt > tw", "grafcet/belt.gct"], [".", "belt.gct"]),
+        (["simaticml/FB_Drill.xml", "grafcet/belt.gct"], [".", "belt.gct"]),
+        (["twincat-belt > tw", "simaticml-plc > plc"], [".", "tw"]),
+        (["twincat-belt > Program blocks/tw", "simaticml-plc > ."], [".", "Program blocks/tw"]),
+        (["twincat-belt > tw", "simaticml/FB_Drill.xml"], [".", "FB_Drill.xml"]),
+        (["twincat-belt > tw", "codesys > ."], [".", *CODESYS]),
+    ],
+)
+def test_no_file_beside_a_project_of_a_folder_is_left_out(fixtures, tmp_path, files, projects):
+    for source, _, folder in (each.partition(" > ") for each in files):
+        copied = tmp_path / "plant" / (folder or source.rpartition("/")[2])
+        copied.parent.mkdir(exist_ok=True, parents=True)
+        copy = shutil.copy if source.rpartition("/")[1] else partial(shutil.copytree, dirs_exist_ok=True)
+        copy(fixtures / source, copied)
+    if "codesys > ." in files:  # more of them than of the project
+        for number in range(5):
+            shutil.copy(fixtures / "codesys" / CODESYS[0], tmp_path / "plant" / f"z{number}.xml")
+        projects = [*projects, *(f"z{number}.xml" for number in range(5))]
+    found = project_files([str(tmp_path / "plant")])
+    assert [Path(each).relative_to(tmp_path / "plant").as_posix() for each in found] == projects
+    assert all(sfc.load(each).pous for each in found)
 
 
 def test_a_folder_of_a_tia_export_is_one_project(fixtures, exports):
