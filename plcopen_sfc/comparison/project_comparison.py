@@ -182,7 +182,8 @@ def _places(chart: SfcNetwork) -> dict[str, str]:
     return {step.name.casefold(): "{:g}, {:g}".format(*places[step.id]) for step in chart.steps if step.id in places}
 
 
-_NEVER_EXECUTED = frozenset({"comment", "title", "number", "warning time"})
+_NEVER_EXECUTED = ("comment", "title", "number", "warning time", "alarm of the ")
+"""What aspects begin with that nothing executes."""
 _TERMINALS = "no run shows at which terminal or in which memory a variable is"
 _TASKS = "tasks are not run"
 _NOT_RUN: Mapping[str, str] = {
@@ -232,7 +233,7 @@ def proofs(projects: tuple[Project, Project], changes: Iterable[Change], limit: 
 
 def _is_executed(change: Change) -> bool:
     is_behaviour = change.kind not in (ChangeKind.LAYOUT, ChangeKind.RENAMED)
-    return is_behaviour and change.aspect not in _NEVER_EXECUTED
+    return is_behaviour and not change.aspect.startswith(_NEVER_EXECUTED)
 
 
 def _executed_renames(projects: tuple[Project, Project], changes: Sequence[Change]) -> list[Change]:

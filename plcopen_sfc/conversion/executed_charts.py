@@ -54,7 +54,7 @@ from plcopen_sfc.model.sfc import (
     Transition,
     leaving_steps,
 )
-from plcopen_sfc.model.text import plain as words_of
+from plcopen_sfc.model.text import Text
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts.sfc_flags import flags_in_use
 from plcopen_sfc.semantics.inputs import MEMBER_NAMES, OUTPUT_NAMES, PARAMETER_NAMES, system_inputs
@@ -89,6 +89,9 @@ class Around(Protocol):
 
     def tell_comment(self, part: Part, thing: Element) -> None:
         """Note the comment and the title of something, where they are wanted."""
+
+    def tell_text(self, part: Part, aspect: str, text: Text | None) -> None:
+        """Note a text for people, in all its languages where that is wanted."""
 
     def tell_networks(self, part: Part, body: Body | None, aspect: str = "networks") -> None:
         """Note the titles and comments of networks."""
@@ -143,6 +146,8 @@ class ExecutedChartReader:
             if is_there and self.excluded.isdisjoint((*transition.sources, *transition.targets)):
                 keys[transition.id] = self._transition(part, transition)
         self._priorities(part, keys)
+        for number, sequence in enumerate(self.chart.sequences, 1):
+            self._tell_title(part, f"title of sequence {number}", sequence.title)
         self._settings(part)
         if not self.owner.detail and (written := self._boolean_actions()) != _NONE_WRITTEN:
             part.tell(BOOLEAN_ACTIONS, Meaning.of(written))
@@ -174,8 +179,9 @@ class ExecutedChartReader:
         if self.owner.detail:
             part.tell("warning time", duration_meaning(step.warning_time))
             for aspect, supervised in (("interlock", step.interlock), ("supervision", step.supervision)):
-                words = words_of(supervised.alarm) if supervised is not None else ""
-                part.tell(f"alarm of the {aspect}", Meaning.of(words) if words else None)
+                if supervised is not None:
+                    self.owner.tell_text(part, f"alarm of the {aspect}", supervised.alarm)
+                    self._tell_title(part, f"title of the {aspect}", supervised.title)
             self._tell_all(part, step)
         for aspect, supervised in (("interlock", step.interlock), ("supervision", step.supervision)):
             if supervised is not None and supervised.condition is not None:
@@ -578,6 +584,13 @@ class ExecutedChartReader:
         if code is not None:
             part = chart.add(f"permanent instruction {when} the sequence", "", self.path)
             part.tell("code", code)
+            self._tell_title(part, "title", operation.title)
+            self.owner.tell_networks(part, operation.body)
+
+    def _tell_title(self, part: Part, aspect: str, title: Text | None) -> None:
+        """Note a title that only files of one tool have."""
+        if self.is_written:
+            self.owner.tell_text(part, aspect, title)
 
 
 def _shown_name(condition: NamedCondition) -> str:

@@ -55,15 +55,15 @@ from plcopen_sfc.languages.sfc_flag_uses import flags_at_rest, named_flags
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.translation.call_translation import has_function
 from plcopen_sfc.model.base import Element, ForeignData
-from plcopen_sfc.model.body import FbdBody, LdBody, OpaqueBody, StBody
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.declaration import NamedObject
 from plcopen_sfc.model.dialect import STRING_LENGTHS, Dialect
-from plcopen_sfc.model.network import Block, CommentBox
+from plcopen_sfc.model.network import Block, CommentBox, VendorElement
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Method, NamedTransition, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, Step
-from plcopen_sfc.model.text import MultilingualText
+from plcopen_sfc.model.text import MultilingualText, Text
 from plcopen_sfc.model.text import plain as words_of
 from plcopen_sfc.model.types import (
     ArrayType,
@@ -350,26 +350,36 @@ class _Reader:
     def tell_comment(self, part: Part, thing: Element) -> None:
         """Note the comment and the title of something, where they are wanted."""
         for aspect in ("title", "comment") if self.detail else ():
-            text = getattr(thing, aspect, None)
-            words = " ".join(words_of(text).split())
-            part.tell(aspect, Meaning.of(words) if words else None)
-            others = [*text.texts][1:] if isinstance(text, MultilingualText) else ()
-            for language in others if self.detail is Detail.WRITTEN else ():
-                words = " ".join(words_of(text, language).split())
-                part.tell(f"{aspect} in {language}", Meaning.of(words) if words else None)
+            self.tell_text(part, aspect, getattr(thing, aspect, None))
+
+    def tell_text(self, part: Part, aspect: str, text: Text | None) -> None:
+        """Note a text for people, in all its languages where that is wanted."""
+        for language, words in _in_languages(text):
+            if not language:
+                part.tell(aspect, Meaning.of(words))
+            elif self.detail is Detail.WRITTEN:
+                part.tell(f"{aspect} in {language}", Meaning.of(words))
 
     def tell_networks(self, part: Part, body: Body | None, aspect: str = "networks", number: int = 0) -> None:
-        """Note the titles and comments of networks; `number`: the programs of the POU before this one."""
-        if self.detail is not Detail.WRITTEN or not isinstance(body, FbdBody | LdBody):
+        """Note the titles and comments of networks or of text; `number`: the programs of the POU before this one."""
+        if self.detail is not Detail.WRITTEN:
+            return
+        which = f" {number + 1}" if number else ""
+        if isinstance(body, StBody | IlBody):
+            self.tell_text(part, f"title of {'the code' if aspect == 'networks' else aspect}{which}", body.title)
+        if not isinstance(body, FbdBody | LdBody):
             return
         lines = []
         for place, network in enumerate(body.networks, 1):
             texts = [network.title, network.comment]
-            texts += [node.content for node in network.nodes if isinstance(node, CommentBox)]
-            words = " ".join(" ".join(map(words_of, texts)).split())
+            for node in network.nodes:
+                if isinstance(node, CommentBox):
+                    texts.append(node.content)
+                elif isinstance(node, VendorElement) and node.element_type == "networktitle":
+                    texts.append(node.alternative_text)
+            words = " ".join(words for text in texts for _, words in _in_languages(text))
             lines += [f"{place}: {words}"] if words else []
-        told = f"comments of {aspect}" + (f" {number + 1}" if number else "")
-        part.tell(told, Meaning.of(tuple(lines), "\n".join(lines) or "none"))
+        part.tell(f"comments of {aspect}{which}", Meaning.of(tuple(lines), "\n".join(lines) or "none"))
 
     def operation(self, pou: Pou, name: str, *, is_used: bool | None = None) -> str:
         """The kind of an input that operates the chart of a block: whether anything operates it, if not known."""
@@ -597,6 +607,15 @@ class _Reader:
 
 def _kept_elements(variable: Variable) -> list[str]:
     return variable.extension_data.elements if variable.extension_data is not None else []
+
+
+def _in_languages(text: Text | None) -> Iterator[tuple[str, str]]:
+    """Yield the words of a text, and those in further languages, each with its language; empty for the first one."""
+    others = [*text.texts][1:] if isinstance(text, MultilingualText) else ()
+    for language in ("", *others):
+        words = " ".join(words_of(text, language).split())
+        if words:
+            yield language, words
 
 
 def _members(variable: Variable, type_: StructType) -> Iterator[Variable]:

@@ -364,6 +364,38 @@ class TestProject:
             "data block Data: renamed, was Production",
         ]
 
+    @pytest.mark.parametrize(
+        ("file", "old", "new", "line"),
+        [
+            (
+                "simaticml/FB_Drill.xml", "Pressure too low", "Pressure too high",
+                "alarm of the supervision in en-US Pressure too low -> Pressure too high",
+            ),
+            ("simaticml/FB_Drill.xml", ">Meldung<", ">Zz9<", "title Meldung -> Zz9"),
+            ("simaticml/FB_Drill.xml", ">Druck<", ">Zz9<", "title of the supervision Druck -> Zz9"),
+            ("simaticml/FB_Drill.xml", ">Schutztür<", ">Zz9<", "title of the interlock Schutztür -> Zz9"),
+            ("simaticml/FB_Drill.xml", ">Bohren<", ">Zz9<", "title of sequence 1 Bohren -> Zz9"),
+            ("codesys/sorting_conveyor.xml", ">Belt</xhtml>", ">Zz9</xhtml>", "comments of networks"),
+        ],
+    )  # fmt: skip
+    def test_texts_that_people_read(self, file, old, new, line):
+        """Alarms of the second language and titles were no difference."""
+        before = FIXTURES.joinpath(file).read_text(encoding="utf-8")
+        assert old in before
+        sides = [sfc.loads(text.encode(), path=file) for text in (before, before.replace(old, new))]
+        changed = sfc.diff(*sides, prove=True)
+        assert not changed.proofs, "nothing executes it"
+        (change,) = changed.changes
+        assert change.news.startswith(line)
+        assert new.strip("<>/xhtml") in change.news
+
+    def test_the_title_of_a_text_of_tia(self):
+        before, after = (loaded("simaticml-plc") for _ in range(2))
+        body = after.pou("FB_Chips").body
+        assert isinstance(body, sfc.StBody)
+        body.title = "Zz9"
+        assert told(sfc.diff(before, after)) == ["POU FB_Chips: title of the code Zz9 added"]
+
     def test_logic_that_is_drawn_in_a_chart(self):
         before, after = (loaded("plcopen/filling_station_2.01.xml") for _ in range(2))
         logic = after.pou("FillingStation").chart.logic
@@ -796,7 +828,7 @@ def test_comments_of_networks_are_compared(field: str) -> None:
         setattr(network, field, "Zz9")
     assert [(change.path, change.aspect, change.after) for change in sfc.diff(before, after).changes] == [
         ("POU FB_Drilling / transition T_Start", "comments of the condition", "1: Zz9"),
-        ("POU FC_Release", "comments of networks", "1: Zz9" if field == "title" else "1: Freigabe Zz9"),
+        ("POU FC_Release", "comments of networks", "1: Zz9" if field == "title" else "1: Freigabe Release Zz9"),
     ]
 
 
