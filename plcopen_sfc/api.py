@@ -197,6 +197,7 @@ def check_import(project: Project, tool: str) -> list[Diagnostic]:
     A file in another format than that of the tool is an error (IMP004). No tool was asked: the conditions are those
     that are documented, or seen in exports. Raises `UnknownFormatError` for another tool.
     """
+    check_argument(tool, str, "check_import needs the name of a tool")
     name, _, version = tool.partition("-")
     if name not in _IMPORTERS:
         near = nearest(name, _IMPORTERS)

@@ -13,7 +13,9 @@ import subprocess
 import sys
 import zipfile
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -22,6 +24,7 @@ from plcopen_sfc import errors
 from plcopen_sfc.analysis.equivalence import equivalent
 from plcopen_sfc.analysis.verdict import Verdict
 from plcopen_sfc.cli import main
+from plcopen_sfc.model import SfcNetwork
 from tests.sweeps import WHOLE, some_of
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -583,6 +586,52 @@ def test_options_of_other_types_are_refused_in_saving(options: dict[str, object]
 def test_options_of_other_types_are_refused_in_checking(options: dict[str, object]) -> None:
     with pytest.raises(errors.ArgumentError):
         sfc.check(sfc.load(BELT), **options)  # type: ignore[arg-type]
+
+
+QUERIES: dict[str, Callable[[sfc.Project, SfcNetwork, Any], object]] = {
+    "chart.find": lambda _, chart, wrong: chart.find(wrong),
+    "chart.find_transitions": lambda _, chart, wrong: chart.find_transitions(wrong),
+    "chart.outgoing": lambda _, chart, wrong: chart.outgoing(wrong),
+    "chart.incoming": lambda _, chart, wrong: chart.incoming(wrong),
+    "steps.where": lambda _, chart, wrong: chart.steps.where(wrong),
+    "pous.where": lambda project, _, wrong: project.pous.where(wrong),
+    "project.steps": lambda project, _, wrong: project.steps(wrong),
+}
+
+
+@pytest.mark.parametrize("query", QUERIES)
+@pytest.mark.parametrize("wrong", ["Fill", 5, b"S", ["S"]], ids=str)
+def test_queries_refuse_what_is_no_function_or_step(query: str, wrong: object) -> None:
+    project = loop()
+    with pytest.raises(errors.ArgumentError, match="name"):
+        QUERIES[query](project, next(project.charts()).chart, wrong)
+
+
+@pytest.mark.parametrize("wrong", [5, b"S", [5]], ids=str)
+def test_conditions_of_other_types_are_refused_in_queries(wrong: Any) -> None:
+    project = loop()
+    chart = next(project.charts()).chart
+    for name in ("reads", "calls", "condition", "leaving", "entering"):
+        with pytest.raises(errors.ArgumentError, match=f"{name}.* patterns"):
+            chart.find_transitions(**{name: wrong})
+    for query in (lambda: project.steps(qualifier=wrong), lambda: chart.step(wrong)):
+        with pytest.raises(errors.SfcError):
+            query()
+    for deed in (lambda: project.locations_of(wrong), lambda: sfc.check_import(project, wrong)):
+        with pytest.raises(errors.ArgumentError):
+            deed()
+    for sides in ((wrong, "S"), ("S", wrong)):
+        with pytest.raises(errors.SfcError):
+            chart.add_transition(*sides)
+    assert len(chart.transitions) == 1
+
+
+@pytest.mark.parametrize("wrong", [None, 5, b"x", []], ids=str)
+def test_other_types_are_refused_in_drawing(wrong: Any) -> None:
+    project = loop()
+    for deed in (sfc.draw, sfc.conversion_page, partial(sfc.diff_page, project)):
+        with pytest.raises(errors.ArgumentError):
+            deed(project, wrong)
 
 
 @POSIX

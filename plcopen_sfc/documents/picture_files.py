@@ -70,6 +70,7 @@ def draw(
     file, `SfcError` where the extra is missing, and `FileAccessError`.
     """
     check_argument(project, Project, "draw needs a project", "A chart draws itself: chart.to_svg().")
+    check_argument(target, (str, os.PathLike), "draw needs the path of a file or a folder")
     path = os.fspath(target)
     refuse_empty(path)
     kind = _format(path, format)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from plcopen_sfc.errors import FormatError, Location
+from plcopen_sfc.errors import FormatError, Location, listed_names
 from plcopen_sfc.formats.provenance import place_in_folder
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.late import ProjectObject
@@ -157,7 +157,7 @@ def locations_of(project: Project, paths: Iterable[str]) -> list[Location]:
     only = read[0] if len(read) == 1 else None
     known: dict[int, tuple[str | None, Mapping[str, int]]] = {}
     found: list[Location] = []
-    for path in paths:
+    for path in listed_names(paths, "paths of objects are texts: POU Main / step S3"):
         document = documents.get(ObjectPath.of(path).owner, only)
         if document is None:
             found.append(Location(path=path))

@@ -300,6 +300,7 @@ class PartialChart(Owned, Element):
 
 
 StepKey: TypeAlias = Step | str | int
+_STEP_BY_NAME = 'The chart has it by its name: chart.step("Fill").'
 """A step, its name or its id."""
 
 
@@ -354,10 +355,12 @@ class SfcNetwork(LateElement):
 
     def outgoing(self, step: Step) -> list[Transition]:
         """Return the transitions that leave `step`, in the order in which they are tried."""
+        check_argument(step, Step, "a step is needed", _STEP_BY_NAME)
         return by_priority(t for t in self.transitions if step.id in t.sources)
 
     def incoming(self, step: Step) -> list[Transition]:
         """Return the transitions that lead to `step`."""
+        check_argument(step, Step, "a step is needed", _STEP_BY_NAME)
         return [t for t in self.transitions if step.id in t.targets]
 
     def find(
@@ -538,7 +541,10 @@ class SfcNetwork(LateElement):
 
     def _ids_of(self, steps: StepKey | Iterable[StepKey]) -> list[int]:
         ids = []
-        check_argument(steps, (Step, str, int, Iterable), "a transition leads from steps to steps, or their names")
+        need = "a transition leads from steps to steps, or their names"
+        check_argument(steps, (Step, str, int, Iterable), need)
+        if isinstance(steps, bytes | bytearray):  # whose bytes are no ids of steps
+            raise ArgumentError(f"{need}, not bytes")
         for step in [steps] if isinstance(steps, Step | str | int) else steps:
             if not isinstance(step, Step):
                 ids.append(self.step(step).id)

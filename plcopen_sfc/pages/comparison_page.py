@@ -40,6 +40,7 @@ def diff_page(a: Project, b: Project, changes: ProjectDiff, *, lang: str = "en")
     """
     for project in (a, b):
         check_argument(project, Project, "diff_page needs two projects", "Load the files first.")
+    check_argument(changes, ProjectDiff, "diff_page needs the changes that diff gave", "diff(a, b)")
     words = Words(lang)
     first = PageIndex(a, "a-", called=_called(changes), references=False)
     captions = [
@@ -89,6 +90,7 @@ def conversion_page(
     `lang` is ``en`` or ``de``; the rest is as in `page`.
     """
     check_argument(source, Project, "conversion_page needs a project", "Load the file first.")
+    check_argument(report, ConversionReport, "conversion_page needs the report that save or convert returned")
     words = Words(lang)
     left = _Side(_index(source, "a-"), _caption("Source", source, report.source_format, words))
     for outcome, mark in _MARKS.items():

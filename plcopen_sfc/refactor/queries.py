@@ -44,7 +44,8 @@ def find_steps(
 ) -> list[Step]:
     """Return the steps of a chart, or of all charts of a project; `SfcNetwork.find` has the conditions."""
     _check_fields(fields, Step, "steps", find_steps)
-    _check_patterns(drives, reads, calls)
+    _check_predicate(predicate)
+    _check_patterns("drives, reads and calls", drives, reads, calls)
     qualifiers = _qualifiers(qualifier)
     found: list[Step] = []
     for chart in [where] if isinstance(where, SfcNetwork) else charts_of(where):
@@ -76,7 +77,8 @@ def find_transitions(
 ) -> list[Transition]:
     """Return the transitions of a chart or of all charts; `SfcNetwork.find_transitions` has the conditions."""
     _check_fields(fields, Transition, "transitions", find_transitions)
-    _check_patterns(reads, calls)
+    _check_predicate(predicate)
+    _check_patterns("reads, calls, condition, leaving and entering", reads, calls, condition, leaving, entering)
     found: list[Transition] = []
     for chart in [where] if isinstance(where, SfcNetwork) else charts_of(where):
         pou, dialect = pou_of(chart), dialect_in(chart)
@@ -110,6 +112,7 @@ def where(
     if isinstance(owner, SfcNetwork) and field in ("steps", "transitions"):
         find: Callable[..., list[Any]] = find_steps if field == "steps" else find_transitions
         return find(owner, predicate, **conditions)
+    _check_predicate(predicate)
     for kind in {type(thing) for thing in things}:
         _check_fields(conditions, kind, field, where)
     found = [each for each in things if all(_fits(getattr(each, name), value) for name, value in conditions.items())]
@@ -146,6 +149,7 @@ def _check_fields(fields: dict[str, Any], kind: type[Model], called: str, query:
 def _qualifiers(wanted: str | Iterable[str] | None) -> Set[Qualifier] | None:
     if wanted is None:
         return None
+    check_argument(wanted, Iterable, 'a query needs a qualifier, or several: "N"')
     try:
         return {Qualifier(each) for each in ([wanted] if isinstance(wanted, str) else wanted)}
     except ValueError:
@@ -189,9 +193,14 @@ def _closure(chart: SfcNetwork, start: StepKey, sides: Callable[[Transition], tu
     return reached(leading.get(first.id, ()), lambda step: leading.get(step, ()))
 
 
-def _check_patterns(*patterns: str | None) -> None:
+def _check_predicate(predicate: object) -> None:
+    if predicate is not None:
+        check_argument(predicate, Callable, "a query needs a function", 'Look for a name by a pattern: name="Fill*".')  # type: ignore[arg-type]  # an abstract class
+
+
+def _check_patterns(called: str, *patterns: str | None) -> None:
     for pattern in patterns:
-        check_argument(pattern, (str, type(None)), 'drives, reads and calls are patterns: "*Valve*"')
+        check_argument(pattern, (str, type(None)), f'{called} are patterns: "*Valve*"')
 
 
 def find_declared(project: Project, pattern: str, kind: str | None = None) -> list[Declaration]:
