@@ -366,3 +366,24 @@ def test_an_enumeration_and_its_numbers_are_the_same_input(last: str, is_equal: 
     for sides in ((names, numbers), (numbers, names)):
         verdict = equivalent(*sides, "iec")
         assert (verdict.proven, verdict.different) == (is_equal, not is_equal), str(verdict)
+
+
+@pytest.mark.parametrize("declared", ["VAR", "VAR_OUTPUT", "VAR_INPUT"])
+@pytest.mark.parametrize("written", ["n := n + 1;", "m := m + 1;"])
+def test_a_program_that_names_itself_before_its_variables_has_no_others(declared: str, written: str) -> None:
+    text = f"""PROGRAM Main
+{declared} n : INT; END_VAR
+VAR m : INT; q : BOOL; END_VAR
+INITIAL_STEP S0: Act(N); END_STEP
+STEP S1: q(N); END_STEP
+TRANSITION FROM S0 TO S1 := n >= 3; END_TRANSITION
+TRANSITION FROM S1 TO S0 := n < 2; END_TRANSITION
+ACTION Act: {written} END_ACTION
+END_PROGRAM
+"""
+    plain, named = (
+        sfc.loads(each.encode(), format="iec-text") for each in (text, text.replace(":= n >= 3", ":= Main.n >= 3"))
+    )
+    verdict = sfc.equivalent(plain, named, free_inputs="all")
+    assert verdict.equal, verdict
+    assert set(verdict.inputs) <= {"n"}

@@ -130,7 +130,10 @@ class PathTranslator(ABC):
         if isinstance(base, TranslatedPou):
             if not base.is_program:
                 raise SimulationError(f"{base.pou.name} is a type: only an instance of it has {name.identifier}")
-            base = self.library.program(base)
+            place, field = self.library.program(base), base.layout.find(name.identifier)
+            if field is not None and base.layout in self.library.use.roots:  # its own texts name it without the program
+                return base.scope.local_place(field, f"{place.text}.v")
+            base = place
         if isinstance(base, Place):
             return self._member_of(self.followed(base, None), name, node)
         raise SimulationError(f"{print_node(node.base)} has no member {name.identifier}")
