@@ -12,6 +12,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.cli import main
+from plcopen_sfc.formats.registry import all_formats
 
 ROOT = Path(__file__).resolve().parents[2]
 pytestmark = pytest.mark.skipif(shutil.which("git") is None, reason="needs git")
@@ -310,3 +311,7 @@ def test_the_hooks_of_pre_commit_are_commands(capsys):
         broken = main([*arguments, str(ROOT / "fixtures" / "broken" / "truncated.xml")])
         assert broken == (0 if arguments == ["normalize"] else 2)
         capsys.readouterr()
+    (files,) = re.findall(r"files: &files (.*)", hooks)
+    extensions = {each for kind in all_formats() for each in kind.extensions}
+    of_other_programs = {".json", ".xlsx", ".csv", ".sdf"}
+    assert {each for each in extensions if not re.search(files, f"Line{each.upper()}")} == of_other_programs
