@@ -49,6 +49,17 @@ def test_a_dry_run_shows_the_lines_and_writes_nothing(cli, fixtures, exports):
     assert patch.count("+++ exports/") == 3
 
 
+def test_removed_lines_are_counted(cli, exports):
+    """A file that lost all its POUs was told as one changed line."""
+    script = "def refactor(project):\n    project.pou('Ablauf_Band').actions.clear()\n"
+    (exports.parent / "script.py").write_text(script, encoding="utf-8")
+    outcome = cli("apply", "script.py", "exports/distribution_belt.xml", "--diff", "out.patch")
+    signs = [line[0] for line in (exports.parent / "out.patch").read_text(encoding="utf-8").splitlines()[2:]]
+    removed = signs.count("-") - signs.count("+")
+    assert removed > 20
+    assert f"{signs.count('+')} lines, {removed} lines removed" in outcome.out.splitlines()[0]
+
+
 def test_a_patch_has_the_bytes_of_the_files() -> None:
     before = "a\r\nü\r\nlast".encode("cp1252")
     change = FileChange("list.st", before, before.replace(b"\xfc", b"\xe4").replace(b"last", b"l"))

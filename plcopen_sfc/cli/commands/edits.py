@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -317,6 +318,19 @@ def _edit_many(screen: Screen, files: ManyFiles, edit: str | _Edit, settings: di
     return screen.exit_code
 
 
+def _counts(diff: Sequence[str]) -> tuple[int, int]:
+    """Return how many lines of a difference are new or changed, and how many are removed, with none in their place."""
+    new, gone = 0, 0
+    for is_hunk, lines in groupby(diff, key=lambda line: line.startswith(("+", "-")) and line[:4] not in _HEADS):
+        signs = Counter(line[0] for line in lines if is_hunk)
+        new += signs["+"]
+        gone += max(0, signs["-"] - signs["+"])
+    return new, gone
+
+
+_HEADS = ("+++ ", "--- ")
+
+
 def _tell_one_of_many(screen: Screen, done: AppliedFile, told: RecordedScreen | None, diff: list[str]) -> None:
     if done.error:
         screen.note(
@@ -324,8 +338,9 @@ def _tell_one_of_many(screen: Screen, done: AppliedFile, told: RecordedScreen | 
         )
     is_shown = not screen.as_json and not screen.quiet
     if is_shown and done.changes:
-        new = sum(line.startswith("+") and not line.startswith("+++") for line in diff)
-        screen.line("changed: ", (done.path, "bold"), f", {counted(new, 'line')}")
+        new, gone = _counts(diff)
+        removed = f", {counted(gone, 'line')} removed" if gone else ""
+        screen.line("changed: ", (done.path, "bold"), f", {counted(new, 'line')}{removed}")
     if told is not None:
         replay(screen, told.printed, results=is_shown and screen.verbose > 0)
     for proof in done.proofs if is_shown else ():
