@@ -103,6 +103,44 @@ def test_git_merge_takes_what_both_sides_changed_and_tells_of_a_conflict(reposit
     assert "theirs: POU Ablauf / step Fill: renamed, was S2" in told
 
 
+@pytest.mark.slow
+def test_git_diff_tells_names_and_modes(repository, cli):
+    """Of a file that was only renamed it told "no differences" below its old name."""
+    assert cli("git-setup", "*.xml").code == 0
+    git("config", "core.fileMode", "true")
+    Path("chain.xml").chmod(0o755)
+    assert git("diff").splitlines() == ["chain.xml", "mode 100644 -> 100755"]
+    Path("chain.xml").chmod(0o644)
+    git("mv", "chain.xml", "line.xml")
+    moved = ["chain.xml", "similarity index 100%", "rename from chain.xml", "rename to line.xml"]
+    assert git("diff", "--cached", "-M").splitlines() == moved
+    assert cli("rename", "line.xml", "Ablauf.S2", "Fill").code == 0
+    git("add", "line.xml")
+    told = git("diff", "--cached", "-M").splitlines()
+    assert told[2:] == [*moved[2:], "POU Ablauf", "  step Fill: renamed, was S2"]
+
+
+@pytest.mark.parametrize("name", ["a b.xml", '"q.xml', "#y", 'c "d" \\e.xml'])
+def test_a_pattern_with_a_blank_is_quoted(repository, cli, name):
+    """Of the pattern `a b.xml` git took `a`, and `b.xml` for an attribute."""
+    outcome = cli("git-setup", name.replace("\\", "\\\\"))
+    assert outcome.code == 0
+    assert f"changes of charts in words: {name}\n" in outcome.out or "\\" in name
+    assert git("check-attr", "-z", "diff", "--", name, "a", "b.xml").split("\0")[2::3] == [
+        "plcopen-sfc", "unspecified", "unspecified",
+    ]  # fmt: skip
+    assert cli("git-setup", "--undo").code == 0
+    assert not (repository / ".gitattributes").exists()
+
+
+@pytest.mark.parametrize("pattern", ["!x", "", " ", "a\nb"])
+def test_what_is_no_pattern_is_refused(repository, cli, pattern):
+    outcome = cli("git-setup", pattern)
+    assert outcome.code == 2
+    assert "is no pattern of files for git" in outcome.err
+    assert not (repository / ".gitattributes").exists()
+
+
 def test_other_lines_stay_as_they_are(repository, cli):
     attributes = repository / ".gitattributes"
     attributes.write_bytes(b"*.png binary\r\n*.exp -text")

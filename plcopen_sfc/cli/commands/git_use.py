@@ -15,14 +15,14 @@ from plcopen_sfc.checking import check
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.comparison import Change, diff
 from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.errors import Location, SfcError
+from plcopen_sfc.errors import ArgumentError, Location, SfcError
 from plcopen_sfc.files import path_exists, read_bytes, write_atomic
 from plcopen_sfc.formats.registry import all_formats
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.model.project import Project
 
 _NAME = "plcopen-sfc"
-_LINE = re.compile(rf"^\S+ diff={_NAME}(?: merge={_NAME})?\r?\n?$")
+_LINE = re.compile(rf'^(?:"(?:[^"\\]|\\.)*"|\S+) diff={_NAME}(?: merge={_NAME})?\r?\n?$')
 _SECTIONS = (f"diff.{_NAME}", f"difftool.{_NAME}", f"merge.{_NAME}")
 _CONFLICT = 1
 
@@ -31,7 +31,8 @@ def setup(screen: Screen, patterns: Sequence[str], *, undo: bool) -> int:
     """Write, or with `undo` take out again, what makes git use `plcopen-sfc diff` in this repository."""
     root = Path(_git("rev-parse", "--show-toplevel").strip())
     attributes = root / ".gitattributes"
-    lines = [] if undo else [f"{pattern} diff={_NAME} merge={_NAME}" for pattern in patterns or _known_patterns()]
+    wanted = [] if undo else patterns or _known_patterns()
+    lines = [f"{_quoted(pattern)} diff={_NAME} merge={_NAME}" for pattern in wanted]
     is_changed = _write(attributes, lines)
     settings = {} if undo else _settings()
     for section in _SECTIONS:
@@ -41,10 +42,20 @@ def setup(screen: Screen, patterns: Sequence[str], *, undo: bool) -> int:
     if not screen.as_json and not screen.quiet:
         if is_changed:
             screen.line("written: ", (str(attributes), "bold"))
-        told = ", ".join(re.sub(r"\[(\w)\w\]", r"\1", line.split()[0]) for line in lines)  # *.xml of *.[xX][mM][lL]
+        told = ", ".join(re.sub(r"\[(\w)\w\]", r"\1", pattern) for pattern in wanted)  # *.xml of *.[xX][mM][lL]
         screen.line("git diff shows ", "lines of the files again" if undo else f"changes of charts in words: {told}")
     screen.result({"attributes": str(attributes), "lines": lines, "config": settings})
     return 0
+
+
+def _quoted(pattern: str) -> str:
+    """Return a pattern as `.gitattributes` has it: in quotation marks where a blank would end it (gitattributes(5))."""
+    if not pattern.strip() or pattern.startswith("!") or not pattern.isprintable():
+        hint = "Patterns are such as '*.xml'; .gitattributes has none that begin with !."
+        raise ArgumentError(f"{pattern!r} is no pattern of files for git", hint=hint)
+    if " " not in pattern and not pattern.startswith(('"', "#")):
+        return pattern
+    return '"' + pattern.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
 def _known_patterns() -> list[str]:
@@ -62,8 +73,12 @@ def _settings() -> dict[str, str]:
     # what the text does not have is seen by the last line: no change of a file is hidden
     text = f'{program} convert "$1" - --to iec-text --partial --accept-errors --limit 0 --quiet 2>/dev/null'
     shown = """if [ -n "$t" ]; then printf '%s\\n' "$t"; git hash-object "$1"; else cat "$1"; fi"""
-    # git gives the path, then file, hash and mode of the old version and of the new one
-    driver = f"""f() {{ echo "$1"; {command} "$2" "$5" 2>/dev/null || diff -u "$2" "$5"; true; }}; f"""
+    # git gives the path, then file, hash and mode of the old version and of the new one; of a renamed file its new path
+    # and lines that tell it; a file that is new or gone has the mode "." on one side
+    renamed = """if [ -n "$9" ]; then printf '%s' "$9" | grep -v '^index '; fi"""
+    mode = """case "$4.$7" in .*|*.|"$4.$4") ;; *) echo "mode $4 -> $7" ;; esac"""
+    content = f"""{command} "$2" "$5" 2>/dev/null || diff -u "$2" "$5\""""
+    driver = f"""f() {{ echo "$1"; {renamed}; {mode}; cmp -s "$2" "$5" || {content}; true; }}; f"""
     return {
         f"diff.{_NAME}.command": driver,
         f"diff.{_NAME}.textconv": f"f() {{ t=$({text}); {shown}; }}; f",
