@@ -469,9 +469,12 @@ def _encode(
     """Return the bytes of each document, by path."""
 
     def write(document: PlannedDocument) -> bytes:
-        new = document.source is None and name == source.format and source.version
-        wanted = f"{name}-{source.version}" if new else name
-        data, found = encode(document.project(), wanted, flavour=flavour, fresh=fresh)
+        new = document.source is None and name == source.format
+        alone = document.project()
+        if new:  # of the tool that has the libraries and the other documents
+            alone.source = FolderSource(source.format, source.version, source.path)
+        wanted = f"{name}-{source.version}" if new and source.version else name
+        data, found = encode(alone, wanted, flavour=flavour, fresh=fresh)
         report.extend(found.items)
         report.unchanged = report.unchanged and found.unchanged and document.path == document.source
         return data

@@ -488,6 +488,18 @@ def test_any_edits_come_back(tmp_path_factory: pytest.TempPathFactory, deeds: li
     assert (folder / "notes.txt").read_bytes() == b"x"
 
 
+@pytest.mark.parametrize("name", ["Eingabe_Anzahl", "PLC_PRG"])  # the library has BLINK, another document a program
+def test_a_new_document_is_of_the_tool_and_the_project_of_its_folder(tmp_path: Path, name: str) -> None:
+    folder = tmp_path / "belt"
+    shutil.copytree(FIXTURES / "twincat-belt", folder)
+    project = sfc.load(folder)
+    project.edit().copy_pou(project, name, {name: "Another"})
+    assert not sfc.save(project, folder).losses
+    again = sfc.load(folder)
+    assert str(sfc.diff(project, again)) == "no differences"
+    assert len({pou.object_id for pou in again.pous}) == len(again.pous)
+
+
 def test_files_of_another_tool_are_told(tmp_path: Path) -> None:
     """They are no part of the project of the folder: nobody may take its conversion for all that is in it."""
     folder = tmp_path / "plant"
