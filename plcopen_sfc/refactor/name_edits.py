@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from itertools import count
 from typing import Any
+from uuid import NAMESPACE_URL, uuid5
 
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.binding import Declaration, Kind, Names
@@ -19,11 +21,13 @@ from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.languages.words import needs_quotes, objection
 from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.network import Connection, InputPin, OutputPin
 from plcopen_sfc.model.numbering import models_in
-from plcopen_sfc.model.pou import Action, NamedTransition, Pou, PouKind
+from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import (
     ActionAssociation,
@@ -393,8 +397,8 @@ def remove_objects(journal: Journal, project: Project, objects: Iterable[object]
 def copy_pou(journal: Journal, project: Project, name: str, target: Project, names: Mapping[str, str]) -> Pou:
     """Put a copy of a POU into another project, with other names for what it and its project declare.
 
-    Everything that it names must be there under its (new) name already, and be declared alike. Gives the copy, without
-    the identities of the original: tools and writers make new ones.
+    Everything that it names must be there under its (new) name already, and be declared alike. Gives the copy, with
+    identities of its own where the objects of the project have some.
     """
     what = f"{name!r} cannot be copied"
     if dialect_of(project) is not dialect_of(target):
@@ -411,7 +415,7 @@ def copy_pou(journal: Journal, project: Project, name: str, target: Project, nam
     journal.keep(copy, "pous")
     copy.pous = [each for each in copy.pous if each is not pou]
     pou.place = target.pous[0].place if target.pous else ""
-    _forget_identities(pou, target)
+    _give_identities(pou, target)
     journal.put(target, "pous", [*target.pous, pou])
     there = Names(target)
     found = zip(before, declarations_in(there, pou), strict=True)
@@ -427,11 +431,20 @@ def copy_pou(journal: Journal, project: Project, name: str, target: Project, nam
     return pou
 
 
-def _forget_identities(pou: Pou, target: Project) -> None:
-    """Take out what tools and files know an object by, and the number of a block that the target has already."""
+def _give_identities(pou: Pou, target: Project) -> None:
+    """Replace what tools and files know a copied POU by, and take out a number of a block that is there already."""
     for each in models_in(pou):
-        for field in ("object_id", "global_id"):
-            if each.__dict__.get(field) is not None:
-                setattr(each, field, None)
+        if isinstance(each, Element | Connection | InputPin | OutputPin):
+            each.global_id = None
+    taken = {each.object_id for other in target.pous for each in _with_parts(other)} - {None}
+    for each in _with_parts(pou):
+        # where objects have none, writers make them of the names; but what had this name once may have that identity
+        path = "/".join(("copy", *dict.fromkeys((pou.name, each.name))))
+        made = (str(uuid5(NAMESPACE_URL, f"{path}/{number}")) for number in count())
+        each.object_id = next(identity for identity in made if identity not in taken) if taken else None
     if any(each.kind is pou.kind and each.number == pou.number for each in target.pous):
         pou.number = None
+
+
+def _with_parts(pou: Pou) -> list[Pou | Action | NamedTransition | Method]:
+    return [pou, *pou.actions, *pou.transitions, *pou.methods]

@@ -595,20 +595,27 @@ def test_a_pou_is_copied_into_another_project() -> None:
         ("simaticml/FC_Count.xml", "FC_Count"),
     ],
 )
-def test_a_copy_in_the_same_project_has_no_identity_of_its_original(file: str, name: str) -> None:
+def test_a_copy_in_the_same_project_has_identities_of_its_own(file: str, name: str) -> None:
     project = sfc.load(FIXTURES / file)
     found = [each.code for each in project.diagnostics]
-    copy = project.edit().copy_pou(project, name, {name: "ZCopy"})
-    kept = {
-        (type(each), field): value
-        for each in models_in(copy)
-        for field, value in each.__dict__.items()
-        if field in {"object_id", "global_id", "number"} and value is not None and not isinstance(each, m.Step)
-    }
-    assert not kept
+    project.edit().copy_pou(project, name, {name: "ZCopy"})
+    project.rename("ZCopy", "Earlier")  # keeps what the name gave it
+    project = sfc.loads(sfc.dumps(project))
+    project.edit().copy_pou(project, name, {name: "ZCopy"})
     again = sfc.loads(sfc.dumps(project))
     assert [each.code for each in again.diagnostics] == found
     assert str(sfc.diff(project, again)) == "no differences"
+    for of_project in (project, again):
+        identities = [
+            value
+            for pou in of_project.pous
+            for each in models_in(pou)
+            for field, value in each.__dict__.items()
+            if field in {"object_id", "global_id"} and value is not None
+        ]
+        assert len(set(identities)) == len(identities)
+        numbers = [(pou.kind, pou.number) for pou in of_project.pous if pou.number is not None]
+        assert len(set(numbers)) == len(numbers)
 
 
 SURROUNDINGS = """TYPE Sort : STRUCT weight : INT := 3; END_STRUCT END_TYPE
