@@ -13,7 +13,8 @@
 `chart_rewriting`     a chart that is being rewritten
 `flag_transitions`    SFC flags of CODESYS in S7-GRAPH, with `boxes_before_conditions` for timers and edges;
                       `flags_in_tc6`: in TC6
-`grafcet_charts`      GRAFCETs in the words of sequential function charts; `grafcet_variables`: their declarations
+`grafcet_charts`      GRAFCETs in the words of sequential function charts; `grafcet_terms`: their flags, times, edges;
+                      `grafcet_variables`: their declarations
 `grafcet_hierarchy`   partial charts, forcing orders, enclosing steps and macro-steps as one chart
 `grafcet_evolutions`  what several evolutions in a scan do; `stored_order`: in which order actions store
 

@@ -8,12 +8,9 @@ action that every scan executes, or by a permanent instruction. What has no coun
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
-from enum import Enum
 from typing import TypeAlias
 
-from plcopen_sfc.conversion.adaptation.chart_rewriting import taken_names
 from plcopen_sfc.conversion.adaptation.grafcet_evolutions import Evolutions
 from plcopen_sfc.conversion.adaptation.grafcet_hierarchy import (
     FlatChart,
@@ -21,24 +18,22 @@ from plcopen_sfc.conversion.adaptation.grafcet_hierarchy import (
     Rules,
     step_flag,
 )
+from plcopen_sfc.conversion.adaptation.grafcet_terms import ChartTerms, Evolution, Note, TermError, Terms, shown_edge
 from plcopen_sfc.conversion.adaptation.stored_order import first_names, in_one_action, stored_names, stored_text
 from plcopen_sfc.conversion.executed_parts import FIRST_SCAN, SELECTION, STABILITY, START
 from plcopen_sfc.errors import ForcingConflictError, SfcError, UnknownBehaviourError
-from plcopen_sfc.languages.binding.name_sites import in_tree
-from plcopen_sfc.languages.expression_types import CALCULATING
 from plcopen_sfc.languages.grafcet_conditions import ConditionError, to_structured_text
 from plcopen_sfc.languages.networks import declared_rules, draw_ld
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform, walk
-from plcopen_sfc.languages.words import identifier, take_name
-from plcopen_sfc.lowering.code.boolean_logic import FALSE, conjunction, disjunction, simplified
+from plcopen_sfc.lowering.code.boolean_logic import FALSE, conjunction, simplified
 from plcopen_sfc.lowering.reading.text_reading import ActionTargets
 from plcopen_sfc.model.actions import ActionEvent, ActionKind, ForcedSituation, Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou
-from plcopen_sfc.model.project import Chart, Project
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import (
     ActionAssociation,
     Condition,
@@ -49,15 +44,11 @@ from plcopen_sfc.model.sfc import (
     connected_parts,
 )
 from plcopen_sfc.model.sfc import Sequence as GraphSequence
-from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Variable
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.report import ORDER_OF_ACTIONS, Outcome
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import rising
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile, ScanOrder
-
-Note = Callable[[Outcome, str, str, str], None]
-"""Takes what became of something, what it is, where and why."""
 
 _CONTINUOUS = frozenset({ActionKind.CONTINUOUS, ActionKind.CONDITIONAL, ActionKind.DELAYED, ActionKind.LIMITED})
 _BOOL = ElementaryType(name=Elementary.BOOL)
@@ -91,54 +82,6 @@ def _forced_steps(chart: SfcNetwork) -> set[str]:
     return {f"Step{name}" if name.isdecimal() else name for name in names}
 
 
-class _TermError(ValueError):
-    """A term that program text has no words for."""
-
-
-class _Evolution(Enum):
-    """The evolution of a scan in which an event comes: the first, or the one behind that, as actions see both."""
-
-    FIRST = 1
-    SECOND = 2
-
-
-class _Terms:
-    """Times of steps and edges of variables as program text has them.
-
-    `leaves`: the steps that a transition leaves. `event`: they are of an event, and this is its evolution.
-    """
-
-    def __init__(
-        self,
-        chart: _Chart,
-        leaves: Sequence[int] = (),
-        *,
-        in_action: bool = False,
-        event: _Evolution | None = None,
-    ) -> None:
-        self._chart, self._leaves, self._in_action, self._event = chart, leaves, in_action, event
-        self.has_edge = self.has_edge_of_step = False
-
-    def edge(self, operand: str, *, rising: bool) -> str:
-        self.has_edge = True
-        self.has_edge_of_step |= bool(self._chart.steps_in(operand, rising=rising))
-        if self._in_action:
-            raise _TermError("an edge lasts for no time that an output could be seen (IEC 60848:2013, 4.8.2)")
-        if self._event is not None:
-            return self._chart.edge_in_event(operand, self._event, rising=rising)
-        return self._chart.edge(operand, rising=rising)
-
-    def delay(self, operand: str, first: str | None, last: str | None) -> str:
-        bare = operand.strip("()")
-        step = self._chart.steps.get(bare[1:].casefold()) if bare[:1] in "Xx" else None
-        if step is None or first is None:
-            return self._chart.time(operand, first, last, is_late=step is not None)
-        passed = f"{step.name}.T >= {first}"
-        if last is not None:
-            return self._chart.time(f"({step.name}.X AND {passed})", None, last, is_late=True)
-        return passed if step.id in self._leaves else f"({step.name}.X AND {passed})"  # the time of a step stays
-
-
 class _Chart:
     def __init__(self, project: Project, pou: Pou, chart: SfcNetwork, note: Note, target: Profile) -> None:
         self._project, self._pou = project, pou
@@ -146,34 +89,15 @@ class _Chart:
         self._note = note
         self._of_graph = target.graph_parameters
         self._actions_first = target.order is ScanOrder.ACTIONS_FIRST
-        tags = [tag for table in project.tag_tables for tag in table.tags]
-        self._tags = {tag.name.casefold() for tag in tags}
-        self._numbers = {tag.name.casefold() for tag in tags if tag.type.casefold() != "bool"}
-        self._globals = {name.casefold() for section in project.global_sections() for name in _named_by(section)}
-        self._taken = taken_names(project, Chart(pou.name, pou, chart))
-        self._macros: dict[str, list[Step]] = {}
-        self._edges: dict[tuple[str, bool], str] = {}
-        self._memories: list[str] = []
+        self._terms = ChartTerms(project, pou, chart, note, target)
         self._events: list[str] = []
         self._second_events: list[str] = []
-        self._seen: dict[str, str] = {}
-        self._was_active: dict[int, str] = {}
-        self._over: dict[str, n.Expression] = {}
         self._forced: set[str] = set()
         self._misfits: dict[int, str] = {}
         self._stores: dict[tuple[int, Qualifier], StBody] = {}
         self._begun: list[str] = []
         self._deactivations: list[str] = []
         self._activations: list[str] = []
-        self._inputs = {
-            variable.name.casefold()
-            for section in (pou.interface.sections if pou.interface is not None else ())
-            for variable in section.variables
-            if section.kind is SectionKind.INPUT or (variable.address or "").upper().startswith("%I")
-        }
-        self._times: dict[tuple[str, str | None, str | None], str] = {}
-        self._section: VariableSection | None = None
-        self.steps: dict[str, Step] = {}
 
     def run(self) -> None:
         """Change the chart."""
@@ -188,18 +112,18 @@ class _Chart:
                 self._note(Outcome.NOT_EXECUTED, "hierarchy", place, why)
             except HierarchyError as error:
                 self._refuse_hierarchy(path, error)
-        self.steps = {step.name.casefold(): step for step in self._chart.steps}
+        self._terms.steps = {step.name.casefold(): step for step in self._chart.steps}
         self._misfits = {id(each): why for _, each in self._chart.associations() if (why := self._misfit(each))}
         for step in self._chart.steps:
             if step.name.isdecimal():
                 new = f"Step{step.name}"
-                if new.casefold() not in self.steps:
+                if new.casefold() not in self._terms.steps:
                     step.number, step.name = int(step.name), new
                     self._note(Outcome.TRANSLATED, "step name", f"{path} / step {new}", "a name begins with no digit")
         edged = set()
         for transition in self._chart.transitions:
             place = f"{path} / transition {self._chart.label(transition)}"
-            terms = _Terms(self, transition.sources)
+            terms = Terms(self._terms, transition.sources)
             transition.condition = self._read(transition.condition, place, terms)
             if terms.has_edge:
                 edged.add(transition.id)
@@ -207,7 +131,7 @@ class _Chart:
         self._actions(path, flat.activated() if flat is not None else set())
         if flat is not None and flat.ruled:
             try:
-                Rules(self._chart, flat, edged, self._new_name).apply()
+                Rules(self._chart, flat, edged, self._terms.new_name).apply()
                 why = "transitions that are tried before those of the charts that it rules"
                 self._note(Outcome.TRANSLATED, "hierarchy", path, why)
             except HierarchyError as error:
@@ -235,12 +159,12 @@ class _Chart:
         once = "the target fires transitions once in a scan, code of `lower` until none can fire"
         lately = stored_names(self._chart)
         steps = {step.name for step in self._chart.steps}
-        for (operand, rises), edge in self._edges.items():
+        for (operand, rises), edge in self._terms.edges.items():
             trees = [parse_expression(text).tree for text in (operand, edge)]
             names, memories = (first_names(tree) if tree is not None else [] for tree in trees)
-            if not lately.isdisjoint(map(str.casefold, names)) or self.steps_in(operand, rising=rises):
+            if not lately.isdisjoint(map(str.casefold, names)) or self._terms.steps_in(operand, rising=rises):
                 lately |= {name.casefold() for name in memories if name not in steps}
-        evolutions = Evolutions(self._chart, self._over, lately)
+        evolutions = Evolutions(self._chart, self._terms.over, lately)
         passed = list(evolutions.passed(flat.freed(self._chart) if flat is not None else {}))
         late = [self._chart.label(transition) for transition in evolutions.late()]
         if passed:
@@ -282,14 +206,14 @@ class _Chart:
         flat = FlatChart(self._chart, self._pou.name)
         names = [partial.name for partial in self._chart.partial_charts]
         flat.put_into(self._chart)
-        self._macros = {name: [flat.steps[i] for i in steps] for name, steps in flat.macros.items()}
+        self._terms.macros = {name: [flat.steps[i] for i in steps] for name, steps in flat.macros.items()}
         for name in names:
             self._note(Outcome.TRANSLATED, "partial chart", f"{path} / {name}", "its steps are in the one chart")
         return flat
 
     def _start(self, starts: list[Step], path: str) -> None:
         """Let a chart with several initial steps begin with one that leads to them all."""
-        first = self._chart.add_step(self._new_name("Start"), initial=True)
+        first = self._chart.add_step(self._terms.new_name("Start"), initial=True)
         self._chart.steps.insert(0, self._chart.steps.pop())
         for step in starts:
             step.initial = False
@@ -302,126 +226,18 @@ class _Chart:
         if len(parts) > 1 and not self._chart.sequences:
             self._chart.sequences = [GraphSequence(steps=[step.id for step in steps]) for steps in parts]
 
-    # -- edges and times
-
-    def edge(self, operand: str, *, rising: bool) -> str:
-        """Return the expression of an edge; its memory is a variable that `_keep_memories` writes."""
-        steps = self.steps_in(operand, rising=rising)
-        starts = len(self._chart.initial_steps) > 1 and self._actions_first
-        if starts and any(step.initial for step in steps):
-            raise _TermError("its step becomes active one scan after the start, which would be an edge")
-        found = self._edges.get((operand, rising))
-        if found is None:
-            found = self._edges[operand, rising] = self._memory(operand, steps, rising=rising)
-        return found
-
-    def steps_in(self, operand: str, *, rising: bool) -> list[Step]:
-        """Return the steps whose flags are in the operand of an edge. Raises `_TermError` for a name of nothing."""
-        tree = parse_expression(operand).tree
-        names = first_names(tree) if tree is not None else ["?"]
-        undeclared = [name for name in names if not self._declares(name)]
-        unknown = [name for name in undeclared if self._step_of(name) is None and name.casefold() not in self._globals]
-        if unknown:
-            what = _shown_edge(operand, rising=rising)
-            raise _TermError(f"{what} is an edge of something that is no variable and no step: {unknown[0]}")
-        return [step for name in undeclared if (step := self._step_of(name)) is not None]
-
-    def _step_of(self, name: str) -> Step | None:
-        """Return the step whose flag `name` is, as ``X5``."""
-        return self.steps.get(name[1:].casefold()) if name[:1] in "Xx" else None
-
-    def _memory(self, operand: str, steps: Sequence[Step], *, rising: bool) -> str:
-        wish = _as_name(operand)
-        tree = parse_expression(operand).tree
-        # what is TRUE at the start had no edge, but the flags of initial steps
-        is_flag = isinstance(tree, n.Name) and bool(steps)
-        before = self._new_variable(f"{wish}_before", initial="TRUE" if rising and not is_flag else None)
-        happens = _edge(operand, before, rising=rising)
-        of_inputs = tree is not None and self._inputs.issuperset(name.casefold() for name in first_names(tree))
-        if not self._actions_first and not self._of_graph:
-            # the transitions of this scan have changed the flags of steps already
-            earlier = {step.name.casefold(): self._activity_before(step) for step in steps}
-            now = transform(tree, lambda node: self._earlier(node, earlier))
-            self._memories.append(f"{before} := {print_node(now)};")
-            if tree is not None and of_inputs:
-                self._over[before] = tree
-            return happens
-        edge = self._new_variable(f"{wish}_{'rises' if rising else 'falls'}")
-        self._memories += [f"{edge} := {self._flagged(happens)};", f"{before} := {self._flagged(operand)};"]
-        if of_inputs:
-            self._over[edge] = FALSE
-        return edge
-
-    def edge_in_event(self, operand: str, event: _Evolution, *, rising: bool) -> str:
-        """Return the expression of an edge as actions behind the transitions see it, in one evolution of the scan.
-
-        An edge of an input is in the first. In the second a flag has changed, which was as it is behind the
-        transitions of the scan before.
-        """
-        if not self.steps_in(operand, rising=rising):
-            return self.edge(operand, rising=rising) if event is _Evolution.FIRST else "FALSE"
-        tree = parse_expression(operand).tree
-        first = self._flagged(operand, self._flag_before)
-        if event is _Evolution.SECOND:
-            return _edge(self._flagged(operand), first, rising=rising)
-        if isinstance(tree, n.Name):
-            return "FALSE"  # a flag alone
-        seen = self._seen.get(operand)
-        if seen is None:
-            seen = self._seen[operand] = self._new_variable(f"{_as_name(operand)}_seen", initial="TRUE")
-            self._memories.append(f"{seen} := {self._flagged(operand)};")
-        return _edge(first, seen, rising=rising)
-
-    def _earlier(self, node: n.Node, earlier: dict[str, str]) -> n.Node:
-        step = self._step_of(node.identifier) if isinstance(node, n.Name) else None
-        return n.Name(earlier[step.name.casefold()]) if step is not None and step.name.casefold() in earlier else node
-
-    def _activity_before(self, step: Step) -> str:
-        """Return the variable that tells whether a step was active before the transitions of the scan."""
-        found = self._was_active.get(step.id)
-        if found is None:
-            initial = "TRUE" if step.initial else None
-            found = self._was_active[step.id] = self._new_variable(f"{step.name}_was_active", initial=initial)
-        return found
-
-    def time(self, operand: str, first: str | None, last: str | None, *, is_late: bool) -> str:
-        """Return the expression of a time of anything: the output of a timer that every scan calls with the edges.
-
-        `is_late`: the operand is the flag of a step, which the timer sees when its transitions have fired.
-        """
-        found = self._times.get((operand, first, last))
-        if found is None:
-            found = self._flagged(operand)
-            wish = _as_name(operand)
-            for block, delay in (("TON", first), ("TOF", last)):
-                if delay is not None:
-                    name = self._new_variable(f"{block}_{wish}", block=block)
-                    self._memories.append(f"{name}(IN := {found}, PT := {delay});")
-                    found = f"{name}.Q"
-            self._times[operand, first, last] = found
-            parts = [part.removeprefix("T#") for part in (first, operand, last) if part is not None]
-            path = f"POU {self._pou.name} / {'/'.join(parts)}"
-            if is_late:
-                self._note(Outcome.APPROXIMATED, "time", path, "a timer, which sees that a step ends one scan later")
-            elif self._actions_first or self._of_graph:
-                self._note(Outcome.TRANSLATED, "time", path, "a timer")
-            else:
-                why = "a timer, which actions call behind the transitions: these see it one scan later"
-                self._note(Outcome.APPROXIMATED, "time", path, why)
-        return found
-
     def _keep_memories(self, path: str, starts: Sequence[Step]) -> None:
         """Let every scan keep what edges need: before the transitions, or behind all of them."""
         first = [*self._events, *self._in_order(), *self._second_events]
-        if not self._memories and not first:
+        if not self._terms.memories and not first:
             return
         flags = {step.id: print_node(step_flag(step)) for step in self._chart.steps}
-        last = [f"{name} := {flags[step]};" for step, name in self._was_active.items()]
+        last = [f"{name} := {flags[step]};" for step, name in self._terms.was_active.items()]
         if self._of_graph:  # the sequences see these edges, and events the steps that were active before
-            self._chart.permanent_pre.append(self._drawn("\n".join([*self._memories, *self._events])))
+            self._chart.permanent_pre.append(self._drawn("\n".join([*self._terms.memories, *self._events])))
             why = "a permanent instruction before the sequences"
         else:
-            name = self._new_action("A_edges", StBody(text="\n".join([*first, *self._memories, *last])))
+            name = self._new_action("A_edges", StBody(text="\n".join([*first, *self._terms.memories, *last])))
             # an event of a step comes before what its deactivation and the next activation store
             self._pou.actions.insert(0, self._pou.actions.pop())
             # of the first scan those steps are active that it begins with, or those that follow them
@@ -431,109 +247,23 @@ class _Chart:
                     added = ActionAssociation(id=self._chart.new_id(), qualifier=Qualifier.S, target=name)
                     step.actions.insert(0, added)
             why = f"the action {name}, which is executed in every scan"
-        for operand, rises in self._edges:
-            self._note(Outcome.TRANSLATED, "edge", f"{path} / {_shown_edge(operand, rising=rises)}", why)
+        for operand, rises in self._terms.edges:
+            self._note(Outcome.TRANSLATED, "edge", f"{path} / {shown_edge(operand, rising=rises)}", why)
 
     def _drawn(self, text: str) -> PermanentOperation:
         drawn = draw_ld(parse_statements(text).tree.statements, declared_rules(self._pou.variables()))
         return PermanentOperation(body=drawn.body)
 
-    def _new_variable(self, wish: str, *, initial: str | None = None, block: str = "") -> str:
-        """Declare a Boolean variable, or an instance of a function block; its name."""
-        interface = self._pou.interface
-        if interface is None:
-            interface = self._pou.interface = Interface()
-        if self._section is None:
-            interface.sections.append(VariableSection(kind=SectionKind.LOCAL))
-            self._section = interface.sections[-1]
-        name = self._new_name(wish)
-        kind = DerivedType(name=block) if block else ElementaryType(name=Elementary.BOOL)
-        self._section.variables.append(Variable(name=name, type=kind, initial=initial))
-        return name
-
-    def _new_name(self, wish: str) -> str:
-        """Return a name that nothing in the POU or around it has."""
-        return take_name(identifier(wish), self._taken)
-
     # -- conditions
 
-    def _read(self, condition: Condition | None, place: str, terms: _Terms) -> Condition | None:
+    def _read(self, condition: Condition | None, place: str, terms: Terms) -> Condition | None:
         if not isinstance(condition, Expression):
             return condition
         try:
-            return Expression(text=self._text(condition.text, terms), negated=condition.negated)
-        except (ConditionError, _TermError) as error:
+            return Expression(text=self._terms.text(condition.text, terms), negated=condition.negated)
+        except (ConditionError, TermError) as error:
             self._note(Outcome.NOT_EXECUTED, "condition", place, _why(error))
             return condition
-
-    def _text(self, text: str, terms: _Terms) -> str:
-        return self._flagged(to_structured_text(text, terms))
-
-    def _flagged(self, text: str, flag: Callable[[n.Node], n.Node] | None = None) -> str:
-        """Return structured text with the flags of steps as the tool has them."""
-        parsed = parse_expression(text)
-        if parsed.problems:  # a variable whose name is a keyword of structured text
-            raise ConditionError(parsed.problems[0].message, parsed.problems[0].span)
-        for each in in_tree(parsed.tree, Dialect.IEC):
-            is_value = each.base is None and each.callee is None and not each.access
-            if is_value and each.name.casefold() in self.steps and not self._is_known(each.name):
-                raise _TermError(f"{each.name} is a step and no value: its flag is X{each.name}")
-            if each.base is None and each.access and self._is_bool(each.name):
-                raise _TermError(
-                    f"{each.name} is a BOOL: it has no {each.access}; AND is written * or . between blanks"
-                )
-        operations = [
-            each for each in walk(parsed.tree) if isinstance(each, n.Operation) and each.operator in CALCULATING
-        ]
-        for operand in (n.bare(operand) for each in operations for operand in each.operands):
-            if isinstance(operand, n.Name) and self._is_bool(operand.identifier):
-                raise _TermError(
-                    f"{operand.identifier} is BOOL, and {text} calculates with it: write [..] around a comparison"
-                )
-        return print_node(transform(parsed.tree, flag or self._flag))
-
-    def _is_known(self, name: str) -> bool:
-        return self._declares(name) or name.casefold() in self._globals
-
-    def _flag(self, node: n.Node) -> n.Node:
-        if isinstance(node, n.Name) and node.identifier[:1] in "Xx":
-            name = node.identifier[1:].casefold()
-            step = self.steps.get(name)
-            if step is not None and not self._declares(node.identifier):
-                return step_flag(step)
-            if name in self._macros and not self._declares(node.identifier):
-                return n.Parenthesized(disjunction(map(step_flag, self._macros[name])))
-        return node
-
-    def _flag_before(self, node: n.Node) -> n.Node:
-        """Return for the flag of a step whether it was active before the transitions of the scan."""
-        flagged = self._flag(node)
-        if flagged is node:
-            return node
-
-        named = {step.name: step for step in self._chart.steps}
-
-        def before(member: n.Node) -> n.Node:
-            if isinstance(member, n.Member) and isinstance(member.base, n.Name):
-                return n.Name(self._activity_before(named[member.base.identifier]))
-            return member
-
-        return transform(flagged, before)
-
-    def _declares(self, name: str) -> bool:
-        """True for what a GRAFCET declares, which its steps do not hide; inputs with an address are tags by now."""
-        wanted = name.casefold()
-        return wanted in self._tags or any(variable.name.casefold() == wanted for variable in self._pou.variables())
-
-    def _is_bool(self, name: str) -> bool:
-        """True for a declared BOOL, and for the flag of a step."""
-        wanted = name.casefold()
-        if wanted in self._tags:
-            return wanted not in self._numbers
-        found = next((each for each in self._pou.variables() if each.name.casefold() == wanted), None)
-        if found is None:
-            return wanted[:1] == "x" and wanted[1:] in self.steps and wanted not in self._globals
-        return isinstance(found.type, ElementaryType) and found.type.name is Elementary.BOOL
 
     # -- actions
 
@@ -553,7 +283,7 @@ class _Chart:
                 timed.setdefault(each.target.casefold(), []).append((step, each))
             elif each.target is not None and each.kind is not None:
                 stored.setdefault(each.target.casefold(), []).append(each)
-        numbers = self._numbers | {each.name.casefold() for each in self._pou.variables() if each.type != _BOOL}
+        numbers = self._terms.numbers | {each.name.casefold() for each in self._pou.variables() if each.type != _BOOL}
         constants = {name for name, each in stored.items() if name not in numbers and all(map(_is_constant, each))}
         ordered = self._ordered(path, by_rules, constants)
         self._note_first_scan(path, ordered)
@@ -574,7 +304,7 @@ class _Chart:
             elif id(each) in self._misfits:
                 self._note(Outcome.NOT_EXECUTED, "action", place, f"no tool compiles it: {self._misfits[id(each)]}")
             elif each.kind is not ActionKind.ON_EVENT:
-                self._put_flags(each, self._flag)
+                self._put_flags(each, self._terms.flag)
             if each.forcing is not None:
                 self._note(Outcome.NOT_EXECUTED, "forcing order", place, "it has no counterpart in this chart")
             elif each.kind in _CONTINUOUS:
@@ -593,7 +323,7 @@ class _Chart:
         tree = parse_statements(stored_text(each)).tree
         written = [first_names(node.target)[:1] for node in walk(tree) if isinstance(node, n.Assignment)]
         for name in (name for names in written for name in names):
-            if self._step_of(name) is not None and not self._is_known(name):
+            if self._terms.step_of(name) is not None and not self._terms.is_known(name):
                 return f"{name} is the flag of a step, which only transitions change"
         statements = tree.statements if each.kind not in _CONTINUOUS else ()
         return next((why for statement in statements for why in targets.mistakes(statement)), "")
@@ -601,7 +331,7 @@ class _Chart:
     def _put_flags(self, each: ActionAssociation, flag: Callable[[n.Node], n.Node]) -> None:
         """Put the flags of steps, as the tool has them, into what an action stores."""
         if each.value is not None:
-            each.value = self._flagged(each.value, flag)
+            each.value = self._terms.flagged(each.value, flag)
         if isinstance(each.body, StBody):
             tree = parse_statements(each.body.text).tree
             flagged = transform(tree, flag)
@@ -641,8 +371,8 @@ class _Chart:
                 flag += f" AND {step.name}.T {_COMPARED[each.kind]} {each.duration}"
             if isinstance(each.condition, Expression):
                 try:
-                    flag += f" AND ({self._text(each.condition.text, _Terms(self, in_action=True))})"
-                except (ConditionError, _TermError) as error:
+                    flag += f" AND ({self._terms.text(each.condition.text, Terms(self._terms, in_action=True))})"
+                except (ConditionError, TermError) as error:
                     place = f"{path} / step {step.name} / action {target}"
                     self._note(Outcome.NOT_EXECUTED, "condition", place, _why(error))
             parts.append(flag)
@@ -666,12 +396,14 @@ class _Chart:
         conditional = [(step, each.condition) for step, each in uses if isinstance(each.condition, Expression)]
         try:
             found = [(step, self._as_interlock(condition)) for step, condition in conditional]
-        except (ConditionError, _TermError):
+        except (ConditionError, TermError):
             return False  # it is told for each of them
         return any(wanted.setdefault(id(step), interlock) != interlock for step, interlock in found)
 
     def _as_interlock(self, condition: Expression) -> Supervised:
-        return Supervised(condition=Expression(text=self._text(condition.text, _Terms(self, in_action=True))))
+        return Supervised(
+            condition=Expression(text=self._terms.text(condition.text, Terms(self._terms, in_action=True)))
+        )
 
     def _interlock(self, uses: list[_Use], path: str) -> None:
         """Make the condition of an action the interlock of its step, unless that has another one."""
@@ -681,7 +413,7 @@ class _Chart:
             place = f"{path} / step {step.name} / action {each.target}"
             try:
                 wanted = self._as_interlock(each.condition)
-            except (ConditionError, _TermError) as error:
+            except (ConditionError, TermError) as error:
                 self._note(Outcome.NOT_EXECUTED, "condition", place, _why(error))
                 continue
             if step.interlock not in (None, wanted):
@@ -742,7 +474,7 @@ class _Chart:
 
     def _store_in_order(self, step: Step, each: ActionAssociation, place: str) -> None:
         """Let the action that keeps the edges execute a stored action, where its order matters."""
-        before, now, text = self._activity_before(step), print_node(step_flag(step)), stored_text(each)
+        before, now, text = self._terms.activity_before(step), print_node(step_flag(step)), stored_text(each)
         if each.kind is ActionKind.ON_DEACTIVATION:
             self._deactivations.append(f"IF {before} AND NOT {now} THEN\n    {text}\nEND_IF;")
         else:
@@ -757,7 +489,7 @@ class _Chart:
         """Return the statements of stored actions whose order matters."""
         first = []
         if self._begun:
-            started = self._new_variable("started")
+            started = self._terms.new_variable("started")
             first = [f"IF NOT {started} THEN", f"    {started} := TRUE;", *self._begun, "END_IF;"]
         return [*first, *self._deactivations, *self._activations]
 
@@ -770,47 +502,48 @@ class _Chart:
         happens = rising(each.condition) if each.condition is not None else None
         two = not (self._of_graph or self._actions_first)
         is_of_flags = False
-        statements: dict[_Evolution | None, list[str]] = {}
+        statements: dict[Evolution | None, list[str]] = {}
         try:
             if not isinstance(happens, Expression):
-                raise _TermError("it has no event")
-            for event in _Evolution if two else (None,):
-                terms = _Terms(self, event=event)
+                raise TermError("it has no event")
+            for event in Evolution if two else (None,):
+                terms = Terms(self._terms, event=event)
                 text = to_structured_text(happens.text, terms)
                 statements[event] = self._at_event(step, each, text, event)
                 is_of_flags |= terms.has_edge_of_step
-        except (ConditionError, _TermError) as error:
+        except (ConditionError, TermError) as error:
             self._note(Outcome.NOT_EXECUTED, "action", place, _why(error))
             return
         if is_of_flags and not two:
             why = "the target fires transitions once in a scan: an edge of a flag comes with the scan behind its step"
             self._note(Outcome.APPROXIMATED, STABILITY, place, why)
         for event, lines in statements.items():
-            (self._second_events if event is _Evolution.SECOND else self._events).extend(lines)
+            (self._second_events if event is Evolution.SECOND else self._events).extend(lines)
         step.actions.remove(each)
         where = "permanent instruction" if self._of_graph else "action"
         self._note(Outcome.TRANSLATED, "action", place, f"a statement of the {where} that keeps the edges")
 
-    def _at_event(self, step: Step, each: ActionAssociation, text: str, event: _Evolution | None) -> list[str]:
+    def _at_event(self, step: Step, each: ActionAssociation, text: str, event: Evolution | None) -> list[str]:
         """Return the statements for an event that comes in one evolution of the scan."""
-        is_now = self._of_graph or event is _Evolution.SECOND
-        flag = self._flag if is_now else self._flag_before
-        edge = parse_expression(self._flagged(text, flag)).tree
+        is_now = self._of_graph or event is Evolution.SECOND
+        flag = self._terms.flag if is_now else self._terms.flag_before
+        edge = parse_expression(self._terms.flagged(text, flag)).tree
         edge = simplified(edge) if edge is not None and event is not None else edge
         if edge is None or edge == FALSE:
             return []
         active = [step_flag(step)] if is_now else []
         if not self._of_graph:
-            active.append(n.Name(self._activity_before(step)))
-        if self._actions_first and not set(first_names(edge)) <= {*self._edges.values()}:
+            active.append(n.Name(self._terms.activity_before(step)))
+        if self._actions_first and not set(first_names(edge)) <= {*self._terms.edges.values()}:
             # the event is one of the scan before, and so is all that it asks for
-            edge = n.Name(self._new_variable(f"{step.name}_event"))
-            self._memories.append(f"{edge.identifier} := {self._flagged(text)};")
+            edge = n.Name(self._terms.new_variable(f"{step.name}_event"))
+            self._terms.memories.append(f"{edge.identifier} := {self._terms.flagged(text)};")
         when = conjunction([*active, edge])
         statements = []
         operators = {node.operator for node in walk(when) if isinstance(node, n.Operation)}
         if self._of_graph and n.Operator.OR in operators:
-            name = self._new_variable(f"{step.name}_event")  # a drawn IF is read as one branch for each of its ways
+            # a drawn IF is read as one branch for each of its ways
+            name = self._terms.new_variable(f"{step.name}_event")
             statements.append(f"{name} := {print_node(when)};")
             when = n.Name(name)
         done = each.model_copy()
@@ -822,16 +555,16 @@ class _Chart:
         """Return the assignments of a text, which is drawn with a condition before each."""
         statements = parse_statements(text).tree.statements
         if not all(isinstance(each, n.Assignment) for each in statements):
-            raise _TermError("a permanent instruction of S7-GRAPH is drawn, and has boxes for assignments only")
+            raise TermError("a permanent instruction of S7-GRAPH is drawn, and has boxes for assignments only")
         return [print_node(each) for each in statements]
 
     def _new_action(self, wanted: str, body: StBody) -> str:
-        name = self._new_name(wanted)
+        name = self._terms.new_name(wanted)
         self._pou.actions.append(Action(name=name, body=body))
         return name
 
 
-def _why(error: ConditionError | _TermError) -> str:
+def _why(error: ConditionError | TermError) -> str:
     return f"the condition cannot be read: {error}" if isinstance(error, ConditionError) else str(error)
 
 
@@ -848,22 +581,3 @@ def _is_constant(each: ActionAssociation) -> bool:
 
 def _first_of(names: list[str]) -> str:
     return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
-
-
-def _named_by(section: VariableSection) -> list[str]:
-    """Return the names by which texts find a list of global variables: its own, and those of the variables."""
-    return [*filter(None, [section.name]), *(variable.name for variable in section.variables)]
-
-
-def _as_name(operand: str) -> str:
-    return re.sub(r"\W+", "_", operand).strip("_")
-
-
-def _edge(operand: str, before: str, *, rising: bool) -> str:
-    """Return an edge in structured text; `before`: what has the value before."""
-    now, was = (each if re.fullmatch(r"[\w.]+|\([^()]*\)", each) else f"({each})" for each in (operand, before))
-    return f"({now} AND NOT {was})" if rising else f"(NOT {now} AND {was})"
-
-
-def _shown_edge(operand: str, *, rising: bool) -> str:
-    return f"{'↑' if rising else '↓'}{operand}"
