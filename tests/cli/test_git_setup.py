@@ -235,6 +235,7 @@ TRANSITION FROM S0 TO S1
 END_TRANSITION
 
 STEP S1:
+
   Act(N);
 END_STEP
 
@@ -292,7 +293,11 @@ INITIAL = ("INITIAL_STEP S0", "STEP S0")
             [("n > 3", "n > 3 AND y")],
             "'y' means Main.y, and something",
         ),
-        ([INITIAL, ("STEP S1:", "INITIAL_STEP S1:")], [INITIAL, ("STEP S2:", "INITIAL_STEP S2:")], "POU Main: STR"),
+        (
+            [INITIAL, ("STEP S1:", "INITIAL_STEP S1:")],
+            [INITIAL, ("STEP S2:", "INITIAL_STEP S2:")],
+            "STR12 a second initial step",
+        ),
         (
             [("  b : BOOL;\n", "  b : BOOL;\n  S9 : BOOL;\n")],
             [
@@ -321,6 +326,9 @@ def test_a_merge_that_makes_what_no_side_has_is_a_conflict(git_merge, ours, thei
         ([LOCAL_X, ("n + 1", "n + 2")], [("n * 2", "n * 9"), ("n > 3", "n > 4")], ["x : BOOL;\n", "n > 4"]),
         ([LOCAL_X, (":= b;", ":= b AND x;")], [(":= start;", ":= start AND n = 0;")], ["b AND x", "n = 0"]),
         ([("S1", "Fill")], [("n > 3", "n > 3 AND n < 9")], ["Fill", "n < 9"]),
+        ([("PROGRAM Main", "PROGRAM Other")], [("n > 3", "n > 3 AND n < 9")], ["Other", "n < 9"]),
+        ([("S1", "Fill")], [("Act(N)", "Act(P)")], ["STEP Fill", "Act(P)"]),
+        ([(":= b;", ":= n > 0;")], [("  b := start;\n", "")], ["n > 0", "* 2"]),  # nothing uses b then
     ],
 )
 def test_lines_of_both_sides_are_no_conflict(git_merge, ours, theirs, parts):

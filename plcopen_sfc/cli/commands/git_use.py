@@ -6,15 +6,15 @@ import re
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 from plcopen_sfc.api import loads
 from plcopen_sfc.checking import check
 from plcopen_sfc.cli.screen import Screen
-from plcopen_sfc.comparison import Change, diff
-from plcopen_sfc.diagnostics import Diagnostic, Severity
+from plcopen_sfc.comparison import Change, ChangeKind, diff
+from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.errors import ArgumentError, Location, SfcError
 from plcopen_sfc.files import path_exists, read_bytes, write_atomic
 from plcopen_sfc.formats.registry import all_formats
@@ -176,30 +176,46 @@ def _unlike(found: Sequence[Change], sides: Sequence[Sequence[Change]]) -> set[s
 
     Of one text both sides may have changed lines: the merged one has the changed lines of both, and no others.
     """
-    ours, theirs = ({_place(each): _changed_lines(each) for each in side} for side in sides)
-    lines = {place: ours[place] | theirs[place] for place in ours if ours[place] and theirs.get(place)}
-    fits = {_place(each) for each in found if _changed_lines(each) == lines.get(_place(each))}
+    say = _in_new_names([each for side in sides for each in side])
+
+    def place(change: Change) -> tuple[str, str, str]:
+        return say(change.path), change.what, change.aspect
+
+    def lines(change: Change) -> set[str]:
+        return {say(line) for line in change.lines if line.startswith(("+", "-"))}
+
+    def words(change: Change) -> str:
+        is_renamed = change.kind is ChangeKind.RENAMED  # whose old name stays
+        return f"{say(change.place)}: {change.news}" if is_renamed else say(str(change))
+
+    ours, theirs = ({place(each): lines(each) for each in side} for side in sides)
+    both = {where: ours[where] | theirs[where] for where in ours if ours[where] and theirs.get(where)}
+    fits = {place(each) for each in found if lines(each) == both.get(place(each))}
     told, wanted = (
-        {str(each) for each in changes if _place(each) not in fits}
+        {words(each) for each in changes if place(each) not in fits}
         for changes in (found, [each for side in sides for each in side])
     )
     return {f"lacks {each}" for each in wanted - told} | {f"of no side: {each}" for each in told - wanted}
 
 
-def _place(change: Change) -> tuple[str, str, str]:
-    return change.path, change.what, change.aspect
+def _in_new_names(changes: Sequence[Change]) -> Callable[[str], str]:
+    """Return the function that gives a text the names that things have after both sides renamed some.
 
-
-def _changed_lines(change: Change) -> set[str]:
-    return {line for line in change.lines if line.startswith(("+", "-"))}
+    A side that knows nothing of that tells its changes with the old ones.
+    """
+    names = {each.before: each.after or "" for each in changes if each.kind is ChangeKind.RENAMED and each.before}
+    if not names:
+        return str
+    pattern = re.compile(rf"(?<!\w)(?:{'|'.join(map(re.escape, names))})(?!\w)")
+    return lambda text: pattern.sub(lambda found: names[found[0]], text)
 
 
 def _new_findings(merged: Project, versions: _Versions) -> set[str]:
-    """Return the findings of `check` in a merged file that neither side has.
+    """Return the errors and warnings of `check` in a merged file that neither side has.
 
     One that a side brought may have other words, where the other side renamed what it names.
     """
-    found, base, *sides = ({_finding(each): each.code for each in check(p)} for p in (merged, *versions))
+    found, base, *sides = (dict(_findings(each)) for each in (merged, *versions))
     known = {text: code for side in sides for text, code in side.items()}
     gone = Counter(code for text, code in known.items() if text not in found and text not in base)
     new = {text: code for text, code in found.items() if text not in known}
@@ -207,8 +223,11 @@ def _new_findings(merged: Project, versions: _Versions) -> set[str]:
     return {text for text, code in new.items() if counts[code] > gone[code]}
 
 
-def _finding(found: Diagnostic) -> str:
-    return f"{found.location.path or ''}: {found.code} {found.message}"
+def _findings(project: Project) -> Iterator[tuple[str, str]]:
+    """Yield the errors and warnings of `check` in words, each with its code."""
+    for found in check(project):
+        if found.severity is not Severity.INFO:
+            yield f"{found.location.path or ''}: {found.code} {found.message}", found.code
 
 
 def _undeclared(names: Names) -> set[str]:
