@@ -8,7 +8,7 @@ such elements. ``LineIds``, which the tool counts itself, stay in the file and a
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Container, Iterable, Iterator, Set
 from itertools import chain
 from typing import TypeAlias
 from uuid import NAMESPACE_URL, uuid5
@@ -253,14 +253,16 @@ def _property(element: etree._Element) -> ForeignData:
 # -- writing ----------------------------------------------------------------------------------------------------------
 
 
-def write_declared(project: Project, source: etree._Element | None) -> etree._Element:
-    """Return the type or the list of variables that a project has alone."""
+def write_declared(project: Project, source: etree._Element | None, *, taken: Set[str] = frozenset()) -> etree._Element:
+    """Return the type or the list of variables that a project has alone; `taken` as for `write_pou`."""
     declared = project.data_types[0] if project.data_types else None
     name = declared.name if declared is not None else project.global_variables[0].name or ""
     known = declared.object_id if declared is not None else project.global_variables[0].object_id
     text = declaration_of(_only_declared(project), _declaration(source) if source is not None else None)
     kind = "DUT" if declared is not None else "GVL"
-    written = etree.Element(kind, Name=name, Id=identity(known, kind, name))  # a POU may have the name, too
+    written = etree.Element(
+        kind, Name=name, Id=identity(known, kind, name, taken=taken)
+    )  # a POU may have the name, too
     _add_code(written, "Declaration", text)
     return written
 
@@ -279,9 +281,21 @@ def path_of(project: Project) -> str:
     return f"global variables {project.global_variables[0].name}"
 
 
-def identity(known: str | None, *names: str) -> str:
-    """Return the identity of an object: a new one follows from its name, so that it is the same in every run."""
-    return f"{{{known or uuid5(NAMESPACE_URL, '/'.join(('twincat', *names)))}}}"
+def identity(known: str | None, *names: str, taken: Container[str] = ()) -> str:
+    """Return the identity of an object: a new one follows from its name, so that it is the same in every run.
+
+    An object that was renamed since keeps the one of its old name: that is `taken`.
+    """
+    made = str(uuid5(NAMESPACE_URL, "/".join(("twincat", *names))))
+    while made in taken:
+        made = str(uuid5(NAMESPACE_URL, made))
+    return f"{{{known or made}}}"
+
+
+def identities_in(pou: Pou) -> set[str]:
+    """Return the identities that a POU and its parts have."""
+    things: list[Pou | _Part] = [pou, *pou.actions, *pou.methods, *pou.transitions]
+    return {each.object_id for each in things if each.object_id is not None}
 
 
 def _add_code(parent: etree._Element, name: str, text: str) -> None:
@@ -291,15 +305,26 @@ def _add_code(parent: etree._Element, name: str, text: str) -> None:
 
 
 def write_pou(
-    pou: Pou, report: ConversionReport, source: etree._Element | None, *, format: str = "twincat"
+    pou: Pou,
+    report: ConversionReport,
+    source: etree._Element | None,
+    *,
+    format: str = "twincat",
+    taken: Set[str] = frozenset(),
 ) -> etree._Element:
-    """Return ``POU``; `source` is the element in the file that is patched, `format` that of the file."""
-    return _PouWriter(pou, report, source, format).write()
+    """Return ``POU``; `source` is the element in the file that is patched, `format` that of the file.
+
+    `taken` are identities of other objects in the file.
+    """
+    return _PouWriter(pou, report, source, format, taken).write()
 
 
 class _PouWriter:
-    def __init__(self, pou: Pou, report: ConversionReport, source: etree._Element | None, format: str) -> None:
+    def __init__(
+        self, pou: Pou, report: ConversionReport, source: etree._Element | None, format: str, taken: Set[str]
+    ) -> None:
         self._pou = pou
+        self._taken = taken | identities_in(pou)
         self._report = report
         self._source = source
         self._format = format
@@ -310,7 +335,7 @@ class _PouWriter:
         pou = self._pou
         self._report.add(Outcome.KEPT, "POU", pou.report_path)
         known = kept_in(pou.extension_data)
-        written = etree.Element("POU", Name=pou.name, Id=identity(pou.object_id, pou.name))
+        written = etree.Element("POU", Name=pou.name, Id=identity(pou.object_id, pou.name, taken=self._taken))
         for name, value in {**dict([_NOT_SPECIAL]), **known.attributes}.items():
             written.set(name, value)
         self._declaration(written, pou, self._source)
@@ -344,7 +369,9 @@ class _PouWriter:
         # a declaration may write the name of a method in another case than its object
         if source is not None and source.get("Name", "").casefold() == name.casefold():
             name = source.get("Name", "")
-        written = etree.Element(tag, Name=name, Id=identity(part.object_id, self._pou.name, part.name))
+        written = etree.Element(
+            tag, Name=name, Id=identity(part.object_id, self._pou.name, part.name, taken=self._taken)
+        )
         for name, value in kept_in(part.extension_data).attributes.items():
             written.set(name, value)
         path = f"{self._pou.report_path} / {what} {part.name}"

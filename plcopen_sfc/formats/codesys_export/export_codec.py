@@ -19,6 +19,7 @@ from pydantic import ValidationError
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import FormatError, Location, StructureError
 from plcopen_sfc.formats.archives.object_elements import (
+    identities_in,
     identity_of,
     path_of,
     read_element,
@@ -55,6 +56,7 @@ from plcopen_sfc.languages.s7_boxes import put_logic
 from plcopen_sfc.model.checked import first_misfit
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import PouInstance, Project, Resource, Task, TaskSettings, TaskWatchdog
+from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.model.variables import VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.whole_numbers import whole_number
@@ -284,6 +286,9 @@ class _Writer:
         self._entries = {entry.guid: entry for entry in found}
         self._inner = _inner(found)
         self._written: set[str] = set()
+        declared: list[DataTypeDeclaration | VariableSection] = [*project.data_types, *project.global_variables]
+        known = {each.object_id for each in declared if each.object_id is not None}
+        self._taken = known.union(*map(identities_in, project.pous))
         pous = [entry for entry in found if entry.kind == POU]
         self._usual = ObjectPlace.of(pous[0]) if pous else ObjectPlace()
 
@@ -292,7 +297,7 @@ class _Writer:
         for pou in project.pous:
             old = self._entries.get((pou.object_id or "").casefold())
             source = element_of(old, self._inner) if old is not None else None
-            written = write_pou(pou, report, source, format=_SOURCE)
+            written = write_pou(pou, report, source, format=_SOURCE, taken=self._taken)
             entry = self._put(POU, written, self._usual, pou.name)
             inside = ObjectPlace.inside(entry)
             for part in written:
@@ -315,7 +320,12 @@ class _Writer:
     def _declared(self, kind: str, alone: Project) -> None:
         thing = alone.data_types[0] if alone.data_types else alone.global_variables[0]
         old = self._entries.get((thing.object_id or "").casefold())
-        self._put(kind, write_declared(alone, element_of(old, {}) if old is not None else None), self._usual, "")
+        self._put(
+            kind,
+            write_declared(alone, element_of(old, {}) if old is not None else None, taken=self._taken),
+            self._usual,
+            "",
+        )
         what = "data type" if kind == TYPE else "global variables"
         self._report.add(Outcome.KEPT, what, path_of(alone))
 

@@ -247,6 +247,28 @@ def test_an_identity_that_two_objects_have_is_told() -> None:
     assert len(project.pous) == 2
 
 
+def test_new_objects_have_no_identity_of_what_had_their_names() -> None:
+    """The identity of a new object is made of its name, and stays with it when it is renamed."""
+    project = sfc.load(MIXER)
+    found = [each.code for each in project.diagnostics]
+    for _ in range(2):
+        code = "FUNCTION_BLOCK New VAR x : INT; END_VAR x := 1; ACTION A: x := 2; END_ACTION END_FUNCTION_BLOCK"
+        made = sfc.loads(f"TYPE T : INT; END_TYPE VAR_GLOBAL g : T; END_VAR {code}".encode(), format="iec-text")
+        made.global_variables[0].name = "Values"
+        for pou in project.pous:
+            pou.actions += [each for each in made.pous[0].model_copy(deep=True).actions if pou.name == "Old"]
+        project.pous.append(made.pous[0])
+        project.data_types += made.data_types
+        project.global_variables += made.global_variables
+        again = sfc.loads(sfc.dumps(project, partial=True))
+        assert [each.code for each in again.diagnostics] == found
+        assert str(sfc.diff(project, again)) == "no differences"
+        project = again
+        if not any(pou.name == "Old" for pou in project.pous):
+            project.rename_many({"New": "Old", "New.A": "B", "T": "U", "Values": "Former", "Values.g": "h"})
+    assert [action.name for pou in project.pous if pou.name == "Old" for action in pou.actions] == ["B", "A"]
+
+
 def test_a_truncated_file_is_refused_with_its_place() -> None:
     data = MIXER.read_bytes()
     with pytest.raises(XmlSyntaxError) as refused:
