@@ -326,6 +326,8 @@ class ArchiveNumbers:
         used += [association.id for _, association in chart.associations()]
         symbols = chart.drawing.symbols if chart.drawing is not None else []
         used += [symbol.id for symbol in symbols if symbol.kind in _NUMBERED]
+        used += [whole_number(each.get("id")) or 0 for each in kept_in(chart.extension_data).elements]
+        self._elements = frozenset(used)
         for element in archive.iter("o") if archive is not None else ():
             number = number_of(member(element, "Id"))
             if number is None:
@@ -350,12 +352,13 @@ class ArchiveNumbers:
     def segment(self, first: int | None) -> int:
         """Return the number of the segment that begins with the element `first`."""
         known = self._segments.get(first) if first is not None else None
-        return known if known is not None else self.new()
+        return known if known is not None and known not in self._elements else self.new()
 
     def attribute(self, element: int, guid: str) -> int:
         """Return the number of an attribute of an element."""
         known = self._attributes.get((element, guid))
-        return known if known is not None else self.new()
+        # a new symbol may have the number that an attribute or a segment has in the file
+        return known if known is not None and known not in self._elements else self.new()
 
 
 @dataclass

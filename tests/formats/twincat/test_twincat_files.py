@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -16,6 +17,7 @@ from plcopen_sfc.formats.archives.chart_elements import ELEMENTS
 from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.twincat.twincat_codec import CODEC
 from plcopen_sfc.model import Pou, PouInstance, PouKind, Project, Step, Task, Transition, VariableSection
+from plcopen_sfc.model.drawing import SymbolKind
 from plcopen_sfc.report import ConversionReport, Outcome
 from tests.corpus import ROOT, corpus_files
 from tests.samples import FIXTURES
@@ -559,3 +561,15 @@ def test_renamed_actions_and_methods_stay_where_they_are() -> None:
     project.rename("Pump.Inc", "Plus")
     project.rename("Pump.Clr", "Clear")
     assert sfc.dumps(project) == WITH_PARTS.replace(b"Inc", b"Plus").replace(b"Clr", b"Clear")
+
+
+def test_a_symbol_with_the_number_of_an_attribute_keeps_it_alone() -> None:
+    """A new drawing numbers its symbols from the model, which knows no numbers of attributes."""
+    project = sfc.load(FIXTURES / "twincat-belt" / "POUs" / "Ablauf_Band.TcPOU")
+    drawing = project.pou("Ablauf_Band").chart.drawing  # type: ignore[union-attr]
+    assert drawing is not None
+    jump = next(symbol for symbol in drawing.symbols if symbol.kind is SymbolKind.JUMP)
+    jump.id = max(int(number) for number in re.findall(r'n="Id">(\d+)L', sfc.dumps(project).decode()))
+    again = sfc.loads(sfc.dumps(project))
+    assert not again.diagnostics
+    assert str(sfc.diff(project, again)) == "no differences"
