@@ -73,7 +73,8 @@ def test_both_forms_are_the_same_project_and_come_back() -> None:
 @pytest.mark.parametrize("target", ["codesys", "simaticml", "plcopen"])
 def test_a_list_becomes_a_file_of_each_tool(target: str) -> None:
     done = sfc.convert(sfc.load(MIXER), target)
-    assert not done.report.losses
+    # the initial step resets the lamp, and tools begin with it in another scan
+    assert {item.what for item in done.report.losses} == ({"start of the chart"} if target != "plcopen" else set())
     back = sfc.loads(done.data).pou("Mixer").chart
     assert back is not None
     assert [step.name for step in back.steps] == ["Idle", "Fill", "Heat", "Stir", "Drain"]
