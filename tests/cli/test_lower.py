@@ -265,10 +265,10 @@ def test_all_refusals_are_listed_and_nothing_is_written(cli: Cli, line: Path) ->
     errors = [text for text in done.err.splitlines() if text.startswith("error: ")]
     assert re.fullmatch(r"error: line\.xml:\d+ \(POU Presse / step S2 / action Q2\): D needs a time", errors[0])
     assert " (POU Zange / transition S1 -> " in errors[1]
-    assert " (POU Band): the code is equal to the chart where both were run, but not all was compared" in errors[2]
+    assert " (POU Band): neither the chart nor the code can be run: not all was compared" in errors[2]
     assert errors[3:] == ["error: nothing is written: 3 of 4 charts are refused"]
     assert "both end with an error: Band / transition S1 -> S2: + of BOOL and BOOL" in errors[2]
-    assert "  Look at what was not reached: --accept-untested" in done.err
+    assert "  Mend what is wrong in the chart: check tells more." in done.err
     assert "--skip-refused" in done.err.splitlines()[-1]
     assert not (line / "out.xml").exists()
     data = json.loads((line / "r.json").read_text(encoding="utf-8"))
