@@ -4,6 +4,7 @@
 `renamings`           recognises what has another name
 `tree_comparison`     compares two listings of `plcopen_sfc.conversion`
 `project_comparison`  compares two projects (`diff`), and runs the changed charts against each other
+`merged_files`        tells what a merge of lines has made that neither side wants
 """
 
 from plcopen_sfc.comparison.changes import Change, ChangeKind, ProjectDiff, Proof
