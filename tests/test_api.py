@@ -137,7 +137,10 @@ def test_unknown_formats_get_the_nearest_name_and_tools_their_format(name, messa
             "the function for inputs returns a dictionary, not",
         ),
         (lambda: one_step().find(drives=3), 'drives, reads and calls are patterns: "*Valve*", not 3'),
-        (lambda: one_step().find_transitions(reads=3), 'drives, reads and calls are patterns: "*Valve*", not 3'),
+        (
+            lambda: one_step().find_transitions(reads=3),
+            'reads, calls, condition, leaving and entering are patterns: "*Valve*", not 3',
+        ),
         (lambda: sfc.Project().uses(None), 'uses needs a path ("Main.S3") or an object of the model, not None'),
     ],
 )

@@ -176,8 +176,8 @@ def _lowered(chart: Subject, rules: LoweringRules, options: ProofOptions | None)
         project, pou = _with(chart, made.pou, made.blocks, made.data_types)
         if made.flags is not None:
             made.flags.put_into(project)
-        if tool_of(rules.target, project.dialect) is Tool.S7:
-            project.language = project.language or rules.texts.culture or None  # of texts without one: comments of tags
+            if tool_of(rules.target, project.dialect) is Tool.S7:  # comments of tags have one
+                project.language = project.language or rules.texts.culture or None
         proof = None
         if options is not None:
             proof = _proof(chart, Subject(project, made.pou, chart.name), made, **options.searching)

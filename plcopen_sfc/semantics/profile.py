@@ -272,7 +272,7 @@ class Profile:
 
     TIME and numbers become each other in seconds, integers without the fraction: ``TIME_TO_DINT(T#2s5ms)`` is 2, where
     all others count milliseconds (IEC 61131-3 leaves it open). FIND and REPLACE, and texts from and to numbers and
-    times, are in `plcopen_sfc.semantics.programs.matiec_functions`."""
+    times, are in `plcopen_sfc.semantics.programs.matiec_runtime`."""
 
     minimum_times: bool = False
     """True if a step is left only after its minimum time. CODESYS, "Processing order" step 6."""

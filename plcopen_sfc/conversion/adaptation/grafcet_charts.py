@@ -11,14 +11,21 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
-from plcopen_sfc.conversion.adaptation.grafcet_evolutions import Evolutions
 from plcopen_sfc.conversion.adaptation.grafcet_hierarchy import (
     FlatChart,
     HierarchyError,
     Rules,
     step_flag,
 )
-from plcopen_sfc.conversion.adaptation.grafcet_terms import ChartTerms, Evolution, Note, TermError, Terms, shown_edge
+from plcopen_sfc.conversion.adaptation.grafcet_terms import (
+    EventEvolution,
+    GrafcetTexts,
+    MissingTermError,
+    Note,
+    TextTerms,
+    shown_edge,
+)
+from plcopen_sfc.conversion.adaptation.scan_evolutions import Evolutions
 from plcopen_sfc.conversion.adaptation.stored_order import first_names, in_one_action, stored_names, stored_text
 from plcopen_sfc.conversion.executed_parts import FIRST_SCAN, SELECTION, STABILITY, START
 from plcopen_sfc.errors import ForcingConflictError, SfcError, UnknownBehaviourError
@@ -89,7 +96,7 @@ class _Chart:
         self._note = note
         self._of_graph = target.graph_parameters
         self._actions_first = target.order is ScanOrder.ACTIONS_FIRST
-        self._terms = ChartTerms(project, pou, chart, note, target)
+        self._terms = GrafcetTexts(project, pou, chart, note, target)
         self._events: list[str] = []
         self._second_events: list[str] = []
         self._forced: set[str] = set()
@@ -123,7 +130,7 @@ class _Chart:
         edged = set()
         for transition in self._chart.transitions:
             place = f"{path} / transition {self._chart.label(transition)}"
-            terms = Terms(self._terms, transition.sources)
+            terms = TextTerms(self._terms, transition.sources)
             transition.condition = self._read(transition.condition, place, terms)
             if terms.has_edge:
                 edged.add(transition.id)
@@ -256,12 +263,12 @@ class _Chart:
 
     # -- conditions
 
-    def _read(self, condition: Condition | None, place: str, terms: Terms) -> Condition | None:
+    def _read(self, condition: Condition | None, place: str, terms: TextTerms) -> Condition | None:
         if not isinstance(condition, Expression):
             return condition
         try:
             return Expression(text=self._terms.text(condition.text, terms), negated=condition.negated)
-        except (ConditionError, TermError) as error:
+        except (ConditionError, MissingTermError) as error:
             self._note(Outcome.NOT_EXECUTED, "condition", place, _why(error))
             return condition
 
@@ -371,8 +378,8 @@ class _Chart:
                 flag += f" AND {step.name}.T {_COMPARED[each.kind]} {each.duration}"
             if isinstance(each.condition, Expression):
                 try:
-                    flag += f" AND ({self._terms.text(each.condition.text, Terms(self._terms, in_action=True))})"
-                except (ConditionError, TermError) as error:
+                    flag += f" AND ({self._terms.text(each.condition.text, TextTerms(self._terms, in_action=True))})"
+                except (ConditionError, MissingTermError) as error:
                     place = f"{path} / step {step.name} / action {target}"
                     self._note(Outcome.NOT_EXECUTED, "condition", place, _why(error))
             parts.append(flag)
@@ -396,13 +403,13 @@ class _Chart:
         conditional = [(step, each.condition) for step, each in uses if isinstance(each.condition, Expression)]
         try:
             found = [(step, self._as_interlock(condition)) for step, condition in conditional]
-        except (ConditionError, TermError):
+        except (ConditionError, MissingTermError):
             return False  # it is told for each of them
         return any(wanted.setdefault(id(step), interlock) != interlock for step, interlock in found)
 
     def _as_interlock(self, condition: Expression) -> Supervised:
         return Supervised(
-            condition=Expression(text=self._terms.text(condition.text, Terms(self._terms, in_action=True)))
+            condition=Expression(text=self._terms.text(condition.text, TextTerms(self._terms, in_action=True)))
         )
 
     def _interlock(self, uses: list[_Use], path: str) -> None:
@@ -413,7 +420,7 @@ class _Chart:
             place = f"{path} / step {step.name} / action {each.target}"
             try:
                 wanted = self._as_interlock(each.condition)
-            except (ConditionError, TermError) as error:
+            except (ConditionError, MissingTermError) as error:
                 self._note(Outcome.NOT_EXECUTED, "condition", place, _why(error))
                 continue
             if step.interlock not in (None, wanted):
@@ -502,30 +509,30 @@ class _Chart:
         happens = rising(each.condition) if each.condition is not None else None
         two = not (self._of_graph or self._actions_first)
         is_of_flags = False
-        statements: dict[Evolution | None, list[str]] = {}
+        statements: dict[EventEvolution | None, list[str]] = {}
         try:
             if not isinstance(happens, Expression):
-                raise TermError("it has no event")
-            for event in Evolution if two else (None,):
-                terms = Terms(self._terms, event=event)
+                raise MissingTermError("it has no event")
+            for event in EventEvolution if two else (None,):
+                terms = TextTerms(self._terms, event=event)
                 text = to_structured_text(happens.text, terms)
                 statements[event] = self._at_event(step, each, text, event)
                 is_of_flags |= terms.has_edge_of_step
-        except (ConditionError, TermError) as error:
+        except (ConditionError, MissingTermError) as error:
             self._note(Outcome.NOT_EXECUTED, "action", place, _why(error))
             return
         if is_of_flags and not two:
             why = "the target fires transitions once in a scan: an edge of a flag comes with the scan behind its step"
             self._note(Outcome.APPROXIMATED, STABILITY, place, why)
         for event, lines in statements.items():
-            (self._second_events if event is Evolution.SECOND else self._events).extend(lines)
+            (self._second_events if event is EventEvolution.SECOND else self._events).extend(lines)
         step.actions.remove(each)
         where = "permanent instruction" if self._of_graph else "action"
         self._note(Outcome.TRANSLATED, "action", place, f"a statement of the {where} that keeps the edges")
 
-    def _at_event(self, step: Step, each: ActionAssociation, text: str, event: Evolution | None) -> list[str]:
+    def _at_event(self, step: Step, each: ActionAssociation, text: str, event: EventEvolution | None) -> list[str]:
         """Return the statements for an event that comes in one evolution of the scan."""
-        is_now = self._of_graph or event is Evolution.SECOND
+        is_now = self._of_graph or event is EventEvolution.SECOND
         flag = self._terms.flag if is_now else self._terms.flag_before
         edge = parse_expression(self._terms.flagged(text, flag)).tree
         edge = simplified(edge) if edge is not None and event is not None else edge
@@ -555,7 +562,7 @@ class _Chart:
         """Return the assignments of a text, which is drawn with a condition before each."""
         statements = parse_statements(text).tree.statements
         if not all(isinstance(each, n.Assignment) for each in statements):
-            raise TermError("a permanent instruction of S7-GRAPH is drawn, and has boxes for assignments only")
+            raise MissingTermError("a permanent instruction of S7-GRAPH is drawn, and has boxes for assignments only")
         return [print_node(each) for each in statements]
 
     def _new_action(self, wanted: str, body: StBody) -> str:
@@ -564,7 +571,7 @@ class _Chart:
         return name
 
 
-def _why(error: ConditionError | TermError) -> str:
+def _why(error: ConditionError | MissingTermError) -> str:
     return f"the condition cannot be read: {error}" if isinstance(error, ConditionError) else str(error)
 
 

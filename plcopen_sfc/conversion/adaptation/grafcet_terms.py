@@ -1,7 +1,7 @@
 """Terms of GRAFCETs in program text: flags and times of steps, edges, and the memories that these need.
 
 ``X3`` is the flag of a step, ``3s/X3`` its time, ``↑a`` an edge. An edge needs a memory, which somebody has to write in
-every scan: see `ChartTerms.memories`.
+every scan: see `GrafcetTexts.memories`.
 """
 
 from __future__ import annotations
@@ -33,18 +33,18 @@ Note = Callable[[Outcome, str, str, str], None]
 """Takes what became of something, what it is, where and why."""
 
 
-class TermError(ValueError):
+class MissingTermError(ValueError):
     """A term that program text has no words for."""
 
 
-class Evolution(Enum):
+class EventEvolution(Enum):
     """The evolution of a scan in which an event comes: the first, or the one behind that, as actions see both."""
 
     FIRST = 1
     SECOND = 2
 
 
-class Terms:
+class TextTerms:
     """Times of steps and edges of variables as program text has them.
 
     `leaves`: the steps that a transition leaves. `event`: they are of an event, and this is its evolution.
@@ -52,21 +52,21 @@ class Terms:
 
     def __init__(
         self,
-        chart: ChartTerms,
+        chart: GrafcetTexts,
         leaves: Sequence[int] = (),
         *,
         in_action: bool = False,
-        event: Evolution | None = None,
+        event: EventEvolution | None = None,
     ) -> None:
         self._chart, self._leaves, self._in_action, self._event = chart, leaves, in_action, event
         self.has_edge = self.has_edge_of_step = False
 
     def edge(self, operand: str, *, rising: bool) -> str:
-        """Return the expression of an edge. Raises `TermError` where there is none."""
+        """Return the expression of an edge. Raises `MissingTermError` where there is none."""
         self.has_edge = True
         self.has_edge_of_step |= bool(self._chart.steps_in(operand, rising=rising))
         if self._in_action:
-            raise TermError("an edge lasts for no time that an output could be seen (IEC 60848:2013, 4.8.2)")
+            raise MissingTermError("an edge lasts for no time that an output could be seen (IEC 60848:2013, 4.8.2)")
         if self._event is not None:
             return self._chart.edge_in_event(operand, self._event, rising=rising)
         return self._chart.edge(operand, rising=rising)
@@ -83,7 +83,7 @@ class Terms:
         return passed if step.id in self._leaves else f"({step.name}.X AND {passed})"  # the time of a step stays
 
 
-class ChartTerms:
+class GrafcetTexts:
     """The texts of one chart: its names, and the variables that they need besides.
 
     `steps` by their names in lower case and `macros`, the steps of macro-steps, are for the caller to give. `memories`:
@@ -124,21 +124,21 @@ class ChartTerms:
         steps = self.steps_in(operand, rising=rising)
         starts = len(self._chart.initial_steps) > 1 and self._actions_first
         if starts and any(step.initial for step in steps):
-            raise TermError("its step becomes active one scan after the start, which would be an edge")
+            raise MissingTermError("its step becomes active one scan after the start, which would be an edge")
         found = self.edges.get((operand, rising))
         if found is None:
             found = self.edges[operand, rising] = self._memory(operand, steps, rising=rising)
         return found
 
     def steps_in(self, operand: str, *, rising: bool) -> list[Step]:
-        """Return the steps whose flags are in the operand of an edge. Raises `TermError` for a name of nothing."""
+        """Return the steps whose flags are in the operand of an edge. Raises `MissingTermError` for no name."""
         tree = parse_expression(operand).tree
         names = first_names(tree) if tree is not None else ["?"]
         undeclared = [name for name in names if not self._declares(name)]
         unknown = [name for name in undeclared if self.step_of(name) is None and name.casefold() not in self._globals]
         if unknown:
             what = shown_edge(operand, rising=rising)
-            raise TermError(f"{what} is an edge of something that is no variable and no step: {unknown[0]}")
+            raise MissingTermError(f"{what} is an edge of something that is no variable and no step: {unknown[0]}")
         return [step for name in undeclared if (step := self.step_of(name)) is not None]
 
     def step_of(self, name: str) -> Step | None:
@@ -167,17 +167,17 @@ class ChartTerms:
             self.over[edge] = FALSE
         return edge
 
-    def edge_in_event(self, operand: str, event: Evolution, *, rising: bool) -> str:
+    def edge_in_event(self, operand: str, event: EventEvolution, *, rising: bool) -> str:
         """Return the expression of an edge as actions behind the transitions see it, in one evolution of the scan.
 
         An edge of an input is in the first. In the second a flag has changed, which was as it is behind the
         transitions of the scan before.
         """
         if not self.steps_in(operand, rising=rising):
-            return self.edge(operand, rising=rising) if event is Evolution.FIRST else "FALSE"
+            return self.edge(operand, rising=rising) if event is EventEvolution.FIRST else "FALSE"
         tree = parse_expression(operand).tree
         first = self.flagged(operand, self.flag_before)
-        if event is Evolution.SECOND:
+        if event is EventEvolution.SECOND:
             return _edge(self.flagged(operand), first, rising=rising)
         if isinstance(tree, n.Name):
             return "FALSE"  # a flag alone
@@ -242,8 +242,8 @@ class ChartTerms:
         """Return a name that nothing in the POU or around it has."""
         return take_name(identifier(wish), self._taken)
 
-    def text(self, text: str, terms: Terms) -> str:
-        """Return a condition of a GRAFCET as structured text. Raises `ConditionError`, `TermError`."""
+    def text(self, text: str, terms: TextTerms) -> str:
+        """Return a condition of a GRAFCET as structured text. Raises `ConditionError`, `MissingTermError`."""
         return self.flagged(to_structured_text(text, terms))
 
     def flagged(self, text: str, flag: Callable[[n.Node], n.Node] | None = None) -> str:
@@ -254,15 +254,17 @@ class ChartTerms:
         for each in in_tree(parsed.tree, Dialect.IEC):
             is_value = each.base is None and each.callee is None and not each.access
             if is_value and each.name.casefold() in self.steps and not self.is_known(each.name):
-                raise TermError(f"{each.name} is a step and no value: its flag is X{each.name}")
+                raise MissingTermError(f"{each.name} is a step and no value: its flag is X{each.name}")
             if each.base is None and each.access and self._is_bool(each.name):
-                raise TermError(f"{each.name} is a BOOL: it has no {each.access}; AND is written * or . between blanks")
+                raise MissingTermError(
+                    f"{each.name} is a BOOL: it has no {each.access}; AND is written * or . between blanks"
+                )
         operations = [
             each for each in walk(parsed.tree) if isinstance(each, n.Operation) and each.operator in CALCULATING
         ]
         for operand in (n.bare(operand) for each in operations for operand in each.operands):
             if isinstance(operand, n.Name) and self._is_bool(operand.identifier):
-                raise TermError(
+                raise MissingTermError(
                     f"{operand.identifier} is BOOL, and {text} calculates with it: write [..] around a comparison"
                 )
         return print_node(transform(parsed.tree, flag or self.flag))

@@ -5,5 +5,6 @@
 * `matiec_charts`, `matiec_actions`: the chart of a POU, and the actions that it executes.
 * `matiec_statements`: texts of statements and instructions.
 * `matiec_functions`: global variables as parameters of functions.
+* `matiec_library`: calls of standard functions that its library has otherwise.
 * `matiec_declarations`: types, values, global variables, and names.
 """

@@ -2,7 +2,8 @@
 
 `Controller` runs the POUs of a project, `Instance` is one of them. The modules, each using only those before it:
 
-* values: `runtime_types` (types and frames), `runtime`, `function_runtime`, `block_execution` (what runs),
+* values: `runtime_types` (types and frames), `runtime`, `function_runtime`, `matiec_runtime`,
+  `block_execution` (what runs),
   `code_generation` (lines of Python, compiled and linked), `value_code` (values as Python), `places` (variables),
   `addresses`
 * notes about texts: `variable_use` (reads and writes), `marks` (what directed runs look at), `unknown_calls`

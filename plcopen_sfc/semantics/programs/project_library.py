@@ -23,7 +23,7 @@ from plcopen_sfc.model.dialect import COUNTING_BYTES
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import PouInstance, Project, Tag
 from plcopen_sfc.semantics.profile import Profile
-from plcopen_sfc.semantics.programs import matiec_functions, runtime
+from plcopen_sfc.semantics.programs import matiec_runtime, runtime
 from plcopen_sfc.semantics.programs import runtime_types as t
 from plcopen_sfc.semantics.programs.addresses import Image
 from plcopen_sfc.semantics.programs.code_generation import Writer
@@ -60,7 +60,7 @@ class TypeReader:
             case m.StringType(wide=wide, length=length):
                 name_ = "WSTRING" if wide else "STRING"
                 if length is None and self._library.profile.matiec_library:
-                    return t.string(name_, matiec_functions.LONGEST_STRING)
+                    return t.string(name_, matiec_runtime.LONGEST_STRING)
                 if length is None:
                     return t.elementary(name_, self._library.dialect) or t.OpaqueType(name_)
                 return t.string(name_, _constant(scope, length))

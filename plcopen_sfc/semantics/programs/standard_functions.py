@@ -14,7 +14,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Operator
 from plcopen_sfc.languages.standard_blocks import BlockKind, StandardBlock, standard_block
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.semantics.programs import function_runtime, matiec_functions
+from plcopen_sfc.semantics.programs import function_runtime, matiec_runtime
 from plcopen_sfc.semantics.programs import runtime_types as t
 from plcopen_sfc.semantics.programs.operators import Operators
 from plcopen_sfc.semantics.programs.paths import PathTranslator
@@ -120,8 +120,8 @@ class StandardFunctions:
         return [self._translator.value(node, wanted) for node in nodes]
 
     def _helper(self, name: str) -> str:
-        is_other = self._library.profile.matiec_library and hasattr(matiec_functions, name)
-        return self._library.linker.name(getattr(matiec_functions if is_other else function_runtime, name), "h")
+        is_other = self._library.profile.matiec_library and hasattr(matiec_runtime, name)
+        return self._library.linker.name(getattr(matiec_runtime if is_other else function_runtime, name), "h")
 
     def _call(self, name: str, codes: Sequence[Code], type_: t.Type, *extra: object) -> Code:
         texts = [settled(code).text for code in codes] + [repr(item) for item in extra]
