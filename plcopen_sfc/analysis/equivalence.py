@@ -146,17 +146,15 @@ def equivalent(
     are to be inputs though they are not declared so, or ``all``, but never those that tell of steps. `left_out`: a
     variable of `b`; scans that end with its value TRUE are not compared, nor what follows them. A `LoweredPou` as `b`
     brings its profile, step flags, inactive inputs and what is left out; SFC flags that operate the chart are inputs.
-    `cap`: the most states of the search; `runs` of `scans` scans are tried where that ends without an answer,
-    and up to ten times as many while they come to something new. `most_runs` are tried instead where something that
-    may be reachable is left.
+    `cap`: the most states of the search; `runs` of `scans` scans are tried where that ends without an answer, up to ten
+    times as many while they find something new, and `most_runs` more while something that may be reachable is left.
     `scan_time`: without it one for which all durations of the programs end exactly in a scan.
 
     Functions and blocks that are called and that neither the project nor `functions` has are taken as unknown functions
     of what they are given, and of the calls before, the same in both; calls that are statements are compared.
 
     `limit`: seconds of processor time that it may take, or a text such as ``60s``; `progress` is told how far it is,
-    ten times a second.
-    An interruption (``KeyboardInterrupt``) ends it with what is known so far.
+    ten times a second. An interruption (``KeyboardInterrupt``) ends it with what is known so far.
 
     The same arguments always give the same verdict, but for a limit. Raises `ModelError` where there is nothing to
     compare or an input has two types.

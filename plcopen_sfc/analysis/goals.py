@@ -585,7 +585,7 @@ class Goals:
             cache[key] = self._solved(wanted, unwanted, known, avoided)
             if cache[key] is None and any(each.origin is not None for each in goals):
                 first, other = ([each.origin or each for each in some] for some in (wanted, unwanted))
-                cache[key] = self.solve(first, other, hoping=hoping, remembering=remembering)
+                cache[key] = self.solve(first, other, hoping=hoping, remembering=remembering, avoided=avoided)
         return cache[key]
 
     def _solving(self, goal: Goal) -> _Solving:

@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
-from itertools import combinations, starmap
 from typing import Protocol
 
 from plcopen_sfc.conversion.executed_parts import (
@@ -100,6 +99,8 @@ class Around(Protocol):
 _OF_STEPS = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.P1, Qualifier.P0})
 """Qualifiers without time and memory: their step alone determines what is executed."""
 _RESTARTS = frozenset({SfcFlag.INIT, SfcFlag.RESET})
+_Executed = tuple[Step, Qualifier]
+"""A step that executes an action, and how."""
 
 
 class ExecutedChartReader:
@@ -419,27 +420,31 @@ class ExecutedChartReader:
         Then it is the same whether they have one control or each step its own. SFCInit and SFCReset lead from any step
         to an initial one.
         """
-        rows: dict[str, list[tuple[Step, Qualifier]]] = {}
+        rows: dict[str, list[_Executed]] = {}
         for step in self.chart.steps:
             for name, qualifier in _executed_by(step):
                 rows.setdefault(name, []).append((step, qualifier))
         scans, restarts = SharedScans(self.chart, self.pou, self.owner.dialect), bool(self.flags & _RESTARTS)
 
-        def meet(one: tuple[Step, Qualifier], other: tuple[Step, Qualifier]) -> bool:
-            if restarts and (one[0].initial or other[0].initial):
-                return True
+        def meet(one: _Executed, other: _Executed) -> bool:
             if {one[1], other[1]} == {Qualifier.P0, Qualifier.P1}:
                 left, entered = (one, other) if one[1] is Qualifier.P0 else (other, one)
                 return scans.follow(left[0], entered[0])
             return scans.follow(one[0], other[0]) or scans.follow(other[0], one[0])
 
-        return frozenset(
-            name
-            for name, used in rows.items()
-            if all(qualifier in _OF_STEPS for _, qualifier in used)
-            and not scans.are_switched
-            and not any(starmap(meet, combinations(used, 2)))
-        )
+        def are_apart(used: list[_Executed]) -> bool:
+            if restarts and len(used) > 1 and any(step.initial for step, _ in used):
+                return False
+            of_step: dict[int, list[_Executed]] = {}
+            for each in used:  # an action may be that of thousands of steps: only those near each other are compared
+                near = of_step.keys() & scans.near(each[0].id)
+                if any(meet(each, other) for step in near for other in of_step[step]):
+                    return False
+                of_step.setdefault(each[0].id, []).append(each)
+            return True
+
+        plain = {name: used for name, used in rows.items() if all(qualifier in _OF_STEPS for _, qualifier in used)}
+        return frozenset(name for name, used in plain.items() if not scans.are_switched and are_apart(used))
 
     def _is_plain_but_for(self, pulse: ActionAssociation) -> bool:
         """True if all other associations with the variable of a pulse are N."""

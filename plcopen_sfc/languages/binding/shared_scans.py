@@ -181,12 +181,12 @@ class SharedScans:
                     yield from product(some[action], others[other])
         for action, places in writing.actions.items():
             for place in places:
-                for step in self._near(rows[place][0].id):
+                for step in self.near(rows[place][0].id):
                     for its_place, whose in using.of_step.get(step, ()):
                         if whose != action:
                             yield place, its_place
 
-    def _near(self, step: int) -> set[int]:
+    def near(self, step: int) -> set[int]:
         """Return the steps that may be active in a scan in which a step is active, or was left, or is entered."""
         if self.is_parallel and self._is_any:
             return {each.id for each in self._chart.steps}
