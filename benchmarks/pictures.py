@@ -18,7 +18,6 @@ import os
 import re
 import statistics
 import time
-from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 from pathlib import Path
@@ -27,6 +26,7 @@ from typing import NamedTuple
 import plcopen_sfc as sfc
 from benchmarks.lowering import blocks, ring
 from plcopen_sfc.drawing.pictures import charts_in
+from plcopen_sfc.drawing.pictures.network_picture import crossings
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.sfc import SfcBody
 
@@ -74,24 +74,10 @@ def overlaps(svg: str) -> int:
     return count
 
 
-def crossings(svg: str) -> int:
+def crossed(svg: str) -> int:
     """Count pairs of wires that cross, each inside of the other."""
-    across: dict[int, list[tuple[int, int]]] = {}
-    upright = []
-    for path in _WIRE.findall(svg):
-        points = [tuple(map(int, point.split())) for point in path.split("L")]
-        for (x1, y1), (x2, y2) in pairwise(points):
-            if y1 == y2:
-                across.setdefault(y1, []).append((min(x1, x2), max(x1, x2)))
-            else:
-                upright.append((x1, min(y1, y2), max(y1, y2)))
-    levels = sorted(across)
-    return sum(
-        left < x < right
-        for x, top, bottom in upright
-        for level in levels[bisect_right(levels, top) : bisect_left(levels, bottom)]
-        for left, right in across[level]
-    )
+    ways = ([tuple(map(int, point.split())) for point in path.split("L")] for path in _WIRE.findall(svg))
+    return crossings(line for way in ways for line in pairwise(way))
 
 
 def measure(draw: Callable[[], str], elements: int) -> MeasuredPicture:
@@ -103,7 +89,7 @@ def measure(draw: Callable[[], str], elements: int) -> MeasuredPicture:
         seconds.append(time.process_time() - start)
     size = _SIZE.search(svg)
     area = int(size[1]) * int(size[2]) if size is not None else 0
-    return MeasuredPicture(max(elements, 1), overlaps(svg), crossings(svg), area, min(seconds))
+    return MeasuredPicture(max(elements, 1), overlaps(svg), crossed(svg), area, min(seconds))
 
 
 def pictures(files: list[Path]) -> tuple[list[MeasuredPicture], list[MeasuredPicture]]:

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -93,6 +93,24 @@ def feedback_wires(count: int, wires: Sequence[Wire]) -> set[Wire]:
                 state[following.target] = 1
                 pending.append((following.target, iter(leaving[following.target])))
     return found
+
+
+def crossings(lines: Iterable[tuple[tuple[int, int], tuple[int, int]]]) -> int:
+    """Return how many pairs of level and upright lines cross, each inside of the other."""
+    across: dict[int, list[tuple[int, int]]] = {}
+    upright: list[tuple[int, int, int]] = []
+    for (x1, y1), (x2, y2) in lines:
+        if y1 == y2:
+            across.setdefault(y1, []).append((min(x1, x2), max(x1, x2)))
+        else:
+            upright.append((x1, min(y1, y2), max(y1, y2)))
+    levels = sorted(across)
+    return sum(
+        left < x < right
+        for x, top, bottom in upright
+        for level in levels[bisect_right(levels, top) : bisect_left(levels, bottom)]
+        for left, right in across[level]
+    )
 
 
 class NetworkLayout:
@@ -254,21 +272,7 @@ class NetworkLayout:
 
     def _crossings(self) -> int:
         """Return how many pairs of wires cross."""
-        across: dict[int, list[tuple[int, int]]] = {}
-        upright: list[tuple[int, int, int]] = []
-        for path in self.paths:
-            for (x, y), (end, below) in path.lines:
-                if y == below:
-                    across.setdefault(y, []).append((x, end))
-                else:
-                    upright.append((x, y, below))
-        levels = sorted(across)
-        return sum(
-            left < x < right
-            for x, top, bottom in upright
-            for level in levels[bisect_right(levels, top) : bisect_left(levels, bottom)]
-            for left, right in across[level]
-        )
+        return crossings(line for path in self.paths for line in path.lines)
 
     def _ends(self, hops: Sequence[Wire]) -> tuple[tuple[int, int], list[tuple[int, int]]]:
         source = self.boxes[hops[0].source]
