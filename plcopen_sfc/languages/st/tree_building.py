@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from operator import itemgetter
+from typing import Any, ClassVar
 
 from lark.visitors import Transformer
 
@@ -83,34 +84,82 @@ def over(items: Sequence[Any]) -> Span:
     return (items[0].span[0], items[-1].span[1])
 
 
+def _literal(items: Items) -> n.Literal:
+    return n.Literal(items[0].value, span=items[0].span)
+
+
+def _address(items: Items) -> n.Address:
+    return n.Address(items[0].value, span=items[0].span)
+
+
+_NODES: dict[str, Callable[[Items], Any]] = {
+    "only": itemgetter(0),
+    "second": itemgetter(1),
+    "finally_": itemgetter(1),
+    "first": lambda items: [items[0]],
+    "none": lambda _: StatementList(),
+    # -- expressions
+    "first_operand": lambda items: items,
+    "name": lambda items: name_of(items[0]),
+    "literal": _literal,
+    "address": _address,
+    "parenthesized": lambda items: n.Parenthesized(items[1], span=over(items)),
+    "member": lambda items: n.Member(items[0], name_of(items[2]), span=over(items)),
+    "index": lambda items: n.Index(items[0], tuple(items[2]), span=over(items)),
+    "dereference": lambda items: n.Dereference(items[0], span=over(items)),
+    "peripheral": lambda items: n.Peripheral(items[0], span=over(items)),
+    "call_without_arguments": lambda items: n.Call(items[0], span=over(items)),
+    "call": lambda items: n.Call(items[0], tuple(items[2]), span=over(items)),
+    "reference_operand": lambda items: n.TypeOperand(
+        f"{items[0].value} {items[1].value}", (), items[2], span=over(items)
+    ),
+    "array_operand": lambda items: n.TypeOperand("ARRAY", tuple(items[2]), items[5], span=over(items)),
+    "assignment_expression": lambda items: n.AssignmentExpression(items[0], items[2], span=over(items)),
+    "range": lambda items: n.Range(items[0], items[2], span=over(items)),
+    # -- arguments
+    "positional": lambda items: n.Argument(items[0], span=items[0].span),
+    "input_argument": lambda items: n.Argument(items[2], name_of(items[0]), span=over(items)),
+    "empty_input": lambda items: n.Argument(None, name_of(items[0]), span=over(items)),
+    "output_argument": lambda items: n.Argument(items[2], name_of(items[0]), output=True, span=over(items)),
+    "empty_output": lambda items: n.Argument(None, name_of(items[0]), output=True, span=over(items)),
+    "negated_output": lambda items: n.Argument(
+        items[3], name_of(items[1]), output=True, negated=True, span=over(items)
+    ),
+    # -- statements
+    "assignment": lambda items: n.Assignment(
+        items[0], items[2], n.AssignmentKind(items[1].value.upper()), span=over(items)
+    ),
+    "call_statement": lambda items: n.CallStatement(items[0], span=over(items)),
+    "embedded_code": lambda items: n.EmbeddedCode(items[0].value, span=items[0].span),
+    "exit": lambda items: n.Exit(span=over(items)),
+    "continue_": lambda items: n.Continue(span=over(items)),
+    "return_": lambda items: n.ReturnStatement(span=over(items)),
+    "return_value": lambda items: n.ReturnStatement(items[1], span=over(items)),
+    "goto": lambda items: n.Goto(name_of(items[1]), items[0].type, span=over(items)),
+    "labels": lambda items: _Labels(items[0], (items[0][0].span[0], items[1].span[1])),
+}
+"""What makes the result of the rules that need nothing but their parts, by the aliases of ``st.lark``."""
+
+
 class Builder(Transformer[Token, Any]):
-    """One method for each alias of the grammar; each is given what its rule consists of.
+    """One method, or entry of `RULES`, for each alias of the grammar; each is given what its rule consists of.
 
     `signs_below_power`: the sign of ``-2 ** 2`` is before the power, as in SCL.
     """
 
+    RULES: ClassVar[Mapping[str, Callable[[Items], Any]]] = _NODES
+
     def __init__(self, *, signs_below_power: bool) -> None:
         super().__init__()
+        vars(self).update(self.RULES)
         self._signs_below_power = signs_below_power
         self.problems: list[Problem] = []
 
     # -- lists
 
-    def only(self, items: Items) -> Any:
-        return items[0]
-
-    def second(self, items: Items) -> Any:
-        return items[1]
-
-    def first(self, items: Items) -> Any:
-        return [items[0]]
-
     def further(self, items: Items) -> Any:
         items[0].append(items[2])
         return items[0]
-
-    def none(self, _: Items) -> Any:
-        return StatementList()
 
     def one_more(self, items: Items) -> Any:
         if items[1] is not None:
@@ -118,9 +167,6 @@ class Builder(Transformer[Token, Any]):
         return items[0]
 
     # -- expressions
-
-    def first_operand(self, items: Items) -> Any:
-        return items
 
     def next_operand(self, items: Items) -> Any:
         chain: Items = items[0]
@@ -162,42 +208,10 @@ class Builder(Transformer[Token, Any]):
         else:
             operands.append(n.Operation(operator, members, span=span))
 
-    def literal(self, items: Items) -> Any:
-        token: Token = items[0]
-        return n.Literal(token.value, span=token.span)
-
-    def parenthesized(self, items: Items) -> Any:
-        return n.Parenthesized(items[1], span=over(items))
-
     def unary(self, items: Items) -> Any:
         token: Token = items[0]
         operator = Operator.NOT if token.type == "NOT" else _SIGNS[token.value]
         return n.Unary(operator, items[1], span=over(items))
-
-    def name(self, items: Items) -> Any:
-        return name_of(items[0])
-
-    def address(self, items: Items) -> Any:
-        token: Token = items[0]
-        return n.Address(token.value, span=token.span)
-
-    def member(self, items: Items) -> Any:
-        return n.Member(items[0], name_of(items[2]), span=over(items))
-
-    def index(self, items: Items) -> Any:
-        return n.Index(items[0], tuple(items[2]), span=over(items))
-
-    def dereference(self, items: Items) -> Any:
-        return n.Dereference(items[0], span=over(items))
-
-    def peripheral(self, items: Items) -> Any:
-        return n.Peripheral(items[0], span=over(items))
-
-    def call_without_arguments(self, items: Items) -> Any:
-        return n.Call(items[0], span=over(items))
-
-    def call(self, items: Items) -> Any:
-        return n.Call(items[0], tuple(items[2]), span=over(items))
 
     def operator_call(self, items: Items) -> Any:
         token: Token = items[0]
@@ -205,75 +219,17 @@ class Builder(Transformer[Token, Any]):
             self.problems.append(Problem(f"found '{token.value}', expected an expression", token.span))
         return n.Call(n.Name(token.value, span=token.span), tuple(items[2]), span=over(items))
 
-    def positional(self, items: Items) -> Any:
-        return n.Argument(items[0], span=items[0].span)
-
-    def reference_operand(self, items: Items) -> Any:
-        return n.TypeOperand(f"{items[0].value} {items[1].value}", (), items[2], span=over(items))
-
-    def array_operand(self, items: Items) -> Any:
-        return n.TypeOperand("ARRAY", tuple(items[2]), items[5], span=over(items))
-
-    def input_argument(self, items: Items) -> Any:
-        return n.Argument(items[2], name_of(items[0]), span=over(items))
-
-    def empty_input(self, items: Items) -> Any:
-        return n.Argument(None, name_of(items[0]), span=over(items))
-
-    def output_argument(self, items: Items) -> Any:
-        return n.Argument(items[2], name_of(items[0]), output=True, span=over(items))
-
-    def empty_output(self, items: Items) -> Any:
-        return n.Argument(None, name_of(items[0]), output=True, span=over(items))
-
-    def negated_output(self, items: Items) -> Any:
-        return n.Argument(items[3], name_of(items[1]), output=True, negated=True, span=over(items))
-
-    def assignment_expression(self, items: Items) -> Any:
-        return n.AssignmentExpression(items[0], items[2], span=over(items))
-
     # -- statements
-
-    def assignment(self, items: Items) -> Any:
-        kind = n.AssignmentKind(items[1].value.upper())
-        return n.Assignment(items[0], items[2], kind, span=over(items))
-
-    def call_statement(self, items: Items) -> Any:
-        return n.CallStatement(items[0], span=over(items))
 
     def empty(self, items: Items) -> Any:
         span: Span = items[0].span
         return n.Empty(span=span) if span[0] < span[1] else None  # no semicolon is there: see `parsing`
-
-    def embedded_code(self, items: Items) -> Any:
-        return n.EmbeddedCode(items[0].value, span=items[0].span)
 
     def closed(self, items: Items) -> Any:
         # the semicolon after END_IF belongs to the statement
         statement: n.Node = items[0]
         object.__setattr__(statement, "span", over(items))
         return statement
-
-    def exit(self, items: Items) -> Any:
-        return n.Exit(span=over(items))
-
-    def continue_(self, items: Items) -> Any:
-        return n.Continue(span=over(items))
-
-    def return_(self, items: Items) -> Any:
-        return n.ReturnStatement(span=over(items))
-
-    def return_value(self, items: Items) -> Any:
-        return n.ReturnStatement(items[1], span=over(items))
-
-    def goto(self, items: Items) -> Any:
-        return n.Goto(name_of(items[1]), items[0].type, span=over(items))
-
-    def range(self, items: Items) -> Any:
-        return n.Range(items[0], items[2], span=over(items))
-
-    def labels(self, items: Items) -> Any:
-        return _Labels(items[0], (items[0][0].span[0], items[1].span[1]))
 
     def elsif(self, items: Items) -> Any:
         branches: Items = items[0]
@@ -332,9 +288,6 @@ class Builder(Transformer[Token, Any]):
     def catch(self, items: Items) -> Any:
         error = items[2] if len(items) > 2 else None  # in parentheses
         return _Handler(error, items[-1], items[0].span)
-
-    def finally_(self, items: Items) -> Any:
-        return items[1]
 
     def whole(self, found: StatementList, end: int) -> n.Node:
         """Return the tree of a text of length `end`, of what was found in it."""
@@ -404,21 +357,61 @@ def _power_of_signed(left: n.Unary, right: Expression, span: Span) -> n.Unary:
     return n.Unary(left.operator, inner, span=span)
 
 
+_DECLARATIONS: dict[str, Callable[[Items], Any]] = {
+    "words": lambda _: [],
+    "nothing": lambda _: None,
+    "absent": lambda _: None,
+    # -- heads
+    "property": lambda items: d.Property(items[0].value.upper(), items[2].value, span=over(items)),
+    "single_property": lambda items: d.Property(items[0].value.upper(), span=over(items)),
+    "program_instance": lambda items: d.ProgramInstance(items[2], name_of(items[4]), items[6], span=over(items)),
+    "task": lambda items: d.TaskNode(name_of(items[1]), tuple(items[3]), span=over(items)),
+    "end": lambda items: d.EndNode(items[0].value.upper(), span=over(items)),
+    "struct_body": lambda items: d.StructBody(items[0], span=over(items)),
+    # -- sections
+    "access_section": lambda items: d.AccessSectionNode(tuple(items[1]), span=over(items)),
+    "config_section": lambda items: d.ConfigSectionNode(tuple(items[1]), span=over(items)),
+    "type_section": lambda items: d.TypeSection(tuple(items[1]), span=over(items)),
+    "first_name": lambda items: [name_of(items[0])],
+    "names_only": lambda items: _Declared(tuple(items[0]), None, over(items[0])),
+    "names_at": lambda items: _Declared(tuple(items[0]), items[2], (items[0][0].span[0], items[2].span[1])),
+    "address_only": lambda items: _Declared((), _address(items[1:]), over(items)),
+    "type_name": lambda items: items,
+    "scl_type": lambda items: d.TypeDeclaration(
+        name_of(items[0]), items[2], properties=tuple(items[1]), span=over(items)
+    ),
+    # -- types
+    "array_type": lambda items: d.ArrayTypeNode(tuple(items[2]), items[5], span=over(items)),
+    "pointer": lambda items: d.PointerTypeNode(items[0].value.upper(), items[2], span=over(items)),
+    "reference": lambda items: d.PointerTypeNode("REF_TO", items[1], span=over(items)),
+    "enum": lambda items: d.EnumTypeNode(tuple(items[1]), span=over(items)),
+    "enum_with_base": lambda items: d.EnumTypeNode(
+        tuple(items[1]), d.NamedType(items[3], span=items[3].span), span=over(items)
+    ),
+    "enum_value": lambda items: d.EnumValueNode(
+        name_of(items[0]), items[2] if len(items) > 1 else None, span=over(items)
+    ),
+    "struct": lambda items: d.StructTypeNode(tuple(items[1]), items[0].type == "UNION", span=over(items)),
+    # -- initial values
+    "repetition": lambda items: d.Repetition(_literal(items), items[2], span=over(items)),
+    "empty_repetition": lambda items: d.Repetition(_literal(items), None, span=over(items)),
+    "empty_array": lambda items: d.ArrayValueNode((), span=over(items)),
+    "array_value": lambda items: d.ArrayValueNode(tuple(map(_item, items[1])), span=over(items)),
+    "empty_struct": lambda items: d.StructValueNode((), span=over(items)),
+    "struct_value": lambda items: d.StructValueNode(tuple(items[1]), span=over(items)),
+    "struct_by_position": lambda items: d.StructValueNode((items[1], *items[3]), span=over(items)),
+    "struct_of_one": lambda items: d.StructValueNode((items[1],), span=over(items)),
+    "member_value": lambda items: d.MemberValueNode(name_of(items[0]), _value([items[2]]), span=over(items)),
+}
+"""The same for the aliases of ``declarations.lark``."""
+
+
 class DeclarationBuilder(Builder):
-    """One method for each alias of ``declarations.lark``, beside those of ``st.lark``."""
+    """The builder for ``declarations.lark`` beside ``st.lark``."""
+
+    RULES = _NODES | _DECLARATIONS
 
     # -- lists
-
-    def words(self, _: Items) -> Any:
-        return []
-
-    def nothing(self, _: Items) -> Any:
-        return None
-
-    absent = nothing
-
-    def second(self, items: Items) -> Any:
-        return items[1]
 
     def one_more_type(self, items: Items) -> Any:
         types, further = items
@@ -447,27 +440,9 @@ class DeclarationBuilder(Builder):
         items[0].append((items[1].type, items[2]))
         return items[0]
 
-    def property(self, items: Items) -> Any:
-        return d.Property(items[0].value.upper(), items[2].value, span=over(items))
-
     def title(self, items: Items) -> Any:
         text: str = items[0].value
         return d.Property("TITLE", text.partition("=")[2].strip(), span=over(items))
-
-    def single_property(self, items: Items) -> Any:
-        return d.Property(items[0].value.upper(), span=over(items))
-
-    def program_instance(self, items: Items) -> Any:
-        return d.ProgramInstance(items[2], name_of(items[4]), items[6], span=over(items))
-
-    def task(self, items: Items) -> Any:
-        return d.TaskNode(name_of(items[1]), tuple(items[3]), span=over(items))
-
-    def end(self, items: Items) -> Any:
-        return d.EndNode(items[0].value.upper(), span=over(items))
-
-    def struct_body(self, items: Items) -> Any:
-        return d.StructBody(items[0], span=over(items))
 
     # -- sections
 
@@ -475,30 +450,9 @@ class DeclarationBuilder(Builder):
         qualifiers = tuple(word.value.upper() for word in items[1])
         return d.Section(items[0].value.upper(), qualifiers, tuple(items[2]), span=over(items))
 
-    def access_section(self, items: Items) -> Any:
-        return d.AccessSectionNode(tuple(items[1]), span=over(items))
-
-    def config_section(self, items: Items) -> Any:
-        return d.ConfigSectionNode(tuple(items[1]), span=over(items))
-
-    def type_section(self, items: Items) -> Any:
-        return d.TypeSection(tuple(items[1]), span=over(items))
-
-    def first_name(self, items: Items) -> Any:
-        return [name_of(items[0])]
-
     def further_name(self, items: Items) -> Any:
         items[0].append(name_of(items[2]))
         return items[0]
-
-    def names_only(self, items: Items) -> Any:
-        return _Declared(tuple(items[0]), None, over(items[0]))
-
-    def names_at(self, items: Items) -> Any:
-        return _Declared(tuple(items[0]), items[2], (items[0][0].span[0], items[2].span[1]))
-
-    def address_only(self, items: Items) -> Any:
-        return _Declared((), self.address(items[1:]), over(items))
 
     def variable(self, items: Items) -> Any:
         return d.VariableDeclaration(items[0].names, items[2], items[0].address, span=over(items))
@@ -516,7 +470,7 @@ class DeclarationBuilder(Builder):
         return d.AccessPath(name_of(items[0]), items[2], items[4], direction, span=over(items))
 
     def located(self, items: Items) -> Any:
-        address = self.address(items[2:]) if len(items) > 1 else None
+        address = _address(items[2:]) if len(items) > 1 else None
         return _Declared((items[0],), address, over(items))
 
     def config_entry(self, items: Items) -> Any:
@@ -524,17 +478,11 @@ class DeclarationBuilder(Builder):
         initial = _value(items[4]) if items[3].type == "ASSIGN" else None
         return d.ConfigEntry(declared.names[0], items[2], declared.address, initial, span=over(items))
 
-    def type_name(self, items: Items) -> Any:
-        return items
-
     def type_declaration(self, items: Items) -> Any:
         name, extends = items[0][0], items[0][2] if len(items[0]) > 1 else None
         initial = _value(items[4]) if len(items) > 4 else None
         span = (name.span[0], items[-1].span[1])
         return d.TypeDeclaration(name_of(name), items[2], initial, extends, span=span)
-
-    def scl_type(self, items: Items) -> Any:
-        return d.TypeDeclaration(name_of(items[0]), items[2], properties=tuple(items[1]), span=over(items))
 
     # -- types
 
@@ -566,60 +514,12 @@ class DeclarationBuilder(Builder):
             name = name if isinstance(name, n.Name) else n.Name("STRING", span=name.span)
         return d.StringTypeNode(name, items[2], span=over(items))
 
-    def array_type(self, items: Items) -> Any:
-        return d.ArrayTypeNode(tuple(items[2]), items[5], span=over(items))
-
     def open_dimension(self, items: Items) -> Any:
         if items[0].value != "*":
             self.problems.append(Problem("a dimension is missing here", items[0].span))
         return d.OpenDimension(span=items[0].span)
 
-    def pointer(self, items: Items) -> Any:
-        return d.PointerTypeNode(items[0].value.upper(), items[2], span=over(items))
-
-    def reference(self, items: Items) -> Any:
-        return d.PointerTypeNode("REF_TO", items[1], span=over(items))
-
-    def enum(self, items: Items) -> Any:
-        return d.EnumTypeNode(tuple(items[1]), span=over(items))
-
-    def enum_with_base(self, items: Items) -> Any:
-        return d.EnumTypeNode(tuple(items[1]), d.NamedType(items[3], span=items[3].span), span=over(items))
-
-    def enum_value(self, items: Items) -> Any:
-        return d.EnumValueNode(name_of(items[0]), items[2] if len(items) > 1 else None, span=over(items))
-
-    def struct(self, items: Items) -> Any:
-        return d.StructTypeNode(tuple(items[1]), items[0].type == "UNION", span=over(items))
-
     # -- initial values
-
-    def repetition(self, items: Items) -> Any:
-        return d.Repetition(self.literal(items), items[2], span=over(items))
-
-    def empty_repetition(self, items: Items) -> Any:
-        return d.Repetition(self.literal(items), None, span=over(items))
-
-    def empty_array(self, items: Items) -> Any:
-        return d.ArrayValueNode((), span=over(items))
-
-    def array_value(self, items: Items) -> Any:
-        return d.ArrayValueNode(tuple(_item(item) for item in items[1]), span=over(items))
-
-    def empty_struct(self, items: Items) -> Any:
-        return d.StructValueNode((), span=over(items))
-
-    def struct_value(self, items: Items) -> Any:
-        return d.StructValueNode(tuple(items[1]), span=over(items))
-
-    def struct_by_position(self, items: Items) -> Any:
-        return d.StructValueNode((items[1], *items[3]), span=over(items))
-
-    def struct_of_one(self, items: Items) -> Any:
-        return d.StructValueNode((items[1],), span=over(items))
-
-    def member_value(self, items: Items) -> Any:
-        return d.MemberValueNode(name_of(items[0]), _value([items[2]]), span=over(items))
 
     def further_element(self, items: Items) -> Any:
         """Another element of the array that is the last member: it has no brackets (CoDeSys V2.3)."""
