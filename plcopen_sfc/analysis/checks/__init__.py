@@ -2,6 +2,7 @@
 
 `rule_table`          the table, the application of rules, and CHK: comments that suppress findings
 `checked_chart`       a rule, a finding, and the chart that rules look at
+`judged_terms`        edges and times of a GRAFCET, as the chart's conditions are decided with
 `structure_rules`     NAM, and STR on elements and how they are drawn and linked
 `reachability_rules`  EVO, and STR06 to STR08, STR10, STR13, STR15: on the marking graph and on branches
 `transition_rules`    CND and SEL: conditions and competing transitions

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from fnmatch import fnmatchcase
 from functools import cached_property
-from itertools import combinations
+from itertools import combinations, product
 from typing import NamedTuple
 
+from plcopen_sfc.analysis.checks.judged_terms import JudgedTerms
 from plcopen_sfc.analysis.exclusivity import Exclusivity, Truth, exclusive, overlapping, truth
 from plcopen_sfc.analysis.knowledge import Knowledge, ProjectKnowledge
 from plcopen_sfc.analysis.marking import MarkingGraph, marking_graph
@@ -23,8 +23,8 @@ from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite
 from plcopen_sfc.languages.effects import path_of
 from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
+from plcopen_sfc.languages.st import names_of, parse_condition, parse_statements, transform, walk
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_condition, parse_statements, transform, walk
 from plcopen_sfc.languages.translation.call_translation import has_function
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.chart_settings import SfcFlag
@@ -48,7 +48,6 @@ from plcopen_sfc.model.types import (
     DerivedType,
     SimpleValue,
 )
-from plcopen_sfc.semantics.charts.grafcet.term_evaluation import TermTexts
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
 from plcopen_sfc.semantics.profile import PROFILES, Profile
 
@@ -386,32 +385,7 @@ _FEW = 3
 
 
 _TRUE = n.Literal("TRUE")
-
-
-_EDGE = re.compile(r"\(*GRAFCET_EDGE_\d+ AND .*\)")
-"""An edge as `_JudgedTerms` has it."""
-
-
-class _JudgedTerms(TermTexts):
-    """Terms of a GRAFCET with what is known of them.
-
-    At a rising edge the operand is true, at a falling one false. ``3s/a`` is true only
-    with its operand, ``a/3s`` always with it, ``3s/↑a`` never: an edge lasts for no time.
-    """
-
-    def edge(self, operand: str, *, rising: bool) -> str:
-        """Return an edge and the value that its operand has then."""
-        name = super().edge(operand, rising=rising)
-        return f"({name} AND {'' if rising else 'NOT '}({operand}))"
-
-    def delay(self, operand: str, first: str | None, last: str | None) -> str:
-        """Return a time, and the value that its operand gives it."""
-        name = super().delay(operand, first, last)
-        if first is not None and _EDGE.fullmatch(operand):
-            return "FALSE"
-        if (first is None) is (last is None) or "GRAFCET_EDGE" in operand:  # an edge is older than the time
-            return name
-        return f"({name} {'OR' if first is None else 'AND'} ({operand}))"
+_FALSE = n.Literal("FALSE")
 
 
 class CheckedChart:
@@ -431,7 +405,7 @@ class CheckedChart:
         self._truths: dict[int, Truth] = {}
         self._overlaps: dict[tuple[int, ...], list[tuple[int, int]]] = {}
         self._exclusive: dict[tuple[int, int], Exclusivity] = {}
-        self._terms = _JudgedTerms()
+        self._terms = JudgedTerms()
 
     @cached_property
     def sheets(self) -> tuple[CheckedSheet, ...]:
@@ -459,6 +433,12 @@ class CheckedChart:
         if self.net.hierarchy:
             return self.situations.concurrent(a, b)
         return self.graph.complete and self.graph.concurrent(a, b) is Answer.YES
+
+    def apart(self, a: NetStep, b: NetStep) -> bool:
+        """Return True if two steps can never be active together; False where that is not known."""
+        if self.net.hierarchy:
+            return self.situations.complete and not self.situations.concurrent(a, b)
+        return self.graph.concurrent(a, b) is Answer.NO
 
     @cached_property
     def types(self) -> dict[str, DataType]:
@@ -493,6 +473,14 @@ class CheckedChart:
         return frozenset(f"x{name}".casefold() for name in names)
 
     @cached_property
+    def _steps_of_flags(self) -> dict[str, NetStep]:
+        """The steps by their flags; without a flag that a variable hides, or that two charts have."""
+        found: dict[str, list[NetStep]] = {}
+        for each in self.net.steps:
+            found.setdefault(f"x{each.step.name}".casefold(), []).append(each)
+        return {flag: steps[0] for flag, steps in found.items() if len(steps) == 1 and flag not in self.types}
+
+    @cached_property
     def steps_of_pou(self) -> frozenset[str]:
         """The names of all steps in the POU, in lower case."""
         charts = self.around.charts_of(self.pou) if self.pou is not None else ()
@@ -519,19 +507,20 @@ class CheckedChart:
         return None if parsed.problems else parsed.tree
 
     def _while_active(self, sheet: CheckedSheet, transition: Transition, tree: n.Expression) -> n.Expression:
-        """Return a condition as it is while the steps before its transition are active: their flags are TRUE."""
-        flags = {f"x{sheet.names.get(source, '')}".casefold() for source in transition.sources} - self.types.keys()
+        """Return a condition as it is while the steps before its transition are active: their flags are TRUE.
 
-        # a/3s is true while a is: of another operand a witness would show both
-        after = {timer.name for timer in self._terms.timers if timer.first is None}
+        The flags of steps that are never active together with them are FALSE.
+        """
+        flags = {f"x{sheet.names.get(source, '')}".casefold() for source in transition.sources} - self.types.keys()
+        sources = [self._steps_of_flags[flag] for flag in flags if flag in self._steps_of_flags]
+        others = {flag: self._steps_of_flags[flag] for flag in names_of(tree) - flags if flag in self._steps_of_flags}
+        never = {flag for flag, step in others.items() if any(self.apart(source, step) for source in sources)}
 
         def known(node: n.Node) -> n.Node:
-            if isinstance(node, n.Operation):
-                if node.operator is n.Operator.OR and any(n.bare(each) == _TRUE for each in node.operands):
-                    return _TRUE
-                first = node.operands[0]
-                return first if isinstance(first, n.Name) and first.identifier in after else node
-            return _TRUE if isinstance(node, n.Name) and node.identifier.casefold() in flags else node
+            if isinstance(node, n.Name):
+                flag = node.identifier.casefold()
+                return _TRUE if flag in flags else _FALSE if flag in never else node
+            return node
 
         return transform(tree, known)
 
@@ -568,9 +557,25 @@ class CheckedChart:
         """Return whether the conditions of two competing transitions exclude each other."""
         key = id(first), id(second)
         if key not in self._exclusive:
-            conditions = [self.condition(sheet, transition) for transition in (first, second)]
+            conditions = self._without_impossible([self.condition(sheet, each) for each in (first, second)])
             self._exclusive[key] = exclusive(*conditions, dialect=self.dialect, knowledge=self.knowledge)
         return self._exclusive[key]
+
+    def _without_impossible(self, conditions: list[NetworkExpression]) -> list[NetworkExpression]:
+        """Return conditions, the first one false in situations that the chart never has: two flags of one sequence."""
+        if self.family != "grafcet":
+            return conditions
+        first, *others = conditions
+        names = [names_of(each.tree) & self._steps_of_flags.keys() if each.tree else frozenset() for each in conditions]
+        never = [
+            n.Unary(n.Operator.NOT, n.Parenthesized(n.Operation(n.Operator.AND, (n.Name(one), n.Name(other)))))
+            for one, other in product(sorted(names[0]), sorted(frozenset().union(*names[1:])))
+            if self.apart(self._steps_of_flags[one], self._steps_of_flags[other])
+        ]
+        if first.tree is None or not never:
+            return conditions
+        tree = n.Operation(n.Operator.AND, (n.Parenthesized(first.tree), *never))
+        return [replace(first, tree=tree), *others]
 
     def place_of(self, element: NetStep | NetTransition) -> FindingPlace:
         """Return the place of a step or transition of the net."""

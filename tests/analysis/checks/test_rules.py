@@ -879,6 +879,19 @@ for code, says in (("EVO01", "a circle fires"), ("EVO02", ENTERED_SAID)):
 EDGED = "1 -> 2 : ↑a * b\n1 -> 3 : %s\nSTEP 2\nSTEP 3"
 case("SEL01", grafcet(EDGED % "a * c"), grafcet(EDGED % "c * /a"), "together with 1 -> 2", "grafcet")
 case("SEL01", grafcet(EDGED % "↑c"), grafcet(EDGED % "↓a"), "together with 1 -> 2", "grafcet")
+TIMED = "1 -> 2 : %s\n1 -> 3 : %s\nSTEP 2\nSTEP 3"
+for one, breaking, excluded in (  # a longer delay is over only after the shorter one
+    ("3s/a", "/(4s/a) * c", "/(2s/a) * c"),
+    ("/(a/5s)", "a/6s", "a/4s"),
+    ("2s/(a + b)", "/a", "/a * /b"),
+):
+    breaks, fine = grafcet(TIMED % (one, breaking)), grafcet(TIMED % (one, excluded))
+    case("SEL01", breaks, fine, "together with 1 -> 2", "grafcet")
+OTHERS = "\nCHART G2\nINITIAL STEP 5\nSTEP 6\n5 -> 6 : c\n6 -> 5 : /c\nCHART G3\nINITIAL STEP 7\nSTEP 8\n7 -> 8 : c"
+for fine in ("X5", "X6"), ("X6 * a", "X5 + X2"):  # steps of one sequence are never active together
+    breaks = grafcet(TIMED % ("X5", "X7") + OTHERS)
+    case("SEL01", breaks, grafcet(TIMED % fine + OTHERS), "together with 1 -> 2", "grafcet")
+case("CND03", grafcet("1 -> 2 : X2 * a\nSTEP 2"), grafcet("1 -> 2 : a * /X2\nSTEP 2"), "X2 * a is never", "grafcet")
 DONE = "    ON ACTIVATION n := %s\n1 -> 2 : a\nSTEP 2\n    { %s }"
 case("CND09", grafcet(DONE % ("n +", "")), grafcet(DONE % ("n + 1", "")), "'n +', cannot be read", "grafcet")
 case("CND09", grafcet(DONE % ("1", "q := ;")), grafcet(DONE % ("1", "q := a;")), "'q := ;', cannot be", "grafcet")

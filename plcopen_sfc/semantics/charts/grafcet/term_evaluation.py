@@ -66,9 +66,9 @@ class TermTexts:
 
     def shown(self, text: str) -> str:
         """Return a text that has names of terms with the terms as people write them."""
-        written = {edge.name: f"{'↑' if edge.rising else '↓'}{_operand(edge.operand)}" for edge in self.edges}
+        written = {edge.name: f"{'↑' if edge.rising else '↓'}{written_operand(edge.operand)}" for edge in self.edges}
         for timer in self.timers:
-            parts = (timer.first, _operand(timer.operand), timer.last)
+            parts = (timer.first, written_operand(timer.operand), timer.last)
             written[timer.name] = "/".join(part.removeprefix("T#") for part in parts if part is not None)
         found = re.sub(r"GRAFCET_(?:EDGE|TIME)_\d+", lambda name: written.get(name[0], name[0]), text)
         return found if found == text else self.shown(found)  # terms have terms in them
@@ -90,7 +90,8 @@ class TermTexts:
         return self._names[term]
 
 
-def _operand(text: str) -> str:
+def written_operand(text: str) -> str:
+    """Return the operand of an edge or a time, in parentheses where it needs some."""
     return text if re.fullmatch(r"[\w.]+|\(.*\)", text) else f"({text})"
 
 
