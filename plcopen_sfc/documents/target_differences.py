@@ -24,6 +24,7 @@ from plcopen_sfc.report import ARITHMETIC, FALLING_EDGE, ORDER_OF_ACTIONS, Conve
 from plcopen_sfc.semantics.profile import (
     PROFILES,
     ActionOrder,
+    OverlappingAddresses,
     Profile,
     default_profile,
     profile_as,
@@ -57,6 +58,8 @@ def note_differences(
     _note_initial_steps(project, kind, options, report)
     if project.tool_format == EXPORTS != kind.name and dialect is not Dialect.SCL:
         _note_bits_of_words(project, kind, report)
+    target = PROFILES[options.flavour] if options.flavour else profile_as(project, kind.name)
+    _note_overlapping_words(project, target, options.flavour or kind.tool, report)
     _note_falling_edges(project, kind, dialect, report)
     if default_profile(project).flags and (kind.charts is None or not kind.charts.is_codesys):
         is_text = dialect is None and not options.flavour
@@ -154,6 +157,34 @@ def _note_bits_of_words(project: Project, kind: Format, report: ConversionReport
     for path, text in bits_of_words(project):
         why = f"the controller counts the bits of `{text}` in words, {kind.tool} in bytes: give it that of its byte"
         report.add(Outcome.NOT_EXECUTED, "address", path, why)
+
+
+def _note_overlapping_words(project: Project, target: Profile, tool: str, report: ConversionReport) -> None:
+    """Report words whose bits or bytes have addresses of their own, where the target takes others of them for these."""
+    from plcopen_sfc.refactor.direct_addresses import overlapping_words  # noqa: PLC0415  # few projects have them
+
+    here, there = default_profile(project).overlapping_addresses, target.overlapping_addresses
+    if here is there:
+        return
+    apart = OverlappingAddresses.APART
+    for path, text, parts, memory in overlapping_words(project):
+        shown = ", ".join(f"`{part}`" for part in parts[:_SHOWN]) + (", .." if len(parts) > _SHOWN else "")
+        if there is apart:
+            why = f"{tool} keeps `{text}` apart from {shown}, with which it shares its memory in the source"
+        elif here is apart:
+            why = f"`{text}` shares its memory with {shown} in {tool}, and the source keeps them apart"
+        elif memory.width > _BYTE:
+            order = "low byte of a word first, the source the high one"
+            if there is OverlappingAddresses.HIGH_BYTE_FIRST:
+                order = "high byte of a word first, the source the low one"
+            why = f"{shown} in `{text}` is another part of it: {tool} has the {order}"
+        else:
+            continue
+        report.add(Outcome.APPROXIMATED, "address", path, why)
+
+
+_SHOWN = 5
+_BYTE = 8  # bits
 
 
 def _note_falling_edges(project: Project, kind: Format, dialect: Dialect | None, report: ConversionReport) -> None:

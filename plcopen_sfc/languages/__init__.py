@@ -9,6 +9,7 @@
   `executed_names`, `library_blocks` and `sfc_flag_uses`; GRAFCET `grafcet_conditions`.
 * `method_calls`: calls of methods as calls of functions.
 * `task_schedules`: times of tasks.
+* `memory_addresses`: direct addresses as bits.
 * `text_edits`; `problems` of one, `syntax_problems` of those in a file.
 """
 

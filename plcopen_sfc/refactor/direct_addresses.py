@@ -7,11 +7,12 @@ from collections.abc import Iterator
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding.text_sites import SiteKind, text_sites
+from plcopen_sfc.languages.memory_addresses import MemoryAddress, memory_address
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.literal_translation import translated_address
 from plcopen_sfc.languages.translation.translation_context import PartText
-from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.dialect import COUNTING_BYTES, Dialect
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import ConfigVariable
@@ -58,14 +59,39 @@ def bits_of_words(project: Project) -> Iterator[tuple[str, str]]:
 
     CoDeSys 2.3: the controller decides that (``%QX1.14`` of the WAGO 750); CODESYS V3 and TwinCAT count in bytes.
     """
-    found = [(path, variable.address or "") for path, variable in _located(project)]
+    bits = [(path, text, match) for path, text in _addresses(project) if (match := _BIT.fullmatch(text)) is not None]
+    if any(int(match["bit"]) > _LAST_BIT for _, _, match in bits):
+        yield from dict.fromkeys((path, text) for path, text, _ in bits)
+
+
+def overlapping_words(project: Project) -> Iterator[tuple[str, str, list[str], MemoryAddress]]:
+    """Yield path, text and memory of each address that others overlap which are no wider, and the texts of these."""
+    by_bytes = project.address_dialect in COUNTING_BYTES
+    found: dict[MemoryAddress, tuple[str, str]] = {}
+    for path, text in _addresses(project):
+        memory = memory_address(text, by_bytes=by_bytes)
+        if memory is not None:
+            found.setdefault(memory, (path, text))
+    last: list[MemoryAddress] = []  # those that may overlap what follows
+    parts: dict[MemoryAddress, list[str]] = {}
+    for memory in sorted(found, key=lambda each: (each.area, each.start, -each.width)):
+        last = [each for each in last if each.overlaps(memory)]
+        for whole in last:
+            parts.setdefault(whole, []).append(found[memory][1])
+        last.append(memory)
+    for whole, texts in parts.items():
+        yield *found[whole], texts, whole
+
+
+def _addresses(project: Project) -> Iterator[tuple[str, str]]:
+    """Yield the path and the text of each address, of declared variables and in programs."""
+    yield from ((path, (variable.address or "").strip()) for path, variable in _located(project))
+    for table in project.tag_tables:
+        yield from ((f"tag table {table.name} / tag {tag.name}", (tag.address or "").strip()) for tag in table.tags)
     for site in text_sites(project):
         if "%" in site.text and site.is_program_text:
             tokens = tokenize(site.text, project.dialect).tokens
-            found += [(site.report_path, token.value) for token in tokens if token.value.startswith("%")]
-    bits = [(path, text, match) for path, text in found if (match := _BIT.fullmatch(text.strip())) is not None]
-    if any(int(match["bit"]) > _LAST_BIT for _, _, match in bits):
-        yield from dict.fromkeys((path, text) for path, text, _ in bits)
+            yield from ((site.report_path, token.value) for token in tokens if token.value.startswith("%"))
 
 
 _BIT = re.compile(r"%[IQM]X?\d{1,9}\.(?P<bit>\d{1,2})", re.IGNORECASE)

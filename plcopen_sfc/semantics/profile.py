@@ -93,6 +93,18 @@ class BooleanTargets(StrEnum):
     WHEN_DECIDED = "when_decided"
 
 
+class OverlappingAddresses(StrEnum):
+    """Memory of variables at addresses that overlap, as ``%MX0.0`` and ``%MW0``.
+
+    LOW_BYTE_FIRST: the first byte of a word is its low one, so that ``%MX0.0`` has the value 1. HIGH_BYTE_FIRST: it is
+    the high one, and the bit has the value 256. APART: each variable has memory of its own.
+    """
+
+    LOW_BYTE_FIRST = "low_byte_first"
+    HIGH_BYTE_FIRST = "high_byte_first"
+    APART = "apart"
+
+
 class DrawnBlocks(StrEnum):
     """Scans that execute the boxes drawn before the condition of a transition: blocks, functions and edges.
 
@@ -274,6 +286,11 @@ class Profile:
     all others count milliseconds (IEC 61131-3 leaves it open). FIND and REPLACE, and texts from and to numbers and
     times, are in `plcopen_sfc.semantics.programs.matiec_runtime`."""
 
+    overlapping_addresses: OverlappingAddresses = OverlappingAddresses.LOW_BYTE_FIRST
+    """Memory of variables at addresses that overlap. IEC leaves it to the tool; most controllers of CODESYS have the
+    low byte first. S7: help of TIA Portal, "Addressing". matiec declares a variable for each address. Runs refuse
+    addresses that overlap; conversions report them."""
+
     minimum_times: bool = False
     """True if a step is left only after its minimum time. CODESYS, "Processing order" step 6."""
 
@@ -362,6 +379,7 @@ _MATIEC = Profile(
     boolean_targets=BooleanTargets.WHEN_DECIDED,
     for_asks_ahead=True,
     matiec_library=True,
+    overlapping_addresses=OverlappingAddresses.APART,
 )
 
 PROFILES: Mapping[str, Profile] = MappingProxyType(
@@ -384,6 +402,7 @@ PROFILES: Mapping[str, Profile] = MappingProxyType(
             final_scan=False,
             qualifiers=_GRAPH_QUALIFIERS,
             step_actions=False,
+            overlapping_addresses=OverlappingAddresses.HIGH_BYTE_FIRST,
             step_variables=StepVariables.GRAPH,
             graph_parameters=True,
         ),

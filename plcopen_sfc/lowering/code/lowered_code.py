@@ -12,6 +12,7 @@ from textwrap import dedent
 from typing import NoReturn, TypeAlias
 
 from plcopen_sfc.errors import Location, LoweringError, nearest
+from plcopen_sfc.languages.memory_addresses import memory_address
 from plcopen_sfc.languages.networks import Helper
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression
@@ -98,8 +99,6 @@ TIME = ElementaryType(name=Elementary.TIME)
 _LARGEST_INT = 32_767
 
 _FIRST = re.compile(r"%?MX?(\d{1,9})\.([0-7])", re.IGNORECASE)
-_ADDRESS = re.compile(r"%?M([XBWDL]?)(\d{1,9})(?:\.(\d{1,9}))?", re.IGNORECASE)
-_WIDTHS = {"": 1, "X": 1, "B": 8, "W": 16, "D": 32, "L": 64}
 _BYTE = 8
 _LAST_OF_S7 = 16_384 * _BYTE - 1
 """The last bit of the largest bit memory that a CPU of S7 has (S7-1500; that of S7-1200 has 4,096 or 8,192 bytes)."""
@@ -131,7 +130,8 @@ class FlagPlaces:
             self.name = take_name(f"{rules.texts.flag_list}_{pou}", self._surroundings)
         else:
             self.name = rules.flags
-            if re.fullmatch(r"[^\W\d]\w*", self.name) is None or _ADDRESS.fullmatch(self.name):
+            address = memory_address(self.name, by_bytes=False)
+            if re.fullmatch(r"[^\W\d]\w*", self.name) is None or (address is not None and address.area == "M"):
                 hint = "There are: local, an address such as M20.0 or G1=M20.0,G2=M24.0, the name of a data block."
                 self._refuse(f"{self.name!r} is no place for flags", hint)
             if self.name.casefold() in self._surroundings:
@@ -268,12 +268,9 @@ def _taken_bits(project: Project) -> Iterator[tuple[int, str]]:
         sections += pou.interface.sections if pou.interface is not None else []
     named += [(variable.address, variable.name) for section in sections for variable in section.variables]
     for address, name in named:
-        found = _ADDRESS.fullmatch((address or "").strip())
-        if found is None:
-            continue
-        width, number = _WIDTHS[found[1].upper()], int(found[2])
-        first = number * _BYTE + int(found[3] or 0) if width == 1 else number * (_BYTE if in_bytes else width)
-        yield from ((bit, name) for bit in range(first, first + width))
+        found = memory_address(address or "", by_bytes=in_bytes)
+        if found is not None and found.area == "M":
+            yield from ((bit, name) for bit in range(found.start, found.start + found.width))
 
 
 def integer(largest: int) -> ElementaryType:

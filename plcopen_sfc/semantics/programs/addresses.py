@@ -2,48 +2,23 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
 
 from plcopen_sfc.errors import SimulationError
+from plcopen_sfc.languages.memory_addresses import MemoryAddress, memory_address
 from plcopen_sfc.model import types as m
 from plcopen_sfc.semantics.programs import runtime_types as t
 from plcopen_sfc.semantics.programs.places import Place
 
-_ADDRESS = re.compile(
-    r"%?(?P<area>[A-Z]|DB\d+\.DB)(?P<size>[XBWDL]?)(?P<numbers>\d{1,9}(?:\.\d{1,9})*)(?::P)?", re.IGNORECASE
-)
-_WIDTHS = {"": 1, "X": 1, "B": 8, "W": 16, "D": 32, "L": 64}
 _TYPES = {1: "BOOL", 8: "BYTE", 16: "WORD", 32: "DWORD", 64: "LWORD"}
-_AREAS = {"E": "I", "A": "Q"}
-
-
-class MemoryAddress(NamedTuple):
-    """Bits of a memory area: the first one, and how many. `by_bytes`: the tool numbers its words as bytes."""
-
-    area: str
-    start: int
-    width: int
-    by_bytes: bool = False
 
 
 def address_of(text: str, *, by_bytes: bool) -> MemoryAddress:
     """Return the address that a text names. Raises `SimulationError`."""
-    found = _ADDRESS.fullmatch(text.strip())
+    found = memory_address(text, by_bytes=by_bytes)
     if found is None:
         raise SimulationError(f"{text} is no address that the simulator knows")
-    area = _AREAS.get(found["area"].upper(), found["area"].upper())
-    size = found["size"].upper()
-    numbers = [int(part) for part in found["numbers"].split(".")]
-    width = _WIDTHS[size]
-    if width == 1:
-        if len(numbers) == 1:
-            return MemoryAddress(area, numbers[0] * (1 if size == "X" else 8), 1)
-        head = area + "".join(f".{part}" for part in numbers[:-2])
-        return MemoryAddress(head, numbers[-2] * 8 + numbers[-1], 1)
-    head = area + "".join(f".{part}" for part in numbers[:-1])
-    return MemoryAddress(head, numbers[-1] * (8 if by_bytes else width), width, by_bytes and width > 8)
+    return found
 
 
 class Image:

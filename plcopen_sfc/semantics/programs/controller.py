@@ -16,6 +16,7 @@ from typing import Any, TypeAlias
 from plcopen_sfc.errors import Location, ModelError, SimulationError
 from plcopen_sfc.languages.binding.name_resolution import Resolver, circle_text
 from plcopen_sfc.languages.binding.name_uses import dialect_of
+from plcopen_sfc.languages.memory_addresses import MemoryAddress
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.model.pou import Pou
@@ -23,7 +24,6 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_of
 from plcopen_sfc.semantics.programs import runtime_types as t
-from plcopen_sfc.semantics.programs.addresses import MemoryAddress
 from plcopen_sfc.semantics.programs.code_generation import Writer
 from plcopen_sfc.semantics.programs.expressions import Translator
 from plcopen_sfc.semantics.programs.places import Place, Unknown
