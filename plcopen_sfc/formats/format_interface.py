@@ -10,6 +10,7 @@ from enum import StrEnum
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
+from plcopen_sfc.languages.words import needs_quotes
 from plcopen_sfc.model.dialect import Dialect
 
 if TYPE_CHECKING:
@@ -219,10 +220,12 @@ class ChartHost:
     `has_methods`: its language is object-oriented, with the keywords for that. `il_conditions`: conditions may be
     instruction list. `keeps_bodies`: a step without associations has its main action in place. `by_bytes`: words at
     direct addresses have the number of a byte. `names_lists`: texts name a variable with its list, ``GVL_IO.x``.
+    `is_s7`: its texts are in SCL.
     """
 
     title: str
-    is_codesys: bool
+    is_codesys: bool = False
+    is_s7: bool = False
     has_tasks: bool = True
     has_methods: bool = True
     il_conditions: bool = False
@@ -238,15 +241,19 @@ class ChartHost:
     @property
     def dialect(self) -> Dialect:
         """The structured text of its files."""
-        return Dialect.CODESYS if self.is_codesys else Dialect.IEC
+        return Dialect.SCL if self.is_s7 else Dialect.CODESYS if self.is_codesys else Dialect.IEC
 
     def active(self, step: Step) -> str:
         """Return the variable that tells whether a step is active."""
-        return f"{step.name}.{'x' if self.is_codesys else 'X'}"
+        return f"{self._named(step)}.{'x' if self.is_codesys else 'X'}"
 
     def elapsed(self, step: Step) -> str:
         """Return the variable that tells for how long a step has been active."""
-        return f"{step.name}.{'t' if self.is_codesys else 'T'}"
+        return f"{self._named(step)}.{'t' if self.is_codesys else 'T'}"
+
+    def _named(self, step: Step) -> str:
+        name = f'"{step.name}"' if self.is_s7 and needs_quotes(step.name) else step.name
+        return f"#{name}" if self.is_s7 else name
 
 
 @dataclass(frozen=True)

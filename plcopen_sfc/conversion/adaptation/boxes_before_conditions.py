@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from plcopen_sfc.conversion.adaptation.flag_transitions import all_of, step_flag
+from plcopen_sfc.conversion.adaptation.chart_rewriting import GRAPH_CHARTS, ChartRewriting, taken_names, type_of_helper
 from plcopen_sfc.formats.format_interface import SOURCE_CHART_FIELD, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import SourceMarks
 from plcopen_sfc.languages.networks import (
@@ -37,8 +37,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Node, OutputVariable
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import PermanentOperation, SfcNetwork, Transition, by_priority
-from plcopen_sfc.model.types import DataType, DerivedType, Elementary, ElementaryType, Variable
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.model.types import DataType, DerivedType, Variable
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _INPUTS = {"TON": "IN", "TOF": "IN", "TP": "IN", "R_TRIG": "CLK", "F_TRIG": "CLK"}
@@ -65,8 +64,13 @@ def has_boxes(project: Project, options: WriteOptions) -> bool:
     """True if `execute_boxes` changes a chart."""
     if options.same or options.of_graph:
         return False
-    found = _boxes_after if options.of_matiec else _moved
-    return any(found(chart) or _acting(chart, options) is not None for chart in project.charts())
+    for chart in project.charts():
+        taken = taken_names(project, chart)
+        rewriting = ChartRewriting(chart, chart.chart, GRAPH_CHARTS, options, ConversionReport(), {}, taken)
+        found = _boxes_after(chart) if options.of_matiec else _moved(rewriting)
+        if found or _acting(chart, options) is not None:
+            return True
+    return False
 
 
 def execute_boxes(
@@ -74,6 +78,8 @@ def execute_boxes(
 ) -> None:
     """Put the boxes before conditions of `project`, a copy of `source` in SCL, into permanent instructions."""
     for chart, before in zip(list(project.charts()), list(source.charts()), strict=True):
+        taken = taken_names(project, chart)
+        rewriting = ChartRewriting(chart, before.chart, GRAPH_CHARTS, options, report, marks, taken)
         acting = _acting(chart, options)
         if acting is not None:
             _execute_drawn(chart, acting, report)
@@ -81,15 +87,14 @@ def execute_boxes(
         if options.of_matiec:
             after = _boxes_after(chart)
             if after is not None:
-                _execute_after(chart, after, report, marks)
+                _execute_after(rewriting, after)
                 marks.setdefault(id(chart.chart), {})[SOURCE_CHART_FIELD] = before.chart
             continue
-        found = _moved(chart)
+        found = _moved(rewriting)
         if not found:
             continue
         fed = [id(node) for each in found for node in _feeding(chart.chart, each.transition)]
-        for helper in {helper.name: helper for each in found for helper in each.helpers}.values():
-            _declare(chart, helper, marks)
+        rewriting.declare_helpers(helper for each in found for helper in each.helpers)
         for moved in found:
             chart.chart.permanent_pre.append(PermanentOperation(body=moved.networks))
             moved.transition.condition = Expression(text=moved.condition)
@@ -154,59 +159,42 @@ def _boxes_after(chart: Chart) -> _BoxesAfter | None:
     kept, trees = kept_conditions(part, Dialect.SCL, transitions=chart.pou.transitions, taken=taken)
     if len(trees) < len(needed):
         return None
-    added = [Variable(name=each.name, type=_type(each)) for each in kept.helpers]
+    added = [Variable(name=each.name, type=type_of_helper(each)) for each in kept.helpers]
     rules = declared_rules([*chart.pou.variables(), *added], Dialect.SCL, Tool.S7)
     drawn = draw_ld(kept.tree.statements, rules)
     conditions = {number: print_node(tree) for number, tree in trees.items()}
     return _BoxesAfter(drawn.body, kept.helpers, conditions) if not drawn.problems else None
 
 
-def _execute_after(chart: Chart, after: _BoxesAfter, report: ConversionReport, marks: SourceMarks) -> None:
+def _execute_after(rewriting: ChartRewriting, after: _BoxesAfter) -> None:
     """Let a permanent instruction behind the sequence execute the boxes of a chart."""
-    network = chart.chart
+    network = rewriting.chart.chart
     moved = [each for each in network.transitions if each.id in after.conditions]
     fed = [id(node) for each in moved for node in _feeding(network, each)]
-    for helper in after.helpers:
-        _declare(chart, helper, marks)
+    rewriting.declare_helpers(after.helpers)
     for transition in moved:
         transition.condition = Expression(text=after.conditions[transition.id])
-        place = f"{chart.report_path} / transition {network.label(transition)}"
-        report.add(Outcome.TRANSLATED, "condition", place, _WHY_AFTER)
+        rewriting.note(Outcome.TRANSLATED, "condition", f"transition {network.label(transition)}", _WHY_AFTER)
     others = {id(node) for each in network.transitions for node in _feeding(network, each)}
     network.logic = [node for node in network.logic if id(node) not in fed or id(node) in others]
     network.permanent_post.append(PermanentOperation(body=after.networks))
-    report.add(Outcome.TRANSLATED, "permanent instruction after the sequence", chart.report_path, _WHY_AFTER)
+    rewriting.note(Outcome.TRANSLATED, "permanent instruction after the sequence", "", _WHY_AFTER)
 
 
 def _feeding(chart: SfcNetwork, transition: Transition) -> list[Node]:
     return feeding_nodes(chart, transition.condition, Dialect.SCL)
 
 
-def _declare(chart: Chart, helper: Helper, marks: SourceMarks) -> None:
-    """Declare a variable that the source does not have."""
-    pou = chart.pou
-    if pou.interface is None:
-        pou.interface = Interface()
-    variable = Variable(name=helper.name, type=_type(helper))
-    pou.interface.sections.append(VariableSection(kind=SectionKind.LOCAL, variables=[variable]))
-    marks.setdefault(id(pou), {}).setdefault("variables", []).append(variable)
-
-
-def _type(helper: Helper) -> DataType:
-    known = Elementary.__members__.get((helper.type_name or "BOOL").upper())
-    return ElementaryType(name=known) if known is not None else DerivedType(name=helper.type_name or "")
-
-
-def _moved(chart: Chart) -> list[_Moved]:
+def _moved(rewriting: ChartRewriting) -> list[_Moved]:
     """Return the transitions whose boxes can be called elsewhere; none where those of one cannot."""
+    chart = rewriting.chart
     if chart.chart is not chart.pou.chart:
         return []
-    read = condition_reader(chart.chart, Dialect.SCL, transitions=chart.pou.transitions)
     instances = {f"#{variable.name}": _block(variable.type) for variable in chart.pou.variables()}
     tried: list[tuple[Transition, str]] = []
     result: list[_Moved] = []
     for transition in by_priority(chart.chart.transitions):
-        found = read(transition.condition) if transition.condition is not None else None
+        found = rewriting.read(transition.condition) if transition.condition is not None else None
         if found is None or found.tree is None or found.obstacles or not found.complete:
             return []
         text = print_node(found.tree)
@@ -215,23 +203,12 @@ def _moved(chart: Chart) -> list[_Moved]:
             if not set(known.values()) <= _INPUTS.keys():
                 return []
             instances |= known
-            body = _networks(found.before, _enabled(chart, transition, tried), instances)
+            body = _networks(found.before, rewriting.enabled(transition, tried), instances)
             if body is None:
                 return []
             result.append(_Moved(transition, text, body, found.helpers))
         tried.append((transition, text))
     return result
-
-
-def _enabled(chart: Chart, transition: Transition, tried: Sequence[tuple[Transition, str]]) -> str:
-    """Return when a condition is tested: its steps are active, and no competing transition before it fires."""
-    flags = {step.id: step_flag(step) for step in chart.chart.steps}
-    terms = [flags[source] for source in transition.sources if source in flags]
-    for other, text in tried:
-        if not set(other.sources).isdisjoint(transition.sources):
-            more = [flags[source] for source in other.sources if source not in transition.sources]
-            terms.append(f"NOT ({all_of([*more, text])})")
-    return all_of(terms)
 
 
 def _networks(before: Sequence[n.Statement], enabled: str, instances: dict[str, str]) -> LdBody | None:

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import chain
 
 from plcopen_sfc.formats.format_interface import ChartHost, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import SourceMarks, added_section
-from plcopen_sfc.languages.networks import condition_reader, is_empty_network
+from plcopen_sfc.languages.networks import Helper, condition_reader, is_empty_network
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.words import identifier, take_name
 from plcopen_sfc.lowering.code.lowered_code import names_of
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.chart_settings import SfcFlag
+from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import BodyCondition, Condition, SfcNetwork, Step
-from plcopen_sfc.model.types import DataType, Elementary, ElementaryType, Variable
+from plcopen_sfc.model.sfc import BodyCondition, Condition, SfcNetwork, Step, Transition
+from plcopen_sfc.model.types import DataType, DerivedType, Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
+
+GRAPH_CHARTS = ChartHost("S7-GRAPH", is_s7=True)
+"""Charts of TIA Portal, whose texts are in SCL."""
 
 
 @dataclass(eq=False)
@@ -87,12 +93,53 @@ class ChartRewriting:
         if self._added is None:
             interface.sections.append(VariableSection(kind=SectionKind.LOCAL))
             self._added = interface.sections[-1]
-        self._added.variables.append(Variable(name=name, type=kind))
-        self.marks[id(self._added)] = added_section(self._added)
+        self._added.variables.append(variable := Variable(name=name, type=kind))
+        if self.host.is_s7:
+            self.marks.setdefault(id(self.chart.pou), {}).setdefault("variables", []).append(variable)
+        else:
+            self.marks[id(self._added)] = added_section(self._added)
 
     def new_name(self, wish: str) -> str:
         """Return a name that nothing in the POU or around it has."""
         return take_name(identifier(wish), self.taken)
+
+    def enabled(self, transition: Transition, tried: Iterable[tuple[Transition, str]]) -> str:
+        """Return when a condition is tested: its steps are active, and no competing transition before it fires.
+
+        `tried` are transitions that are tested before, with their conditions.
+        """
+        active = {step.id: self.host.active(step) for step in self.chart.chart.steps}
+        terms = [active[source] for source in transition.sources if source in active]
+        for other, text in tried:
+            if not set(other.sources).isdisjoint(transition.sources):
+                more = [active[source] for source in other.sources if source not in transition.sources]
+                terms.append(f"NOT {as_term(' AND '.join([*more, as_term(text)]))}")
+        return " AND ".join(terms)
+
+    def declare_helpers(self, helpers: Iterable[Helper]) -> list[str]:
+        """Declare the variables that boxes need and the source does not have; their names."""
+        found = {helper.name: helper for helper in helpers}
+        for helper in found.values():
+            self.declare(helper.name, type_of_helper(helper))
+        return [*found]
+
+
+def type_of_helper(helper: Helper) -> DataType:
+    """Return the type of a variable that a drawing needs."""
+    known = Elementary.__members__.get((helper.type_name or "BOOL").upper())
+    return ElementaryType(name=known) if known is not None else DerivedType(name=helper.type_name or "")
+
+
+def names_around(pou: Pou) -> set[str]:
+    """Return the names of the variables of a POU, and of the global ones of its project, in lower case."""
+    shared = [section.variables for section in pou.project.global_sections()] if pou.project is not None else []
+    return {variable.name.casefold() for variable in chain(pou.variables(), *shared)}
+
+
+def flags_in_use(place: Chart) -> frozenset[SfcFlag]:
+    """Return the SFC flags of a chart that its settings or the names around it bring into use."""
+    declared = names_around(place.pou)
+    return place.chart.flags_in_use(lambda name: name.casefold() in declared)
 
 
 def taken_names(project: Project, chart: Chart) -> set[str]:

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import chain
 
 from plcopen_sfc.conversion.adaptation.chart_rewriting import (
     ChartRewriting,
     as_term,
     conjunction,
+    flags_in_use,
     guarded,
     is_network,
     is_supervised,
@@ -36,7 +36,6 @@ from plcopen_sfc.formats.plcopen.source_marks import (
 )
 from plcopen_sfc.languages.binding import STORING, Names, Row, SharedScans, told_orders
 from plcopen_sfc.languages.networks import (
-    NetworkText,
     chart_statements,
     feeding_nodes,
     is_empty_network,
@@ -52,7 +51,6 @@ from plcopen_sfc.model.conditions import Expression, WiredCondition
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import BodyCondition, Condition, Step, Transition, by_priority
-from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType
 from plcopen_sfc.report import ORDER_OF_ACTIONS, ConversionReport, Outcome
 
 
@@ -88,16 +86,9 @@ def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> boo
     if any(step.entry_action or step.exit_action for step in chart.steps) and shared_step_actions(chart):
         return True
     excluded = any(s.exclude for s in chart.steps) or any(t.exclude for t in chart.transitions)
-    if options.of_codesys and _flags_in_use(place):
+    if options.of_codesys and flags_in_use(place):
         return True
     return excluded or chart.settings is not None or any(row.exclude for _, row in chart.associations())
-
-
-def _flags_in_use(place: Chart) -> frozenset[SfcFlag]:
-    project = place.pou.project
-    shared = [section.variables for section in project.global_sections()] if project is not None else []
-    declared = {variable.name.casefold() for variable in chain(place.pou.variables(), *shared)}
-    return place.chart.flags_in_use(lambda name: name.casefold() in declared)
 
 
 def _is_foreign(condition: Condition | None, host: ChartHost) -> bool:
@@ -162,7 +153,7 @@ def rewrite_charts(
 def obey_flags(project: Project, source: Project, tool: str, options: WriteOptions, report: ConversionReport) -> None:
     """Let conditions of `project`, a copy of `source` from CODESYS, obey its SFC flags before other rules apply."""
     named = named_flags(Names(source))
-    host = ChartHost(tool, is_codesys=False)
+    host = ChartHost(tool)
     for chart, before in zip(list(project.charts()), list(source.charts()), strict=True):
         flags = _used_flags(source, before, named)
         if flags:
@@ -173,7 +164,7 @@ def obey_flags(project: Project, source: Project, tool: str, options: WriteOptio
 
 def _used_flags(project: Project, source: Chart, named: frozenset[str]) -> frozenset[SfcFlag]:
     """Return the SFC flags of a chart of CODESYS that something uses; an output that is set is for people, too."""
-    used = _flags_in_use(source)
+    used = flags_in_use(source)
     return used - (flags_at_rest(project, source.pou, used, named) - WATCHING_FLAGS)
 
 
@@ -385,9 +376,9 @@ class _DrawnBoxes:
             if self._rewriting.options.of_matiec:
                 text = self._value_before(transition)
             else:
-                self.uses[transition.id] = self._declare(found)
+                self.uses[transition.id] = self._rewriting.declare_helpers(found.helpers)
                 statements = print_node(n.Statements(found.before)).splitlines()
-                self._lines += guarded(self._when(transition), statements)
+                self._lines += guarded(self._rewriting.enabled(transition, self._tried), statements)
                 text = print_node(found.tree)
         if text is not None:
             self._tried.append((transition, text))
@@ -443,30 +434,12 @@ class _DrawnBoxes:
         found = chart_statements(rewriting.source, dialect, taken=rewriting.taken)
         if found.obstacles:
             return None
-        self._added += self._declare(found)
+        self._added += rewriting.declare_helpers(found.helpers)
         return print_node(found.tree).splitlines()
 
     @property
     def _initial(self) -> Step | None:
         return next((step for step in self._chart.steps if step.initial), None)
-
-    def _when(self, transition: Transition) -> str:
-        """Return when the condition of a transition is tested: no competing transition before it fires."""
-        active = {step.id: self._rewriting.host.active(step) for step in self._chart.steps}
-        terms = [active[source] for source in transition.sources if source in active]
-        for other, text in self._tried:
-            if not set(other.sources).isdisjoint(transition.sources):
-                more = [active[source] for source in other.sources if source not in transition.sources]
-                terms.append(f"NOT {as_term(' AND '.join([*more, as_term(text)]))}")
-        return " AND ".join(terms)
-
-    def _declare(self, found: NetworkText) -> list[str]:
-        """Declare the variables that boxes need and the source does not have; their names."""
-        for helper in found.helpers:
-            known = Elementary.__members__.get((helper.type_name or "BOOL").upper())
-            kind = ElementaryType(name=known) if known is not None else DerivedType(name=helper.type_name or "")
-            self._rewriting.declare(helper.name, kind)
-        return [helper.name for helper in found.helpers]
 
     def _value_before(self, transition: Transition) -> str | None:
         """Return a condition of Beremiz, which reads what the boxes gave in the scan before."""
@@ -476,7 +449,7 @@ class _DrawnBoxes:
             needed = [each for each in self._rewriting.source.transitions if self._needs_boxes(each)]
             chart = self._rewriting.source.model_copy(update={"transitions": needed})
             found, self._kept = kept_conditions(chart, dialect, transitions=objects, taken=taken)
-            self._added += self._declare(found)
+            self._added += self._rewriting.declare_helpers(found.helpers)
             self._instances = {name.casefold() for name in found.instances}
             self._lines += print_node(found.tree).splitlines()
         tree = self._kept.get(transition.id)

@@ -13,29 +13,32 @@ from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from itertools import chain
+from collections.abc import Collection, Iterable, Sequence
 
 from plcopen_sfc.analysis.marking import marking_graph
 from plcopen_sfc.analysis.search_limits import Answer
-from plcopen_sfc.conversion.adaptation.chart_rewriting import taken_names
+from plcopen_sfc.conversion.adaptation.chart_rewriting import (
+    GRAPH_CHARTS,
+    ChartRewriting,
+    flags_in_use,
+    names_around,
+    taken_names,
+)
 from plcopen_sfc.conversion.executed_parts import HIDDEN_FLAG, told_flag
 from plcopen_sfc.formats.format_interface import SOURCE_CHART_FIELD, WriteOptions, may_have
 from plcopen_sfc.formats.plcopen.source_marks import SourceMarks
 from plcopen_sfc.languages.binding import Effects, Names, bind
 from plcopen_sfc.languages.effects import may_change, path_of
-from plcopen_sfc.languages.networks import condition_reader, draw_ld
+from plcopen_sfc.languages.networks import draw_ld
 from plcopen_sfc.languages.sfc_flag_uses import WATCHING_FLAGS, flags_at_rest, named_flags
-from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node
-from plcopen_sfc.languages.words import identifier, needs_quotes, take_name
+from plcopen_sfc.languages.st import parse_expression, parse_statements
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import ActionAssociation, PermanentOperation, Step, Transition
-from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _FIRST = 0
@@ -62,7 +65,7 @@ _ENDED = "actions that it ends, stored or delayed ones, go on there"
 def has_flags(project: Project, options: WriteOptions) -> bool:
     """True if `execute_flags` changes or reports something of a project."""
     is_known = may_have(options.source, SOURCE_CHART_FIELD) if options.same else options.of_codesys
-    return is_known and any(_flags_of(chart) for chart in project.charts())
+    return is_known and any(map(flags_in_use, project.charts()))
 
 
 def execute_flags(
@@ -71,9 +74,11 @@ def execute_flags(
     """Change the charts of `project`, a copy of `source` in SCL, so that conditions obey their flags."""
     named = named_flags(Names(source))
     for chart, before in zip(list(project.charts()), list(source.charts()), strict=True):
-        flags = frozenset(flag for flag in _flags_of(chart) if flag.variable.upper() not in options.at_rest)
+        flags = frozenset(flag for flag in flags_in_use(chart) if flag.variable.upper() not in options.at_rest)
         resting = flags_at_rest(source, before.pou, flags, named)
-        rewriter = _GraphFlags(chart, _texts_of(chart), resting, report, taken_names(project, chart))
+        taken = taken_names(project, chart)
+        rewriting = ChartRewriting(chart, before.chart, GRAPH_CHARTS, options, report, marks, taken)
+        rewriter = _GraphFlags(rewriting, resting)
         if not rewriter.rewrite(flags - WATCHING_FLAGS):
             continue
         marks[id(chart.chart)] = {"lines": rewriter.lines, "ends": rewriter.ends}
@@ -81,37 +86,11 @@ def execute_flags(
             marks[id(chart.chart)][SOURCE_CHART_FIELD] = before.chart
         else:
             marks.setdefault(id(chart.pou), {})["actions"] = before.pou.actions
-        if rewriter.declared:
-            marks.setdefault(id(chart.pou), {}).setdefault("variables", []).extend(rewriter.declared)
-
-
-def _flags_of(chart: Chart) -> frozenset[SfcFlag]:
-    project = chart.pou.project
-    declared = {variable.name.casefold() for variable in chart.pou.variables()}
-    for section in project.global_sections() if project is not None else ():
-        declared |= {variable.name.casefold() for variable in section.variables}
-    return chart.chart.flags_in_use(lambda name: name.casefold() in declared)
-
-
-def _texts_of(place: Chart) -> dict[int, str | None]:
-    """Return the conditions of a chart by the ids of its transitions; None for those that are no expression."""
-    read = condition_reader(place.chart, Dialect.SCL, transitions=place.pou.transitions)
-    texts: dict[int, str | None] = {}
-    for transition in place.chart.transitions:
-        found = read(transition.condition) if transition.condition is not None else None
-        is_whole = found is not None and not found.before and not found.helpers and found.complete
-        tree = found.tree if found is not None and is_whole else None
-        texts[transition.id] = print_node(tree) if tree is not None else None
-    return texts
 
 
 class FlagRewriter(ABC):
-    """Rewrites one chart for its flags. Of those `resting`, it tells nothing that has no effect.
+    """Rewrites one chart for its flags. Of those `resting`, it tells nothing that has no effect."""
 
-    `texts` are the conditions of its transitions by their ids, None for those that are no expression.
-    """
-
-    title: str
     obeyed = _OBEYED
     """The flags that conditions obey."""
     prefix = ""
@@ -119,20 +98,23 @@ class FlagRewriter(ABC):
     leaves_branches = False
     """True if a transition may leave whatever steps of simultaneous branches are active together."""
 
-    def __init__(self, chart: Chart, texts: Mapping[int, str | None], resting: Collection[SfcFlag]) -> None:
-        self._place, self._chart, self._texts, self._resting = chart, chart.chart, {**texts}, resting
+    def __init__(self, rewriting: ChartRewriting, resting: Collection[SfcFlag] = ()) -> None:
+        self._rewriting, self._host, self._note = rewriting, rewriting.host, rewriting.note
+        self._place, self._chart, self._resting = rewriting.chart, rewriting.chart.chart, resting
+        self._texts = {each.id: rewriting.text(each.condition) for each in self._chart.transitions}
+        """The conditions of transitions by their ids, None for those that are no expression."""
         self.lines: list[str] = []
         """The statements for behind the sequence, which set the memories."""
         self.ends: list[str] = []
         """The flags in use that end actions."""
-        self._dialect = Dialect.SCL if self.prefix else Dialect.IEC
-        self._bodies = [bind(body, self._dialect) for _, _, body in chart.pou.named_bodies()]
+        self._dialect = self._host.dialect
+        self._bodies = [bind(body, self._dialect) for _, _, body in self._place.pou.named_bodies()]
         """The texts of the POU before its chart is changed."""
         names = (SfcFlag.INIT, SfcFlag.RESET, SfcFlag.TIP, SfcFlag.TIP_MODE)
         self._init, self._reset, self._tip, self._tip_mode = (f"{self.prefix}{each.variable}" for each in names)
         self._pause = ""
         """The reason why the chart stops, where it does."""
-        self._timed = {step.id: step.min_time for step in chart.chart.steps if step.min_time}
+        self._timed = {step.id: step.min_time for step in self._chart.steps if step.min_time}
 
     def rewrite(self, flags: Collection[SfcFlag]) -> frozenset[SfcFlag]:
         """Change the chart, and report what became of these flags. Returns those that it obeys now."""
@@ -143,7 +125,7 @@ class FlagRewriter(ABC):
             if why is None:
                 self._note(Outcome.TRANSLATED, what, place, "the conditions of transitions obey it")
             elif flag not in self._resting:
-                self._note(Outcome.NOT_EXECUTED, what, place, f"{self.title} has no {flag.variable}: {why}")
+                self._note(Outcome.NOT_EXECUTED, what, place, f"{self._host.title} has no {flag.variable}: {why}")
         if executed:
             stopping = [f"{self.prefix}{flag.variable}" for flag in executed if flag in _STOPPING]
             self._pause = f"({' OR '.join(stopping)})" if len(stopping) > 1 else "".join(stopping)
@@ -152,17 +134,10 @@ class FlagRewriter(ABC):
 
     # -- what the target has
 
-    @abstractmethod
     def _declare(self, name: str) -> str:
         """Declare a Boolean variable that the source does not have; its name in texts."""
-
-    @abstractmethod
-    def _new_name(self, wish: str) -> str:
-        """Return a name that nothing in the block has."""
-
-    @abstractmethod
-    def _step_flag(self, step: Step) -> str:
-        """Return the flag of a step in texts."""
+        self._rewriting.declare(name, ElementaryType(name=Elementary.BOOL))
+        return f"{self.prefix}{name}"
 
     @abstractmethod
     def _added_step(self, wish: str, why: str) -> Step:
@@ -177,10 +152,6 @@ class FlagRewriter(ABC):
         transition.condition = Expression(text=condition)
         place = f"transition {self._chart.label(transition)}"
         self._note(Outcome.TRANSLATED, "condition", place, "it obeys the SFC flags of the chart")
-
-    @abstractmethod
-    def _note(self, outcome: Outcome, what: str, place: str, why: str) -> None:
-        """Report the outcome of something at `place` in the chart."""
 
     @abstractmethod
     def _end_stored(self, flags: Collection[SfcFlag]) -> None:
@@ -201,7 +172,7 @@ class FlagRewriter(ABC):
         if flag not in self.obeyed:
             return _WITHOUT.get(flag, "the chart neither obeys it nor sets it")
         chart = self._chart
-        if not self._is_declared(flag) and (chart is not self._place.pou.chart or self._is_global(flag)):
+        if not self._is_declared(flag) and (chart is not self._place.pou.chart or self._is_known(flag)):
             return "it is no variable of the block"
         if sum(step.initial for step in chart.steps) != 1 or any(step.macro is not None for step in chart.steps):
             return _BRANCHES
@@ -231,10 +202,9 @@ class FlagRewriter(ABC):
     def _is_declared(self, flag: SfcFlag) -> bool:
         return any(each.name.casefold() == flag.variable.casefold() for each in self._place.pou.variables())
 
-    def _is_global(self, flag: SfcFlag) -> bool:
-        project = self._place.pou.project
-        shared = [section.variables for section in project.global_sections()] if project is not None else []
-        return any(each.name.casefold() == flag.variable.casefold() for each in chain(*shared))
+    def _is_known(self, flag: SfcFlag) -> bool:
+        """True if the POU declares a flag, or a global variable has its name."""
+        return flag.variable.casefold() in names_around(self._place.pou)
 
     def _held_by(self, flag: SfcFlag) -> list[int]:
         """Return the ids of the transitions that do not fire while a flag is TRUE, and that others do not precede."""
@@ -327,7 +297,7 @@ class FlagRewriter(ABC):
             if stops:
                 found = self._memory(f"{self._chart.label(transition).replace(' -> ', '_to_')}_waits")
                 left = [step for step in self._chart.steps if step.id in transition.sources]
-                now = all_of([*map(self._step_flag, left), *fires])
+                now = all_of([*map(self._host.active, left), *fires])
                 self.lines.append(f"{found} := {stops} AND (({waits} AND {found}) OR ({now}));")
                 condition = all_of([f"({condition}) OR ({waits} AND {found})", f"NOT {self._pause}"])
             if is_first or all_wait:
@@ -365,7 +335,7 @@ class FlagRewriter(ABC):
 
     def _memory(self, wish: str) -> str:
         """Declare a Boolean variable that the source does not have; its name in texts."""
-        return self._declare(self._new_name(identifier(wish)))
+        return self._declare(self._rewriting.new_name(wish))
 
     # -- what differs
 
@@ -411,20 +381,7 @@ class FlagRewriter(ABC):
 class _GraphFlags(FlagRewriter):
     """Rewrites one chart for a block of S7-GRAPH."""
 
-    title, prefix = "S7-GRAPH", "#"
-
-    def __init__(
-        self,
-        chart: Chart,
-        texts: Mapping[int, str | None],
-        resting: Collection[SfcFlag],
-        report: ConversionReport,
-        taken: set[str],
-    ) -> None:
-        super().__init__(chart, texts, resting)
-        self._report, self._taken = report, taken
-        self.declared: list[Variable] = []
-        """The variables added to the block: flags that only the source tool declares, and memories."""
+    prefix = "#"
 
     def _execute(self, flags: Collection[SfcFlag]) -> None:
         if not _ENDING.isdisjoint(flags):
@@ -434,7 +391,7 @@ class _GraphFlags(FlagRewriter):
     def _wait(self) -> None:
         """Let the transitions of the chart wait for minimum times, which those of flags do not."""
         for step in (step for step in self._chart.steps if step.id in self._timed):
-            least = f"#{step.name}.T >= {step.min_time}"
+            least = f"{self._host.elapsed(step)} >= {step.min_time}"
             step.min_time = None
             for transition in (each for each in self._chart.transitions if step.id in each.sources):
                 self._texts[transition.id] = text = all_of([self._texts[transition.id] or "TRUE", least])
@@ -508,42 +465,16 @@ class _GraphFlags(FlagRewriter):
         if SfcFlag.RESET in flags:
             self.lines.append(f"{before} := {self._reset};")
 
-    def _declare(self, name: str) -> str:
-        pou = self._place.pou
-        if pou.interface is None:
-            pou.interface = Interface()
-        if not self.declared:
-            pou.interface.sections.append(VariableSection(kind=SectionKind.LOCAL))
-        variable = Variable(name=name, type=ElementaryType(name=Elementary.BOOL))
-        pou.interface.sections[-1].variables.append(variable)
-        self.declared.append(variable)
-        return f"#{name}"
-
-    def _step_flag(self, step: Step) -> str:
-        return step_flag(step)
-
     def _added_step(self, wish: str, why: str) -> Step:
-        step = self._chart.add_step(self._new_name(wish))
+        step = self._chart.add_step(self._rewriting.new_name(wish))
         self._note(Outcome.TRANSLATED, "step", f"step {step.name}", why)
         return step
 
-    def _new_name(self, wish: str) -> str:
-        return take_name(wish, self._taken)
-
     def _lead(self, sources: Sequence[Step], target: Step, condition: str) -> None:
         added = self._chart.add_transition(sources, target, Expression(text=condition), priority=_FIRST)
-        added.name = self._new_name(f"{sources[0].name}_to_{target.name}")
+        added.name = self._rewriting.new_name(f"{sources[0].name}_to_{target.name}")
         why = "it replaces an SFC flag, and is tried before the others"
         self._note(Outcome.TRANSLATED, "transition", f"transition {added.name}", why)
-
-    def _note(self, outcome: Outcome, what: str, place: str, why: str) -> None:
-        path = self._place.report_path
-        self._report.add(outcome, what, f"{path} / {place}" if place else path, why)
-
-
-def step_flag(step: Step) -> str:
-    """Return the flag of a step in texts of S7-GRAPH."""
-    return f'#"{step.name}".X' if needs_quotes(step.name) else f"#{step.name}.X"
 
 
 def all_of(terms: Iterable[str]) -> str:

@@ -64,11 +64,8 @@ class _Tc6Flags(FlagRewriter):
     leaves_branches = True
 
     def __init__(self, rewriting: ChartRewriting, steps: StepRewriter, checks: StepChecks) -> None:
-        chart = rewriting.chart
-        self.title = rewriting.host.title
-        texts = {each.id: rewriting.text(each.condition) for each in chart.chart.transitions}
-        super().__init__(chart, texts, ())
-        self._rewriting, self._steps, self._added = rewriting, steps, AddedElements(rewriting, checks)
+        super().__init__(rewriting)
+        self._steps, self._added = steps, AddedElements(rewriting, checks)
         self._names = [_TOGETHER]
         self._changed: list[Transition] = []
         self._called = Effects.all(body.code for body in self._bodies).calls
@@ -115,18 +112,11 @@ class _Tc6Flags(FlagRewriter):
         return super()._refusal(flag)
 
     def _is_declared(self, flag: SfcFlag) -> bool:
-        return super()._is_declared(flag) or self._is_global(flag)
+        return self._is_known(flag)
 
     def _declare(self, name: str) -> str:
-        self._rewriting.declare(name, ElementaryType(name=Elementary.BOOL))
         self._names.append(name)
-        return name
-
-    def _new_name(self, wish: str) -> str:
-        return self._rewriting.new_name(wish)
-
-    def _step_flag(self, step: Step) -> str:
-        return self._rewriting.host.active(step)
+        return super()._declare(name)
 
     def _added_step(self, wish: str, why: str) -> Step:
         return self._added.step(wish, why)
@@ -141,9 +131,6 @@ class _Tc6Flags(FlagRewriter):
         for step in (each for each in self._chart.steps if each.id in transition.sources and each.min_time):
             why = "the conditions that leave it ask for its time, and for the flags"
             self._note(Outcome.TRANSLATED, "minimum time", f"step {step.name}", why)
-
-    def _note(self, outcome: Outcome, what: str, place: str, why: str) -> None:
-        self._rewriting.note(outcome, what, place, why)
 
     # -- what is stored
 
@@ -236,7 +223,7 @@ class _Tc6Flags(FlagRewriter):
         if not all(row.qualifier in _ACTIVE | _PULSES for _, row in rows):
             return ""
         steps = {step.id: step for step, row in rows if row.qualifier is not Qualifier.P0}
-        return " OR ".join([*map(self._step_flag, steps.values()), f"NOT ({ends})" if " " in ends else f"NOT {ends}"])
+        return " OR ".join([*map(self._host.active, steps.values()), f"NOT ({ends})" if " " in ends else f"NOT {ends}"])
 
     def _is_executed_at_end(self, step: Step) -> bool:
         rows = [row for row in step.actions if is_code(self._place, row)]
@@ -316,7 +303,7 @@ class _Tc6Flags(FlagRewriter):
             self._watch_times(found, obeyed, halts, stopped)
         if SfcFlag.CURRENT_STEP in found:
             name = SfcFlag.CURRENT_STEP.variable
-            steps = [(self._step_flag(step), f"{name} := '{step.name}';") for step in reversed(self._chart.steps)]
+            steps = [(self._host.active(step), f"{name} := '{step.name}';") for step in reversed(self._chart.steps)]
             self._watching += guarded(_none(stopped), _first_of([*steps, ("", f"{name} := '';")]))
             self._watching += guarded(self._init, [f"{name} := '';"]) if SfcFlag.INIT in obeyed else []
         return frozenset(found)
@@ -338,12 +325,12 @@ class _Tc6Flags(FlagRewriter):
         values = {SfcFlag.ERROR: "TRUE", SfcFlag.ERROR_POU: f"'{self._place.pou.name}'"}
         late: list[tuple[str, str]] = []
         for step in (step for step in self._chart.steps if step.max_time):
-            elapsed = self._rewriting.host.elapsed(step)
+            elapsed = self._host.elapsed(step)
             if SfcFlag.QUIT_ERROR in obeyed:
                 elapsed = f"{elapsed} - {self._quitted(step, elapsed)}"
             told = values | {SfcFlag.ERROR_STEP: f"'{step.name}'"}
             lines = " ".join(f"{flag.variable} := {told[flag]};" for flag in known)
-            late.append((f"{self._step_flag(step)} AND {elapsed} > {step.max_time}", lines))
+            late.append((f"{self._host.active(step)} AND {elapsed} > {step.max_time}", lines))
             why = "statements that every scan executes set SFCError"
             self._note(Outcome.TRANSLATED, "max time", f"step {step.name}", why)
         watches = [*stopped, SfcFlag.ERROR.variable]
@@ -361,7 +348,7 @@ class _Tc6Flags(FlagRewriter):
             self._quit_before = self._memory(f"{quits}_before")
             is_paused = f" OR ({self._quit_before} AND {self._pause})" if self._pause != quits else ""
             self.lines.append(f"{self._quit_before} := {quits}{is_paused};")
-        left = f"NOT {self._step_flag(step)}"
+        left = f"NOT {self._host.active(step)}"
         if any(step.id in each.sources and step.id in each.targets for each in self._chart.transitions):
             left += f" OR {elapsed} < {name}"  # it was left and entered at once
         self._watching += _first_of(

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from functools import partial
 
 from plcopen_sfc.conversion.adaptation.boxes_before_conditions import execute_boxes, has_boxes
+from plcopen_sfc.conversion.adaptation.chart_rewriting import flags_in_use
 from plcopen_sfc.conversion.adaptation.chart_rules import CHART_RULES, needs_rewriting, report_orders, rewrite_charts
 from plcopen_sfc.conversion.adaptation.flag_transitions import execute_flags, has_flags
 from plcopen_sfc.conversion.adaptation.global_variables import (
@@ -348,17 +348,11 @@ def _declared_names(project: Project) -> Iterator[tuple[str, str, str]]:
 
 def _report_flags(project: Project, report: ConversionReport) -> None:
     """Report variables of a source without SFC flags that are flags in CODESYS, as they have their names."""
-    known = {variable.name.casefold() for section in project.global_sections() for variable in section.variables}
     for chart in project.charts():
-        declared = known | {variable.name.casefold() for variable in chart.pou.variables()}
-        for flag in sorted(chart.chart.flags_in_use(partial(_is_among, declared))):
+        for flag in sorted(flags_in_use(chart)):
             does = "is set by the chart" if flag in _SET_BY_CHARTS else "controls the chart"
             why = f"a variable of this name {does} in CODESYS, and has no such effect in the source"
             report.add(Outcome.APPROXIMATED, flag.variable, chart.report_path, why)
-
-
-def _is_among(names: set[str], name: str) -> bool:
-    return name.casefold() in names
 
 
 _SET_BY_CHARTS = frozenset(
