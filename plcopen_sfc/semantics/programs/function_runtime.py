@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import math
 import struct
+from collections.abc import Callable
 from datetime import date
 from typing import Any
 
@@ -27,67 +28,32 @@ _DAY = 86_400 * SECOND
 _EPOCH = date(1970, 1, 1).toordinal()
 
 
-def _defined(name: str, function: Any, *values: float) -> float:
-    try:
-        return float(function(*values))
-    except (ValueError, OverflowError, ZeroDivisionError):
-        shown = ", ".join(map(str, values))
-        raise SimulationError(f"{name}({shown}) is no real number") from None
+def _defined(name: str, function: Callable[[float], float]) -> Callable[[float], float]:
+    """Return a function of real numbers that ends the scan where it has no value."""
+
+    def value(given: float) -> float:
+        try:
+            return float(function(given))
+        except (ValueError, OverflowError, ZeroDivisionError):
+            raise SimulationError(f"{name}({given}) is no real number") from None
+
+    return value
 
 
-def sqrt(value: float) -> float:
-    """SQRT."""
-    return _defined("SQRT", math.sqrt, value)
-
-
-def ln(value: float) -> float:
-    """LN: natural logarithm."""
-    return _defined("LN", math.log, value)
-
-
-def log(value: float) -> float:
-    """LOG: logarithm to base 10."""
-    return _defined("LOG", math.log10, value)
-
-
-def exp(value: float) -> float:
-    """EXP."""
-    return _defined("EXP", math.exp, value)
-
-
-def sin(value: float) -> float:
-    """SIN, of radians."""
-    return _defined("SIN", math.sin, value)
-
-
-def cos(value: float) -> float:
-    """COS, of radians."""
-    return _defined("COS", math.cos, value)
-
-
-def tan(value: float) -> float:
-    """TAN, of radians."""
-    return _defined("TAN", math.tan, value)
-
-
-def asin(value: float) -> float:
-    """ASIN, in radians."""
-    return _defined("ASIN", math.asin, value)
-
-
-def acos(value: float) -> float:
-    """ACOS, in radians."""
-    return _defined("ACOS", math.acos, value)
-
-
-def atan(value: float) -> float:
-    """ATAN, in radians."""
-    return math.atan(value)
-
-
-def atan2(y: float, x: float) -> float:
-    """ATAN2, in radians."""
-    return math.atan2(y, x)
+sqrt = _defined("SQRT", math.sqrt)
+ln = _defined("LN", math.log)
+log = _defined("LOG", math.log10)
+exp = _defined("EXP", math.exp)
+sin = _defined("SIN", math.sin)
+cos = _defined("COS", math.cos)
+tan = _defined("TAN", math.tan)
+asin = _defined("ASIN", math.asin)
+acos = _defined("ACOS", math.acos)
+atan = math.atan
+atan2 = math.atan2
+rounded = half_even
+is_valid = math.isfinite
+length = len
 
 
 def sqr(value: float) -> float:
@@ -98,11 +64,6 @@ def sqr(value: float) -> float:
 def frac(value: float) -> float:
     """FRAC of S7: what is behind the decimal point."""
     return math.modf(value)[0]
-
-
-def rounded(value: float) -> int:
-    """ROUND of S7: halves to the even one."""
-    return half_even(value)
 
 
 def ceil(value: float) -> int:
@@ -211,11 +172,6 @@ def is_valid_bcd(value: int) -> bool:
     return f"{value:X}".isdigit()
 
 
-def is_valid(value: float) -> bool:
-    """IS_VALID: True if it is a finite number."""
-    return math.isfinite(value)
-
-
 def bits_of_real(value: float, bits: int) -> int:
     """Return a real number as the bits that hold it."""
     form = ("<f", "<I") if bits == 32 else ("<d", "<Q")
@@ -229,11 +185,6 @@ def real_of_bits(value: int, bits: int) -> float:
 
 
 # -- strings; positions count from 1
-
-
-def length(text: str) -> int:
-    """LEN."""
-    return len(text)
 
 
 def left(text: str, count: int) -> str:

@@ -21,7 +21,6 @@ from plcopen_sfc.semantics.programs.paths import PathTranslator
 from plcopen_sfc.semantics.programs.places import Place
 from plcopen_sfc.semantics.programs.value_code import Code, constant, ranged, settled
 
-_REAL_FUNCTIONS = frozenset("SQRT LN LOG EXP SIN COS TAN ASIN ACOS ATAN".split())
 _CONVERSION = re.compile(r"(?:(?P<source>\w+?)_)?TO_(?P<target>\w+)")
 _TRUNCATION = re.compile(r"(?:(?P<source>L?REAL)_)?TRUNC_(?P<target>\w+)")
 _BCD = re.compile(
@@ -185,11 +184,9 @@ class StandardFunctions:
         found = _FUNCTIONS.get(name)
         if found is not None:
             return found(self, name, nodes, expected)
-        if name in _REAL_FUNCTIONS:
-            return self._real(name, nodes)
         raise SimulationError(f"{name} is not known to the simulator")
 
-    def _real(self, name: str, nodes: list[n.Expression]) -> Code:
+    def _real(self, name: str, nodes: list[n.Expression], _: t.Type | None) -> Code:
         codes = [self._translator.value(node, t.REAL) for node in nodes]
         reals = [c.type for c in codes if isinstance(c.type, t.ScalarType) and c.type.family is t.Family.REAL]
         type_ = max(reals, key=lambda r: r.bits, default=t.LREAL)
@@ -304,9 +301,6 @@ class StandardFunctions:
         type_ = expected if whole and isinstance(expected, t.ScalarType) else t.DINT
         found = self._call({"ROUND": "rounded", "TRUNC": "truncated"}.get(name, name.lower()), [code], t.LINT)
         return settled(self._converter.converted(found, type_))
-
-    def _simple_real(self, name: str, nodes: list[n.Expression], _: t.Type | None) -> Code:
-        return self._real(name, nodes)
 
     def _scaled(self, name: str, nodes: list[n.Expression], expected: t.Type | None) -> Code:
         """NORM_X and SCALE_X of S7."""
@@ -426,7 +420,7 @@ _FUNCTIONS: dict[str, _Function] = {
     **dict.fromkeys("CONCAT_DATE CONCAT_TOD CONCAT_LTOD CONCAT_DT CONCAT_LDT".split(), StandardFunctions._composed),
     "DAY_OF_WEEK": StandardFunctions._weekday,
     **dict.fromkeys(("TRUNC", "ROUND", "CEIL", "FLOOR"), StandardFunctions._rounded),
-    **dict.fromkeys(("ATAN2", "SQR", "FRAC"), StandardFunctions._simple_real),
+    **dict.fromkeys("SQRT LN LOG EXP SIN COS TAN ASIN ACOS ATAN ATAN2 SQR FRAC".split(), StandardFunctions._real),
     **dict.fromkeys(("NORM_X", "SCALE_X"), StandardFunctions._scaled),
     **dict.fromkeys(("TIME", "LTIME"), StandardFunctions._clock),
     **dict.fromkeys(
