@@ -26,9 +26,8 @@ from plcopen_sfc.languages.networks.condition_reading import (
 )
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, declared_rules
 from plcopen_sfc.languages.networks.network_drawing import (
+    DrawnBody,
     DrawnExpression,
-    DrawnFbd,
-    DrawnLd,
     draw_fbd,
     draw_fbd_expression,
     draw_ld,
@@ -46,9 +45,8 @@ from plcopen_sfc.languages.networks.wires import normal_form
 
 __all__ = [
     "DrawingRules",
+    "DrawnBody",
     "DrawnExpression",
-    "DrawnFbd",
-    "DrawnLd",
     "Helper",
     "NetworkExpression",
     "NetworkProblem",

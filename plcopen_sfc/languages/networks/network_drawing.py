@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.languages.effects import is_repeatable, is_variable, path_of
@@ -231,20 +231,17 @@ class LadderDrafter(Drafter):
 
     # -- the rails
 
-    def start(self, x: float, y: float) -> float:
+    def start(self) -> float:
         """Draw the left power rail for the rungs that are placed next; returns where they may begin."""
-        self._rail = unchecked(LeftPowerRail, id=self.new_id(), position=(float(x), float(y)), outputs=[])
-        return x + RAIL_WIDTH + _GAP
+        self._rail = unchecked(LeftPowerRail, id=self.new_id(), position=(float(_MARGIN), float(_MARGIN)), outputs=[])
+        return _MARGIN + RAIL_WIDTH + _GAP
 
-    def rail(self, bottom: float) -> LeftPowerRail:
-        """Return the left power rail, down to `bottom`."""
+    def with_rails(self, nodes: Sequence[Node], bottom: float, right: float | None = None) -> list[Node]:
+        """Return elements, which have their places, behind the left power rail and before a right one at `right`."""
         left, top = self._rail.position
         give_place(self._rail, left, top, (RAIL_WIDTH, bottom - top))
-        return self._rail
-
-    def finish(self, nodes: Sequence[Node], right: float, bottom: float) -> tuple[LeftPowerRail, RightPowerRail]:
-        """Return the power rails around `nodes`, which have their places."""
-        top = self._rail.position[1]
+        if right is None:
+            return [self._rail, *nodes]
         pins = []
         for coil in (node for node in nodes if isinstance(node, Coil)):
             at = (coil.position[0] + (coil.width or 0), coil.position[1] + ROW / 2)
@@ -252,7 +249,7 @@ class LadderDrafter(Drafter):
             pins.append(unchecked(InputPin, position=(0.0, at[1] - top), connections=[wire]))
         rail = unchecked(RightPowerRail, id=self.new_id(), inputs=pins)
         give_place(rail, right, top, (RAIL_WIDTH, bottom - top))
-        return self.rail(bottom), rail
+        return [self._rail, *nodes, rail]
 
 
 _LOGIC = n.CONNECTIVES | {Operator.NOT}
@@ -300,19 +297,14 @@ _MARGIN = 20
 _RUNG_GAP = 20
 
 
-@dataclass(frozen=True, slots=True)
-class DrawnFbd:
-    """A function block diagram, and what could not be expressed in it."""
-
-    body: FbdBody
-    problems: tuple[NetworkProblem, ...]
+AnyBody = TypeVar("AnyBody", FbdBody, LdBody)
 
 
 @dataclass(frozen=True, slots=True)
-class DrawnLd:
-    """A ladder diagram, and what could not be expressed in it."""
+class DrawnBody(Generic[AnyBody]):
+    """A function block diagram or a ladder diagram, and what could not be expressed in it."""
 
-    body: LdBody
+    body: AnyBody
     problems: tuple[NetworkProblem, ...]
 
 
@@ -331,35 +323,34 @@ class DrawnExpression:
 
 def draw_fbd(
     statements: Iterable[Statement], rules: DrawingRules | None = None, *, first_id: int = 1, divided: bool = False
-) -> DrawnFbd:
+) -> DrawnBody[FbdBody]:
     """Return statements as a function block diagram.
 
     `divided`: each rung is a network of its own, as in most tools; else all are on one sheet, as in TC6. The ids of
     elements count from `first_id` and are unique in the body.
     """
     drafter = Drafter(rules or DrawingRules(), first_id)
-    with collecting_rarely():
-        networks = _sheets(drafter.statements(statements), divided=divided)
-        for rungs in networks:
-            _stack(rungs, _MARGIN)
-        bodies = [unchecked(LogicNetwork, nodes=[node for rung in rungs for node in rung.nodes]) for rungs in networks]
-    return DrawnFbd(FbdBody(networks=bodies), tuple(drafter.problems))
+    return DrawnBody(FbdBody(networks=_networks(drafter, statements, divided=divided)), tuple(drafter.problems))
 
 
 def draw_ld(
     statements: Iterable[Statement], rules: DrawingRules | None = None, *, first_id: int = 1, divided: bool = False
-) -> DrawnLd:
+) -> DrawnBody[LdBody]:
     """Return statements as a ladder diagram; see `draw_fbd`."""
     drafter = LadderDrafter(rules or DrawingRules(), first_id)
-    bodies = []
+    return DrawnBody(LdBody(networks=_networks(drafter, statements, divided=divided)), tuple(drafter.problems))
+
+
+def _networks(drafter: Drafter, statements: Iterable[Statement], *, divided: bool) -> list[LogicNetwork]:
+    networks = []
     with collecting_rarely():
         for rungs in _sheets(drafter.statements(statements), divided=divided):
-            left = drafter.start(_MARGIN, _MARGIN)
-            right, bottom = _stack(rungs, left)
+            ladder = drafter if isinstance(drafter, LadderDrafter) else None
+            right, bottom = _stack(rungs, ladder.start() if ladder is not None else _MARGIN)
             nodes = [node for rung in rungs for node in rung.nodes]
-            first, last = drafter.finish(nodes, right + _MARGIN, bottom)
-            bodies.append(unchecked(LogicNetwork, nodes=[first, *nodes, last]))
-    return DrawnLd(LdBody(networks=bodies), tuple(drafter.problems))
+            nodes = ladder.with_rails(nodes, bottom, right + _MARGIN) if ladder is not None else nodes
+            networks.append(unchecked(LogicNetwork, nodes=nodes))
+    return networks
 
 
 def draw_fbd_expression(
@@ -368,10 +359,7 @@ def draw_fbd_expression(
     """Return an expression as FBD elements whose value somebody else takes: the condition of a transition, a pin."""
     drafter = Drafter(rules or DrawingRules(), first_id)
     item = drafter.value(expression)
-    area = item.place(_MARGIN, _MARGIN)
-    outputs = tuple(Connection(source=end.source, pin=end.pin) for end in area.ends)
-    network = LogicNetwork(nodes=drafter.nodes)
-    return DrawnExpression(network, outputs, item.negated, tuple(drafter.problems))
+    return _drawn(drafter, item, item.place(_MARGIN, _MARGIN), drafter.nodes)
 
 
 def draw_ld_expression(
@@ -380,9 +368,12 @@ def draw_ld_expression(
     """Return a Boolean expression as LD elements from a left power rail on; see `draw_fbd_expression`."""
     drafter = LadderDrafter(rules or DrawingRules(), first_id)
     item = drafter.power(expression)
-    area = item.place(drafter.start(_MARGIN, _MARGIN), _MARGIN)
+    area = item.place(drafter.start(), _MARGIN)
+    return _drawn(drafter, item, area, drafter.with_rails(drafter.nodes, area.bottom))
+
+
+def _drawn(drafter: Drafter, item: DrawnItem, area: Area, nodes: list[Node]) -> DrawnExpression:
     outputs = tuple(Connection(source=end.source, pin=end.pin) for end in area.ends)
-    nodes: list[Node] = [drafter.rail(area.bottom), *drafter.nodes]
     return DrawnExpression(LogicNetwork(nodes=nodes), outputs, item.negated, tuple(drafter.problems))
 
 

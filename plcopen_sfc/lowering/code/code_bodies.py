@@ -11,7 +11,7 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.formats.matiec.matiec_statements import compilable_comments
 from plcopen_sfc.languages.il_printing import NoInstructionError, statement_instructions
-from plcopen_sfc.languages.networks import DrawingRules, DrawnFbd, DrawnLd, declared_rules, draw_fbd, draw_ld
+from plcopen_sfc.languages.networks import DrawingRules, DrawnBody, declared_rules, draw_fbd, draw_ld
 from plcopen_sfc.languages.networks.element_places import on_one_sheet
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
@@ -164,7 +164,7 @@ def titled(network: CodeNetwork) -> tuple[n.Statement, ...]:
 
 
 def _drawn(
-    code: LoweredCode, draw: Callable[..., DrawnFbd | DrawnLd], rules: DrawingRules, pou: str
+    code: LoweredCode, draw: Callable[..., DrawnBody[FbdBody] | DrawnBody[LdBody]], rules: DrawingRules, pou: str
 ) -> list[LogicNetwork]:
     found: list[LogicNetwork] = []
     free = 1

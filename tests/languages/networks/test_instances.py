@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from plcopen_sfc import model as m
 from plcopen_sfc.languages.networks import (
     DrawingRules,
-    DrawnFbd,
-    DrawnLd,
+    DrawnBody,
     body_statements,
     declared_rules,
     draw_fbd,
@@ -22,12 +21,12 @@ from plcopen_sfc.languages.st import parse_statements, print_node
 from tests.sweeps import examples
 
 
-def drawn(text: str, rules: DrawingRules, *, ladder: bool = False) -> DrawnFbd | DrawnLd:
+def drawn(text: str, rules: DrawingRules, *, ladder: bool = False) -> DrawnBody[m.FbdBody] | DrawnBody[m.LdBody]:
     statements = parse_statements(text).tree.statements
     return draw_ld(statements, rules) if ladder else draw_fbd(statements, rules)
 
 
-def lines(found: DrawnFbd | DrawnLd) -> list[str]:
+def lines(found: DrawnBody[m.FbdBody] | DrawnBody[m.LdBody]) -> list[str]:
     assert not found.problems
     read = body_statements(found.body)
     assert read.complete
