@@ -24,6 +24,7 @@ _MOST_ANSWERS = 60
 _LARGEST_TERM = 200
 _MOST_STATES = 2_000
 Key = tuple[Hashable, ...]
+Operator = Callable[["Term", object], "Term"]
 
 
 class Answers:
@@ -39,6 +40,14 @@ class Answers:
         if len(self.branching.answers) > _MOST_ANSWERS:
             raise NotProvableError("too many terms are compared in a scan")
         return self.branching.answer(question)
+
+
+def _both_ways(operation: str) -> tuple[Operator, Operator]:
+    """Return the methods of an operation whose left and whose right operand is a term."""
+    return (
+        lambda term, other: term.made(operation, term, other),
+        lambda term, other: term.made(operation, other, term),
+    )
 
 
 class Term(Symbolic):
@@ -78,53 +87,25 @@ class Term(Symbolic):
     def __ne__(self, other: object) -> bool:
         return not self == other
 
-    def _made(self, operation: str, *operands: object) -> Term:
+    def made(self, operation: str, *operands: object) -> Term:
+        """Return the result of an operation with terms."""
         size = 1 + sum(each._size if isinstance(each, Term) else 1 for each in operands)
         if size > _LARGEST_TERM:
             raise NotProvableError("too much is calculated in a scan")
         return Term((operation, *map(_key_of, operands)), self._answers, size)
 
-    def __add__(self, other: object) -> Term:
-        return self._made("+", self, other)
-
-    def __radd__(self, other: object) -> Term:
-        return self._made("+", other, self)
-
-    def __sub__(self, other: object) -> Term:
-        return self._made("-", self, other)
-
-    def __rsub__(self, other: object) -> Term:
-        return self._made("-", other, self)
-
-    def __mul__(self, other: object) -> Term:
-        return self._made("*", self, other)
-
-    def __rmul__(self, other: object) -> Term:
-        return self._made("*", other, self)
-
-    def __and__(self, other: object) -> Term:
-        return self._made("&", self, other)
-
-    def __rand__(self, other: object) -> Term:
-        return self._made("&", other, self)
-
-    def __or__(self, other: object) -> Term:
-        return self._made("|", self, other)
-
-    def __ror__(self, other: object) -> Term:
-        return self._made("|", other, self)
-
-    def __xor__(self, other: object) -> Term:
-        return self._made("^", self, other)
-
-    def __rxor__(self, other: object) -> Term:
-        return self._made("^", other, self)
+    __add__, __radd__ = _both_ways("+")
+    __sub__, __rsub__ = _both_ways("-")
+    __mul__, __rmul__ = _both_ways("*")
+    __and__, __rand__ = _both_ways("&")
+    __or__, __ror__ = _both_ways("|")
+    __xor__, __rxor__ = _both_ways("^")
 
     def __neg__(self) -> Term:
-        return self._made("neg", self)
+        return self.made("neg", self)
 
     def __abs__(self) -> Term:
-        return self._made("abs", self)
+        return self.made("abs", self)
 
     def _unknown(self, *_: object) -> NoReturn:
         raise NotProvableError("a number that is calculated must be known")
