@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
 
 from lxml import etree
 
@@ -33,12 +35,12 @@ from plcopen_sfc.formats.plcopen.tc6_writing import (
     add_child,
     add_unknown,
     boolean,
-    decimal,
     finish_element,
     write_point,
     write_text,
 )
 from plcopen_sfc.model import network as logic
+from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.network import (
     BlockParameters,
     BlockVariable,
@@ -46,7 +48,6 @@ from plcopen_sfc.model.network import (
     InputPin,
     LogicNetwork,
     Node,
-    NodeBase,
     OutputPin,
     Storage,
 )
@@ -56,26 +57,93 @@ EDGES = ("none", "rising", "falling")
 STORAGES = ("none", "set", "reset")
 
 
+@dataclass(frozen=True)
+class NodeElement:
+    """Element of a kind of node.
+
+    `attributes` are its own ones by the fields that have them, `text` is the field and the name of a child with a plain
+    text, `content` the field of a child with a formatted one. `sides`: what follows the names of its modifiers. `pins`
+    are the fields with its pins; those of the power rails are lists.
+    """
+
+    kind: str
+    attributes: Mapping[str, str] = field(default_factory=dict)
+    text: str = ""
+    content: str = ""
+    sides: tuple[str, ...] = ()
+    pins: frozenset[str] = frozenset()
+
+    @cached_property
+    def native(self) -> frozenset[str]:
+        """The fields that the element, its attributes and its pins have."""
+        modifiers = {f"{name}{_suffix(side)}" for side in self.sides for name in _MODIFIERS}
+        return _GEOMETRY | {*self.attributes, self.text, self.content} | modifiers | self.pins
+
+
+def _suffix(side: str) -> str:
+    return f"_{side.lower()}" if side else ""
+
+
+_GEOMETRY = frozenset({"kind", "id", "local_id", "position", "width", "height", "execution_order"})
+_INPUT = frozenset({"input"})
+_OUTPUT = frozenset({"output"})
+_BOX = frozenset({"parameters"})
+_MODIFIERS = frozenset({"negated", "edge", "storage"})
+_PARAMETERS = {"inputVariables": "inputs", "inOutVariables": "in_outs", "outputVariables": "outputs"}
+_CONTENT = {"content": "content", "alternativeText": "alternative_text"}
+
+_ELEMENTS = {
+    "block": NodeElement(
+        "block", {"type_name": "typeName", "instance": "instanceName"}, pins=frozenset({"parameters"})
+    ),
+    "inVariable": NodeElement("input", text="expression", sides=("",), pins=_OUTPUT),
+    "outVariable": NodeElement("output", text="expression", sides=("",), pins=_INPUT),
+    "inOutVariable": NodeElement("inOut", text="expression", sides=("In", "Out"), pins=_INPUT | _OUTPUT),
+    "contact": NodeElement("contact", text="variable", sides=("",), pins=_INPUT | _OUTPUT),
+    "coil": NodeElement("coil", text="variable", sides=("",), pins=_INPUT | _OUTPUT),
+    "leftPowerRail": NodeElement("leftPowerRail", pins=frozenset({"outputs"})),
+    "rightPowerRail": NodeElement("rightPowerRail", pins=frozenset({"inputs"})),
+    "jump": NodeElement("jump", {"label": "label"}, pins=_INPUT),
+    "label": NodeElement("label", {"label": "label"}),
+    "return": NodeElement("return", pins=_INPUT),
+    "connector": NodeElement("connector", {"name": "name"}, pins=_INPUT),
+    "continuation": NodeElement("continuation", {"name": "name"}, pins=_OUTPUT),
+    "comment": NodeElement("comment", content="content"),
+    "error": NodeElement("error", content="content"),
+    "vendorElement": NodeElement("vendorElement", content="alternative_text", pins=_BOX),
+}
+TAGS = {shape.kind: tag for tag, shape in _ELEMENTS.items()}
+"""The element of each kind of node."""
+
+
 def read_node(ctx: Tc6ReadContext, element: etree._Element, local: str) -> Fields | None:
     """Read one FBD, LD or common element; None where `local` is none of them. The id is left to the caller."""
-    entry = _NODE_READERS.get(local)
-    if entry is None:
+    shape = _ELEMENTS.get(local)
+    if shape is None:
         return None
-    kind, read_attributes = entry
     left = attributes(element)
     left.pop("localId", None)
-    fields: Fields = {"kind": kind}
-    read_attributes(ctx, element, left, fields)
+    fields: Fields = {"kind": shape.kind}
+    for name, attribute in shape.attributes.items():
+        optional = name == "instance"
+        fields[name] = left.pop(attribute, None) if optional else take_required(ctx, element, left, attribute)
+    for name in (shape.text, shape.content):
+        if name:
+            fields[name] = ""
+    for side in shape.sides:
+        _read_modifiers(ctx, element, left, fields, side)
     read_geometry(ctx, element, left, fields)
     for child in element:
-        _read_node_child(ctx, child, local, fields)
+        _read_node_child(ctx, child, local, shape, fields)
     keep_attributes(fields, left)
     if local == "comment" and fields["kind"] == "vendorElement":  # see `_write_title`
         fields["alternative_text"] = fields.pop("content")
     return fields
 
 
-def _read_node_child(ctx: Tc6ReadContext, child: etree._Element, owner: str, fields: Fields) -> None:
+def _read_node_child(
+    ctx: Tc6ReadContext, child: etree._Element, owner: str, shape: NodeElement, fields: Fields
+) -> None:
     """Read a child of the drawn element `owner` into its fields.
 
     A child that TC6 has for other elements only is kept as extension data, as unknown ones are.
@@ -85,19 +153,19 @@ def _read_node_child(ctx: Tc6ReadContext, child: etree._Element, owner: str, fie
         point = read_point(child)
         if point is not None:
             fields["position"] = point
-    elif local == "connectionPointIn" and owner == "rightPowerRail":
+    elif local == "connectionPointIn" and "inputs" in shape.pins:
         fields.setdefault("inputs", []).append(read_input(ctx, child))
-    elif local == "connectionPointOut" and owner == "leftPowerRail":
+    elif local == "connectionPointOut" and "outputs" in shape.pins:
         fields.setdefault("outputs", []).append(read_output(ctx, child))
-    elif local == "connectionPointIn" and owner in _WITH_INPUT:
+    elif local == "connectionPointIn" and "input" in shape.pins:
         fields["input"] = read_input(ctx, child)
-    elif local == "connectionPointOut" and owner in _WITH_OUTPUT:
+    elif local == "connectionPointOut" and "output" in shape.pins:
         fields["output"] = read_output(ctx, child)
-    elif local in ("expression", "variable") and owner in _TEXT_CHILD and _TEXT_CHILD[owner] == local:
+    elif local == shape.text and local:
         fields[local] = child.text or ""
-    elif local in ("content", "alternativeText") and owner in ("comment", "error", "vendorElement"):
-        fields["content" if local == "content" else "alternative_text"] = read_text(ctx, child)
-    elif local in _PARAMETERS and owner in ("block", "vendorElement"):
+    elif local in _CONTENT and shape.content:
+        fields[_CONTENT[local]] = read_text(ctx, child)
+    elif local in _PARAMETERS and "parameters" in shape.pins:
         if fields.get("parameters") is None:
             fields["parameters"] = {}
         fields["parameters"][_PARAMETERS[local]] = [
@@ -105,18 +173,6 @@ def _read_node_child(ctx: Tc6ReadContext, child: etree._Element, owner: str, fie
         ]
     else:
         read_common(ctx, fields, child, local, owner)
-
-
-_PARAMETERS = {"inputVariables": "inputs", "inOutVariables": "in_outs", "outputVariables": "outputs"}
-_WITH_INPUT = frozenset({"outVariable", "inOutVariable", "contact", "coil", "jump", "return", "connector"})
-_WITH_OUTPUT = frozenset({"inVariable", "inOutVariable", "contact", "coil", "continuation"})
-_TEXT_CHILD = {
-    "inVariable": "expression",
-    "outVariable": "expression",
-    "inOutVariable": "expression",
-    "contact": "variable",
-    "coil": "variable",
-}
 
 
 def read_parameter(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
@@ -139,80 +195,14 @@ def read_parameter(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
     return fields
 
 
-def _read_modifiers(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], fields: Fields) -> None:
-    if take_flag(ctx, element, left, "negated"):
-        fields["negated"] = True
-    fields["edge"] = take_choice(ctx, element, left, "edge", EDGES) or "none"
-    fields["storage"] = take_choice(ctx, element, left, "storage", STORAGES) or "none"
-
-
-def _expression(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], fields: Fields) -> None:
-    fields["expression"] = ""
-    _read_modifiers(ctx, element, left, fields)
-
-
-def _in_out(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], fields: Fields) -> None:
-    fields["expression"] = ""
-    for side in ("In", "Out"):
-        suffix = f"_{side.lower()}"
-        if take_flag(ctx, element, left, f"negated{side}"):
-            fields[f"negated{suffix}"] = True
-        fields[f"edge{suffix}"] = take_choice(ctx, element, left, f"edge{side}", EDGES) or "none"
-        fields[f"storage{suffix}"] = take_choice(ctx, element, left, f"storage{side}", STORAGES) or "none"
-
-
-def _ladder(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], fields: Fields) -> None:
-    fields["variable"] = ""
-    _read_modifiers(ctx, element, left, fields)
-
-
-def _block(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], fields: Fields) -> None:
-    fields["type_name"] = take_required(ctx, element, left, "typeName")
-    fields["instance"] = left.pop("instanceName", None)
-
-
-def _label(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], fields: Fields) -> None:
-    fields["label"] = take_required(ctx, element, left, "label")
-
-
-def _name(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], fields: Fields) -> None:
-    fields["name"] = take_required(ctx, element, left, "name")
-
-
-def _content(_ctx: Tc6ReadContext, _element: etree._Element, _left: dict[str, str], fields: Fields) -> None:
-    fields["content"] = ""
-
-
-def _vendor(_ctx: Tc6ReadContext, _element: etree._Element, _left: dict[str, str], fields: Fields) -> None:
-    fields["alternative_text"] = ""
-
-
-def _nothing(_ctx: Tc6ReadContext, _element: etree._Element, _left: dict[str, str], _fields: Fields) -> None:
-    """For elements without attributes of their own."""
-
-
-_NODE_READERS: dict[str, tuple[str, Callable[[Tc6ReadContext, etree._Element, dict[str, str], Fields], None]]] = {
-    "block": ("block", _block),
-    "inVariable": ("input", _expression),
-    "outVariable": ("output", _expression),
-    "inOutVariable": ("inOut", _in_out),
-    "contact": ("contact", _ladder),
-    "coil": ("coil", _ladder),
-    "leftPowerRail": ("leftPowerRail", _nothing),
-    "rightPowerRail": ("rightPowerRail", _nothing),
-    "jump": ("jump", _label),
-    "label": ("label", _label),
-    "return": ("return", _nothing),
-    "connector": ("connector", _name),
-    "continuation": ("continuation", _name),
-    "comment": ("comment", _content),
-    "error": ("error", _content),
-    "vendorElement": ("vendorElement", _vendor),
-}
-
-
-TAGS = {kind: tag for tag, (kind, _) in _NODE_READERS.items()}
-"""The element of each kind of node."""
+def _read_modifiers(
+    ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], fields: Fields, side: str = ""
+) -> None:
+    suffix = _suffix(side)
+    if take_flag(ctx, element, left, f"negated{side}"):
+        fields[f"negated{suffix}"] = True
+    fields[f"edge{suffix}"] = take_choice(ctx, element, left, f"edge{side}", EDGES) or "none"
+    fields[f"storage{suffix}"] = take_choice(ctx, element, left, f"storage{side}", STORAGES) or "none"
 
 
 def read_logic_body(ctx: Tc6ReadContext, element: etree._Element) -> list[Fields]:
@@ -231,22 +221,16 @@ def read_logic_body(ctx: Tc6ReadContext, element: etree._Element) -> list[Fields
     return [network]
 
 
-_GEOMETRY = frozenset({"kind", "id", "local_id", "position", "width", "height", "execution_order"})
-_INPUT = frozenset({"input"})
-_OUTPUT = frozenset({"output"})
-_MODIFIERS = frozenset({"negated", "edge", "storage"})
-
-
-def _written_modifiers(
-    negated: bool, edge: Edge, storage: Storage, suffix: str = "", *, stated: bool = False
-) -> dict[str, str]:
+def _written_modifiers(thing: Model, side: str = "", *, stated: bool = False) -> dict[str, str]:
+    """Return the attributes for the modifiers of a node or parameter; `stated`: even where they say nothing."""
+    negated, edge, storage = (getattr(thing, f"{name}{_suffix(side)}") for name in ("negated", "edge", "storage"))
     attributes = {}
     if negated or stated:
-        attributes[f"negated{suffix}"] = boolean(negated)
+        attributes[f"negated{side}"] = boolean(negated)
     if storage is not Storage.NONE or stated:
-        attributes[f"storage{suffix}"] = storage.value
+        attributes[f"storage{side}"] = storage.value
     if edge is not Edge.NONE:
-        attributes[f"edge{suffix}"] = edge.value
+        attributes[f"edge{side}"] = edge.value
     return attributes
 
 
@@ -255,20 +239,33 @@ def write_node(ctx: Tc6WriteContext, parent: etree._Element, node: Node, *featur
     if isinstance(node, logic.VendorElement) and _is_title(ctx, node):
         _write_title(ctx, parent, node)
         return
-    tag, attributes = _tag_and_attributes(ctx, node)
-    local_id = node.id if node.local_id is None else node.local_id
+    tag = TAGS[node.kind]
+    shape = _ELEMENTS[tag]
     order = node.execution_order
-    native = _GEOMETRY
+    native = shape.native
     if ctx.version.first_generation and isinstance(node, logic.LeftPowerRail | logic.RightPowerRail):
         order = None
         native = native - {"execution_order"}
-    element = add_child(ctx, parent, tag, {"localId": str(local_id)} | geometry(node.width, node.height, order))
-    for name, value in attributes.items():
-        element.set(name, value)
+    size = geometry(node.width, node.height, order)
+    if isinstance(node, logic.CommentBox | logic.ErrorBox):  # TC6 requires a size here
+        size |= geometry(node.width or 0, node.height or 0, None)
+    element = add_child(ctx, parent, tag, {"localId": _local_id(node)} | size)
+    for name, attribute in shape.attributes.items():
+        value = getattr(node, name)
+        if value is not None:
+            element.set(attribute, value)
+    for side in shape.sides:
+        stated = ctx.dialect.states_actions and isinstance(node, logic.Contact | logic.Coil)
+        for name, value in _written_modifiers(node, side, stated=stated).items():
+            element.set(name, value)
     write_point(ctx, element, "position", node.position)
-    native = native | _write_content(ctx, element, node)
+    _write_content(ctx, element, node, shape)
     ctx.keep("graphical element", f"{tag} {node.id}", *features)
     finish_element(ctx, element, node, tag, native)
+
+
+def _local_id(node: Node) -> str:
+    return str(node.id if node.local_id is None else node.local_id)
 
 
 def is_known(ctx: Tc6WriteContext, node: Node) -> bool:
@@ -286,10 +283,8 @@ def _is_title(ctx: Tc6WriteContext, node: logic.VendorElement) -> bool:
 
 def _write_title(ctx: Tc6WriteContext, parent: etree._Element, node: logic.VendorElement) -> None:
     """Write the title of a network as a comment, which comes back as the element that it was."""
-    size = {"height": decimal(node.height or 0), "width": decimal(node.width or 0)}
-    element = add_child(
-        ctx, parent, "comment", {"localId": str(node.id if node.local_id is None else node.local_id)} | size
-    )
+    size = geometry(node.width or 0, node.height or 0, None)
+    element = add_child(ctx, parent, "comment", {"localId": _local_id(node)} | size)
     write_point(ctx, element, "position", node.position)
     write_text(ctx, element, "content", node.alternative_text)
     ctx.note(Outcome.TRANSLATED, "graphical element", f"comment {node.id}", "the title of a network is a comment")
@@ -297,93 +292,41 @@ def _write_title(ctx: Tc6WriteContext, parent: etree._Element, node: logic.Vendo
     finish_element(ctx, element, node, "comment", native, also={"kind": node.kind})
 
 
-def _tag_and_attributes(ctx: Tc6WriteContext, node: NodeBase) -> tuple[str, dict[str, str]]:
-    stated = ctx.dialect.states_actions
-    if isinstance(node, logic.Block):
-        attributes = {"typeName": node.type_name}
-        if node.instance is not None:
-            attributes["instanceName"] = node.instance
-        return "block", attributes
-    if isinstance(node, logic.InputVariable):
-        return "inVariable", _written_modifiers(node.negated, node.edge, node.storage)
-    if isinstance(node, logic.OutputVariable):
-        return "outVariable", _written_modifiers(node.negated, node.edge, node.storage)
-    if isinstance(node, logic.InOutVariable):
-        return "inOutVariable", _written_modifiers(
-            node.negated_in, node.edge_in, node.storage_in, "In"
-        ) | _written_modifiers(node.negated_out, node.edge_out, node.storage_out, "Out")
-    if isinstance(node, logic.Contact | logic.Coil):
-        return node.kind, _written_modifiers(node.negated, node.edge, node.storage, stated=stated)
-    if isinstance(node, logic.Jump | logic.Label):
-        return node.kind, {"label": node.label}
-    if isinstance(node, logic.Connector | logic.Continuation):
-        return node.kind, {"name": node.name}
-    if isinstance(node, logic.CommentBox | logic.ErrorBox):
-        # TC6 requires a size here
-        size = {"height": decimal(node.height or 0), "width": decimal(node.width or 0)}
-        return node.kind, size
-    kind: str = getattr(node, "kind", "")
-    return kind, {}
-
-
-def _write_content(ctx: Tc6WriteContext, element: etree._Element, node: Node) -> frozenset[str]:
-    """Write the content; return the fields that are written, be it here or as attributes."""
-    if isinstance(node, logic.Block):
-        _write_parameters(ctx, element, node.parameters, always=True)
-        return frozenset({"type_name", "instance", "parameters"})
-    if isinstance(node, logic.VendorElement):
-        write_text(ctx, element, "alternativeText", node.alternative_text)
-        if node.parameters is not None:
-            _write_parameters(ctx, element, node.parameters, always=False)
-        return frozenset({"alternative_text", "parameters"})
-    if isinstance(node, logic.CommentBox | logic.ErrorBox):
-        write_text(ctx, element, "content", node.content)
-        return frozenset({"content"})
-    if isinstance(node, logic.LeftPowerRail):
-        for output in node.outputs:
-            write_output(ctx, element, output)
-        return frozenset({"outputs"})
-    if isinstance(node, logic.RightPowerRail):
-        for pin in node.inputs:
-            write_input(ctx, element, pin)
-        return frozenset({"inputs"})
+def _write_content(ctx: Tc6WriteContext, element: etree._Element, node: Node, shape: NodeElement) -> None:
+    for name, field_ in _CONTENT.items():
+        if field_ == shape.content:
+            write_text(ctx, element, name, getattr(node, field_))
+    if isinstance(node, logic.Block | logic.VendorElement) and node.parameters is not None:
+        _write_parameters(ctx, element, node.parameters, always=isinstance(node, logic.Block))
+    for pin in getattr(node, "inputs", ()) if "inputs" in shape.pins else ():
+        write_input(ctx, element, pin)
+    for output in getattr(node, "outputs", ()) if "outputs" in shape.pins else ():
+        write_output(ctx, element, output)
     pin_in: InputPin | None = getattr(node, "input", None)
     pin_out: OutputPin | None = getattr(node, "output", None)
     if pin_in is not None:
         write_input(ctx, element, pin_in)
     if pin_out is not None:
         write_output(ctx, element, pin_out)
-    if isinstance(node, logic.Contact | logic.Coil):
-        add_child(ctx, element, "variable").text = node.variable
-        return _INPUT | _OUTPUT | _MODIFIERS | {"variable"}
-    if isinstance(node, logic.InputVariable | logic.OutputVariable):
-        add_child(ctx, element, "expression").text = node.expression
-        return _INPUT | _OUTPUT | _MODIFIERS | {"expression"}
-    if isinstance(node, logic.InOutVariable):
-        add_child(ctx, element, "expression").text = node.expression
-        sides = {f"{name}_{side}" for name in _MODIFIERS for side in ("in", "out")}
-        return _INPUT | _OUTPUT | sides | {"expression"}
-    return _INPUT | _OUTPUT | {"label", "name"}
+    if shape.text:
+        add_child(ctx, element, shape.text).text = getattr(node, shape.text)
 
 
 def _write_parameters(
     ctx: Tc6WriteContext, element: etree._Element, parameters: BlockParameters, *, always: bool
 ) -> None:
-    for name, group in (
-        ("inputVariables", parameters.inputs),
-        ("inOutVariables", parameters.in_outs),
-        ("outputVariables", parameters.outputs),
-    ):
-        if group or always:
+    for name, group in _PARAMETERS.items():
+        variables: list[BlockVariable] = getattr(parameters, group)
+        if variables or always:
             holder = add_child(ctx, element, name)
-            for parameter in group:
+            for parameter in variables:
                 write_parameter(ctx, holder, parameter)
 
 
 def write_parameter(ctx: Tc6WriteContext, parent: etree._Element, parameter: BlockVariable) -> None:
     """Write ``variable`` of a block."""
     attributes = {"formalParameter": parameter.name}
-    attributes |= _written_modifiers(parameter.negated, parameter.edge, parameter.storage)
+    attributes |= _written_modifiers(parameter)
     if parameter.hidden:
         attributes["hidden"] = "true"
     element = add_child(ctx, parent, "variable", attributes)
