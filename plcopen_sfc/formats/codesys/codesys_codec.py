@@ -56,7 +56,7 @@ from plcopen_sfc.formats.codesys.object_data import (
 )
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.plcopen.tc6_codec import Tc6Codec, load_tc6, write_project
-from plcopen_sfc.formats.plcopen.tc6_reading import DataReader
+from plcopen_sfc.formats.plcopen.tc6_reading import DataReader, ToolData
 from plcopen_sfc.formats.plcopen.tc6_versions import V2_0, V2_01, tc6_version
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6Dialect
 from plcopen_sfc.formats.xml.schema_validation import MAX_FINDINGS, element_path, schema_findings
@@ -235,6 +235,7 @@ DATA_READERS: dict[str, DataReader] = {
     names.FBD_ATTRIBUTES: read_fbd_attributes,
 }
 """The reader of each kind of data."""
+_TOOL_DATA = ToolData(DATA_READERS, finish_chart, text_element=names.XHTML_CHILD, placeless=True)
 
 
 NATIVE_FIELDS = {
@@ -334,14 +335,7 @@ class CodesysCodec(Tc6Codec):
 
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read an export. Raises `FormatError`."""
-        reading = load_tc6(
-            data,
-            file=file,
-            data_readers=DATA_READERS,
-            usual_text_element=names.XHTML_CHILD,
-            placeless=True,
-            finish_chart=finish_chart,
-        )
+        reading = load_tc6(data, _TOOL_DATA, file=file)
         reading.project.dialect = Dialect.CODESYS
         return reading
 

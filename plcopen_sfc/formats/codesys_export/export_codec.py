@@ -48,7 +48,7 @@ from plcopen_sfc.formats.codesys_export.export_entries import (
 )
 from plcopen_sfc.formats.codesys_export.export_notation import SINGLE, line_elements, member, value
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
-from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext
+from plcopen_sfc.formats.plcopen.tc6_reading import PLACELESS, Tc6ReadContext
 from plcopen_sfc.formats.plcopen.tc6_versions import V2_0
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle, write_xml
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, line_of, parse_xml
@@ -201,7 +201,7 @@ def _lay_out(root: etree._Element) -> None:
 class _Reader:
     def __init__(self, root: etree._Element, data: bytes, file: str | None) -> None:
         self._file = file
-        self._ctx = Tc6ReadContext(V2_0, file=file, lines=SourceLines(root, data), placeless=True)
+        self._ctx = Tc6ReadContext(V2_0, PLACELESS, file=file, lines=SourceLines(root, data))
         self._entries = list(entries(root))
         self._inner = _inner(self._entries)
 

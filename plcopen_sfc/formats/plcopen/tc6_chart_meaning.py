@@ -80,11 +80,10 @@ class DrawnChart:
         for symbol in self.symbols:
             symbol.pop(WIRES, None)
         # a tool that exports no layout puts everything at 0, 0
-        drawing: Fields = {"symbols": self.symbols, "places": Places.NONE if self.ctx.placeless else Places.GIVEN}
+        drawing: Fields = {"symbols": self.symbols, "places": Places.NONE if self.ctx.tool.placeless else Places.GIVEN}
         if self.nodes:
             drawing["order"] = [entry["id"] for entry in self.document_order]
-        if self.ctx.finish_chart is not None:
-            self.ctx.finish_chart(self.ctx, {"transitions": self.transitions})
+        self.ctx.tool.finish_chart(self.ctx, {"transitions": self.transitions})
         self.chart.update(steps=self.steps, transitions=self.transitions, logic=self.nodes, drawing=drawing)
         return self.chart
 

@@ -5,7 +5,7 @@ A chart that is written has a drawing that fits it; `plcopen_sfc.drawing` sees t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeVar
 
 from lxml import etree
@@ -28,7 +28,6 @@ from plcopen_sfc.formats.plcopen.tc6_writing import (
     Tc6WriteContext,
     add_child,
     add_unknown,
-    boolean,
     finish_element,
     write_point,
 )
@@ -172,11 +171,11 @@ class Tc6ChartWriter:
         else:
             self.write_bar(parent, symbol)
 
-    def _element(self, parent: etree._Element, symbol: Symbol, attributes: dict[str, str]) -> etree._Element:
+    def _element(self, parent: etree._Element, symbol: Symbol, attributes: Mapping[str, str | None]) -> etree._Element:
         local_id = symbol.id if symbol.local_id is None else symbol.local_id
         order = None if self.ctx.version.first_generation else symbol.execution_order
         size = geometry(symbol.width, symbol.height, order)
-        element = add_child(self.ctx, parent, symbol.kind.value, {"localId": str(local_id)} | attributes | size)
+        element = add_child(self.ctx, parent, symbol.kind.value, {"localId": str(local_id), **attributes, **size})
         write_point(self.ctx, element, "position", symbol.position)
         return element
 
@@ -190,14 +189,10 @@ class Tc6ChartWriter:
         """Write ``step`` or ``macroStep``."""
         ctx = self.ctx
         macro = symbol.kind is SymbolKind.MACRO_STEP
-        attributes = {"name": step.name}
-        if macro and not step.name:
-            del attributes["name"]
-        if step.initial and not macro:
-            attributes["initialStep"] = "true"
-        if step.negated and not macro:
-            attributes["negated"] = "true"
-        element = self._element(parent, symbol, attributes)
+        marks: dict[str, str | None] = {"name": step.name if step.name or not macro else None}
+        marks["initialStep"] = "true" if step.initial and not macro else None
+        marks["negated"] = "true" if step.negated and not macro else None
+        element = self._element(parent, symbol, marks)
         self._pins(element, symbol)
         if symbol.action_output is not None:
             write_output(ctx, element, symbol.action_output, "connectionPointOutAction")
@@ -268,7 +263,7 @@ class Tc6ChartWriter:
     def write_condition(self, parent: etree._Element, symbol: Symbol, condition: Condition) -> None:
         """Write ``condition`` in the form in which it is drawn."""
         ctx = self.ctx
-        element = add_child(ctx, parent, "condition", {"negated": boolean(True)} if condition.negated else {})
+        element = add_child(ctx, parent, "condition", {"negated": "true" if condition.negated else None})
         if isinstance(condition, NamedCondition):
             add_child(ctx, element, "reference", {"name": condition.name})
             return
@@ -316,14 +311,10 @@ class Tc6ChartWriter:
 
     def write_bar(self, parent: etree._Element, symbol: Symbol) -> None:
         """Write a divergence or convergence."""
-        native = self.symbol_fields
-        attributes: dict[str, str] = {}
-        if symbol.kind is SymbolKind.SIMULTANEOUS_DIVERGENCE:
-            native = native | {"name"}
-            if symbol.name is not None:
-                attributes["name"] = symbol.name
-        element = self._element(parent, symbol, attributes)
+        is_named = symbol.kind is SymbolKind.SIMULTANEOUS_DIVERGENCE
+        element = self._element(parent, symbol, {"name": symbol.name if is_named else None})
         self._pins(element, symbol)
+        native = self.symbol_fields | ({"name"} if is_named else set())
         finish_element(self.ctx, element, symbol, symbol.kind.value, native)
 
     def write_action_block(self, parent: etree._Element, symbol: Symbol) -> None:
@@ -332,7 +323,7 @@ class Tc6ChartWriter:
         entries = [e for e in symbol.entries or () if e.step_action is not None or e.association in self.associations]
         native = self.symbol_fields
         negated = any(self.associations[e.association].negated for e in entries if e.step_action is None)
-        element = self._element(parent, symbol, {"negated": "true"} if negated else {})
+        element = self._element(parent, symbol, {"negated": "true" if negated else None})
         for pin in symbol.inputs:
             write_input(ctx, element, pin)
         if ctx.version.first_generation:

@@ -9,7 +9,7 @@ other terms, or refused, before it is written.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from datetime import datetime
 from types import MappingProxyType
 
@@ -29,18 +29,15 @@ from plcopen_sfc.formats.plcopen.tc6_declarations import read_data_type_declarat
 from plcopen_sfc.formats.plcopen.tc6_networks import TAGS
 from plcopen_sfc.formats.plcopen.tc6_reading import (
     APPLICATION_FIELD,
-    FIELDS_DATA,
-    DataReader,
     Fields,
     Tc6ReadContext,
+    ToolData,
     attributes,
     decimal_or_none,
     extension_data,
     keep_attributes,
     keep_element,
-    read_comment,
     read_common,
-    read_fields,
     read_text,
 )
 from plcopen_sfc.formats.plcopen.tc6_versions import (
@@ -58,7 +55,6 @@ from plcopen_sfc.formats.plcopen.tc6_writing import (
     add_child,
     decimal,
     finish_element,
-    given_attributes,
     write_text,
 )
 from plcopen_sfc.formats.xml.extension_data import misfit
@@ -70,60 +66,23 @@ from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
 from plcopen_sfc.report import ConversionReport
 from plcopen_sfc.whole_numbers import xml_number
 
+_PLAIN = ToolData()
 
-def load_tc6(
-    data: bytes,
-    *,
-    file: str | None = None,
-    data_readers: dict[str, DataReader] | None = None,
-    usual_text_element: str = "p",
-    placeless: bool = False,
-    finish_chart: Callable[[Tc6ReadContext, Fields], None] | None = None,
-) -> ReadResult:
-    """Read a TC6 file. Raises `FormatError` where it cannot be read at all."""
+
+def load_tc6(data: bytes, tool: ToolData = _PLAIN, *, file: str | None = None) -> ReadResult:
+    """Read a TC6 file, with the data of a tool. Raises `FormatError` where it cannot be read at all."""
     with collecting_rarely():
         root = parse_xml(data, file=file)
-        version = find_version(root, file=file)
-        fields, ctx = read_project(
-            root,
-            version,
-            file=file,
-            lines=SourceLines(root, data),
-            data_readers=data_readers,
-            usual_text_element=usual_text_element,
-            placeless=placeless,
-            finish_chart=finish_chart,
-        )
+        ctx = Tc6ReadContext(find_version(root, file=file), tool, file=file, lines=SourceLines(root, data))
+        fields = _read_project(ctx, root)
         try:
             project = Project.model_validate(fields)
         except ValidationError as error:
             raise misfit(error, fields, root, file=file, lines=ctx.lines) from error
-    return ReadResult(project, ctx.diagnostics, version.name)
+    return ReadResult(project, ctx.diagnostics, ctx.version.name)
 
 
-def read_project(
-    root: etree._Element,
-    version: Tc6Version,
-    *,
-    file: str | None = None,
-    lines: SourceLines | None = None,
-    data_readers: dict[str, DataReader] | None = None,
-    usual_text_element: str = "p",
-    placeless: bool = False,
-    finish_chart: Callable[[Tc6ReadContext, Fields], None] | None = None,
-) -> tuple[Fields, Tc6ReadContext]:
-    """Read ``project`` into the fields of a `Project`; findings are in the context returned."""
-    ctx = Tc6ReadContext(
-        version,
-        file=file,
-        lines=lines,
-        data_readers=data_readers,
-        usual_text_element=usual_text_element,
-        placeless=placeless,
-    )
-    ctx.finish_chart = finish_chart
-    ctx.comment_reader = read_comment
-    ctx.data_readers = {FIELDS_DATA: read_fields, **ctx.data_readers}
+def _read_project(ctx: Tc6ReadContext, root: etree._Element) -> Fields:
     fields: Fields = {"configurations": [], "applications": [], "pous": ctx.pous, "data_types": ctx.data_types}
     for child in root:
         local = ctx.tags.get(child.tag)
@@ -138,20 +97,34 @@ def read_project(
         if root.find(ctx.version.qualified[required]) is None:
             ctx.error("XML207", f"<project> has no <{required}>", root)
     keep_attributes(fields, attributes(root))
-    return fields, ctx
+    return fields
+
+
+_FILE_HEADER = {
+    "companyName": "company",
+    "companyURL": "company_url",
+    "productName": "product",
+    "productVersion": "version",
+    "productRelease": "release",
+    "creationDateTime": "created",
+    "contentDescription": "description",
+}
+_CONTENT_HEADER = {
+    "name": "name",
+    "version": "version",
+    "modificationDateTime": "modified",
+    "organization": "organization",
+    "author": "author",
+    "language": "language",
+}
+"""Attributes of the two headers, and the fields with them."""
 
 
 def _read_file_header(ctx: Tc6ReadContext, element: etree._Element, fields: Fields) -> None:
     left = attributes(element)
-    header: Fields = {
-        "company": left.pop("companyName", ""),
-        "company_url": left.pop("companyURL", None),
-        "product": left.pop("productName", ""),
-        "version": left.pop("productVersion", ""),
-        "release": left.pop("productRelease", None),
-        "created": "" if (created := left.pop("creationDateTime", "")) == NO_TIME else created,
-        "description": left.pop("contentDescription", None),
-    }
+    header: Fields = {field: left.pop(name) for name, field in _FILE_HEADER.items() if name in left}
+    if header.get("created") == NO_TIME:
+        del header["created"]
     if left:
         extension_data(header)["attributes"].update(left)
     for child in element:
@@ -162,14 +135,7 @@ def _read_file_header(ctx: Tc6ReadContext, element: etree._Element, fields: Fiel
 def _read_content_header(ctx: Tc6ReadContext, element: etree._Element, fields: Fields) -> None:
     left = attributes(element)
     content: Fields = {}
-    fields.update(
-        name=left.pop("name", ""),
-        version=left.pop("version", None),
-        modified=left.pop("modificationDateTime", None),
-        organization=left.pop("organization", None),
-        author=left.pop("author", None),
-        language=left.pop("language", None),
-    )
+    fields.update({field: left.pop(name) for name, field in _CONTENT_HEADER.items() if name in left})
     for child in element:
         local = ctx.tags.get(child.tag)
         if local == "Comment":
@@ -259,8 +225,7 @@ _PROJECT_READERS = {
 
 
 _HEADERS = frozenset(
-    {"name", "header", "version", "modified", "organization", "author", "language", "content_comment"}
-    | {"content_extension_data", "scales", "foreign_data_infos"}
+    {"header", "content_comment", "content_extension_data", "scales", "foreign_data_infos", *_CONTENT_HEADER.values()}
 )
 _TIME = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?(Z|[+-]\d\d:\d\d)?")
 
@@ -301,13 +266,8 @@ def write_project(
         for application in project.applications:
             holder = Configuration(name=application.name, resources=[application])
             write_configuration(ctx, configurations, holder, is_application=True)
-    native = _HEADERS | {
-        "data_types",
-        "pous",
-        "configurations",
-        "applications",
-        "dialect",
-    }  # the format has its dialect
+    # the format has its dialect
+    native = _HEADERS | {"data_types", "pous", "configurations", "applications", "dialect"}
     if project.header.created != _time(ctx, project.header.created) or (
         project.header.extension_data is not None and not ctx.takes_markup
     ):
@@ -339,43 +299,18 @@ def _time(ctx: Tc6WriteContext, text: str) -> str:
 
 def _write_file_header(ctx: Tc6WriteContext, root: etree._Element, project: Project) -> None:
     header = project.header
-    element = add_child(
-        ctx,
-        root,
-        "fileHeader",
-        given_attributes(
-            (
-                ("companyName", header.company),
-                ("companyURL", header.company_url),
-                ("productName", header.product),
-                ("productVersion", header.version),
-                ("productRelease", header.release),
-                ("creationDateTime", _time(ctx, header.created) or NO_TIME),
-                ("contentDescription", header.description),
-            )
-        ),
-    )
+    marks = {name: getattr(header, field) for name, field in _FILE_HEADER.items()}
+    marks["creationDateTime"] = _time(ctx, header.created) or NO_TIME
+    element = add_child(ctx, root, "fileHeader", marks)
     if header.extension_data is not None and ctx.takes_markup:
         for name, value in header.extension_data.attributes.items():
             element.set(name, value)
 
 
 def _write_content_header(ctx: Tc6WriteContext, root: etree._Element, project: Project) -> None:
-    element = add_child(
-        ctx,
-        root,
-        "contentHeader",
-        given_attributes(
-            (
-                ("name", project.name),
-                ("version", project.version),
-                ("modificationDateTime", _time(ctx, project.modified or "") or None),
-                ("organization", project.organization),
-                ("author", project.author),
-                ("language", project.language),
-            )
-        ),
-    )
+    marks = {name: getattr(project, field) for name, field in _CONTENT_HEADER.items()}
+    marks["modificationDateTime"] = _time(ctx, project.modified or "") or None
+    element = add_child(ctx, root, "contentHeader", marks)
     if project.content_comment is not None:
         add_child(ctx, element, "Comment").text = project.content_comment
     scales = project.scales
@@ -387,8 +322,8 @@ def _write_content_header(ctx: Tc6WriteContext, root: etree._Element, project: P
     if project.foreign_data_infos is not None and not ctx.version.first_generation:
         infos = add_child(ctx, element, "addDataInfo")
         for info in project.foreign_data_infos:
-            attributes = given_attributes((("name", info.name), ("version", info.version), ("vendor", info.vendor)))
-            write_text(ctx, add_child(ctx, infos, "info", attributes), "description", info.description)
+            marks = {"name": info.name, "version": info.version, "vendor": info.vendor}
+            write_text(ctx, add_child(ctx, infos, "info", marks), "description", info.description)
     content = Project(extension_data=project.content_extension_data)
     finish_element(ctx, element, content, "contentHeader", frozenset(), documents=False)
 

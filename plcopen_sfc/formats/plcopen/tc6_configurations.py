@@ -6,12 +6,11 @@ from lxml import etree
 
 from plcopen_sfc.formats.plcopen.source_marks import marked_source, source_mark, sources_of_section
 from plcopen_sfc.formats.plcopen.tc6_declarations import (
+    LISTINGS,
     parts_of_list,
-    read_access_section,
-    read_config_section,
+    read_listing,
     read_section,
-    write_access_section,
-    write_config_section,
+    write_listing,
     write_lists,
 )
 from plcopen_sfc.formats.plcopen.tc6_reading import (
@@ -26,7 +25,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     take_integer,
     take_required,
 )
-from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, add_child, finish_element, given_attributes
+from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, add_child, finish_element
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.languages.task_schedules import SCHEDULE_FIELDS, clock_time, codesys_form, iec_form, schedule_fields
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Task
@@ -55,10 +54,8 @@ def read_configuration(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
             fields["resources"].append(read_resource(ctx, child, f"configuration/{name}/resource/{resource}"))
         elif local == "globalVars":
             _read_global_variables(ctx, child, fields)
-        elif local == "accessVars":
-            fields["access_variables"] = read_access_section(ctx, child)
-        elif local == "configVars":
-            fields["config_variables"] = read_config_section(ctx, child)
+        elif local in LISTINGS:
+            fields[LISTINGS[local]] = read_listing(ctx, child, local)
         else:
             read_common(ctx, fields, child, local, "configuration")
     ctx.place.pop()
@@ -77,11 +74,10 @@ def write_configuration(
     write_lists(ctx, element, configuration.global_variables)
     native = {"name", "resources", "global_variables"}
     if not ctx.version.first_generation:
-        native |= {"access_variables", "config_variables"}
-        if configuration.access_variables is not None:
-            write_access_section(ctx, element, configuration.access_variables)
-        if configuration.config_variables is not None:
-            write_config_section(ctx, element, configuration.config_variables)
+        native |= {*LISTINGS.values()}
+        for listing in (configuration.access_variables, configuration.config_variables):
+            if listing is not None:
+                write_listing(ctx, element, listing)
     if is_application:
         ctx.note(Outcome.TRANSLATED, "application", why="a configuration with one resource; TC6 has no application")
     else:
@@ -163,19 +159,8 @@ def _write_task(ctx: Tc6WriteContext, parent: etree._Element, task: Task) -> Non
         form["interval"] = clock_time(form["interval"])
     shown = task.model_copy(update=form)
     also = source_mark(SCHEDULE_FIELD, schedule_fields(task), schedule_fields(shown))
-    element = add_child(
-        ctx,
-        parent,
-        "task",
-        given_attributes(
-            (
-                ("name", task.name),
-                ("single", shown.single),
-                ("interval", shown.interval),
-                ("priority", str(task.priority)),
-            )
-        ),
-    )
+    schedule = {"single": shown.single, "interval": shown.interval, "priority": str(task.priority)}
+    element = add_child(ctx, parent, "task", {"name": task.name} | schedule)
     for instance in task.instances:
         _write_instance(ctx, element, instance)
     ctx.keep("task", task.name)

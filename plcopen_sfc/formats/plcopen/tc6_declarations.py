@@ -15,6 +15,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     attributes,
     keep_attributes,
     keep_element,
+    read_comment,
     read_common,
     read_foreign_data,
     take_choice,
@@ -41,7 +42,14 @@ from plcopen_sfc.model.types import (
     Value,
     Variable,
 )
-from plcopen_sfc.model.variables import AccessSection, ConfigSection, Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import (
+    AccessSection,
+    AccessVariable,
+    ConfigSection,
+    Interface,
+    SectionKind,
+    VariableSection,
+)
 from plcopen_sfc.report import Outcome
 
 
@@ -67,8 +75,7 @@ def _read_type(ctx: Tc6ReadContext, element: etree._Element, local: str) -> Fiel
     if local in ("string", "wstring"):
         fields: Fields = {"kind": "string", "wide": local == "wstring", "length": element.get("length")}
         for comment in element:
-            if ctx.comment_reader is not None:
-                ctx.comment_reader(ctx, comment, fields, "string")
+            read_comment(ctx, comment, fields, "string")
         return fields
     reader = _TYPE_READERS.get(local)
     return reader(ctx, element) if reader else None
@@ -187,14 +194,8 @@ def write_data_type(ctx: Tc6WriteContext, parent: etree._Element, holder: str, k
     elif isinstance(kind, StringType):
         _write_string(ctx, element, kind)
     elif isinstance(kind, DerivedType):
-        finish_element(
-            ctx,
-            add_child(ctx, element, "derived", {"name": kind.name}),
-            kind,
-            "derived",
-            _NEVER | {"name"},
-            documents=False,
-        )
+        derived = add_child(ctx, element, "derived", {"name": kind.name})
+        finish_element(ctx, derived, kind, "derived", _NEVER | {"name"}, documents=False)
     elif isinstance(kind, ArrayType):
         array = add_child(ctx, element, "array")
         for dimension in kind.dimensions:
@@ -260,9 +261,7 @@ def _write_enum(ctx: Tc6WriteContext, element: etree._Element, kind: EnumType) -
     enum = add_child(ctx, element, "enum")
     values = add_child(ctx, enum, "values")
     for value in kind.values:
-        add_child(
-            ctx, values, "value", {"name": value.name} | ({"value": value.value} if value.value is not None else {})
-        )
+        add_child(ctx, values, "value", {"name": value.name, "value": value.value})
     if kind.base is not None:
         write_data_type(ctx, enum, "baseType", kind.base)
 
@@ -297,12 +296,11 @@ def read_value(ctx: Tc6ReadContext, holder: etree._Element) -> Fields | None:
 def write_value(ctx: Tc6WriteContext, holder: etree._Element, value: Value) -> None:
     """Write a value into `holder`."""
     if isinstance(value, SimpleValue):
-        add_child(ctx, holder, "simpleValue", {"value": value.text} if value.text is not None else {})
+        add_child(ctx, holder, "simpleValue", {"value": value.text})
     elif isinstance(value, ArrayValue):
         array = add_child(ctx, holder, "arrayValue")
         for item in value.items:
-            attributes = {"repetitionValue": item.repetitions} if item.repetitions is not None else {}
-            write_value(ctx, add_child(ctx, array, "value", attributes), item.value)
+            write_value(ctx, add_child(ctx, array, "value", {"repetitionValue": item.repetitions}), item.value)
     else:
         struct = add_child(ctx, holder, "structValue")
         for member in value.members:
@@ -312,30 +310,41 @@ def write_value(ctx: Tc6WriteContext, holder: etree._Element, value: Value) -> N
 def read_variable(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
     """Read ``variable`` of an interface, a list or a structure."""
     left = attributes(element)
-    fields: Fields = {"name": take_required(ctx, element, left, "name"), "type": {"kind": "derived", "name": ""}}
+    fields: Fields = {"name": take_required(ctx, element, left, "name")}
     if "address" in left:
         fields["address"] = left.pop("address")
+    return _read_declared(ctx, element, fields, left, "variable")
+
+
+def _read_declared(
+    ctx: Tc6ReadContext, element: etree._Element, fields: Fields, left: dict[str, str], owner: str
+) -> Fields:
+    """Read the type and the initial value of what an element (`owner`) declares, and keep the rest of the element."""
+    fields["type"] = {"kind": "derived", "name": ""}
     for child in element:
         local = ctx.tags.get(child.tag)
-        if local == "type":
+        if local == ("baseType" if owner == "dataType" else "type"):
             fields["type"] = read_data_type(ctx, child, fields)
-        elif local == "initialValue":
+        elif local == "initialValue" and owner != "accessVariable":
             fields["initial"] = read_value(ctx, child)
         else:
-            read_common(ctx, fields, child, local, "variable")
+            read_common(ctx, fields, child, local, owner)
     keep_attributes(fields, left)
     return fields
 
 
+def _write_declared(
+    ctx: Tc6WriteContext, element: etree._Element, kind: DataType, initial: Value | None, holder: str = "type"
+) -> None:
+    write_data_type(ctx, element, holder, kind)
+    if initial is not None:
+        write_value(ctx, add_child(ctx, element, "initialValue"), initial)
+
+
 def write_variable(ctx: Tc6WriteContext, parent: etree._Element, variable: Variable) -> None:
     """Write ``variable``."""
-    attributes = {"name": variable.name}
-    if variable.address is not None:
-        attributes["address"] = variable.address
-    element = add_child(ctx, parent, "variable", attributes)
-    write_data_type(ctx, element, "type", variable.type)
-    if variable.initial is not None:
-        write_value(ctx, add_child(ctx, element, "initialValue"), variable.initial)
+    element = add_child(ctx, parent, "variable", {"name": variable.name, "address": variable.address})
+    _write_declared(ctx, element, variable.type, variable.initial)
     ctx.keep("variable", variable.name)
     finish_element(ctx, element, variable, "variable", frozenset({"name", "type", "address", "initial"}))
 
@@ -406,9 +415,8 @@ def write_section(ctx: Tc6WriteContext, parent: etree._Element, section: Variabl
     """Write a list of variables. A kind that TC6 does not have is written as local variables, with extension data."""
     name = _SECTION_ELEMENTS.get(section.kind)
     native = frozenset({"name", "variables", *_FLAGS})
-    attributes = {"name": section.name} if section.name is not None else {}
-    attributes.update({flag: "true" for flag in _FLAGS if getattr(section, flag)})
-    element = add_child(ctx, parent, name or "localVars", attributes)
+    flags = {flag: "true" for flag in _FLAGS if getattr(section, flag)}
+    element = add_child(ctx, parent, name or "localVars", {"name": section.name} | flags)
     also: dict[str, bool] = {}
     if name is not None:
         native = native | {"kind"}
@@ -449,12 +457,15 @@ def write_interface(ctx: Tc6WriteContext, parent: etree._Element, interface: Int
     finish_element(ctx, element, interface, "interface", frozenset({"return_type", "sections"}))
 
 
-def read_access_section(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
-    """Read ``accessVars`` of a configuration."""
+LISTINGS = {"accessVars": "access_variables", "configVars": "config_variables"}
+"""Lists of a configuration, and the fields with them."""
+
+
+def read_listing(ctx: Tc6ReadContext, element: etree._Element, name: str) -> Fields:
+    """Read ``accessVars`` or ``configVars`` (`name`) of a configuration."""
     fields: Fields = {"variables": []}
-    _read_list(
-        ctx, fields["variables"], element, "accessVariable", _read_access_variable, fields=fields, what="accessVars"
-    )
+    entry, read = ("accessVariable", _read_access_variable) if name == "accessVars" else _CONFIG_VARIABLE
+    _read_list(ctx, fields["variables"], element, entry, read, fields=fields, what=name)
     return fields
 
 
@@ -463,73 +474,41 @@ def _read_access_variable(ctx: Tc6ReadContext, element: etree._Element) -> Field
     fields: Fields = {
         "alias": take_required(ctx, element, left, "alias"),
         "path": take_required(ctx, element, left, "instancePathAndName"),
-        "type": {"kind": "derived", "name": ""},
         "direction": take_choice(ctx, element, left, "direction", ("readOnly", "readWrite")),
     }
-    for child in element:
-        local = ctx.tags.get(child.tag)
-        if local == "type":
-            fields["type"] = read_data_type(ctx, child, fields)
-        else:
-            read_common(ctx, fields, child, local, "accessVariable")
-    keep_attributes(fields, left)
-    return fields
-
-
-def write_access_section(ctx: Tc6WriteContext, parent: etree._Element, section: AccessSection) -> None:
-    """Write ``accessVars`` of a configuration."""
-    element = add_child(ctx, parent, "accessVars")
-    for variable in section.variables:
-        attributes = {"alias": variable.alias, "instancePathAndName": variable.path}
-        if variable.direction is not None:
-            attributes["direction"] = variable.direction.value
-        entry = add_child(ctx, element, "accessVariable", attributes)
-        write_data_type(ctx, entry, "type", variable.type)
-        finish_element(ctx, entry, variable, "accessVariable", frozenset({"alias", "path", "type", "direction"}))
-    finish_element(ctx, element, section, "accessVars", frozenset({"variables"}))
-
-
-def read_config_section(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
-    """Read ``configVars`` of a configuration."""
-    fields: Fields = {"variables": []}
-    _read_list(
-        ctx, fields["variables"], element, "configVariable", _read_config_variable, fields=fields, what="configVars"
-    )
-    return fields
+    return _read_declared(ctx, element, fields, left, "accessVariable")
 
 
 def _read_config_variable(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
     left = attributes(element)
-    fields: Fields = {
-        "path": take_required(ctx, element, left, "instancePathAndName"),
-        "type": {"kind": "derived", "name": ""},
-        "address": left.pop("address", None),
-    }
-    for child in element:
-        local = ctx.tags.get(child.tag)
-        if local == "type":
-            fields["type"] = read_data_type(ctx, child, fields)
-        elif local == "initialValue":
-            fields["initial"] = read_value(ctx, child)
-        else:
-            read_common(ctx, fields, child, local, "configVariable")
-    keep_attributes(fields, left)
-    return fields
+    path = take_required(ctx, element, left, "instancePathAndName")
+    fields: Fields = {"path": path, "address": left.pop("address", None)}
+    return _read_declared(ctx, element, fields, left, "configVariable")
 
 
-def write_config_section(ctx: Tc6WriteContext, parent: etree._Element, section: ConfigSection) -> None:
-    """Write ``configVars`` of a configuration."""
-    element = add_child(ctx, parent, "configVars")
+_CONFIG_VARIABLE = ("configVariable", _read_config_variable)
+
+
+def write_listing(ctx: Tc6WriteContext, parent: etree._Element, section: AccessSection | ConfigSection) -> None:
+    """Write ``accessVars`` or ``configVars`` of a configuration."""
+    name, entry = "configVars", "configVariable"
+    if isinstance(section, AccessSection):
+        name, entry = "accessVars", "accessVariable"
+    holder = add_child(ctx, parent, name)
     for variable in section.variables:
-        attributes = {"instancePathAndName": variable.path}
-        if variable.address is not None:
-            attributes["address"] = variable.address
-        entry = add_child(ctx, element, "configVariable", attributes)
-        write_data_type(ctx, entry, "type", variable.type)
-        if variable.initial is not None:
-            write_value(ctx, add_child(ctx, entry, "initialValue"), variable.initial)
-        finish_element(ctx, entry, variable, "configVariable", frozenset({"path", "type", "address", "initial"}))
-    finish_element(ctx, element, section, "configVars", frozenset({"variables"}))
+        path = {"instancePathAndName": variable.path}
+        if isinstance(variable, AccessVariable):
+            marks = {"alias": variable.alias} | path | {"direction": variable.direction}
+            element, initial = add_child(ctx, holder, entry, marks), None
+        else:
+            element = add_child(ctx, holder, entry, path | {"address": variable.address})
+            initial = variable.initial
+        _write_declared(ctx, element, variable.type, initial)
+        finish_element(ctx, element, variable, entry, _LISTED)
+    finish_element(ctx, holder, section, name, frozenset({"variables"}))
+
+
+_LISTED = frozenset({"alias", "path", "type", "direction", "address", "initial"})
 
 
 def read_data_type_declaration(ctx: Tc6ReadContext, element: etree._Element, place: str) -> Fields:
@@ -537,16 +516,7 @@ def read_data_type_declaration(ctx: Tc6ReadContext, element: etree._Element, pla
     left = attributes(element)
     fields: Fields = {"name": take_required(ctx, element, left, "name"), "place": place}
     ctx.place.append(f"type {fields['name']}")
-    fields["type"] = {"kind": "derived", "name": ""}
-    for child in element:
-        local = ctx.tags.get(child.tag)
-        if local == "baseType":
-            fields["type"] = read_data_type(ctx, child, fields)
-        elif local == "initialValue":
-            fields["initial"] = read_value(ctx, child)
-        else:
-            read_common(ctx, fields, child, local, "dataType")
-    keep_attributes(fields, left)
+    _read_declared(ctx, element, fields, left, "dataType")
     ctx.place.pop()
     return fields
 
@@ -557,9 +527,7 @@ def write_data_type_declaration(
     """Write ``dataType``. `in_place`: it is in its `place`, which then need not be kept."""
     element = add_child(ctx, parent, "dataType", {"name": declaration.name})
     ctx.place.append(f"type {declaration.name}")
-    write_data_type(ctx, element, "baseType", declaration.type)
-    if declaration.initial is not None:
-        write_value(ctx, add_child(ctx, element, "initialValue"), declaration.initial)
+    _write_declared(ctx, element, declaration.type, declaration.initial, "baseType")
     ctx.keep("data type")
     native = frozenset({"name", "type", "initial"}) | ({"place"} if in_place else frozenset())
     finish_element(ctx, element, declaration, "dataType", native)

@@ -46,10 +46,8 @@ def read_connection(ctx: Tc6ReadContext, element: etree._Element) -> Fields | No
 
 def write_connection(ctx: Tc6WriteContext, parent: etree._Element, connection: Connection) -> None:
     """Write ``connection``."""
-    attributes = {"refLocalId": str(connection.source)}
-    if connection.pin is not None:
-        attributes["formalParameter"] = connection.pin
-    element = add_child(ctx, parent, "connection", attributes)
+    marks = {"refLocalId": str(connection.source), "formalParameter": connection.pin}
+    element = add_child(ctx, parent, "connection", marks)
     for point in connection.points:
         write_point(ctx, element, "position", point)
     if connection.extension_data is not None or connection.global_id is not None:
@@ -120,8 +118,7 @@ def write_output(
     ctx: Tc6WriteContext, parent: etree._Element, pin: OutputPin, name: str = "connectionPointOut"
 ) -> None:
     """Write ``connectionPointOut`` or ``connectionPointOutAction``."""
-    attributes = {"formalParameter": pin.name} if pin.name is not None else {}
-    element = add_child(ctx, parent, name, attributes)
+    element = add_child(ctx, parent, name, {"formalParameter": pin.name})
     if pin.position is not None:
         write_point(ctx, element, "relPosition", pin.position)
     if pin.expression is not None:
@@ -155,14 +152,9 @@ _WHOLE = {str(number): number for number in range(1000)}
 
 def geometry(width: float | None, height: float | None, execution_order: int | None) -> dict[str, str]:
     """Return the attributes for size and execution order."""
-    attributes = {}
-    if height is not None:
-        attributes["height"] = decimal(height)
-    if width is not None:
-        attributes["width"] = decimal(width)
-    if execution_order is not None:
-        attributes["executionOrderId"] = str(execution_order)
-    return attributes
+    sizes = {"height": height, "width": width}
+    order = {} if execution_order is None else {"executionOrderId": str(execution_order)}
+    return {name: decimal(size) for name, size in sizes.items() if size is not None} | order
 
 
 class IdKeeper:

@@ -14,7 +14,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from lxml import etree
@@ -91,28 +92,36 @@ def merge_fields(fields: Fields, found: Fields) -> None:
             fields[name] = value
 
 
+@dataclass(frozen=True)
+class ToolData:
+    """Content of the files of one tool beyond TC6.
+
+    `readers` understand its data, by their names; `finish_chart` is called when a chart is read. `text_element` is its
+    usual XHTML element of a text. `placeless`: it exports no layout.
+    """
+
+    readers: Mapping[str, DataReader] = field(default_factory=dict)
+    finish_chart: Callable[[Tc6ReadContext, Fields], None] = lambda _ctx, _fields: None
+    text_element: str = "p"
+    placeless: bool = False
+
+
+PLACELESS = ToolData(placeless=True)
+"""For charts of a tool that exports no layout, with nothing beyond TC6."""
+
+
 class Tc6ReadContext(ElementReading):
     """State of reading one file: its version, the findings so far, and who understands which foreign data."""
 
     def __init__(
-        self,
-        version: Tc6Version,
-        *,
-        file: str | None = None,
-        lines: SourceLines | None = None,
-        data_readers: dict[str, DataReader] | None = None,
-        usual_text_element: str = "p",
-        placeless: bool = False,
+        self, version: Tc6Version, tool: ToolData, *, file: str | None = None, lines: SourceLines | None = None
     ) -> None:
         super().__init__(file, lines)
         self.version = version
         self.tags = version.tags
-        self.data_readers = data_readers or {}
-        self.text_element = _XHTML_TAG + usual_text_element
-        self.placeless = placeless
-        """True if the tool exports no layout."""
-        self.comment_reader: DataReader | None = None
-        self.finish_chart: Callable[[Tc6ReadContext, Fields], None] | None = None
+        self.tool = tool
+        self.data_readers = {FIELDS_DATA: read_fields, **tool.readers}
+        self.text_element = _XHTML_TAG + tool.text_element
         self.pous: list[Fields] = []
         self.data_types: list[Fields] = []
         self.global_variables: list[Fields] = []
@@ -154,8 +163,7 @@ NEUTRAL = "tc6"
 def keep_element(ctx: Tc6ReadContext, fields: Fields, element: etree._Element) -> None:
     """Keep a child element that no reader knows, with a warning. Comments stay in the file only."""
     if not isinstance(element.tag, str):
-        if ctx.comment_reader is not None:
-            ctx.comment_reader(ctx, element, fields, "")
+        read_comment(ctx, element, fields, "")
         return
     extension_data(fields)["elements"].append(neutral(markup(element), ctx.version))
     ctx.warn("XML201", f"<{etree.QName(element).localname}> is not expected here; it is kept as it is", element)

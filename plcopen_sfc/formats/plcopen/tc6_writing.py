@@ -124,10 +124,11 @@ class Tc6WriteContext:
 
 
 def add_child(
-    ctx: Tc6WriteContext, parent: etree._Element, name: str, attributes: dict[str, str] | None = None
+    ctx: Tc6WriteContext, parent: etree._Element, name: str, attributes: Mapping[str, str | None] | None = None
 ) -> etree._Element:
-    """Return a new child of `parent`, in the TC6 namespace."""
-    return etree.SubElement(parent, ctx.names[name], attributes or {})
+    """Return a new child of `parent`, in the TC6 namespace. Attributes without a value are left out."""
+    given = {key: value for key, value in attributes.items() if value is not None} if attributes else {}
+    return etree.SubElement(parent, ctx.names[name], given)
 
 
 def write_text(ctx: Tc6WriteContext, parent: etree._Element, name: str, text: Text | None) -> None:
@@ -328,8 +329,3 @@ def fields_element(left: dict[str, Any]) -> etree._Element:
         entry = etree.SubElement(holder, f"{{{FIELDS_DATA}}}field", {"name": name})
         entry.text = legal_text(json.dumps(value, ensure_ascii=False))
     return holder
-
-
-def given_attributes(pairs: Iterable[tuple[str, str | None]]) -> dict[str, str]:
-    """Return the attributes that have a value."""
-    return {name: value for name, value in pairs if value is not None}

@@ -25,7 +25,7 @@ from plcopen_sfc.formats.archives.object_elements import (
     write_pou,
 )
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
-from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext
+from plcopen_sfc.formats.plcopen.tc6_reading import PLACELESS, Tc6ReadContext
 from plcopen_sfc.formats.plcopen.tc6_versions import V2_0
 from plcopen_sfc.formats.xml.source_patch import patch_xml
 from plcopen_sfc.formats.xml.xml_codec import FolderCodec, ProjectPart, XmlStyle, write_xml
@@ -116,7 +116,7 @@ def read_object(data: bytes, *, file: str | None) -> ReadResult:
             location=Location(file, line_of(root)),
             hint="Give the .TcPOU, .TcGVL, .TcDUT, .TcIO and .TcTTO files of the project.",
         )
-    ctx = Tc6ReadContext(V2_0, file=file, lines=SourceLines(root, data), placeless=True)
+    ctx = Tc6ReadContext(V2_0, PLACELESS, file=file, lines=SourceLines(root, data))
     try:
         project = read_task(thing) if thing.tag == TASK else read_element(ctx, thing, file)
     except ValidationError as error:
