@@ -30,13 +30,13 @@ from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.codesys import codesys_names as names
 from plcopen_sfc.formats.codesys.declaration_texts import declaration_texts
 from plcopen_sfc.formats.codesys.element_data import (
+    CALLS,
+    STEP_TEXTS,
     finish_chart,
-    read_call_type,
     read_element_attributes,
-    read_element_type,
     read_fbd_attributes,
     read_settings,
-    read_st_code,
+    text_reader,
 )
 from plcopen_sfc.formats.codesys.object_data import (
     mark_as_codesys,
@@ -229,9 +229,9 @@ DATA_READERS: dict[str, DataReader] = {
     names.TYPE_INHERITANCE: read_inheritance,
     names.PROJECT_STRUCTURE: read_project_structure,
     names.TASK_SETTINGS: read_task_settings,
-    names.CALL_TYPE: read_call_type,
-    names.ST_CODE: read_st_code,
-    names.ELEMENT_TYPE: read_element_type,
+    names.CALL_TYPE: text_reader("CallType", "block", "call", CALLS),
+    names.ST_CODE: text_reader("STCode", "block", "code"),
+    names.ELEMENT_TYPE: text_reader("ElementType", "vendorElement", "element_type"),
     names.FBD_ATTRIBUTES: read_fbd_attributes,
 }
 """The reader of each kind of data."""
@@ -252,19 +252,7 @@ NATIVE_FIELDS = {
     "dataType": frozenset({"object_id", "declaration", "place"}),
     "globalVars": frozenset({"object_id", "declaration"}),
     "chart": frozenset({"settings"}),
-    "step": frozenset(
-        {
-            "exclude",
-            "symbol",
-            "duplicate",
-            "min_time",
-            "max_time",
-            "main_action",
-            "entry_action",
-            "exit_action",
-            "comment",
-        }
-    ),
+    "step": frozenset({"exclude", "symbol", "duplicate", "comment", *STEP_TEXTS.values()}),
     "transition": frozenset({"exclude", "symbol", "duplicate", "monitoring", "comment"}),
     "selectionDivergence": frozenset({"exclude", "name", "comment"}),
     "simultaneousDivergence": frozenset({"exclude", "name", "comment"}),

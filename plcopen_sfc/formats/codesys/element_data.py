@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import copy
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Container, Iterator
 from functools import lru_cache
 from typing import Any
 
 from lxml import etree
 
 from plcopen_sfc.formats.codesys import codesys_names as names
-from plcopen_sfc.formats.plcopen.tc6_reading import Fields, Tc6ReadContext, extension_data
-from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, Written
+from plcopen_sfc.formats.plcopen.tc6_reading import DataReader, Fields, Tc6ReadContext, extension_data
+from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, Written, tool_element
 from plcopen_sfc.formats.xml.extension_data import legal_text, markup, parsed_markup
 from plcopen_sfc.model.actions import Monitoring, SymbolAccess
 from plcopen_sfc.model.base import ExtensionData, Model, UnknownDataRule
@@ -111,8 +111,8 @@ def _take_attribute(fields: Fields, owner: str, guid: str, value: str) -> bool:
         return value in ("TRUE", "FALSE") and stated == (value == "TRUE")
     elif guid == names.QUALIFIER:
         return " ".join(filter(None, (fields.get("qualifier", "N"), fields.get("duration")))) == value
-    elif owner == "step" and guid in _STEP_TEXTS:
-        fields[_STEP_TEXTS[guid]] = value
+    elif owner == "step" and guid in STEP_TEXTS:
+        fields[STEP_TEXTS[guid]] = value
     else:
         return False
     return True
@@ -128,7 +128,7 @@ _ENUMERATED: dict[str, tuple[str, dict[str, Any]]] = {
 _VALUES: dict[tuple[str | None, str], tuple[str, Any]] = {
     (guid, text): (field, value) for guid, (field, values) in _ENUMERATED.items() for text, value in values.items()
 }
-_STEP_TEXTS = {
+STEP_TEXTS = {
     names.MIN_TIME: "min_time",
     names.MAX_TIME: "max_time",
     names.MAIN_ACTION: "main_action",
@@ -214,12 +214,7 @@ def _attribute_table(extension_data: ExtensionData | None, pairs: list[tuple[str
     return table
 
 
-_MODEL_VALUES = {
-    names.EXCLUDE: {"TRUE", "FALSE"},
-    names.DUPLICATION: {"TRUE", "FALSE"},
-    names.SYMBOL: set(_SYMBOLS.values()),
-    names.MONITORING: set(_MONITORINGS.values()),
-}
+_MODEL_VALUES = {guid: set(values) for guid, (_, values) in _ENUMERATED.items()}
 """The values that the model has a place for, of attributes that are extension data where they have another."""
 
 
@@ -246,74 +241,54 @@ def _modern(ctx: Tc6WriteContext, *version: int) -> bool:
     return not core or core >= version
 
 
+def _chart_data(
+    thing: Step | Transition | ActionAssociation | Symbol, name: str | None, *more: tuple[str, str | None]
+) -> Iterator[Written]:
+    """Yield the attributes of the SFC editor at an element of a chart: those that all of these have, and `more`."""
+    comment = thing.comment if isinstance(thing.comment, str) else getattr(thing.comment, "text", None)
+    pairs = [(names.NAME, name), (names.COMMENT, comment), (names.EXCLUDE, _truth(thing.exclude))]
+    if not isinstance(thing, Symbol):
+        pairs.append((names.SYMBOL, _SYMBOLS[thing.symbol]))
+    yield names.SFC_ELEMENT, UnknownDataRule.IMPLEMENTATION, _attribute_table(thing.extension_data, [*pairs, *more])
+
+
 def _write_step(ctx: Tc6WriteContext, step: Step, _owner: str) -> Iterator[Written]:
     duplicate = step.duplicate or _modern(ctx, 3, 5, 10)
-    table = _attribute_table(
-        step.extension_data,
-        [
-            (names.NAME, step.name),
-            (names.COMMENT, _comment(step.comment)),
-            (names.EXCLUDE, _truth(step.exclude)),
-            (names.SYMBOL, _SYMBOLS[step.symbol]),
-            (names.INITIAL, _truth(step.initial)),
-            (names.DUPLICATION, _truth(step.duplicate) if duplicate else None),
-            (names.MIN_TIME, step.min_time),
-            (names.MAX_TIME, step.max_time),
-            (names.MAIN_ACTION, _name_of(step.main_action)),
-            (names.ENTRY_ACTION, _name_of(step.entry_action)),
-            (names.EXIT_ACTION, _name_of(step.exit_action)),
-        ],
+    return _chart_data(
+        step,
+        step.name,
+        (names.INITIAL, _truth(step.initial)),
+        (names.DUPLICATION, _truth(step.duplicate) if duplicate else None),
+        (names.MIN_TIME, step.min_time),
+        (names.MAX_TIME, step.max_time),
+        (names.MAIN_ACTION, _name_of(step.main_action)),
+        (names.ENTRY_ACTION, _name_of(step.entry_action)),
+        (names.EXIT_ACTION, _name_of(step.exit_action)),
     )
-    yield names.SFC_ELEMENT, UnknownDataRule.IMPLEMENTATION, table
-
-
-def _comment(comment: object) -> str | None:
-    return comment if isinstance(comment, str) else getattr(comment, "text", None)
 
 
 def _write_transition(ctx: Tc6WriteContext, transition: Transition, _owner: str) -> Iterator[Written]:
     duplicate = transition.duplicate or _modern(ctx, 3, 5, 10)
     monitoring = transition.monitoring is not Monitoring.NONE or _modern(ctx, 3, 5, 13)
-    table = _attribute_table(
-        transition.extension_data,
-        [
-            (names.NAME, transition.shown_condition),
-            (names.COMMENT, _comment(transition.comment)),
-            (names.EXCLUDE, _truth(transition.exclude)),
-            (names.SYMBOL, _SYMBOLS[transition.symbol]),
-            (names.DUPLICATION, _truth(transition.duplicate) if duplicate else None),
-            (names.MONITORING, _MONITORINGS[transition.monitoring] if monitoring else None),
-        ],
+    return _chart_data(
+        transition,
+        transition.shown_condition,
+        (names.DUPLICATION, _truth(transition.duplicate) if duplicate else None),
+        (names.MONITORING, _MONITORINGS[transition.monitoring] if monitoring else None),
     )
-    yield names.SFC_ELEMENT, UnknownDataRule.IMPLEMENTATION, table
 
 
 def _write_association(_ctx: Tc6WriteContext, association: ActionAssociation, _owner: str) -> Iterator[Written]:
     qualifier = " ".join(filter(None, (association.qualifier.value, association.duration)))
-    table = _attribute_table(
-        association.extension_data,
-        [
-            (names.NAME, association.target),
-            (names.COMMENT, _comment(association.comment)),
-            (names.EXCLUDE, _truth(association.exclude)),
-            (names.SYMBOL, _SYMBOLS[association.symbol]),
-            (names.QUALIFIER, qualifier),
-        ],
-    )
-    yield names.SFC_ELEMENT, UnknownDataRule.IMPLEMENTATION, table
+    return _chart_data(association, association.target, (names.QUALIFIER, qualifier))
 
 
 def _write_symbol(ctx: Tc6WriteContext, symbol: Symbol, owner: str) -> Iterator[Written]:
     if symbol.kind is SymbolKind.JUMP:
-        pairs = [(names.NAME, ctx.jump_name), (names.COMMENT, _comment(symbol.comment))]
-        pairs.append((names.EXCLUDE, _truth(symbol.exclude)))
+        yield from _chart_data(symbol, ctx.jump_name)
     elif owner in ("selectionDivergence", "simultaneousDivergence"):
-        pairs = [(names.NAME, symbol.name), (names.COMMENT, _comment(symbol.comment))]
-        pairs.append((names.EXCLUDE, _truth(symbol.exclude)))
-        pairs.append((names.PARALLEL, _truth(symbol.kind is SymbolKind.SIMULTANEOUS_DIVERGENCE)))
-    else:
-        return
-    yield names.SFC_ELEMENT, UnknownDataRule.IMPLEMENTATION, _attribute_table(symbol.extension_data, pairs)
+        is_parallel = symbol.kind is SymbolKind.SIMULTANEOUS_DIVERGENCE
+        yield from _chart_data(symbol, symbol.name, (names.PARALLEL, _truth(is_parallel)))
 
 
 def read_settings(_ctx: Tc6ReadContext, data: etree._Element, fields: Fields, _owner: str) -> bool:
@@ -356,26 +331,22 @@ def _is_flag(element: etree._Element) -> bool:
 
 def settings_element(ctx: Tc6WriteContext, settings: SfcSettings) -> etree._Element:
     """``SFCSettings``."""
-    namespace = ctx.version.namespace
-    root = etree.Element(f"{{{namespace}}}SFCSettings", nsmap={None: namespace})  # type: ignore[dict-item]
+    root = tool_element(ctx, "SFCSettings")
 
-    def text(name: str, value: str) -> None:
-        etree.SubElement(root, f"{{{namespace}}}{name}").text = value or None
+    def text(name: str, value: str | None) -> None:
+        if value is not None:
+            etree.SubElement(root, ctx.version_tag(name)).text = value or None
 
-    if settings.library is not None:
-        text("LibTitle", settings.library.title)
-        text("LibCompany", settings.library.company)
-        text("LibVersion", settings.library.version)
-        text("LibNamespace", settings.library.namespace)
-    if settings.active_transitions_only is not None:
-        text("CalcActiveTransOnly", str(settings.active_transitions_only).lower())
-    if settings.use_defaults is not None:
-        text("UseDefaults", str(settings.use_defaults).lower())
+    for name, field in _LIBRARY.items() if settings.library is not None else ():
+        text(name, getattr(settings.library, field))
+    for name, field in _SWITCHES.items():
+        switch = getattr(settings, field)
+        text(name, None if switch is None else str(switch).lower())
     flags = {flag.value: use for flag, use in settings.flags.items()} | settings.other_flags
-    holder = etree.SubElement(root, f"{{{namespace}}}Flags")
+    holder = etree.SubElement(root, ctx.version_tag("Flags"))
     for name, use in flags.items():
         switches = {"Declare": str(use.declare).lower(), "Use": str(use.use).lower()}
-        etree.SubElement(holder, f"{{{namespace}}}{name}", switches)
+        etree.SubElement(holder, ctx.version_tag(name), switches)
     return root
 
 
@@ -394,25 +365,20 @@ def _no_namespace(name: str, text: str) -> etree._Element:
     return element
 
 
-_CALLS = {call.value for call in BlockCall}
+def text_reader(child: str, owner: str, field: str, known: Container[str] | None = None) -> DataReader:
+    """Return the reader of data of `owner` that is one text, of those `known`, in an element `child`."""
+
+    def read(_ctx: Tc6ReadContext, data: etree._Element, fields: Fields, owner_: str) -> bool:
+        text = plain_child_text(data, child)
+        if text is None or owner_ != owner or (known is not None and text not in known):
+            return False
+        fields[field] = text
+        return True
+
+    return read
 
 
-def read_call_type(_ctx: Tc6ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:
-    """``fbdcalltype`` of a block."""
-    text = plain_child_text(data, "CallType")
-    if owner != "block" or text not in _CALLS:
-        return False
-    fields["call"] = text
-    return True
-
-
-def read_st_code(_ctx: Tc6ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:
-    """``stcode`` of an EXECUTE block."""
-    text = plain_child_text(data, "STCode")
-    if owner != "block" or text is None:
-        return False
-    fields["code"] = text
-    return True
+CALLS = {call.value for call in BlockCall}
 
 
 def _write_block(_ctx: Tc6WriteContext, block: Block, _owner: str) -> Iterator[Written]:
@@ -420,15 +386,6 @@ def _write_block(_ctx: Tc6WriteContext, block: Block, _owner: str) -> Iterator[W
         yield names.CALL_TYPE, UnknownDataRule.IMPLEMENTATION, _no_namespace("CallType", block.call.value)
     if block.code is not None:
         yield names.ST_CODE, UnknownDataRule.IMPLEMENTATION, _no_namespace("STCode", block.code)
-
-
-def read_element_type(_ctx: Tc6ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:
-    """``fbdelementtype`` of a vendor element: what it is in the FBD or LD editor."""
-    text = plain_child_text(data, "ElementType")
-    if owner != "vendorElement" or text is None:
-        return False
-    fields["element_type"] = text
-    return True
 
 
 def read_fbd_attributes(_ctx: Tc6ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:

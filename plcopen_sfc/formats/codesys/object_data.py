@@ -36,7 +36,7 @@ from plcopen_sfc.formats.plcopen.tc6_declarations import (
 )
 from plcopen_sfc.formats.plcopen.tc6_reading import Fields, Tc6ReadContext, attributes, extension_data, read_common
 from plcopen_sfc.formats.plcopen.tc6_versions import XHTML
-from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, Written, finish_element
+from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, Written, finish_element, given, tool_element
 from plcopen_sfc.formats.xml.extension_data import legal_text
 from plcopen_sfc.languages.declarations.attributes import attribute_pragmas, pragma_attributes
 from plcopen_sfc.languages.declarations.kept_texts import (
@@ -65,12 +65,6 @@ def _writer_of(kind: type[Model]) -> DataWriter | None:
     return next((writer for known, writer in (*ELEMENT_WRITERS, *_OBJECT_WRITERS) if issubclass(kind, known)), None)
 
 
-def _text_element(ctx: Tc6WriteContext, name: str, text: str) -> etree._Element:
-    element = etree.Element(ctx.version_tag(name), nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
-    element.text = legal_text(text)
-    return element
-
-
 def _holder(ctx: Tc6WriteContext) -> etree._Element:
     return etree.Element(ctx.names["data"], nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
 
@@ -94,7 +88,7 @@ def _write_declaration(
 ) -> Iterator[Written]:
     text = ctx.texts.get(id(thing), thing.declaration)
     if text is not None:
-        holder = etree.Element(ctx.version_tag("InterfaceAsPlainText"), nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
+        holder = tool_element(ctx, "InterfaceAsPlainText")
         etree.SubElement(holder, f"{{{XHTML}}}xhtml", nsmap={None: XHTML}).text = legal_text(text)  # type: ignore[dict-item]
         yield names.PLAIN_TEXT, UnknownDataRule.IMPLEMENTATION, holder
 
@@ -123,7 +117,7 @@ def read_attributes(_ctx: Tc6ReadContext, data: etree._Element, fields: Fields, 
 def _write_attributes(ctx: Tc6WriteContext, extension_data: ExtensionData | None) -> Iterator[Written]:
     found = pragma_attributes(kept(extension_data).get("pragmas", ""))
     if found is not None:
-        element = etree.Element(ctx.version_tag("Attributes"), nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
+        element = tool_element(ctx, "Attributes")
         for name, value in found:
             etree.SubElement(
                 element, ctx.version_tag("Attribute"), {"Name": legal_text(name), "Value": legal_text(value)}
@@ -151,7 +145,9 @@ _WITH_OBJECT_ID = frozenset(
 
 def _write_object_id(ctx: Tc6WriteContext, object_id: str | None) -> Iterator[Written]:
     if object_id is not None:
-        yield names.OBJECT_ID, UnknownDataRule.DISCARD, _text_element(ctx, "ObjectId", object_id)
+        element = tool_element(ctx, "ObjectId")
+        element.text = legal_text(object_id)
+        yield names.OBJECT_ID, UnknownDataRule.DISCARD, element
 
 
 def read_hidden_pou(ctx: Tc6ReadContext, data: etree._Element, _fields: Fields, owner: str) -> bool:
@@ -223,7 +219,7 @@ def _write_project(ctx: Tc6WriteContext, project: Project, owner: str) -> Iterat
     for element in list(holder):
         yield names.GLOBAL_VARS, UnknownDataRule.IMPLEMENTATION, element
     if project.tree is not None:
-        root = etree.Element(ctx.version_tag("ProjectStructure"), nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
+        root = tool_element(ctx, "ProjectStructure")
         for node in project.tree:
             _write_tree_node(ctx, root, node)
         yield names.PROJECT_STRUCTURE, UnknownDataRule.DISCARD, root
@@ -276,7 +272,7 @@ def mark_as_codesys(root: etree._Element) -> None:
 
 
 def _write_tree_node(ctx: Tc6WriteContext, parent: etree._Element, node: TreeNode) -> None:
-    attributes = {"Name": node.name} | ({"ObjectId": node.object_id} if node.object_id is not None else {})
+    attributes = given({"Name": node.name, "ObjectId": node.object_id})
     element = etree.SubElement(parent, ctx.version_tag("Folder" if node.folder else "Object"), attributes)
     for child in node.children:
         _write_tree_node(ctx, element, child)
@@ -319,14 +315,11 @@ def _write_declared(
 
 def _mixed_list(ctx: Tc6WriteContext, parts: list[VariableSection]) -> etree._Element:
     """Return the sections of a list of global variables, whose variables are in the report with the list."""
-    element = etree.Element(ctx.version_tag("MixedAttrsVarList"), nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
+    element = tool_element(ctx, "MixedAttrsVarList")
     report, ctx.report = ctx.report, ConversionReport()
     for part in parts:
-        write_section(
-            ctx,
-            element,
-            part.model_copy(update=dict.fromkeys(("comment", "extension_data", "declaration", "object_id"))),
-        )
+        alone = dict.fromkeys(("comment", "extension_data", "declaration", "object_id"))
+        write_section(ctx, element, part.model_copy(update=alone))
     ctx.report = report
     return element
 
@@ -368,8 +361,7 @@ def _write_pou(ctx: Tc6WriteContext, pou: Pou, _owner: str) -> Iterator[Written]
 
 
 def _method_element(ctx: Tc6WriteContext, method: Method) -> etree._Element:
-    attributes = {"name": method.name} | ({"ObjectId": method.object_id} if method.object_id is not None else {})
-    element = etree.Element(ctx.version_tag("Method"), attributes, nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
+    element = tool_element(ctx, "Method", {"name": method.name, "ObjectId": method.object_id})
     ctx.place.append(f"method {method.name}")
     if method.interface is not None:
         write_interface(ctx, element, method.interface)
@@ -419,7 +411,7 @@ def _write_interface(ctx: Tc6WriteContext, interface: Interface, _owner: str) ->
 def _write_inheritance(ctx: Tc6WriteContext, name: str, extension_data: ExtensionData | None) -> Iterator[Written]:
     found = kept_inheritance(extension_data)
     if any(found):
-        element = etree.Element(ctx.version_tag("Inheritance"), nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
+        element = tool_element(ctx, "Inheritance")
         for tag, bases in (("Extends", found.extends), ("Implements", found.implements)):
             for base in bases:
                 etree.SubElement(element, ctx.version_tag(tag)).text = legal_text(base)
@@ -458,24 +450,12 @@ _WATCHDOG = {"Enabled": "enabled", "Time": "time", "TimeUnit": "time_unit", "Sen
 def _write_task(ctx: Tc6WriteContext, task: Task, _owner: str) -> Iterator[Written]:
     settings = task.settings
     if settings is not None:
-        pairs = (
-            ("KindOfTask", settings.kind),
-            ("Interval", settings.interval),
-            ("IntervalUnit", settings.interval_unit),
-            ("Event", settings.event),
-        )
-        attributes = {name: value for name, value in pairs if value is not None} | settings.attributes
-        element = etree.Element(ctx.version_tag("TaskSettings"), attributes, nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
+        attributes = {name: getattr(settings, field) for name, field in _TASK.items()}
+        element = tool_element(ctx, "TaskSettings", attributes | settings.attributes)
         if settings.watchdog is not None:
-            dog = settings.watchdog
-            pairs = (
-                ("Enabled", str(dog.enabled).lower()),
-                ("Time", dog.time),
-                ("TimeUnit", dog.time_unit),
-                ("Sensitivity", dog.sensitivity),
-            )
-            attributes = {name: value for name, value in pairs if value is not None}
-            etree.SubElement(element, ctx.version_tag("Watchdog"), attributes)
+            dog = {name: getattr(settings.watchdog, field) for name, field in _WATCHDOG.items()}
+            dog["Enabled"] = str(settings.watchdog.enabled).lower()
+            etree.SubElement(element, ctx.version_tag("Watchdog"), given(dog))
         yield names.TASK_SETTINGS, UnknownDataRule.IMPLEMENTATION, element
     yield from _write_object_id(ctx, task.object_id)
 

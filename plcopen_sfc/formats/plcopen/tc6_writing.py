@@ -127,8 +127,18 @@ def add_child(
     ctx: Tc6WriteContext, parent: etree._Element, name: str, attributes: Mapping[str, str | None] | None = None
 ) -> etree._Element:
     """Return a new child of `parent`, in the TC6 namespace. Attributes without a value are left out."""
-    given = {key: value for key, value in attributes.items() if value is not None} if attributes else {}
-    return etree.SubElement(parent, ctx.names[name], given)
+    return etree.SubElement(parent, ctx.names[name], given(attributes) if attributes else {})
+
+
+def tool_element(ctx: Tc6WriteContext, name: str, attributes: Mapping[str, str | None] | None = None) -> etree._Element:
+    """Return an element of a tool, which is no element of TC6, in the namespace of TC6."""
+    nsmap: Any = {None: ctx.version.namespace}
+    return etree.Element(ctx.version_tag(name), given(attributes or {}), nsmap=nsmap)
+
+
+def given(attributes: Mapping[str, str | None]) -> dict[str, str]:
+    """Return the attributes that have a value."""
+    return {name: value for name, value in attributes.items() if value is not None}
 
 
 def write_text(ctx: Tc6WriteContext, parent: etree._Element, name: str, text: Text | None) -> None:
