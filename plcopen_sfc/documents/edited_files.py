@@ -13,7 +13,7 @@ from plcopen_sfc.documents.reading_back import read_back, report_reading_errors,
 from plcopen_sfc.documents.sources import FileSource
 from plcopen_sfc.errors import FormatError
 from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, WriteOptions
-from plcopen_sfc.formats.provenance import compared_only, is_from
+from plcopen_sfc.formats.provenance import compared_only, is_as_read, is_from
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.numbering import number_in_order, numbered_in_order
@@ -280,6 +280,10 @@ def _merged(
     if is_other:
         options = replace(options, untouched=frozenset())
 
+    def note_limits(written: Project, notes: ConversionReport) -> None:
+        if notes is not known or report.losses:  # what the file could not say before tells nothing on its own
+            _note_limits(written, kind, touched, notes)
+
     def tree(
         edited: Project,
         baseline: Project | None,
@@ -289,17 +293,17 @@ def _merged(
         """Return the tree of a project, in the terms of the tool where the file has or needs them."""
         written = replace(options, baseline=baseline, unchanged=unchanged)
         if options.untouched or not is_other:
-            _note_limits(edited, kind, touched, notes)
+            note_limits(edited, notes)
             return codec.to_tree(edited, written, notes)
         copy, marks = rewrite_project(edited, kind, written, notes)
-        _note_limits(copy, kind, touched, notes)
+        note_limits(copy, notes)
         for _, _, body in copy.bodies():
             if isinstance(body, SfcBody):
                 prepare_body(body, style, positions=False)
         return codec.to_tree(copy, replace(written, marks=marks, rewritten=edited), notes)
 
-    unchanged = {} if is_other else _unchanged(before, project, touched, codec)
     known = ConversionReport()
+    unchanged = {} if is_other else _unchanged(before, project, touched, codec)
     after = tree(project, before, report, unchanged)
     data = patch_xml(content, tree(before, None, known, unchanged), after)
     _pass_known_losses(report, known)
@@ -345,7 +349,11 @@ def _unchanged(before: Project, after: Project, touched: Collection[str], codec:
     charts = {name: body.chart for name, _, body in before.bodies() if isinstance(body, SfcBody) and name in touched}
     for name, _, body in after.bodies():
         if name in charts and isinstance(body, SfcBody):
-            known = charts[name]
+            known, drawing = charts[name], body.chart.drawing
+            if drawing is not None and is_as_read(drawing):
+                known.drawing = (
+                    drawing  # the edits left it as it is: to read it again takes as long as to read the chart
+                )
             found[id(known)] = found[id(body.chart)] = codec.unchanged_symbols(known, body.chart)
     return found
 

@@ -16,7 +16,7 @@ from pydantic_core import PydanticSerializationError, to_json
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.drawing import Drawing
-from plcopen_sfc.model.late import Late, ProjectObject
+from plcopen_sfc.model.late import Late, Mention, ProjectObject
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
 
@@ -69,9 +69,9 @@ def _provenance(thing: Late) -> _Provenance:
 
 
 def read_later(
-    model: type[L], fields: dict[str, Any], read: Callable[[], L], text: Callable[[], str] | None = None
+    model: type[L], fields: dict[str, Any], read: Callable[[], L], mentions: Callable[[Mention], bool] | None = None
 ) -> L:
-    """Return an object with `fields` that `read` reads when a script looks at more of it. `text`: `Late`."""
+    """Return an object with `fields` that `read` reads when a script looks at more of it. `mentions`: `Late.late`."""
     is_compared = _COMPARED_ONLY.get()
 
     def supply(thing: L) -> L:
@@ -82,7 +82,7 @@ def read_later(
         thing._provenance = replace(_provenance(thing), digest=own, folder=folder, is_replaced=replaced)
         return whole
 
-    thing = model.late(fields, supply, text)
+    thing = model.late(fields, supply, mentions)
     thing._provenance = _Provenance(tuple(fields), mark=secrets.token_hex(8))
     return thing
 
@@ -121,11 +121,16 @@ def is_untouched(thing: ProjectObject | SfcNetwork | Drawing) -> bool:
     known = _KNOWN.get()
     if known is not None and id(thing) in known:
         return known[id(thing)][1]
-    digest = _provenance(thing).digest
-    found = digest is not None and digest == _own_digest(thing)
+    found = is_as_read(thing)
     if known is not None:
         known[id(thing)] = (thing, found)
     return found
+
+
+def is_as_read(thing: ProjectObject | SfcNetwork | Drawing) -> bool:
+    """True if the content of an object that was read is still the same, whatever `without_edits` knows of it."""
+    digest = _provenance(thing).digest
+    return digest is not None and digest == _own_digest(thing)
 
 
 def is_edited(thing: ProjectObject) -> bool:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Collection
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
@@ -22,25 +23,43 @@ from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.owners import Owned, OwnedName
 
 
+@dataclass(frozen=True, slots=True)
+class Mention:
+    """A search of texts for words, in small letters; `as_members`: for those behind a dot only."""
+
+    words: frozenset[str]
+    as_members: bool = False
+
+    def is_in(self, text: str) -> bool:
+        """True if one of the words occurs in `text`, in upper or lower case."""
+        text = text.casefold()
+        if not self.as_members:
+            return any(word in text for word in self.words)
+        return re.search(f"{_DOT}(?:{'|'.join(map(re.escape, sorted(self.words)))})", text, re.DOTALL) is not None
+
+
 class Late(Owned):
     """An object that may be unread: then it has the fields that `late` got, and asks for the rest."""
 
     _supply: Callable[[Any], Any] | None = PrivateAttr(default=None)
-    _unread_text: Callable[[], str] | None = PrivateAttr(default=None)
+    _unread_mentions: Callable[[Mention], bool] | None = PrivateAttr(default=None)
     _provenance: Any = PrivateAttr(default=None)
     """Data that its reader keeps with it. No method of the model looks at it, and equal elements may differ in it."""
 
     @classmethod
     def late(
-        cls, fields: dict[str, Any], supply: Callable[[Self], Self], text: Callable[[], str] | None = None
+        cls,
+        fields: dict[str, Any],
+        supply: Callable[[Self], Self],
+        mentions: Callable[[Mention], bool] | None = None,
     ) -> Self:
         """Return an unread element with `fields`; `supply` gets it and returns the whole when a script asks for more.
 
-        `text` returns a text in which every text of the whole occurs, for who looks for names.
+        `mentions` returns False where no text of the whole has what is searched for.
         """
         thing: Self = _bare(cls).model_copy(update=fields)
         thing._supply = supply
-        thing._unread_text = text
+        thing._unread_mentions = mentions
         return thing
 
     def may_mention(self, words: Collection[str], *, as_members: bool = False) -> bool:
@@ -51,25 +70,17 @@ class Late(Owned):
         if any(_ELSEWHERE_WRITTEN.search(word) for word in words):
             return True
         try:
-            content = self._text()
+            return self._may_have(Mention(frozenset(words), as_members))
         except PydanticSerializationError:  # surrogates
             return True
-        if content is None:
-            return True
-        content = content.casefold()
-        if not as_members:
-            return any(word in content for word in words)
-        return re.search(f"{_DOT}(?:{'|'.join(map(re.escape, words))})", content, re.DOTALL) is not None
 
-    def _text(self) -> str | None:
-        """Return a text in which every text of the object occurs; None where it would have to be read for that."""
+    def _may_have(self, mention: Mention) -> bool:
         if self.is_unread:
-            text = self._unread_text
-            return text() if text is not None else None
+            return self._unread_mentions is None or self._unread_mentions(mention)
         unread = {name: part for name, part in self.__dict__.items() if isinstance(part, Late) and part.is_unread}
-        texts = [part._text() for part in unread.values()]
-        own = self.__pydantic_serializer__.to_json(self, exclude=set(unread)).decode()
-        return "\0".join([own, *(each for each in texts if each is not None)]) if None not in texts else None
+        if any(part._may_have(mention) for part in unread.values()):
+            return True
+        return mention.is_in(self.__pydantic_serializer__.to_json(self, exclude=set(unread)).decode())
 
     @property
     def is_unread(self) -> bool:
@@ -87,7 +98,7 @@ class Late(Owned):
         if supply is None:
             return
         whole: Self = supply(self)
-        self._supply = self._unread_text = None
+        self._supply = self._unread_mentions = None
         known = dict(self.__dict__)
         self.__dict__.clear()  # its order is that of the fields in JSON
         self.__dict__.update(whole.__dict__ | known)  # a script may have changed what is known

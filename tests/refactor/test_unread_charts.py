@@ -78,6 +78,13 @@ def test_a_step_is_looked_for_in_charts_that_name_it_behind_a_dot(text: str, is_
     assert (text.replace("Init", "Start") if is_use else text).encode() in data
 
 
+@pytest.mark.parametrize("text", ["Main.I&#110;it.X", "M&#x61;in.<![CDATA[Init]]>.X", "Main.In<xhtml:b>it</xhtml:b>.X"])
+def test_a_step_is_found_where_markup_or_numbers_are_inside_of_its_name(text: str) -> None:
+    project = sfc.loads(_file(_program("Main", "TRUE"), _program("Other", text)))
+    assert [use.path for use in project.uses("Main.Init")] != []
+    assert not project.uses("Main.Act")
+
+
 def test_an_edit_leaves_all_other_programs_as_they_are() -> None:
     strange = _program("Strange", "TRUE").replace(
         "<interface/>", "<!-- <pou name='x'> --><interface/><?tool <pou > ?>", 1

@@ -70,7 +70,7 @@ def finished_body(fields: Fields) -> Fields | SfcBody:
     if not isinstance(chart, UnreadChart):
         return fields
     rest = {name: value for name, value in fields.items() if name != "chart"}
-    unread = read_later(SfcNetwork, {}, lambda: _read_chart(chart), chart.text)
+    unread = read_later(SfcNetwork, {}, lambda: _read_chart(chart), chart.may_have)
     try:
         return SfcBody.model_validate({**rest, "chart": unread})
     except ValidationError as error:
@@ -86,7 +86,7 @@ def _read_chart(unread: UnreadChart) -> SfcNetwork:
     marks, of_source = take_marks(fields), fields.pop(DRAWING_FIELD, None)
     drawing = fields["drawing"]
     if isinstance(drawing, dict):
-        fields["drawing"] = read_later(Drawing, {}, lambda: _read_drawing(unread, drawing), unread.text)
+        fields["drawing"] = read_later(Drawing, {}, lambda: _read_drawing(unread, drawing), unread.may_have)
     try:
         chart = SfcNetwork.model_validate(fields)
         unread.executed = restore_chart(chart, marks, of_source, unread.edited, unread.warn_of_edit)

@@ -25,6 +25,7 @@ from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, inner_markup, m
 from plcopen_sfc.formats.xml.xml_parsing import ElementReading, SourceLines
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.drawing import StepActionKind
+from plcopen_sfc.model.late import Mention
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.whole_numbers import xml_number
 
@@ -62,11 +63,13 @@ class UnreadChart:
         self.ahead = read(self)
         return self.executed
 
-    def text(self) -> str:
-        """Return a text with every text of the chart in it: as it is written, and without markup inside of words."""
+    def may_have(self, mention: Mention) -> bool:
+        """False where no text of the chart has what is searched for: written, or without markup inside of words."""
+        if mention.as_members and not self.ctx.may_have(mention):  # other words are in some chart, as they are declared
+            return False
         written = etree.tostring(self.element, encoding="unicode")
         plain = etree.tostring(self.element, encoding="unicode", method="text")
-        return "\0".join([written, plain, repr(self.late) if self.late else ""])
+        return any(map(mention.is_in, (written, plain, repr(self.late))))
 
     def warn_of_edit(self, what: str) -> None:
         """Warn that extension data keep something of the source which counts no more."""
@@ -128,6 +131,14 @@ class Tc6ReadContext(ElementReading):
         """Lists of global variables of the project that those of a configuration replace."""
         self.resource_place = ""
         """`Pou.place` of POUs in the resource being read."""
+        self._mentions: dict[Mention, bool] = {}
+
+    def may_have(self, mention: Mention) -> bool:
+        """False where nothing in the file has what is searched for: to write all charts as text takes three times."""
+        found = self._mentions.get(mention)
+        if found is None:
+            found = self._mentions[mention] = self.lines is None or self.lines.may_have(mention.is_in)
+        return found
 
 
 def attributes(element: etree._Element) -> dict[str, str]:

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import codecs
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, cast
 from xml.parsers import expat
@@ -302,6 +302,8 @@ _TAGS = re.compile(
     re.DOTALL,
 )
 _LAST_EXACT_LINE = 65534
+_NUMBERED = re.compile(r"&#(?!(?:0*(?:9|10|13|34|38|39)|x0*(?:9|[AaDd]|2[267]));)")
+"""A character that is written as its number, but for line ends, tabs and those that mark XML."""
 
 
 def line_of(element: etree._Element) -> int | None:
@@ -319,22 +321,29 @@ class SourceLines:
 
     def __init__(self, root: etree._Element, data: bytes) -> None:
         self._root = root
-        self._data: bytes | None = data
-        self._table: dict[etree._Element, int] = {}
+        self._data = data
+        self._table: dict[etree._Element, int] | None = None
 
     def line(self, element: etree._Element) -> int | None:
         """Return the line of `element`, counting from 1; None for an element that was not read from a file."""
         line = cast("int | None", element.sourceline)
         if line is None or line <= _LAST_EXACT_LINE:
             return line
-        if self._data is not None:
-            self._fill(self._data)
-            self._data = None
+        if self._table is None:
+            self._table = self._filled()
         return self._table.get(element, line)
 
-    def _fill(self, data: bytes) -> None:
-        text, encoding = decode_xml(data)
-        plain = data[len(encoding.bom) :] if encoding.codec == "utf-8" else text.encode("utf-8")
+    def may_have(self, is_in: Callable[[str], bool]) -> bool:
+        """False if `is_in` is so for all text of the file: as it is written, and without markup inside of words."""
+        text, _ = decode_xml(self._data)
+        if _NUMBERED.search(text) or is_in(text):
+            return True
+        return is_in(str(etree.tostring(self._root, encoding="unicode", method="text")))
+
+    def _filled(self) -> dict[etree._Element, int]:
+        table: dict[etree._Element, int] = {}
+        text, encoding = decode_xml(self._data)
+        plain = self._data[len(encoding.bom) :] if encoding.codec == "utf-8" else text.encode("utf-8")
         elements = self._root.iter(etree.Element)
         line, counted = 1, 0
         for tag in _TAGS.finditer(plain):
@@ -347,7 +356,8 @@ class SourceLines:
             if element is None:
                 break
             if line > _LAST_EXACT_LINE:
-                self._table[element] = line
+                table[element] = line
+        return table
 
 
 class ElementReading:
