@@ -45,11 +45,9 @@ class Calls:
             if isinstance(meaning, Unknown):
                 return self._by_name(name.identifier, node, expected)
         elif isinstance(name, n.Member):
-            base = self._translator.meaning(name.base)
-            if isinstance(base, TranslatedPou) and base.is_program:
-                base = self._library.program(base)
+            base = self._meant(name.base)
             if isinstance(base, Place):
-                return self._of_instance(self._translator.followed(base, None), name.name.identifier, node, expected)
+                return self._of_instance(base, name.name.identifier, node, expected)
             if isinstance(base, Unknown | Space):
                 found = self._translator.meaning(name)
                 if isinstance(found, TranslatedPou) and not found.is_program:
@@ -118,11 +116,9 @@ class Calls:
         unknown = self._library.unknown
         if unknown is None:
             return False
-        known = {a.name.identifier.upper(): a for a in arguments if a.name is not None and a.value is not None}
-        enable, enabled = known.get("EN"), known.get("ENO")
-        if enable is not None or enabled is not None:
-            rest = [a for a in arguments if a is not enable and a is not enabled]
-            with self._enabled(enable.value if enable else None, enabled.value if enabled else None):
+        enable, enabled, rest = _without_enabling(arguments)
+        if len(rest) < len(arguments):
+            with self._enabled(enable, enabled):
                 return self._unknown_block(name, path, rest)
         unknown.names.setdefault(name)
         short = path.removeprefix(f"{self._scope.path}.").casefold()
@@ -297,18 +293,19 @@ class Calls:
         if self._acting(callee, arguments):
             return
         call = node if isinstance(node, n.Call) else n.Call(node)
-        known = {a.name.identifier.upper(): a for a in arguments if a.name is not None and a.value is not None}
-        enable, enabled = known.get("EN"), known.get("ENO")
-        if enable is None and enabled is None:
+        enable, enabled, rest = _without_enabling(arguments)
+        if len(rest) == len(arguments):
             self._translator.writer.write(self.value(call, None).text)
             return
-        rest = tuple(a for a in arguments if a is not enable and a is not enabled)
-        with self._enabled(enable.value if enable else None, enabled.value if enabled else None):
+        with self._enabled(enable, enabled):
             self.statement(n.Call(call.callee, rest))
 
     @contextmanager
     def _enabled(self, enable: n.Expression | None, enabled: n.Expression | None) -> Iterator[None]:
         """Execute what is written inside if EN is TRUE; ENO tells that it was."""
+        if enable is None and enabled is None:
+            yield
+            return
         writer = self._translator.writer
         held = writer.temporary()
         condition = self._translator.value(enable, t.BOOL).text if enable is not None else "True"
@@ -329,20 +326,13 @@ class Calls:
                 self._translator.writer.write(f"{self._library.linker.name(action)}({self._own_frame})")
                 return True
         if isinstance(callee, n.Member):
-            base = self._translator.meaning(callee.base)
-            if isinstance(base, TranslatedPou) and base.is_program:
-                base = self._library.program(base)
-            if isinstance(base, Place) and self._act_of(
-                self._translator.followed(base, None), callee.name.identifier, arguments
-            ):
+            base = self._meant(callee.base)
+            if isinstance(base, Place) and self._act_of(base, callee.name.identifier, arguments):
                 return True
-            if isinstance(base, Place) and self._method_of(self._translator.followed(base, None), callee) is not None:
+            if isinstance(base, Place) and self._method_of(base, callee) is not None:
                 return False
-        meaning = self._translator.meaning(callee, called=True)
-        if isinstance(meaning, TranslatedPou) and meaning.is_program:
-            meaning = self._library.program(meaning)
+        meaning = self._meant(callee, called=True)
         if isinstance(meaning, Place):
-            meaning = self._translator.followed(meaning, None)
             if isinstance(meaning.type, t.OpaqueType):
                 if self._unknown_block(meaning.type.name, self._path_of(meaning), arguments):
                     return True
@@ -398,19 +388,13 @@ class Calls:
         parameters = [f for f in layout.fields if f.direction in (Direction.INPUT, Direction.IN_OUT) and not f.hidden]
         inputs, outputs, enable, enabled = self._sorted(layout, parameters, arguments)
         self._library.use.written.add(place.root)
-        if enable is None and enabled is None:
-            self._call_now(place, run, inputs, outputs)
-            return
-        with self._enabled(enable, enabled):
-            self._call_now(place, run, inputs, outputs)
-
-    def _call_now(self, place: Place, run: str, inputs: list[_Given], outputs: list[_Given]) -> None:
         writer = self._translator.writer
-        held = writer.temporary()
-        writer.write(f"{held} = {place.text}")
-        if inputs:
-            cells = writer.temporary()
-            writer.write(f"{cells} = {held}.v")
+        with self._enabled(enable, enabled):
+            held = writer.temporary()
+            writer.write(f"{held} = {place.text}")
+            cells = writer.temporary() if inputs else ""
+            if inputs:
+                writer.write(f"{cells} = {held}.v")
             for field, argument in inputs:
                 assert argument.value is not None  # noqa: S101  # others were left out
                 text = self._argument(field, argument.value, copied=False)
@@ -419,16 +403,23 @@ class Calls:
                     writer.write(f"assign({cells}[{field.slot}], {text})")
                 else:
                     writer.write(f"{cells}[{field.slot}] = {text}")
-        writer.write(f"{run}({held})")
-        for field, argument in outputs:
-            target, code = self._output(field, argument, f"{held}.v[{field.slot}]")
-            self._translator.write(target, code)
+            writer.write(f"{run}({held})")
+            for field, argument in outputs:
+                target, code = self._output(field, argument, f"{held}.v[{field.slot}]")
+                self._translator.write(target, code)
 
     # -- what is called
 
     @property
     def _own_frame(self) -> str:
         return "this" if self._scope.around is not None else "f"
+
+    def _meant(self, node: n.Expression, *, called: bool = False) -> Any:
+        """Meaning of a name or path: of a program its only instance, of a reference of CODESYS its target."""
+        found = self._translator.meaning(node, called=called)
+        if isinstance(found, TranslatedPou) and found.is_program:
+            found = self._library.program(found)
+        return self._translator.followed(found, None) if isinstance(found, Place) else found
 
     def _called(self, name: n.Name) -> Any:
         """Meaning of a name that is called: in a function its own name is that of its result, too."""
@@ -449,6 +440,16 @@ class Calls:
 
     def _unit_of(self, type_: t.Type) -> TranslatedPou | None:
         return self._library.unit_of_layout(type_.layout) if isinstance(type_, t.StructureType) else None
+
+
+def _without_enabling(
+    arguments: Sequence[n.Argument],
+) -> tuple[n.Expression | None, n.Expression | None, tuple[n.Argument, ...]]:
+    """Return EN, ENO, and the other arguments."""
+    known = {a.name.identifier.upper(): a for a in arguments if a.name is not None and a.value is not None}
+    enable, enabled = known.get("EN"), known.get("ENO")
+    rest = tuple(a for a in arguments if a is not enable and a is not enabled)
+    return enable.value if enable else None, enabled.value if enabled else None, rest
 
 
 def _method(name: str) -> tuple[n.Argument, ...]:

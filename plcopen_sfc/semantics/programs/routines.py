@@ -5,7 +5,8 @@ POUs and methods are translated here: their variables are declared, then their b
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 from plcopen_sfc.errors import Location, SimulationError
@@ -218,21 +219,17 @@ class Routines:
 
     def body(self, body: Body, path: str, function: Callable[..., Any] | None = None) -> Callable[..., None]:
         """Return a body in any language. An untranslatable part raises a `SimulationError` when executed."""
-        writer = self._writer()
-        try:
+        with self._written(path) as writer:
             statements, text, instances = self._statements(body) if not isinstance(body, IlBody) else ((), None, {})
-        except SimulationError as error:
-            self._refuse(error, path, writer)
-            return self._routine(writer, path, function)
-        unit = self._scope.unit
-        if unit is not None and function is unit.run and not unit.is_function:
-            write_temporary_starts(self._scope.layout, writer)
-        translator = Translator(self._scope, writer)
-        translator.instances = instances
-        if isinstance(body, IlBody):
-            InstructionTranslator(translator, StatementTranslator(translator, path)).body(body.text)
-        else:
-            StatementTranslator(translator, path, text).body(statements)
+            unit = self._scope.unit
+            if unit is not None and function is unit.run and not unit.is_function:
+                write_temporary_starts(self._scope.layout, writer)
+            translator = Translator(self._scope, writer)
+            translator.instances = instances
+            if isinstance(body, IlBody):
+                InstructionTranslator(translator, StatementTranslator(translator, path)).body(body.text)
+            else:
+                StatementTranslator(translator, path, text).body(statements)
         return self._routine(writer, path, function)
 
     def statements(self, text: str, path: str) -> Callable[[Frame], None]:
@@ -241,59 +238,39 @@ class Routines:
 
     def chart_logic(self, chart: SfcNetwork, path: str) -> Callable[[Frame], None]:
         """Return the effects of the logic drawn in a chart besides feeding its conditions."""
-        writer = self._writer()
-        try:
+        with self._written(path) as writer:
             read = chart_statements(chart, self._library.dialect, taken=self._taken())
-            self._check(read)
-        except SimulationError as error:
-            self._refuse(error, path, writer)
-            return self._routine(writer, path)
-        self._declare(read)
-        translator = Translator(self._scope, writer)
-        translator.instances = _types(read)
-        StatementTranslator(translator, path).body(read.tree.statements)
+            StatementTranslator(self._translator(read, writer), path).body(read.tree.statements)
         return self._routine(writer, path)
 
     def condition(self, condition: Condition, path: str, *, chart: SfcNetwork | None = None) -> Callable[[Frame], bool]:
         """Return any condition of the model."""
-        writer = self._writer()
-        transitions = self._scope.unit.pou.transitions if self._scope.unit is not None else ()
-        transition = Transition(id=0, condition=condition)
-        try:
+        with self._written(path) as writer:
             read = condition_expression(
                 chart if chart is not None else SfcNetwork(),
-                transition,
+                Transition(id=0, condition=condition),
                 self._library.dialect,
-                transitions=transitions,
+                transitions=self._scope.unit.pou.transitions if self._scope.unit is not None else (),
                 taken=() if condition.kind == "expression" else self._taken(),
             )
-            self._check(read)
+            translator = self._translator(read, writer)
             if read.tree is None:
                 raise SimulationError("the condition has no value")
-            self._declare(read)
-            translator = Translator(self._scope, writer)
-            translator.instances = _types(read)
             StatementTranslator(translator, path).body(read.before)
-            code = truth(translator.value(read.tree, t.BOOL))
-            writer.write(f"return {code.text}")
-        except SimulationError as error:
-            self._refuse(error, path, writer)
+            writer.write(f"return {truth(translator.value(read.tree, t.BOOL)).text}")
         return self._routine(writer, path)
 
     def expression(
         self, given: str | n.Expression, path: str, expected: t.Type | None = None
     ) -> Callable[[Frame], Any]:
         """Return an expression, a text or a tree; its value is of type `expected` where that is given."""
-        writer = self._writer()
-        try:
+        with self._written(path) as writer:
             tree = given if not isinstance(given, str) else self._parsed(given)
             translator = Translator(self._scope, writer)
             code = translator.value(tree, expected)
             if expected is not None:
                 code = translator.fitted(code, expected)
             writer.write(f"return {settled(code).text}")
-        except SimulationError as error:
-            self._refuse(error, path, writer)
         return self._routine(writer, path)
 
     def getter(self, text: str, expected: t.Type | None = None) -> Callable[[Frame], Any]:
@@ -305,9 +282,8 @@ class Routines:
 
         Values are of the variable's type.
         """
-        writer = self._writer()
         path = self._scope.path
-        try:
+        with self._written(path) as writer:
             translator = Translator(self._scope, writer)
             place = translator.place(self._parsed(text), type_)
             translator.note_write(place)
@@ -315,8 +291,6 @@ class Routines:
                 translator.write(place, Code("value", place.type))
             else:
                 writer.write(f"{place.text} = value")
-        except SimulationError as error:
-            self._refuse(error, path, writer)
         return self._library.linker.routine(f"{self._parameters}, value", writer, path)
 
     def type_of(self, text: str) -> t.Type | None:
@@ -334,21 +308,30 @@ class Routines:
         _check_syntax(parsed)
         return parsed.tree
 
-    def _writer(self) -> Writer:
+    @contextmanager
+    def _written(self, path: str) -> Iterator[Writer]:
+        """The source of a function. What cannot be translated in the `with` is an error where it is reached."""
         writer = Writer()
         writer.write("v = f.v")
         if self._scope.around is not None:
             writer.write("t = this.v")
-        return writer
+        try:
+            yield writer
+        except SimulationError as error:
+            if error.location.path is None:
+                error.location = Location(path=path, line=error.location.line)
+            self._library.problems.append(error)
+            writer.write(f"fail({self._library.linker.name(error, 'e')})")
 
     def _routine(self, writer: Writer, path: str, function: Callable[..., Any] | None = None) -> Callable[..., Any]:
         return self._library.linker.routine(self._parameters, writer, path, function)
 
-    def _refuse(self, error: SimulationError, path: str, writer: Writer) -> None:
-        if error.location.path is None:
-            error.location = Location(path=path, line=error.location.line)
-        self._library.problems.append(error)
-        writer.write(f"fail({self._library.linker.name(error, 'e')})")
+    def _translator(self, read: NetworkText, writer: Writer) -> Translator:
+        """Return a translator of what was read of a network, whose variables are declared then."""
+        self._declare(read)
+        translator = Translator(self._scope, writer)
+        translator.instances = _types(read)
+        return translator
 
     def _statements(self, body: Body) -> tuple[Sequence[n.Statement], str | None, Mapping[str, str]]:
         if isinstance(body, StBody):
@@ -357,7 +340,6 @@ class Routines:
             return parsed.tree.statements, body.text, {}
         if isinstance(body, FbdBody | LdBody):
             read = body_statements(body, self._library.dialect, taken=self._taken())
-            self._check(read)
             self._declare(read)
             return read.tree.statements, None, _types(read)
         if isinstance(body, SfcBody):
@@ -374,12 +356,10 @@ class Routines:
         self._names += [field.name for field in new]
         return [*self._names, *aliases]
 
-    def _check(self, read: NetworkText) -> None:
+    def _declare(self, read: NetworkText) -> None:
         for wrong in read.obstacles:
             place = f"element {wrong.node}: " if wrong.node is not None else ""
             raise SimulationError(f"the network cannot be executed: {place}{wrong.message}")
-
-    def _declare(self, read: NetworkText) -> None:
         for helper in read.helpers:
             type_: t.Type = t.ANY
             if helper.type_name is not None:
@@ -388,13 +368,16 @@ class Routines:
         for text, type_name in read.instances.items():
             # the drawing tells the type of an undeclared instance
             name = text.strip('"')
-            if name != text and isinstance(self._scope.resolve(n.Name(name, n.Quoting.GLOBAL)), Unknown):
+            is_global = name != text
+            if not is_global and not is_unreserved(text):
+                continue
+            if isinstance(
+                self._scope.resolve(n.Name(name, n.Quoting.GLOBAL if is_global else n.Quoting.NONE)), Unknown
+            ):
                 found = self._library.named_type(type_name, self._scope)
-                if isinstance(found, t.StructureType):
+                if isinstance(found, t.StructureType) and is_global:
                     self._library.implicit(name, found)
-            elif is_unreserved(text) and isinstance(self._scope.resolve(n.Name(text)), Unknown):
-                found = self._library.named_type(type_name, self._scope)
-                if isinstance(found, t.StructureType):
+                elif isinstance(found, t.StructureType):
                     self._scope.helper(name, found)
                     self._library.undeclared[name] = found
 
