@@ -31,6 +31,7 @@ from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import ActionAssociation, Body, Condition, SfcBody, SfcNetwork, Step, connected_parts
+from plcopen_sfc.reachability import reached
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.programs.addresses import address_of
 from plcopen_sfc.semantics.programs.controller import Instance
@@ -99,25 +100,17 @@ class Parts(Protocol):
 
 def cone(parts: Sequence[ProgramPart], names: Iterable[str]) -> frozenset[int]:
     """Return the parts that the values of some variables depend on, by their numbers."""
-    needed: set[str] = set()
-    kept: set[int] = set()
     writers: dict[str, list[int]] = {}
     for number, part in enumerate(parts):
         for name in part.writes:
             writers.setdefault(name, []).append(number)
-    waiting = [number for number, part in enumerate(parts) if part.always]
-    asked = set(names)
-    while waiting or asked:
-        for name in asked - needed:
-            waiting += writers.get(name, ())
-        needed |= asked
-        asked = set()
-        while waiting:
-            number = waiting.pop()
-            if number not in kept:
-                kept.add(number)
-                asked |= parts[number].reads
-    return frozenset(kept)
+    starts: list[int | str] = [number for number, part in enumerate(parts) if part.always]
+    starts += names
+
+    def needed(thing: int | str) -> Iterable[int | str]:
+        return writers.get(thing, ()) if isinstance(thing, str) else parts[thing].reads
+
+    return frozenset(each for each in reached(starts, needed) if isinstance(each, int))
 
 
 class NamedEffects:

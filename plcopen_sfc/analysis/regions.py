@@ -119,7 +119,8 @@ def find_regions(chart: SfcNetwork | Net) -> Regions | Unstructured:
 class _Finder:
     def __init__(self, net: Net) -> None:
         self._net = net
-        self._reached = self._reachable()
+        # more than can happen, so that whatever is missing here is really dead
+        self._reached = set(indexes(net.reachable(net.initial)))
         self._live = [t for t in net.transitions if all(s in self._reached for s in t.sources)]
         self._parent = list(range(len(net.steps)))
 
@@ -140,23 +141,6 @@ class _Finder:
         self._refuse_locked_joins()
         blocks = self._match(forks, joins)
         return self._result(blocks)
-
-    def _reachable(self) -> set[int]:
-        """Return the steps that can be active if every join is passed that has been reached at some time."""
-        reached = set(indexes(self._net.initial))
-        missing = [len(t.sources) for t in self._net.transitions]
-        waiting = deque(reached)
-        while waiting:
-            for number in self._net.leaving[waiting.popleft()]:
-                # a source counts when it was active at some time, not together with the others: more than can happen,
-                # so that whatever is missing here is really dead; the marking graph would know exactly, at exponential
-                # cost
-                missing[number] -= 1
-                if missing[number] == 0:
-                    fresh = set(self._net.transitions[number].targets) - reached
-                    reached |= fresh
-                    waiting.extend(sorted(fresh))
-        return reached
 
     def _refuse_if_odd(self, transition: NetTransition) -> None:
         if not transition.sources:

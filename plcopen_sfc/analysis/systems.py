@@ -22,7 +22,7 @@ from plcopen_sfc.analysis.domains import NotProvableError, Probe, Split, Symboli
 from plcopen_sfc.analysis.product import Branching, LeftOutError, end_of, hidden_reason
 from plcopen_sfc.analysis.timers import Clocking, StepTimes, WaitingTimer, step_times, waiting_timers
 from plcopen_sfc.errors import ModelError, SfcError, SimulationError
-from plcopen_sfc.languages.binding import names_in, uncalled_actions
+from plcopen_sfc.languages.binding import names_in, uncalled_actions, with_called
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.languages.s7_globals import TABLE
 from plcopen_sfc.model.pou import Pou
@@ -458,13 +458,7 @@ class ProgramSystem:
         if inheritance(pou.interface).extends:  # the texts of its base are executed, too
             named |= {each.name.casefold() for each in pou.actions}
             named |= {variable.name.casefold() for variable in pou.variables()}
-        inside = [(action.name, names_in(action, dialect)) for action in pou.actions]
-        inside += [(method.name, names_in(method, dialect)) for method in pou.methods]
-        inside += [(condition.name, names_in(condition, dialect)) for condition in pou.transitions]
-        while called := [each for each in inside if each[0].casefold() in named]:
-            inside = [each for each in inside if each not in called]
-            named = named.union(*(names for _, names in called))
-        return named
+        return with_called(named, (*pou.actions, *pou.methods, *pou.transitions), dialect)
 
     def leave_out(self, name: str, kind: type[SfcError] = LeftOutError) -> None:
         """End scans that leave a variable TRUE with an error. Raises `ModelError` for an unknown name."""

@@ -18,6 +18,7 @@ from typing import Any
 
 from plcopen_sfc.analysis.dead_variables import all_nodes
 from plcopen_sfc.languages.binding import BoundText, texts_in
+from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
 from plcopen_sfc.languages.binding.text_sites import Role, SiteKind
 from plcopen_sfc.languages.effects import plain_path
 from plcopen_sfc.languages.networks.network_graph import wires_of
@@ -27,7 +28,7 @@ from plcopen_sfc.languages.st.literals import duration_of
 from plcopen_sfc.languages.st.walking import children
 from plcopen_sfc.model.conditions import Expression, WiredCondition
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
+from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import TermTexts
 from plcopen_sfc.semantics.programs.controller import Instance
 from plcopen_sfc.semantics.programs.runtime_types import INSTANT, Frame, Layout, StructureType
@@ -86,14 +87,10 @@ def _constants(texts: Iterable[BoundText]) -> set[int]:
     return {value for literal in literals if (value := duration_of(literal)) is not None and value > 0}
 
 
-def _own_charts(subject: Subject) -> list[SfcNetwork]:
-    return list(_charts(subject.pou.chart)) if subject.pou.chart is not None else []
-
-
 def step_times(subject: Subject, scan_time: int) -> StepTimes:
     """Look through a program for what it does with the times of steps, which it alone sees."""
     texts = _texts(subject)
-    charts = _own_charts(subject)
+    charts = list(with_inner_charts(subject.pou.chart)) if subject.pou.chart is not None else []
     reads = [read for text in texts for read in _reads_of_times(text)]
     steps = [step for chart in charts for step in chart.steps]
     durations = [a.duration for step in steps for a in step.actions]
@@ -129,16 +126,6 @@ def _has_wired_times(chart: SfcNetwork) -> bool:
     wired = [t.condition.input for t in chart.transitions if isinstance(t.condition, WiredCondition)]
     wires = [*(wire for node in chart.logic for wire in wires_of(node)), *(w for pin in wired for w in pin.connections)]
     return any(wire.pin in _TIMES for wire in wires)
-
-
-def _charts(chart: SfcNetwork) -> Iterator[SfcNetwork]:
-    """Yield the chart, its partial charts, and those of its macro-steps."""
-    yield chart
-    for partial in chart.partial_charts:
-        yield from _charts(partial.chart)
-    for step in chart.steps:
-        if step.macro is not None and isinstance(step.macro.body, SfcBody):
-            yield from _charts(step.macro.body.chart)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from datetime import date
-from functools import cached_property
+from functools import cached_property, reduce
+from operator import or_
 
 from plcopen_sfc.analysis.exclusivity import condition_of
 from plcopen_sfc.analysis.formulas import Formula, JudgedCondition
@@ -18,7 +19,7 @@ from plcopen_sfc.analysis.knowledge import ProjectKnowledge, constant_of
 from plcopen_sfc.analysis.marking import MarkingGraph
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.errors import SfcError
-from plcopen_sfc.languages.binding import bind, names_in, texts_in
+from plcopen_sfc.languages.binding import bind, names_in, texts_in, with_called
 from plcopen_sfc.languages.binding.name_scopes import given, parameters_of
 from plcopen_sfc.languages.binding.symbols import inside
 from plcopen_sfc.languages.networks.wires import inverted
@@ -337,19 +338,12 @@ class Unreachable:
 
     def _never_called(self, possible: Mapping[str, set[int]], texts: Iterable[set[str]]) -> set[str]:
         """Return the methods that nothing names which can be executed."""
-        methods = {method.name.casefold(): self._names(method) for method in self._pou.methods}
         said = set().union(*texts, self._names(*self._pou.transitions))
         for name, net in self._nets.items():
             said |= self._names(*(each.transition for each in net.transitions))
             said |= self._names(*(net.steps[index].step for index in possible[name]))
-        waiting = True
-        called: set[str] = set()
-        while waiting:
-            found = {name for name in methods if name in said} - called
-            said |= set().union(*(methods[name] for name in found))
-            called |= found
-            waiting = bool(found)
-        return methods.keys() - called
+        named = with_called(said, self._pou.methods, self._system.subject.project.dialect)
+        return {method.name.casefold() for method in self._pou.methods} - named
 
     def _own_variables(self) -> set[str]:
         """Local variables that only texts of the POU can write."""
@@ -415,15 +409,8 @@ class Unreachable:
 
 def _entered(net: Net, never: set[int]) -> set[int]:
     """Return the steps that can be entered if all other transitions may fire."""
-    possible = set(indexes(net.initial))
-    growing = True
-    while growing:
-        before = len(possible)
-        for transition in net.transitions:
-            if transition.index not in never and possible.issuperset(transition.sources):
-                possible.update(transition.targets)
-        growing = len(possible) > before
-    return possible
+    sourceless = (net.transitions[i].post for i in net.sourceless if i not in never)
+    return set(indexes(net.reachable(reduce(or_, sourceless, net.initial), never)))
 
 
 def _variable(tree: n.Expression) -> str | None:

@@ -7,7 +7,7 @@ Enclosures and forcing orders are rules beyond firing; a net only tells that the
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
@@ -191,6 +191,21 @@ class Net:
         for step in indexes(marking):
             beside.update(self.leaving[step])
         return tuple(i for i in sorted(beside) if not self.transitions[i].pre & ~marking)
+
+    def reachable(self, start: int, never: Container[int] = ()) -> int:
+        """Return the steps that tokens may come to if no two of them ever miss each other: never too few.
+
+        A source counts when it was active at some time, not together with the others. Which steps are active together
+        only the marking graph knows, at exponential cost. `never` are transitions (indexes) that do not fire.
+        """
+        found = start
+        waiting = list(indexes(start))
+        while waiting:
+            for transition in (self.transitions[i] for i in self.leaving[waiting.pop()] if i not in never):
+                if not transition.pre & ~found:
+                    waiting += indexes(transition.post & ~found)
+                    found |= transition.post
+        return found
 
     def fire(self, marking: int, true: int, competing: Competing = Competing.PRIORITY) -> tuple[int, int]:
         """One evolution: the new marking and the transitions that fired, where `true` are those with a true condition.

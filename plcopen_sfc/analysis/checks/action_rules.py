@@ -27,6 +27,7 @@ from plcopen_sfc.languages.effects import Path, path_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.model.actions import ActionEvent, ActionKind, Qualifier
+from plcopen_sfc.reachability import reached
 from plcopen_sfc.semantics.net import NetStep, NetTransition
 from plcopen_sfc.semantics.profile import BooleanTargets
 
@@ -293,17 +294,13 @@ def _causes(chart: CheckedChart, write: _Write) -> set[int]:
     """Return the transitions that let a stored action happen, also by activating or leaving an enclosing step."""
     activation = write.kind is ActionKind.ON_ACTIVATION
     beside = chart.net.entering if activation else chart.net.leaving
-    found: set[int] = set()
-    waiting, seen = [write.step], {write.step.index}
-    while waiting:
-        step = waiting.pop()
-        found.update(beside[step.index])
-        found.update(cause for order in _forcing(chart, step) for cause in chart.net.entering[order.index])
-        for upper in _around(chart, step, activation=activation):
-            if upper.index not in seen:
-                seen.add(upper.index)
-                waiting.append(upper)
-    return found
+    steps = chart.net.steps
+    around = reached(
+        [write.step.index], lambda step: [each.index for each in _around(chart, steps[step], activation=activation)]
+    )
+    found = {cause for step in around for cause in beside[step]}
+    orders = (order for step in around for order in _forcing(chart, steps[step]))
+    return found.union(cause for order in orders for cause in chart.net.entering[order.index])
 
 
 def _forcing(chart: CheckedChart, step: NetStep) -> Iterator[NetStep]:

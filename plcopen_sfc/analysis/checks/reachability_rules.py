@@ -25,7 +25,7 @@ from plcopen_sfc.languages.st import transform
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import is_edge, is_term
-from plcopen_sfc.semantics.net import Net, NetStep, NetTransition, indexes
+from plcopen_sfc.semantics.net import NetStep, NetTransition
 
 
 def cycles(chart: CheckedChart) -> Iterator[tuple[int, ...]]:
@@ -236,18 +236,6 @@ def started_elsewhere(chart: CheckedChart) -> int:
     return found
 
 
-def structurally_reachable(net: Net, start: int) -> int:
-    """Return the steps that tokens may come to if no two of them ever miss each other: never too few."""
-    reached = start
-    waiting = list(indexes(start))
-    while waiting:
-        for transition in (net.transitions[i] for i in net.leaving[waiting.pop()]):
-            if not transition.pre & ~reached:
-                waiting += indexes(transition.post & ~reached)
-                reached |= transition.post
-    return reached
-
-
 def unreachable(chart: CheckedChart) -> tuple[NetStep, ...]:
     """Return the steps that can never be active."""
     if _plain(chart) and chart.graph.unreachable_steps is not None:
@@ -255,7 +243,7 @@ def unreachable(chart: CheckedChart) -> tuple[NetStep, ...]:
     start = chart.net.initial | started_elsewhere(chart)
     if chart.family == "grafcet":
         start = reduce(or_, (chart.net.transitions[i].post for i in chart.net.sourceless), start)
-    reached = structurally_reachable(chart.net, start)
+    reached = chart.net.reachable(start)
     return tuple(step for step in chart.net.steps if not reached & step.bit)
 
 

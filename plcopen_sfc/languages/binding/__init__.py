@@ -23,6 +23,7 @@ from plcopen_sfc.languages.binding.bound_bodies import (
     step_effects,
     texts_in,
     uncalled_actions,
+    with_called,
 )
 from plcopen_sfc.languages.binding.name_uses import Names, find_uses
 from plcopen_sfc.languages.binding.shared_scans import STORING, Row, SharedScans, told_orders, told_step_actions
@@ -55,4 +56,5 @@ __all__ = [
     "told_orders",
     "told_step_actions",
     "uncalled_actions",
+    "with_called",
 ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from typing import Any
@@ -24,7 +24,7 @@ from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.late import LateElement
 from plcopen_sfc.model.network import Block
-from plcopen_sfc.model.pou import Action, Pou
+from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork, Step
 
@@ -321,17 +321,24 @@ def names_in(thing: Model, dialect: Dialect) -> set[str]:
     return {use.name.casefold() for text in texts_in(thing, dialect) for use in text.uses}
 
 
+def with_called(
+    names: Iterable[str], things: Iterable[Action | Method | NamedTransition], dialect: Dialect
+) -> set[str]:
+    """Return names (lower case) and those in the texts of the things that they name, of what these name, and so on."""
+    named, waiting = set(names), list(things)
+    while called := [each for each in waiting if each.name.casefold() in named]:
+        waiting = [each for each in waiting if each not in called]
+        named.update(name for each in called for name in names_in(each, dialect))
+    return named
+
+
 def uncalled_actions(pou: Pou, project: Project) -> list[Action]:
     """Return the actions of a POU that no text names which its bodies or other POUs of the project can execute."""
     dialect = project.dialect
     others = [each for each in project.pous if each.name != pou.name]
-    owners = (*pou.bodies, *pou.methods, *pou.transitions, *others)
-    named = {name for each in owners for name in names_in(each, dialect)} if pou.actions else set()
-    waiting = list(pou.actions)
-    while called := [action for action in waiting if action.name.casefold() in named]:
-        waiting = [action for action in waiting if action not in called]
-        named |= {name for action in called for name in names_in(action, dialect)}
-    return waiting
+    owners = (*pou.bodies, *pou.methods, *pou.transitions, *others) if pou.actions else ()
+    named = with_called((name for each in owners for name in names_in(each, dialect)), pou.actions, dialect)
+    return [action for action in pou.actions if action.name.casefold() not in named]
 
 
 def is_named_elsewhere(pou: Pou, project: Project) -> bool:
