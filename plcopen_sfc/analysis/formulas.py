@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 from datetime import date
 from fractions import Fraction
 from functools import reduce
+from operator import add, eq, ge, gt, le, lt, mul, ne
 from threading import local
 from types import MappingProxyType
 from typing import Any
@@ -31,6 +32,7 @@ from plcopen_sfc.analysis.knowledge import (
 )
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.effects import is_standard_call, path_of
+from plcopen_sfc.languages.expression_types import CALCULATING
 from plcopen_sfc.languages.networks import normal_form
 from plcopen_sfc.languages.st import names_of, print_node, walk
 from plcopen_sfc.languages.st import nodes as n
@@ -53,17 +55,17 @@ def calculated(z3: Any, operator: Operator, terms: Sequence[Any]) -> Any:
     """Return the value of an operation; None for one that is not known."""
     match operator:
         case Operator.ADD:
-            return reduce(lambda a, b: a + b, terms)
+            return reduce(add, terms)
         case Operator.SUBTRACT:
             return terms[0] - terms[1]
         case Operator.MULTIPLY:
-            return reduce(lambda a, b: a * b, terms)
+            return reduce(mul, terms)
         case Operator.DIVIDE:
             return _divided(z3, *terms)
         case Operator.MODULO if all(term.is_int() for term in terms):
             return terms[0] - _divided(z3, *terms) * terms[1]
         case Operator.POWER if z3.is_int_value(terms[1]) and 0 < terms[1].as_long() <= _MOST_FACTORS:
-            return reduce(lambda a, b: a * b, [terms[0]] * terms[1].as_long())
+            return reduce(mul, [terms[0]] * terms[1].as_long())
     return None
 
 
@@ -165,12 +167,12 @@ class JudgedCondition:
 
 
 COMPARING: dict[Operator, Callable[[Any, Any], Any]] = {
-    Operator.EQUAL: lambda a, b: a == b,
-    Operator.UNEQUAL: lambda a, b: a != b,
-    Operator.LESS: lambda a, b: a < b,
-    Operator.GREATER: lambda a, b: a > b,
-    Operator.LESS_OR_EQUAL: lambda a, b: a <= b,
-    Operator.GREATER_OR_EQUAL: lambda a, b: a >= b,
+    Operator.EQUAL: eq,
+    Operator.UNEQUAL: ne,
+    Operator.LESS: lt,
+    Operator.GREATER: gt,
+    Operator.LESS_OR_EQUAL: le,
+    Operator.GREATER_OR_EQUAL: ge,
 }
 _JOINING = {
     Operator.AND: "And",
@@ -186,16 +188,6 @@ _LITERALS = {
 }
 _NUMBERS = (ValueKind.INTEGER, ValueKind.REAL)
 _TIMES = (ValueKind.DURATION, ValueKind.TIME_OF_DAY, ValueKind.DATE_AND_TIME)
-_CALCULATING = frozenset(
-    {
-        Operator.ADD,
-        Operator.SUBTRACT,
-        Operator.MULTIPLY,
-        Operator.DIVIDE,
-        Operator.MODULO,
-        Operator.POWER,
-    }
-)
 
 
 @dataclass
@@ -538,7 +530,7 @@ class Formula:
         match tree:
             case n.Unary(Operator.NEGATE, operand):
                 return -self._value(operand, kind)
-            case n.Operation(operator, operands) if operator in _CALCULATING:
+            case n.Operation(operator, operands) if operator in CALCULATING | {Operator.POWER}:
                 return calculated(z3, operator, [self._value(each, self._kind(each) or kind) for each in operands])
         return None
 

@@ -46,14 +46,6 @@ from plcopen_sfc.semantics.programs.runtime_types import Family, ScalarType
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 
 Distance = Callable[[], float]
-_OPPOSITE = {
-    Operator.EQUAL: Operator.UNEQUAL,
-    Operator.UNEQUAL: Operator.EQUAL,
-    Operator.LESS: Operator.GREATER_OR_EQUAL,
-    Operator.GREATER_OR_EQUAL: Operator.LESS,
-    Operator.GREATER: Operator.LESS_OR_EQUAL,
-    Operator.LESS_OR_EQUAL: Operator.GREATER,
-}
 _FAR = 1e15
 _STORED = frozenset({Qualifier.S, Qualifier.SD, Qualifier.DS, Qualifier.SL})
 _ELAPSED = frozenset({"T", "ET"})
@@ -479,7 +471,7 @@ class Goals:
                     return lambda: sum([part() for part in parts])
                 return lambda: min([part() for part in parts])
             case n.Operation(operator, (left, right)) if operator in n.COMPARISONS:
-                return self._compared(operator if wanted else _OPPOSITE[operator], left, right)
+                return self._compared(operator if wanted else n.OPPOSITES[operator], left, right)
         return self._boolean(tree, wanted=wanted)
 
     def _boolean(self, tree: Expression, *, wanted: bool) -> Distance:

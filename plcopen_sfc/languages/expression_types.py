@@ -180,7 +180,7 @@ class ExpressionTypes:
             return ElementaryValue(_mixed(types))
         low, high = _range(values[0])
         for value in values[1:]:
-            low, high = _bounds(operator, (low, high), _range(value))
+            low, high = bounds(operator, (low, high), _range(value))
         if not types:
             return ElementaryValue("", low, high, loose=True)
         return ElementaryValue(calculated_type(self._dialect, operand_type(self._dialect, types, values)), low, high)
@@ -236,7 +236,8 @@ def _least_type(value: ElementaryValue) -> str:
     return next((each for each in ("SINT", "INT", "DINT", "LINT") if fits(value, each)), "ULINT")
 
 
-def _bounds(operator: Operator, left: tuple[int, int], right: tuple[int, int]) -> tuple[int, int]:
+def bounds(operator: Operator, left: tuple[int, int], right: tuple[int, int]) -> tuple[int, int]:
+    """Return the least and the greatest integer that an operation with operands between such numbers can have."""
     if operator is Operator.ADD:
         return left[0] + right[0], left[1] + right[1]
     if operator is Operator.SUBTRACT:

@@ -136,16 +136,16 @@ class Operator(StrEnum):
     PLUS = "pos"
 
 
-COMPARISONS = frozenset(
-    {
-        Operator.EQUAL,
-        Operator.UNEQUAL,
-        Operator.LESS,
-        Operator.GREATER,
-        Operator.LESS_OR_EQUAL,
-        Operator.GREATER_OR_EQUAL,
-    }
-)
+OPPOSITES = {
+    Operator.EQUAL: Operator.UNEQUAL,
+    Operator.UNEQUAL: Operator.EQUAL,
+    Operator.LESS: Operator.GREATER_OR_EQUAL,
+    Operator.GREATER_OR_EQUAL: Operator.LESS,
+    Operator.GREATER: Operator.LESS_OR_EQUAL,
+    Operator.LESS_OR_EQUAL: Operator.GREATER,
+}
+"""Comparisons, each with the one that is FALSE where it is TRUE, but for values without an order such as NaN."""
+COMPARISONS = frozenset(OPPOSITES)
 CONNECTIVES = frozenset({Operator.AND, Operator.OR, Operator.XOR, Operator.AND_THEN, Operator.OR_ELSE})
 
 
@@ -217,6 +217,15 @@ class AssignmentKind(StrEnum):
     SUBTRACT = "-="
     MULTIPLY = "*="
     DIVIDE = "/="
+
+
+CALCULATING_ASSIGNMENTS = {
+    AssignmentKind.ADD: Operator.ADD,
+    AssignmentKind.SUBTRACT: Operator.SUBTRACT,
+    AssignmentKind.MULTIPLY: Operator.MULTIPLY,
+    AssignmentKind.DIVIDE: Operator.DIVIDE,
+}
+"""The operations of ``a += b`` and the like."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -118,12 +118,6 @@ class StepTranslator:
 
 
 _BOTH_SIDES = {Operator.AND_THEN: Operator.AND, Operator.OR_ELSE: Operator.OR}
-_ARITHMETIC = {
-    AssignmentKind.ADD: Operator.ADD,
-    AssignmentKind.SUBTRACT: Operator.SUBTRACT,
-    AssignmentKind.MULTIPLY: Operator.MULTIPLY,
-    AssignmentKind.DIVIDE: Operator.DIVIDE,
-}
 _SETTING = {AssignmentKind.SET: "TRUE", AssignmentKind.RESET: "FALSE"}
 
 
@@ -349,11 +343,11 @@ class TreeTranslator:
         new = with_children(node, self._node)
         if (setting := conditional_assignment(new)) is not None:
             return setting
-        if node.kind in _ARITHMETIC and not isinstance(node.value, n.AssignmentExpression):
+        if node.kind in n.CALCULATING_ASSIGNMENTS and not isinstance(node.value, n.AssignmentExpression):
             if any(isinstance(part, n.Call) for part in walk(node.target)):
                 self._notes.add(Severity.WARNING, f"{node.kind.value} was written out: the target is read twice", node)
             read = transform(new.target, lambda part: replace(part, span=None))  # its comments are those of the target
-            operation = n.Operation(_ARITHMETIC[node.kind], (read, _grouped(new.value)))
+            operation = n.Operation(n.CALCULATING_ASSIGNMENTS[node.kind], (read, _grouped(new.value)))
             return n.Assignment(new.target, operation, span=node.span)
         self._lacks(f"assignments with {node.kind.value}", node)
         return new

@@ -12,15 +12,7 @@ from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 N = TypeVar("N", bound=n.Node)
 TRUE = n.Literal("TRUE")
 FALSE = n.Literal("FALSE")
-
-
-_OPPOSITES = {Operator.EQUAL: Operator.UNEQUAL, Operator.UNEQUAL: Operator.EQUAL}
-_OPPOSITES_OF_TIMES = {
-    Operator.GREATER_OR_EQUAL: Operator.LESS,
-    Operator.LESS: Operator.GREATER_OR_EQUAL,
-    Operator.GREATER: Operator.LESS_OR_EQUAL,
-    Operator.LESS_OR_EQUAL: Operator.GREATER,
-}
+_EQUALITY = frozenset({Operator.EQUAL, Operator.UNEQUAL})
 
 
 def conjunction(operands: Iterable[Expression]) -> Expression:
@@ -41,7 +33,7 @@ def negation(operand: Expression) -> Expression:
     if isinstance(inner, n.Operation):
         # of other numbers that is not so: a REAL that is no number is neither less nor greater
         is_time = any(isinstance(each, n.Member) and each.name.identifier == "ET" for each in inner.operands)
-        opposite = _OPPOSITES.get(inner.operator) or (_OPPOSITES_OF_TIMES.get(inner.operator) if is_time else None)
+        opposite = n.OPPOSITES.get(inner.operator) if is_time or inner.operator in _EQUALITY else None
         if opposite is not None:
             return n.Operation(opposite, inner.operands)
     if is_constant(inner, TRUE):

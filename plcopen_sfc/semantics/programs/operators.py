@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import operator as operations
 from dataclasses import replace
 
 from plcopen_sfc.errors import SimulationError
-from plcopen_sfc.languages.expression_types import ORDER, calculated_type, common_type
+from plcopen_sfc.languages.expression_types import ORDER, bounds, calculated_type, common_type
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Operator
 from plcopen_sfc.semantics.programs import runtime
@@ -15,12 +16,12 @@ from plcopen_sfc.semantics.programs.places import Unknown
 from plcopen_sfc.semantics.programs.value_code import Code, constant, settled, wrapping
 
 _COMPARISONS = {
-    Operator.EQUAL: "==",
-    Operator.UNEQUAL: "!=",
-    Operator.LESS: "<",
-    Operator.GREATER: ">",
-    Operator.LESS_OR_EQUAL: "<=",
-    Operator.GREATER_OR_EQUAL: ">=",
+    Operator.EQUAL: ("==", operations.eq),
+    Operator.UNEQUAL: ("!=", operations.ne),
+    Operator.LESS: ("<", operations.lt),
+    Operator.GREATER: (">", operations.gt),
+    Operator.LESS_OR_EQUAL: ("<=", operations.le),
+    Operator.GREATER_OR_EQUAL: (">=", operations.ge),
 }
 _LOGIC = {
     Operator.AND: ("and", "&"),
@@ -152,7 +153,7 @@ class Operators:
 
     def comparison(self, operator: Operator, left: Code, right: Code) -> Code:
         """Return a comparison of two values."""
-        sign = _COMPARISONS[operator]
+        sign, compared = _COMPARISONS[operator]
         if isinstance(left.type, t.ReferenceType) or isinstance(right.type, t.ReferenceType):
             if operator not in (Operator.EQUAL, Operator.UNEQUAL):
                 raise SimulationError("references have no order")
@@ -161,15 +162,8 @@ class Operators:
         left, right = settled(left), settled(right)
         text = f"({left.text} {sign} {right.text})"
         if left.constant and right.constant:
-            table = {
-                "==": left.value == right.value,
-                "!=": left.value != right.value,
-                "<": left.value < right.value,
-                ">": left.value > right.value,
-                "<=": left.value <= right.value,
-                ">=": left.value >= right.value,
-            }
-            return Code(repr(table[sign]), t.BOOL, 0, 1, table[sign], constant=True)
+            value = compared(left.value, right.value)
+            return Code(repr(value), t.BOOL, 0, 1, value, constant=True)
         if t.BOOL not in (left.type, right.type):
             self._translator.comparisons += 1
         return Code(text, t.BOOL, 0, 1, acts=left.acts or right.acts)
@@ -246,13 +240,7 @@ class Operators:
         if _is_big(left) or _is_big(right):
             left, right = settled(left), settled(right)
         sign = _ARITHMETIC[operator]
-        if sign == "+":
-            low, high = left.low + right.low, left.high + right.high
-        elif sign == "-":
-            low, high = left.low - right.high, left.high - right.low
-        else:
-            products = [a * b for a in (left.low, left.high) for b in (right.low, right.high)]
-            low, high = min(products), max(products)
+        low, high = bounds(operator, (left.low, left.high), (right.low, right.high))
         if left.constant and right.constant:
             if loose:
                 type_ = _wide_enough(type_, low)
@@ -308,13 +296,10 @@ class Operators:
                 result = max(one, other, key=lambda type_: type_.bits)
         left, right = settled(left), settled(right)
         sign = _ARITHMETIC[operator]
-        if sign == "+":
-            low, high = left.low + right.low, left.high + right.high
-        else:
-            low, high = left.low - right.high, left.high - right.low
+        low, high = bounds(operator, (left.low, left.high), (right.low, right.high))
         if left.constant and right.constant:
             return settled(replace(constant(low, result), low=low, high=high))
-        return settled_time(Code(f"({left.text} {sign} {right.text})", result, low, high, acts=acts))
+        return settled(Code(f"({left.text} {sign} {right.text})", result, low, high, acts=acts))
 
     def _scaled(self, operator: Operator, left: Code, right: Code) -> Code:
         """Return a duration times or by a number (ed. 3, table 35: MUL_TIME, DIV_TIME)."""
@@ -335,7 +320,7 @@ class Operators:
             text = f"truncated({left.text} {sign} {right.text})"
         else:
             text = f"({left.text} * {right.text})" if sign == "*" else f"divided({left.text}, {right.text})"
-        return Code(wrapped_text(text, type_), type_, type_.least, type_.greatest, acts=acts)
+        return Code(wrapping(text, type_), type_, type_.least, type_.greatest, acts=acts)
 
     # -- types
 
@@ -415,19 +400,3 @@ def _wide_enough(type_: t.ScalarType, value: int) -> t.ScalarType:
         if known.least <= value <= known.greatest:
             return known
     return type_
-
-
-def settled_time(code: Code) -> Code:
-    """Return a duration or time in the range and grain of its type."""
-    type_ = code.type
-    assert isinstance(type_, t.ScalarType)  # noqa: S101  # times are elementary
-    if type_.least <= code.low and code.high <= type_.greatest:
-        return code
-    return replace(code, text=wrapped_text(code.text, type_), low=type_.least, high=type_.greatest)
-
-
-def wrapped_text(text: str, type_: t.ScalarType) -> str:
-    """Source that brings an integer into the range and grain of a type."""
-    if type_.unit == 1:
-        return wrapping(text, type_)
-    return f"wrapped({text}, {type_.least}, {type_.greatest}, {type_.unit})"

@@ -170,14 +170,6 @@ _MANY_LABELS = 6
 _MOST_LABELS = 64
 _Branch = tuple[str, Sequence[n.Expression], Sequence[Statement]]
 """A branch of CASE: what leads to it, as text and as what is TRUE in it, and its statements."""
-_CALCULATING = {
-    AssignmentKind.ADD: Operator.ADD,
-    AssignmentKind.SUBTRACT: Operator.SUBTRACT,
-    AssignmentKind.MULTIPLY: Operator.MULTIPLY,
-    AssignmentKind.DIVIDE: Operator.DIVIDE,
-}
-
-
 _SHOWN = 60
 
 
@@ -326,8 +318,8 @@ class StatementTranslator:
                 translator.write(place, translator.fitted(value, place.type))
             return
         assigned = node.value
-        if node.kind in _CALCULATING:
-            assigned = n.Operation(_CALCULATING[node.kind], (node.target, n.Parenthesized(assigned)))
+        if node.kind in n.CALCULATING_ASSIGNMENTS:
+            assigned = n.Operation(n.CALCULATING_ASSIGNMENTS[node.kind], (node.target, n.Parenthesized(assigned)))
         known = translator.meaning(node.target)
         wanted: t.Type | None = None
         if isinstance(known, Place):
