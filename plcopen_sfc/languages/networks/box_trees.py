@@ -8,11 +8,11 @@ meaning of another number than 0, calls of blocks, instruction list, labels and 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_expression, print_node
+from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.languages.st.nodes import Operator
 from plcopen_sfc.model.dialect import Dialect
 
@@ -63,7 +63,7 @@ class BoxTrees:
     """The networks of a body. Raises `UnknownNetworkError`."""
 
     def __init__(self, content: str) -> None:
-        self._done: list[n.Statement] = []
+        self.done: list[n.Statement] = []
         self.operands: list[tuple[int, n.Expression]] = []
         (root,) = _tree(content).children
         held = _only(_only(_only(root, "XmlArchive"), "Data"), "o")
@@ -74,11 +74,7 @@ class BoxTrees:
                 raise UnknownNetworkError
             executed = self._network(network)
             if network.value("OutCommented") == "false":  # the names in others are names, too
-                self._done += executed
-
-    def statements(self) -> str:
-        """Return the statements of all networks."""
-        return print_node(n.Statements(tuple(self._done)))
+                self.done += executed
 
     def _network(self, network: _Element) -> list[n.Statement]:
         found: list[n.Statement] = []
@@ -164,19 +160,3 @@ def _tree(content: str) -> _Element:
     if place != len(content) or len(around) != 1 or len(root.children) != 1:
         raise UnknownNetworkError
     return root
-
-
-def box_tree_statements(content: str) -> str | None:
-    """Return the statements that do what the networks of a body do; None where they are not understood."""
-    try:
-        return BoxTrees(content).statements()
-    except UnknownNetworkError:
-        return None
-
-
-def box_tree_operands(content: str) -> Sequence[tuple[int, n.Expression]] | None:
-    """Return the operands with the offsets where they begin; None where the networks are not understood."""
-    try:
-        return BoxTrees(content).operands
-    except UnknownNetworkError:
-        return None

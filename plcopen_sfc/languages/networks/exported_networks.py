@@ -31,7 +31,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from plcopen_sfc.languages.networks.box_trees import box_tree_operands, box_tree_statements, is_box_tree
+from plcopen_sfc.languages.networks.box_trees import BoxTrees, UnknownNetworkError, is_box_tree
 from plcopen_sfc.languages.st import names_of, parse_expression, print_node
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Operator
@@ -52,30 +52,23 @@ _OPEN = "???"
 """Operand of a pin that nothing is connected to."""
 
 
-class _UnknownWordError(Exception):
-    """A word that no known program writes there."""
-
-
 def network_statements(content: str) -> str | None:
     """Return the statements that do what the networks of a body do; None where they are not understood."""
-    if is_box_tree(content):
-        return box_tree_statements(content)
-    try:
-        return _Networks(content).statements()
-    except _UnknownWordError:
-        return None
+    networks = _read(content)
+    return print_node(n.Statements(tuple(networks.done))) if networks is not None else None
 
 
 def network_operands(content: str) -> Sequence[tuple[int, n.Expression]] | None:
     """Return the operands with the offsets where they begin; None where the networks are not understood."""
-    if is_box_tree(content):
-        return box_tree_operands(content)
-    networks = _Networks(content)
+    networks = _read(content)
+    return networks.operands if networks is not None else None
+
+
+def _read(content: str) -> BoxTrees | _Networks | None:
     try:
-        networks.statements()
-    except _UnknownWordError:
+        return BoxTrees(content) if is_box_tree(content) else _Networks(content)
+    except UnknownNetworkError:
         return None
-    return networks.operands
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,42 +79,40 @@ class _Output:
 
 
 class _Networks:
+    """The networks of a body. Raises `UnknownNetworkError` at a word that no known program writes there."""
+
     def __init__(self, content: str) -> None:
         found = [*re.finditer(r"\S(?:[^\r\n]*\S)?", content)]
         self._words = [word.group() for word in found]
         self._starts = [word.start() for word in found]
         self._place = 0
-        self._done: list[n.Statement] = []
+        self.done: list[n.Statement] = []
         self.operands: list[tuple[int, n.Expression]] = []
-
-    def statements(self) -> str:
-        """Return the statements of all networks."""
         body = self._word()
         if body not in ("_LD_BODY", "_FBD_BODY"):
-            raise _UnknownWordError
+            raise UnknownNetworkError
         for _ in range(self._count("_NETWORKS")):
             self._network(ladder=body == "_LD_BODY")
         if self._place != len(self._words):
-            raise _UnknownWordError
-        return print_node(n.Statements(tuple(self._done)))
+            raise UnknownNetworkError
 
     # -- words
 
     def _word(self) -> str:
         if self._place >= len(self._words):
-            raise _UnknownWordError
+            raise UnknownNetworkError
         self._place += 1
         return self._words[self._place - 1]
 
     def _expect(self, *words: str) -> None:
         for word in words:
             if self._word() != word:
-                raise _UnknownWordError
+                raise UnknownNetworkError
 
     def _count(self, word: str) -> int:
         found = _COUNT.fullmatch(self._word())
         if found is None or found[1] != word:
-            raise _UnknownWordError
+            raise UnknownNetworkError
         return int(found[2][:4])
 
     def _several(self, word: str, read: Callable[[], _Thing]) -> list[_Thing]:
@@ -130,7 +121,7 @@ class _Networks:
     def _operand(self) -> n.Expression:
         parsed = parse_expression(self._word(), Dialect.CODESYS)
         if parsed.problems:
-            raise _UnknownWordError
+            raise UnknownNetworkError
         self.operands.append((self._starts[self._place - 1], parsed.tree))
         return parsed.tree
 
@@ -141,7 +132,7 @@ class _Networks:
     def _polarity(self) -> bool:
         word = self._word()
         if word not in _POLARITY:
-            raise _UnknownWordError
+            raise UnknownNetworkError
         return _POLARITY[word]
 
     # -- networks
@@ -155,7 +146,7 @@ class _Networks:
         value = _negated_if(value, self._is_negated())
         if ladder:
             if self._count("ENABLELIST"):
-                raise _UnknownWordError
+                raise UnknownNetworkError
             self._expect("ENABLELIST_END")
         self._assign(value, self._several("_OUTPUTS", self._output))
 
@@ -163,19 +154,19 @@ class _Networks:
         self._expect("_OUTPUT")
         negated, word = self._polarity(), self._word()
         if word not in ("_SET", "_NO_SET"):
-            raise _UnknownWordError
+            raise UnknownNetworkError
         return _Output(self._operand(), negated, word == "_SET")
 
     def _assign(self, value: n.Expression, outputs: list[_Output]) -> None:
         read = names_of(value)
         for output in outputs:
             if output is not outputs[-1] and names_of(output.target) & read:
-                raise _UnknownWordError  # all outputs get the same value, and the next would compute it again
+                raise UnknownNetworkError  # all outputs get the same value, and the next would compute it again
             if output.is_set:
                 stored = n.Assignment(output.target, n.Literal("FALSE" if output.negated else "TRUE"))
-                self._done.append(n.If((n.Branch(value, (stored,)),)))
+                self.done.append(n.If((n.Branch(value, (stored,)),)))
             else:
-                self._done.append(n.Assignment(output.target, _negated_if(value, output.negated)))
+                self.done.append(n.Assignment(output.target, _negated_if(value, output.negated)))
 
     def _rung(self) -> n.Expression:
         word = self._word()
@@ -185,10 +176,10 @@ class _Networks:
             operand = self._operand()
             return _negated_if(operand, self._is_negated())
         if word not in _SERIES:
-            raise _UnknownWordError
+            raise UnknownNetworkError
         parts = self._several("_LD_OPERATOR", self._rung)
         if not parts:
-            raise _UnknownWordError
+            raise UnknownNetworkError
         joined = parts[0]
         for part in parts[1:]:
             joined = n.Operation(_SERIES[word], (joined, part))
@@ -200,22 +191,22 @@ class _Networks:
             negated = self._is_negated()
             return _negated_if(self._operand(), negated)
         if word != "_FUNCTIONBLOCK":
-            raise _UnknownWordError
+            raise UnknownNetworkError
         instance = self._operand()
         given = self._several("_BOX_EXPR", self._pin)
         negated = self._is_negated()
         block = standard_block(self._word(), Tool.CODESYS)
         others = self._several("_OUTPUTS", self._output)
         if block is None or block.kind is not BlockKind.FUNCTION_BLOCK:
-            raise _UnknownWordError
+            raise UnknownNetworkError
         inputs, outputs = (
             [n.Name(block.tool_pin(pin.name, Tool.CODESYS)) for pin in pins] for pins in (block.inputs, block.outputs)
         )
         if len(given) > len(inputs) or len(others) >= len(outputs):
-            raise _UnknownWordError
+            raise UnknownNetworkError
         pairs = zip(inputs, given, strict=False)
         arguments = tuple(n.Argument(value, name) for name, value in pairs if value is not None)
-        self._done.append(n.CallStatement(n.Call(instance, arguments)))
+        self.done.append(n.CallStatement(n.Call(instance, arguments)))
         for name, output in zip(outputs[1:], others, strict=False):
             self._assign(n.Member(instance, name), [output])
         return _negated_if(n.Member(instance, outputs[0]), negated)

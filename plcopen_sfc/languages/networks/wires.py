@@ -41,8 +41,9 @@ from plcopen_sfc.languages.st.nodes import (
     bare,
 )
 from plcopen_sfc.languages.st.parsing import parse_expression, parse_statements
-from plcopen_sfc.languages.st.walking import transform
+from plcopen_sfc.languages.st.walking import children, transform
 from plcopen_sfc.languages.standard_blocks import StandardBlock, standard_block
+from plcopen_sfc.languages.words import take_name
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Edge
 
@@ -321,12 +322,7 @@ class Wires:
 
     def helper(self, prefix: str, source: Source, type_name: str | None, *, retained: bool) -> n.Name:
         """Return a new variable."""
-        stem = name = f"{prefix}_{source[0]}"
-        number = 1
-        while name.casefold() in self._taken:
-            number += 1
-            name = f"{stem}_{number}"
-        self._taken.add(name.casefold())
+        name = take_name(f"{prefix}_{source[0]}", self._taken)
         self.helpers.append(Helper(name, type_name, retained))
         self._private.add(name.casefold())
         return n.Name(name, self._quoting)
@@ -456,12 +452,9 @@ def _is_repeatable(factor: Factor) -> bool:
 @lru_cache(maxsize=4096)
 def _depth(expression: Expression) -> int:
     deepest = 0
-    waiting: list[tuple[object, int]] = [(expression, 1)]
+    waiting: list[tuple[n.Node, int]] = [(expression, 1)]
     while waiting:
-        item, level = waiting.pop()
-        if isinstance(item, tuple):
-            waiting.extend((member, level) for member in item)
-        elif isinstance(item, n.Node):
-            deepest = max(deepest, level)
-            waiting.extend((getattr(item, name), level + 1) for name in item.__dataclass_fields__ if name != "span")
+        node, level = waiting.pop()
+        deepest = max(deepest, level)
+        waiting += [(inner, level + 1) for inner in children(node)]
     return deepest

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from contextlib import nullcontext
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cache, lru_cache
 from importlib.resources import files
 from threading import Lock
@@ -25,6 +25,7 @@ from plcopen_sfc.languages.st.declaration_nodes import Declarations, tokenize_de
 from plcopen_sfc.languages.st.lexer import MAX_PROBLEMS, Comment, Token, Tokens, tokenize
 from plcopen_sfc.languages.st.nodes import Node, Unreadable
 from plcopen_sfc.languages.st.tree_building import Builder, DeclarationBuilder, StatementList
+from plcopen_sfc.languages.st.walking import children
 from plcopen_sfc.model.dialect import Dialect
 
 _CLOSED_BY = {
@@ -461,13 +462,10 @@ _BLOCKS = {"IF": 1, "CASE": 1, "FOR": 1, "WHILE": 1, "REPEAT": 1, "REGION": 1, "
 
 def too_deep(tree: Node) -> Problem | None:
     """Return the problem that nodes of `tree` are nested too deeply, at the first that is."""
-    waiting: list[tuple[Any, int]] = [(tree, 1)]
+    waiting = [(tree, 1)]
     while waiting:
-        item, level = waiting.pop()
-        if isinstance(item, Node):
-            if level > MAX_DEPTH:
-                return Problem(f"this is nested in more than {MAX_DEPTH} levels", item.span or (0, 0))
-            waiting += [(getattr(item, f.name), level + 1) for f in fields(item) if f.name != "span"]
-        elif isinstance(item, tuple):
-            waiting += [(member, level) for member in item]
+        node, level = waiting.pop()
+        if level > MAX_DEPTH:
+            return Problem(f"this is nested in more than {MAX_DEPTH} levels", node.span or (0, 0))
+        waiting += [(inner, level + 1) for inner in children(node)]
     return None
