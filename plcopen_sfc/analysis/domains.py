@@ -108,13 +108,31 @@ def number_of(domain: Domain, constant: object) -> int | float:
 
 
 class Symbolic:
-    """Symbol for a value in a search. `key`: its counterpart in a state that can be hashed."""
+    """Symbol for a value in a search: whatever depends on the value, or may fail, ends the proof."""
 
     __slots__ = ()
 
     def key(self) -> Any:
-        """Equal keys mean equal values."""
+        """Counterpart in a state that can be hashed: equal keys mean equal values."""
         raise NotImplementedError
+
+    @property
+    def misuse(self) -> str:
+        """The reason why something cannot be done with it."""
+        return "a number that is calculated must be known"
+
+
+def _refuse(value: Symbolic, *_: object) -> NoReturn:
+    raise NotProvableError(value.misuse)
+
+
+_OPERATIONS = """
+    add sub mul truediv floordiv mod pow divmod and or xor lshift rshift
+    radd rsub rmul rtruediv rfloordiv rmod rpow rdivmod rand ror rxor rlshift rrshift
+    neg pos abs invert bool int float index round trunc floor ceil hash str repr format
+"""
+for _operation in _OPERATIONS.split():  # a text of it, too, must not be taken for that of a number
+    setattr(Symbolic, f"__{_operation}__", _refuse)
 
 
 class Probe(Symbolic):
@@ -150,28 +168,16 @@ class Probe(Symbolic):
     def __eq__(self, other: object) -> bool:
         return bool(self.value == self._compared(other))
 
-    def __hash__(self) -> int:
-        raise self._misuse()
-
-    def __repr__(self) -> str:
-        raise self._misuse()  # a text of it must not be taken for that of a number
+    __hash__ = Symbolic.__hash__
 
     def key(self) -> Any:
         """Counterpart in a state that can be hashed."""
         return self.domain.name, self.value
 
-    def _misuse(self) -> NotProvableError:
-        return NotProvableError(f"{self.domain.name} is used otherwise than in comparisons with constants")
-
-    def _escape(self, *_: object) -> NoReturn:
-        raise self._misuse()
-
-    __bool__ = __int__ = __float__ = __index__ = __round__ = __trunc__ = __floor__ = __ceil__ = _escape
-    __add__ = __sub__ = __mul__ = __truediv__ = __floordiv__ = __mod__ = __pow__ = __divmod__ = _escape
-    __radd__ = __rsub__ = __rmul__ = __rtruediv__ = __rfloordiv__ = __rmod__ = __rpow__ = __rdivmod__ = _escape
-    __and__ = __or__ = __xor__ = __lshift__ = __rshift__ = _escape
-    __rand__ = __ror__ = __rxor__ = __rlshift__ = __rrshift__ = _escape
-    __neg__ = __pos__ = __abs__ = __invert__ = __str__ = __format__ = _escape
+    @property
+    def misuse(self) -> str:
+        """See `Symbolic.misuse`."""
+        return f"{self.domain.name} is used otherwise than in comparisons with constants"
 
 
 class Text(Probe):

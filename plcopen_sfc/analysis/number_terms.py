@@ -10,7 +10,7 @@ states, in which more can happen than really does. A proof there is a proof; a d
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Mapping
-from typing import Any, NoReturn
+from typing import Any
 
 from plcopen_sfc.analysis.domains import Domain, NotProvableError, Symbolic
 from plcopen_sfc.analysis.product import Branching, Explored, InputReader, ended, search
@@ -107,20 +107,7 @@ class Term(Symbolic):
     def __abs__(self) -> Term:
         return self.made("abs", self)
 
-    def _unknown(self, *_: object) -> NoReturn:
-        raise NotProvableError("a number that is calculated must be known")
-
-    # what depends on the value in another way, or may fail
-    __bool__ = __int__ = __float__ = __index__ = __round__ = __trunc__ = __floor__ = __ceil__ = _unknown
-    __truediv__ = __floordiv__ = __mod__ = __pow__ = __divmod__ = __lshift__ = __rshift__ = _unknown
-    __rtruediv__ = __rfloordiv__ = __rmod__ = __rpow__ = __rdivmod__ = __rlshift__ = __rrshift__ = _unknown
-    __invert__ = __pos__ = __str__ = __format__ = _unknown
-
-    def __repr__(self) -> str:
-        raise NotProvableError("a number that is calculated must be known")
-
-    def __hash__(self) -> int:
-        raise NotProvableError("a number that is calculated must be known")
+    __hash__ = Symbolic.__hash__
 
 
 def _key_of(value: object) -> Hashable:
