@@ -322,8 +322,10 @@ class Library(TranslatedProject):
         self.version = 0
         """Grows when new things were linked."""
         self._chart_compiler = chart_compiler
-        self._initials = Initials(self)
-        self._types = TypeReader(self, self._initials)
+        initials = Initials(self)
+        self._types = TypeReader(self, initials)
+        self.at_address, self.give_initial = self.image.place, initials.give
+        self.read_type, self.named_type = self._types.read, self._types.named
         self._waiting: list[TranslatedPou] = []
         self._fields: dict[int, Place] = {}
         self._open: set[int] = set()
@@ -470,12 +472,12 @@ class Library(TranslatedProject):
     def _make(self, declaration: Declaration, holder: Any) -> Place:
         path = declaration.path
         if isinstance(holder, m.Variable):
-            type_ = self._types.read(holder.type, self.scope)
+            type_ = self.read_type(holder.type, self.scope)
             if holder.address and isinstance(type_, t.ScalarType) and "*" not in holder.address:
                 return self.at_address(holder.address, type_, path, holder.initial)
             return self.add(path, type_, holder.initial, constant=self._is_constant(holder))
         if isinstance(holder, Tag):
-            type_ = self._types.named(holder.type, self.scope)
+            type_ = self.named_type(holder.type, self.scope)
             if holder.address and isinstance(type_, t.ScalarType):
                 return self.at_address(holder.address, type_, path, None)
             return self.add(path, type_, None)
@@ -483,7 +485,7 @@ class Library(TranslatedProject):
             type_ = self._of_block(holder)
             return self.add(path, type_, _values_of(holder, type_))
         if isinstance(holder, PouInstance):
-            return self.add(path, self._types.named(holder.type_name, self.scope), None)
+            return self.add(path, self.named_type(holder.type_name, self.scope), None)
         raise SimulationError(f"{declaration} is no variable")
 
     def _is_constant(self, variable: m.Variable) -> bool:
@@ -496,22 +498,22 @@ class Library(TranslatedProject):
 
     def _of_block(self, block: DataBlock) -> t.Type:
         if block.type_name:
-            found = self._types.named(block.type_name, self.scope)
+            found = self.named_type(block.type_name, self.scope)
             if isinstance(found, t.StructureType):
                 return found
         layout = Layout(block.name)
         layout.is_list = True
         for section in block.interface.sections if block.interface is not None else ():
             for variable in section.variables:
-                made = layout.add(variable.name, self._types.read(variable.type, self.scope))
-                self._initials.give(made, variable.initial, self.scope)
+                made = layout.add(variable.name, self.read_type(variable.type, self.scope))
+                self.give_initial(made, variable.initial, self.scope)
         self.write_new(layout)
         return t.StructureType(block.name, layout)
 
     def add(self, path: str, type_: t.Type, initial: m.Value | None, *, constant: bool = False) -> Place:
         """Return a new global variable."""
         probe = Field(path, -1, type_, Direction.CONSTANT if constant else Direction.EXTERNAL)
-        self._initials.give(probe, initial, self.scope)
+        self.give_initial(probe, initial, self.scope)
         made = self.globals.add(path, type_, probe.direction)
         made.initial, made.value, made.preset = probe.initial, probe.value, probe.preset
         made.declared = True
@@ -531,22 +533,6 @@ class Library(TranslatedProject):
             input=field.direction is not Direction.CONSTANT and (not field.preset or self.use.is_freed(field)),
             freed=self.use.is_freed(field),
         )
-
-    def at_address(self, address: str, type_: t.ScalarType | None, path: str, initial: m.Value | None) -> Place:
-        """Return the variable at a direct address; the first one that names it gives it its type."""
-        return self.image.place(address, type_, path, initial)
-
-    def read_type(self, type_: m.DataType, scope: Scope) -> t.Type:
-        """Return the type as it is seen in a scope."""
-        return self._types.read(type_, scope)
-
-    def named_type(self, name: str, scope: Scope) -> t.Type:
-        """Return the type of a name; see `TypeReader.named`."""
-        return self._types.named(name, scope)
-
-    def give_initial(self, field: Field, value: m.Value | None, scope: Scope) -> None:
-        """Give a variable the value of its declaration, or that of its type."""
-        self._initials.give(field, value, scope)
 
     def implicit(self, path: str, type_: t.Type) -> Place:
         """Return the external variable of an undeclared path."""

@@ -50,8 +50,16 @@ _VALUES = frozenset({Kind.VARIABLE, Kind.DATA_BLOCK, Kind.INSTANCE, Kind.ENUM_VA
 class TranslatedProject(ABC):
     """Tables that the translations of all texts of a project share.
 
-    The abstract methods give declarations a meaning, which needs translated constants; `Library` has them.
+    The abstract methods give declarations a meaning, which needs translated constants; `Library` has them. `at_address`
+    returns the variable at a direct address, `read_type` the type as it is seen in a scope, `named_type` that of a name
+    (of the project, a standard block, an elementary one; else an opaque one). `give_initial` gives a variable the value
+    of its declaration, or that of its type.
     """
+
+    at_address: Callable[[str, t.ScalarType | None, str, m.Value | None], Place]
+    read_type: Callable[[m.DataType, Scope], t.Type]
+    named_type: Callable[[str, Scope], t.Type]
+    give_initial: Callable[[Field, m.Value | None, Scope], None]
 
     def __init__(
         self,
@@ -125,28 +133,12 @@ class TranslatedProject(ABC):
         """Return the external variable for a path that the project does not declare."""
 
     @abstractmethod
-    def at_address(self, address: str, type_: t.ScalarType | None, path: str, initial: m.Value | None) -> Place:
-        """Return the variable at a direct address."""
-
-    @abstractmethod
     def program(self, unit: TranslatedPou) -> Place:
         """Return the only instance of a program."""
 
     @abstractmethod
     def unit(self, pou: Pou) -> TranslatedPou:
         """Return a POU, declared and waiting to be translated."""
-
-    @abstractmethod
-    def read_type(self, type_: m.DataType, scope: Scope) -> t.Type:
-        """Return the type as it is seen in a scope."""
-
-    @abstractmethod
-    def named_type(self, name: str, scope: Scope) -> t.Type:
-        """Return the type of a name: of the project, a standard block, an elementary one; else an opaque one."""
-
-    @abstractmethod
-    def give_initial(self, field: Field, value: m.Value | None, scope: Scope) -> None:
-        """Give a variable the value of its declaration, or that of its type."""
 
     def implicit_type(self, path: str) -> t.Type | None:
         """Return the type of an implicit external variable, if it is known already."""
