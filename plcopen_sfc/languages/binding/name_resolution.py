@@ -10,11 +10,11 @@ from plcopen_sfc.languages.binding.name_scopes import (
     Scopes,
     declared_name,
     head_of,
+    list_level,
     namespace_place,
     object_of,
     parameters_of,
     step_of,
-    variables_in,
 )
 from plcopen_sfc.languages.binding.name_sites import Reference, named
 from plcopen_sfc.languages.binding.symbols import NOTHING, Binding, Level
@@ -120,9 +120,8 @@ class Resolver:
         """Return the declaration that a name on its own refers to."""
         if site.transition is not None and site.transition.name.casefold() == reference.name.casefold():
             # its body in FBD and LD decides its type by assigning to it
-            return Binding(
-                Declaration(Kind.TRANSITION, f"{_name(site.pou)}.{reference.name}", (site.transition,), site.pou)
-            )
+            path = f"{site.pou.name if site.pou is not None else ''}.{reference.name}"
+            return Binding(Declaration(Kind.TRANSITION, path, (site.transition,), site.pou))
         # an inner scope hides an outer one only by what the role can mean: a type is found past a variable of its name
         levels = self._visible(reference, site)
         nearest: list[Declaration] = []
@@ -202,7 +201,7 @@ class Resolver:
             return self._of_external(declaration, Site(place=declaration.pou.place)).declaration or declaration
         for block in self.project.data_blocks:
             if block.type_name and declaration in self.scopes.data_block(block):
-                type_ = self.settled(_named_type(block.type_name), "")
+                type_ = self.settled(t.DerivedType(name=block.type_name), "")
                 return self.member(type_, declaration.name).declaration or declaration
         return declaration
 
@@ -216,7 +215,7 @@ class Resolver:
                 yield from self._externals(declaration, site)
         for block in self.project.data_blocks:
             if block.type_name and declaration.kind in (Kind.VARIABLE, Kind.MEMBER, Kind.STEP, Kind.TRANSITION):
-                type_ = self.settled(_named_type(block.type_name), "")
+                type_ = self.settled(t.DerivedType(name=block.type_name), "")
                 if any(declaration in level for level in self._members(type_)):
                     yield from (own.holder for own in self.scopes.data_block(block).named(declaration.name))
 
@@ -313,21 +312,17 @@ class Resolver:
                 return self.scopes.enumeration(holder.type)
             return self.settled(holder.type, place)
         if isinstance(holder, VariableSection):
-            level = Level()
-            for section in declaration.holders:
-                for variable in variables_in(section):  # type: ignore[arg-type]  # only sections are lists
-                    level.add(variable)
-            return level
+            return list_level(declaration)
         if isinstance(holder, DataBlock):
-            type_ = self.settled(_named_type(holder.type_name), "") if holder.type_name else Untyped.ELSEWHERE
+            type_ = self.settled(t.DerivedType(name=holder.type_name), "") if holder.type_name else Untyped.ELSEWHERE
             return self.scopes.data_block(holder) if type_ is Untyped.ELSEWHERE else type_
         if isinstance(holder, Tag):
             elementary = holder.type.upper()
             if elementary in t.Elementary.__members__:
                 return t.ElementaryType(name=t.Elementary[elementary])
-            return self.settled(_named_type(holder.type), "")
+            return self.settled(t.DerivedType(name=holder.type), "")
         if isinstance(holder, PouInstance):
-            return self.settled(_named_type(holder.type_name), "")
+            return self.settled(t.DerivedType(name=holder.type_name), "")
         if isinstance(holder, Resource | Configuration):
             return self.scopes.place(namespace_place(self.project, holder))
         return Untyped.FOREIGN
@@ -411,27 +406,28 @@ class Resolver:
 
     def called(self, callee: n.Expression, site: Site) -> Declaration | None:
         """Return the declaration of what a call names: an action, a method, an instance, a POU; None: not known."""
+        found = self._called_thing(callee, site)
+        return found.declaration if found is not None else None
+
+    def _called_thing(self, callee: n.Node, site: Site) -> Binding | None:
+        """Return what a name or path in the place of a callee means; None for other expressions."""
         if isinstance(callee, n.Name):
-            return self.lookup(named(callee, role=Role.ACTION), site).declaration
+            return self.lookup(named(callee, role=Role.ACTION), site)
         if isinstance(callee, n.Member):
             name = callee.name.identifier
-            return self.member(self.type_of(callee.base, site, name), name).declaration
+            return self.member(self.type_of(callee.base, site, name), name)
         return None
 
     def called_type(self, callee: n.Expression | n.Node, site: Site) -> Pou | Method | Type:
         """Return the POU, method or type that a call names."""
-        if isinstance(callee, n.Name):
-            meaning = self.lookup(named(callee, role=Role.ACTION), site)
-            if meaning is NOTHING:
-                # in SCL all but the instructions of the controller are in quotes
-                instruction = self.dialect is Dialect.SCL and callee.quoting is Quoting.NONE
-                if instruction or standard_block(callee.identifier) is not None:
-                    return Untyped.FOREIGN
-        elif isinstance(callee, n.Member):
-            name = callee.name.identifier
-            meaning = self.member(self.type_of(callee.base, site, name), name)
-        else:
+        meaning = self._called_thing(callee, site)
+        if meaning is None:
             return self.type_of(callee, site)
+        if meaning is NOTHING and isinstance(callee, n.Name):
+            # in SCL all but the instructions of the controller are in quotes
+            instruction = self.dialect is Dialect.SCL and callee.quoting is Quoting.NONE
+            if instruction or standard_block(callee.identifier) is not None:
+                return Untyped.FOREIGN
         declaration = meaning.declaration
         if declaration is None:
             return Untyped.UNKNOWN
@@ -459,12 +455,8 @@ class Resolver:
         while isinstance(value, n.Parenthesized | n.Index):
             depth += isinstance(value, n.Index)
             value = value.inner if isinstance(value, n.Parenthesized) else value.base
-        declaration = None
-        if isinstance(value, n.Name):
-            declaration = self.lookup(named(value, role=Role.ACTION), site).declaration
-        elif isinstance(value, n.Member):
-            name = value.name.identifier
-            declaration = self.member(self.type_of(value.base, site, name), name).declaration
+        meaning = self._called_thing(value, site)
+        declaration = meaning.declaration if meaning is not None else None
         holder = declaration.holder if declaration is not None else None
         type_ = holder.type if isinstance(holder, t.Variable) else None
         while depth and isinstance(type_, t.ArrayType):
@@ -501,7 +493,11 @@ class Resolver:
             return Untyped.UNKNOWN
         if block.instance:
             called = self.type_of(parse_expression(block.instance, self.dialect).tree, site)
-            return called if called is not Untyped.UNKNOWN else self.settled(_named_type(block.type_name), site.place)
+            return (
+                called
+                if called is not Untyped.UNKNOWN
+                else self.settled(t.DerivedType(name=block.type_name), site.place)
+            )
         tree = parse_expression(block.type_name, self.dialect).tree
         type_ = self.called_type(tree, site)
         # of what is in a block by its name alone, the type is that name
@@ -545,14 +541,6 @@ def _with_an_end_removed(contained: dict[int, list[int]]) -> list[int]:
             if not left[holder]:
                 ending.append(holder)
     return [key for key, count in left.items() if count]
-
-
-def _name(pou: Pou | None) -> str:
-    return pou.name if pou is not None else ""
-
-
-def _named_type(name: str) -> t.DataType:
-    return t.DerivedType(name=name)
 
 
 def fitting(found: Sequence[Declaration], role: Role) -> list[Declaration]:

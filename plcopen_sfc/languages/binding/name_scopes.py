@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator
-from typing import TypeVar
+from itertools import chain
+from typing import Any, TypeVar
 
 from plcopen_sfc.languages.binding.name_sites import Reference
 from plcopen_sfc.languages.binding.symbols import (
@@ -39,7 +40,7 @@ class Scopes:
 
     def __init__(self, project: Project) -> None:
         self._project = project
-        self._levels: dict[tuple[int, ...], Level] = {}
+        self._levels: dict[int, Level] = {}
         self._sites: dict[tuple[object, ...], tuple[Level, ...]] = {}
         self._places: dict[str, Level] | None = None
         self._everywhere = Level()
@@ -80,12 +81,17 @@ class Scopes:
 
     def pou(self, pou: Pou) -> Level:
         """Return the declarations of a POU: variables, actions, transitions, methods, the steps of its charts."""
-        level = self._levels.get((id(pou),))
-        if level is None:
-            level = self._levels[id(pou),] = Level()
-            for declaration in self._of_pou(pou):
-                level.add(declaration)
+        is_new = id(pou) not in self._levels
+        level = self._level(pou, self._of_pou(pou))
+        if is_new:
             self._find_step_variables(level)
+        return level
+
+    def _level(self, thing: object, declarations: Iterable[Declaration]) -> Level:
+        """Return the level of `thing`, which is made of its declarations when it is first asked for."""
+        level = self._levels.get(id(thing))
+        if level is None:
+            level = self._levels[id(thing)] = Level(declarations)
         return level
 
     def _find_step_variables(self, level: Level) -> None:
@@ -147,10 +153,10 @@ class Scopes:
         """Return the methods or actions of a name in a POU, in what it extends, and in what extends that."""
         if self._chains is None:
             self._chains = [_chain(each, self.base) for each in self._project.pous]
-        own = next(chain for chain in self._chains if chain[0] is pou)
+        own = next(each for each in self._chains if each[0] is pou)
         # blocks that extend the topmost one which declares it override one method, also beside each other
         root = next((each for each in reversed(own) if self._declares(each, kind, name)), pou)
-        family = (chain[0] for chain in self._chains if any(each is root for each in chain))
+        family = (blocks[0] for blocks in self._chains if any(each is root for each in blocks))
         return [found for each in family for found in self._declares(each, kind, name)]
 
     def _declares(self, pou: Pou, kind: Kind, name: str) -> list[Declaration]:
@@ -158,38 +164,20 @@ class Scopes:
 
     def method(self, pou: Pou, method: Method) -> Level:
         """Return the declarations of a method."""
-        level = self._levels.get((id(method),))
-        if level is None:
-            level = self._levels[id(method),] = Level()
-            path = f"{pou.name}.{method.name}"
-            for declaration in (*self._variables(method.interface, path, pou), *_steps(method.body, path, pou)):
-                level.add(declaration)
-        return level
+        path = f"{pou.name}.{method.name}"
+        return self._level(method, chain(self._variables(method.interface, path, pou), _steps(method.body, path, pou)))
 
     def data_block(self, block: DataBlock) -> Level:
         """Return the variables of a data block."""
-        level = self._levels.get((id(block),))
-        if level is None:
-            level = self._levels[id(block),] = Level()
-            for declaration in variables_of(block.interface, block.name, None):
-                level.add(declaration)
-        return level
+        return self._level(block, variables_of(block.interface, block.name, None))
 
     def chart(self, chart: SfcNetwork, pou: Pou | None) -> Level:
         """Return the steps of a chart, without those of charts in it."""
-        level = self._levels.get((id(chart),))
-        if level is None:
-            level = self._levels[id(chart),] = Level()
-            for declaration in steps_of(chart, pou.name if pou is not None else "", pou):
-                level.add(declaration)
-        return level
+        return self._level(chart, steps_of(chart, pou.name if pou is not None else "", pou))
 
     def structure(self, type_: StructType) -> Level:
         """Return the members of a structure."""
-        level = self._levels.get((id(type_),))
-        if level is None:
-            level = self._levels[id(type_),] = members_of(type_, *self._owner_of(type_))
-        return level
+        return self._level(type_, members_of(type_, *self._owner_of(type_)))
 
     def structure_levels(self, type_: StructType) -> tuple[Level, ...]:
         """Return the members of a structure, and those of what it extends."""
@@ -211,10 +199,7 @@ class Scopes:
 
     def enumeration(self, type_: EnumType) -> Level:
         """Return the values of an enumeration."""
-        level = self._levels.get((id(type_),))
-        if level is None:
-            level = self._levels[id(type_),] = values_of(type_, *self._owner_of(type_))
-        return level
+        return self._level(type_, values_of(type_, *self._owner_of(type_)))
 
     def _owner_of(self, type_: StructType | EnumType) -> tuple[str, Pou | None]:
         """Return the path of what a type is declared in, and the POU that this belongs to."""
@@ -227,10 +212,7 @@ class Scopes:
         self._by_place()
         yield self._everywhere
         for section in self._project.global_sections():
-            level = Level()
-            for variable in variables_in(section):
-                level.add(variable)
-            yield level
+            yield Level(variables_in(section))
 
     def every_type(self) -> Iterator[Level]:
         """Yield the members of every type that is declared in place."""
@@ -322,12 +304,12 @@ _OF_STEPS = re.compile(r"G7_(?:Step|Transition)\w*|SFCStepType", re.IGNORECASE)
 
 def _chain(first: _T, base: Callable[[_T], _T | None]) -> list[_T]:
     """Return something and what it extends, the nearest first."""
-    chain: list[_T] = []
+    found: list[_T] = []
     derived: _T | None = first
-    while derived is not None and all(derived is not each for each in chain):  # a damaged file may have a circle
-        chain.append(derived)
+    while derived is not None and all(derived is not each for each in found):  # a damaged file may have a circle
+        found.append(derived)
         derived = base(derived)
-    return chain
+    return found
 
 
 def parameters_of(interface: Interface | None) -> list[t.Variable]:
@@ -386,6 +368,12 @@ def _listed(section: VariableSection, project: Project) -> Iterator[Declaration]
     if section.name and qualified_only(section) and project.dialect is not Dialect.SCL:
         return
     yield from variables_in(section)
+
+
+def list_level(declaration: Declaration) -> Level:
+    """Names of what is in a list of global variables."""
+    sections: tuple[Any, ...] = declaration.holders
+    return Level(variable for section in sections for variable in variables_in(section))
 
 
 def variables_in(section: VariableSection) -> Iterator[Declaration]:
@@ -514,8 +502,7 @@ def declared_name(scopes: Scopes, reference: Reference, text_site: TextSite) -> 
     if isinstance(holder, t.DataTypeDeclaration):
         type_, within = holder.type, within[1:]
     elif isinstance(holder, VariableSection):
-        for variable in variables_in(holder):
-            level.add(variable)
+        level = Level(variables_in(holder))
     else:
         own = scopes.local(text_site.site)[len(text_site.site.charts) :]
         level = own[0] if own else level

@@ -43,24 +43,24 @@ from plcopen_sfc.report import Use
 def references(text_site: TextSite, dialect: Dialect) -> Iterator[Reference]:
     """Yield every name in the text of a text site."""
     text = text_site.text
-    if text_site.reading is SiteKind.STATEMENTS:
-        yield from in_statements(text, dialect)
-    elif text_site.reading is SiteKind.EXPRESSION:
+    if text_site.reading is SiteKind.EXPRESSION:
         yield from in_expression(text, text_site.role, dialect)
-    elif text_site.reading is SiteKind.INSTRUCTIONS:
-        yield from in_instructions(text, dialect)
-    elif text_site.reading is SiteKind.DECLARATIONS:
-        yield from in_declarations(text, dialect)
-    elif text_site.reading is SiteKind.REPEATED:
-        yield from in_repeated_list(text, dialect)
-    elif text_site.reading is SiteKind.KEPT:
-        yield from in_kept_texts(text, dialect)
-    elif text_site.reading is SiteKind.NETWORKS:
-        yield from in_networks(text, dialect)
     elif text_site.reading is SiteKind.NAME:
         yield Reference(text, (0, len(text)), text_site.role)
-    else:
+    elif text_site.reading is SiteKind.FOREIGN:
         yield from unread(text, 0, "it is in data that only another tool reads")
+    else:
+        yield from _READERS[text_site.reading](text, dialect)
+
+
+_READERS = {
+    SiteKind.STATEMENTS: in_statements,
+    SiteKind.INSTRUCTIONS: in_instructions,
+    SiteKind.DECLARATIONS: in_declarations,
+    SiteKind.REPEATED: in_repeated_list,
+    SiteKind.KEPT: in_kept_texts,
+    SiteKind.NETWORKS: in_networks,
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from plcopen_sfc.model.declaration import Declaration, Kind
@@ -14,8 +14,10 @@ from plcopen_sfc.model.variables import Interface
 class Level:
     """Names that are visible together: those of one scope, or the members of one type."""
 
-    def __init__(self) -> None:
+    def __init__(self, declarations: Iterable[Declaration] = ()) -> None:
         self._by_name: dict[str, list[Declaration]] = {}
+        for declaration in declarations:
+            self.add(declaration)
 
     def add(self, declaration: Declaration) -> None:
         """Put a declaration in; a list of global variables joins the parts of it that are in already."""
@@ -42,20 +44,14 @@ class Level:
         return isinstance(declaration, Declaration) and declaration in self.named(declaration.name)
 
 
-def members_of(type_: StructType, path: str, pou: Pou | None) -> Level:
-    """Return the members of a structure."""
-    level = Level()
-    for member in type_.members:
-        level.add(Declaration(Kind.MEMBER, f"{path}.{member.name}", (member,), pou))
-    return level
+def members_of(type_: StructType, path: str, pou: Pou | None) -> Iterator[Declaration]:
+    """Yield the members of a structure."""
+    return (Declaration(Kind.MEMBER, f"{path}.{member.name}", (member,), pou) for member in type_.members)
 
 
-def values_of(type_: EnumType, path: str, pou: Pou | None) -> Level:
-    """Return the values of an enumeration."""
-    level = Level()
-    for value in type_.values:
-        level.add(Declaration(Kind.ENUM_VALUE, f"{path}.{value.name}", (value,), pou))
-    return level
+def values_of(type_: EnumType, path: str, pou: Pou | None) -> Iterator[Declaration]:
+    """Yield the values of an enumeration."""
+    return (Declaration(Kind.ENUM_VALUE, f"{path}.{value.name}", (value,), pou) for value in type_.values)
 
 
 def variables_of(interface: Interface | None, path: str, pou: Pou | None) -> Iterator[Declaration]:

@@ -425,55 +425,10 @@ def _below(thing: Model, key: str, where: _Where) -> _Where:
     return where
 
 
-def _pou(pou: Pou, where: _Where) -> _Where:
-    return where._replace(site=Site(pou=pou, place=pou.place), path=pou.name, report_path=pou.report_path)
-
-
-def _action(action: Action, where: _Where) -> _Where:
-    return where.inside(action.name, "action")
-
-
-def _named_transition(transition: NamedTransition, where: _Where) -> _Where:
-    return where.inside(transition.name, "transition")._replace(site=replace(where.site, transition=transition))
-
-
-def _condition(condition: s.BodyCondition, where: _Where) -> _Where:
-    return where._replace(site=replace(where.site, transition=condition)) if condition.name else where
-
-
-def _method(method: Method, where: _Where) -> _Where:
-    return where.inside(method.name, "method")._replace(site=replace(where.site, method=method))
-
-
-def _data_block(block: DataBlock, where: _Where) -> _Where:
-    return where._replace(path=block.name, report_path=block.report_path, language="declaration")
-
-
-def _data_type(declaration: t.DataTypeDeclaration, where: _Where) -> _Where:
-    site, report_path = Site(place=declaration.place), declaration.report_path
-    return where._replace(site=site, path=declaration.name, report_path=report_path, language="declaration")
-
-
-def _tag_table(table: TagTable, where: _Where) -> _Where:
-    return where.at(table.name)._replace(report_path=table.report_path)
-
-
-def _body(body: b.BodyBase, where: _Where) -> _Where:
-    return where._replace(language=getattr(body, "language", where.language))
-
-
 def _chart(chart: s.SfcNetwork, where: _Where) -> _Where:
     site = replace(where.site, charts=(chart, *where.site.charts))
     nodes = {node.id: node for node in chart.logic}
     return where._replace(site=site, nodes=nodes, labels=chart.labels(), owner=chart)
-
-
-def _network(network: n.LogicNetwork, where: _Where) -> _Where:
-    return where._replace(nodes={node.id: node for node in network.nodes})
-
-
-def _transition(transition: s.Transition, where: _Where) -> _Where:
-    return where.at(f"transition {where.labels.get(transition.id, transition.name)}")
 
 
 def _section(section: VariableSection, where: _Where) -> _Where:
@@ -485,18 +440,6 @@ def _section(section: VariableSection, where: _Where) -> _Where:
 def _resource(resource: Resource, where: _Where) -> _Where:
     place = f"{where.site.place}/resource/{resource.name}" if where.site.place else f"application/{resource.name}"
     return where.at(resource.name)._replace(site=Site(place=place))
-
-
-def _configuration(configuration: Configuration, where: _Where) -> _Where:
-    return where.at(configuration.name)._replace(site=Site(place=f"configuration/{configuration.name}"))
-
-
-def _forcing(order: ForcingOrder, where: _Where) -> _Where:
-    return where._replace(owner=_partial(order.chart, where))
-
-
-def _enclosure(enclosure: s.Enclosure, where: _Where) -> _Where:
-    return where._replace(owner=_partial(enclosure.chart, where))
 
 
 def _partial(name: str, where: _Where) -> s.SfcNetwork | None:
@@ -512,31 +455,43 @@ def _partial(name: str, where: _Where) -> s.SfcNetwork | None:
 
 _Entering = Callable[[Any, _Where], _Where]
 _ENTERING: dict[type[Model], _Entering] = {
-    Pou: _pou,
-    Action: _action,
-    NamedTransition: _named_transition,
-    s.BodyCondition: _condition,
-    Method: _method,
-    DataBlock: _data_block,
+    Pou: lambda pou, where: where._replace(
+        site=Site(pou=pou, place=pou.place), path=pou.name, report_path=pou.report_path
+    ),
+    Action: lambda action, where: where.inside(action.name, "action"),
+    NamedTransition: lambda transition, where: where.inside(transition.name, "transition")._replace(
+        site=replace(where.site, transition=transition)
+    ),
+    s.BodyCondition: lambda condition, where: (
+        where._replace(site=replace(where.site, transition=condition)) if condition.name else where
+    ),
+    Method: lambda method, where: where.inside(method.name, "method")._replace(site=replace(where.site, method=method)),
+    DataBlock: lambda block, where: where._replace(
+        path=block.name, report_path=block.report_path, language="declaration"
+    ),
     Interface: lambda _, where: where._replace(language="declaration"),
     VariableSection: _section,
     t.Variable: lambda v, where: where.at(v.name)._replace(language="declaration"),
-    t.DataTypeDeclaration: _data_type,
-    **dict.fromkeys((b.StBody, b.IlBody, b.FbdBody, b.LdBody, s.SfcBody, b.OpaqueBody), _body),
+    t.DataTypeDeclaration: lambda each, where: where._replace(
+        site=Site(place=each.place), path=each.name, report_path=each.report_path, language="declaration"
+    ),
+    **dict.fromkeys(
+        (b.StBody, b.IlBody, b.FbdBody, b.LdBody, s.SfcBody, b.OpaqueBody),
+        lambda body, where: where._replace(language=body.language),
+    ),
     s.SfcNetwork: _chart,
     s.Step: lambda step, where: where.at(f"step {step.name}"),
-    s.Transition: _transition,
+    s.Transition: lambda each, where: where.at(f"transition {where.labels.get(each.id, each.name)}"),
     s.PartialChart: lambda partial, where: where.at(partial.name)._replace(owner=partial.chart),
-    s.Enclosure: _enclosure,
-    ForcingOrder: _forcing,
+    **dict.fromkeys((s.Enclosure, ForcingOrder), lambda each, where: where._replace(owner=_partial(each.chart, where))),
     ActionAssociation: lambda a, where: where.at(f"action {a.target}" if a.target else "action"),
-    n.LogicNetwork: _network,
+    n.LogicNetwork: lambda network, where: where._replace(nodes={node.id: node for node in network.nodes}),
     n.Block: lambda block, where: where.at(f"block {block.instance or block.type_name}")._replace(owner=block),
     n.VendorElement: lambda element, where: where._replace(owner=element),
     Resource: _resource,
-    Configuration: _configuration,
+    Configuration: lambda each, where: where.at(each.name)._replace(site=Site(place=f"configuration/{each.name}")),
     Task: lambda task, where: where.at(task.name),
-    TagTable: _tag_table,
+    TagTable: lambda table, where: where.at(table.name)._replace(report_path=table.report_path),
     Tag: lambda tag, where: where.at(tag.name),
     TreeNode: lambda node, where: where._replace(
         path="project tree", report_path="project tree", owner=(*(where.owner or ()), node)

@@ -11,8 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 from plcopen_sfc.errors import Location, SimulationError
-from plcopen_sfc.languages.binding.name_scopes import namespace_place, variables_in
-from plcopen_sfc.languages.binding.symbols import Level
+from plcopen_sfc.languages.binding.name_scopes import list_level, namespace_place
 from plcopen_sfc.languages.declarations import read_declarations
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.st import nodes as n
@@ -446,11 +445,7 @@ class Library(TranslatedProject):
         if kind is Kind.ENUM_VALUE:
             return self._enumeration_value(declaration)
         if kind is Kind.GLOBAL_LIST:
-            level = Level()
-            for section in declaration.holders:
-                for inner in variables_in(section):  # type: ignore[arg-type]  # only sections are lists
-                    level.add(inner)
-            return Space(level, declaration.path)
+            return Space(list_level(declaration), declaration.path)
         if kind is Kind.NAMESPACE:
             return Space(self.names.place(namespace_place(self.project, holder)), declaration.path)
         return self.variable(declaration)
