@@ -41,6 +41,7 @@ from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.analysis.timers import Clocking, StepTimes, clocking, step_times
 from plcopen_sfc.analysis.verdict import Counterexample, Verdict, VerdictKind
 from plcopen_sfc.errors import ModelError
+from plcopen_sfc.languages.binding.reached_pous import written_elsewhere
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.pou import Pou
@@ -268,16 +269,6 @@ class _Tries(NamedTuple):
     """The limit of all comparisons; `limit` is what is left of it."""
 
 
-def _written_there(system: ProgramSystem, other: ProgramSystem) -> list[str]:
-    """Return the inputs of a system that the other has as variables and writes, and not as inputs.
-
-    What the other does not read and does not write is an input of this one all the same.
-    """
-    variables = other.variables
-    shared = (name for name in system.inputs if name in variables and not variables[name].is_input)
-    return [name for name in shared if other.writes(name)]
-
-
 @dataclass(frozen=True)
 class _Compared:
     """Subject of a comparison, but for the delay; see `equivalent`."""
@@ -311,6 +302,11 @@ class _Compared:
                 frozen = dict.fromkeys(each for system in systems for each in system.frozen())
                 hint = f"These are: {', '.join(frozen)}" if frozen else "All variables are inputs, or are written."
                 raise ModelError(f"{name!r} is no variable that nothing writes", hint=hint)
+
+    @cached_property
+    def _written_elsewhere(self) -> frozenset[str]:
+        """The variables that other code of the projects writes as well: inputs, whatever the compared sides write."""
+        return frozenset().union(*(written_elsewhere(each.pou, each.project) for each in self.subjects))
 
     @property
     def passes_start(self) -> bool:
@@ -402,7 +398,7 @@ class _Compared:
             return ProgramSystem(
                 *(self.subjects[side], profiles[side], self.clock),
                 functions=self.functions,
-                free_inputs=self.free_inputs,
+                free_inputs=[*self.free_inputs, *self._written_elsewhere],
                 not_free=[*self._flags[side], *written],
                 times=self._times[side],
                 known_types=told,
@@ -415,9 +411,9 @@ class _Compared:
             left = system(0, right.told_types)
             right = system(1, left.told_types)
         # what one side writes is no input of the other, of which a part that writes it may be a unit of its own
-        if written := _written_there(right, left) if self.free_inputs else []:
+        if written := self._written_there(right, left):
             right = system(1, left.told_types, written)
-        if written := _written_there(left, right) if self.free_inputs else []:
+        if written := self._written_there(left, right):
             left = system(0, right.told_types, written)
         self.spans.append(spent() - start)
         if self.left_out is not None:
@@ -425,6 +421,15 @@ class _Compared:
         heed_instability(left, right)
         heed_instability(right, left)
         return left, right
+
+    def _written_there(self, system: ProgramSystem, other: ProgramSystem) -> list[str]:
+        """Return the inputs of a system that the other has as variables and writes, and not as inputs.
+
+        What the other does not read and does not write is an input of this one all the same.
+        """
+        variables = other.variables if self.free_inputs or self._written_elsewhere else {}
+        shared = (name for name in system.inputs if name in variables and not variables[name].is_input)
+        return [name for name in shared if other.writes(name)]
 
     def _delay(self, left: ProgramSystem, right: ProgramSystem, delay: Delay) -> None:
         """Have both sides begin and be compared as a delay has it."""

@@ -9,7 +9,7 @@ from plcopen_sfc.conversion.executed_parts import FIRST_SCAN
 from plcopen_sfc.conversion.reporting import in_the_source
 from plcopen_sfc.languages.binding import actions_by_name, bind, names_in, step_effects
 from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
-from plcopen_sfc.languages.declarations.kept_texts import inheritance
+from plcopen_sfc.languages.binding.reached_pous import reached_pous
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.pou import Pou
@@ -136,32 +136,10 @@ def reads_inputs(chart: Chart, project: Project, inputs: Iterable[str]) -> bool:
 
 
 def _names_of_actions(chart: Chart, project: Project) -> Iterator[tuple[Pou, set[str]]]:
-    """Yield the POU of a chart and the names (lower case) in its actions and steps, then all POUs that these may call.
-
-    Without the variables that a called POU has of its own. Types of variables that are named tell the blocks.
-    """
-    pous = {pou.name.casefold(): pou for pou in project.pous}
-    types = {declared.name.casefold(): declared.type for declared in project.data_types}
-    global_ = [variable for section in project.global_sections() for variable in section.variables]
+    """Yield the POU of a chart and the names in its actions and steps, then all POUs that these may call."""
     texts = (*chart.pou.actions, *chart.pou.methods, *_acting(chart))
-    waiting = [(chart.pou, {name for each in texts for name in names_in(each, project.dialect)})]
-    seen, family = {chart.pou.name.casefold()}, {chart.pou.name.casefold()}
-    while waiting:
-        pou, names = waiting.pop()
-        bases = {base.casefold() for base in inheritance(pou.interface).extends}
-        family |= bases if pou.name.casefold() in family else set()
-        sections = pou.interface.sections if pou.interface is not None and pou.name.casefold() not in family else []
-        own = {v.name.casefold() for each in sections if each.kind is not SectionKind.EXTERNAL for v in each.variables}
-        yield pou, names - own
-        reached = names | bases
-        kinds = [v.type for v in (*pou.variables(), *global_) if v.name.casefold() in names]
-        while kinds:
-            new = {name.casefold() for name in used_types(kinds.pop())} - reached
-            reached |= new
-            kinds += [types[name] for name in new & types.keys()]
-        called = reached & pous.keys() - seen
-        seen |= called
-        waiting += [(pous[each], names_in(pous[each], project.dialect)) for each in called]
+    names = {name for each in texts for name in names_in(each, project.dialect)}
+    return reached_pous(chart.pou, names, project)
 
 
 def chart_pairs(source: Project, result: Project, called: Mapping[str, str]) -> Iterator[tuple[Chart, Chart | None]]:

@@ -8,6 +8,7 @@ the texts of any other object of the model. `Names` tells what a project declare
 views. `symbols` are declarations, `name_scopes` where they are visible,
 `name_resolution` which of them a name means, `name_uses` (`Names`) where each is used; `constant_values` calculates.
 `shared_scans` finds the actions of a chart whose order counts.
+`reached_pous` are those that another one may call, and what the rest of a project writes.
 `compile_mistakes` are the types and parameters that no compiler takes.
 """
 

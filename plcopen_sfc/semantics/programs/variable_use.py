@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Hashable, Iterable, Iterator
 from itertools import product
 from typing import TypeGuard
@@ -15,6 +16,7 @@ from plcopen_sfc.semantics.programs.runtime_types import MOST_ELEMENTS, Directio
 ALL_FREE = "all"
 """Stands for all variables that could be inputs."""
 
+_INDICES = re.compile(r"\[[^\]]*\]")
 _FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
 _OPERATING = (SfcFlag.INIT, SfcFlag.RESET, SfcFlag.PAUSE, SfcFlag.TIP, SfcFlag.TIP_MODE, SfcFlag.QUIT_ERROR)
 _SHOWING = _FLAGS - {flag.variable.casefold() for flag in _OPERATING}
@@ -135,10 +137,21 @@ class VariableUse:
         is_inside = len(slots) > 1 or not self._is_root(key)
         return is_inside and field is not None and field.given and key not in self.written
 
+    def _is_named(self, key: str) -> bool:
+        """True for a variable that is named as an input, and for a part of one."""
+        if not self._freed or key not in self.inputs:
+            return False
+        parts = _INDICES.sub("", self.inputs[key][0]).casefold().split(".")
+        return any(".".join(parts[:end]) in self._freed for end in range(1, len(parts) + 1))
+
     def _is_passed(self, key: str) -> bool:
-        """True for parameters of what runs: each call gives them a value, whatever the call before has written."""
+        """True for parameters of what runs: each call gives them a value, whatever the call before has written.
+
+        So it is with variables that are named as inputs: something else writes them as well.
+        """
         field = self._field(key)
-        if field.direction not in (Direction.INPUT, Direction.IN_OUT) or not self._is_root(key):
+        given = field.direction in (Direction.INPUT, Direction.IN_OUT) or self._is_named(key)
+        if not given or not self._is_root(key):
             return key in self.in_outs
         type_ = field.type
         for slot in key.split(".")[2:]:
@@ -207,7 +220,7 @@ class VariableUse:
         if field.direction not in (Direction.LOCAL, Direction.EXTERNAL) or field.name.casefold() in self._not_free:
             return False
         name = field.name.casefold()
-        inside = is_instance and any(each.startswith(f"{name}.") for each in self._freed)
+        inside = any(each.startswith(f"{name}.") for each in self._freed)
         return inside or ALL_FREE in self._freed or name in self._freed
 
     def frozen(self) -> Iterator[str]:
