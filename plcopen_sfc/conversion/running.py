@@ -26,9 +26,11 @@ from plcopen_sfc.conversion.executed_parts import (
 from plcopen_sfc.conversion.reporting import in_the_source
 from plcopen_sfc.conversion.scan_order import chart_pairs, is_begun_for_good, reads_inputs
 from plcopen_sfc.errors import SfcError
+from plcopen_sfc.languages.binding import names_in
+from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.types import used_types
+from plcopen_sfc.model.types import ElementaryType, used_types
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import (
@@ -122,6 +124,19 @@ def report_running(
         run = _run(report, there, compared, source=source, profiles=profiles, tool=tool, limit=left)
         if run is None:
             continue
+        outside = ""
+        if commands := _asked_in_vain(there, source, run.verdict):
+            renamed = [new for new, old in _renamed_variables(here, called).items() if old in commands]
+            compared = partial(compared, free_inputs=(ALL_FREE, *commands, *renamed))
+            outside = f"with {', '.join(f'`{name}`' for name in commands)} written from outside as well"
+            left = end - time.thread_time()
+            found = _run(report, there, compared, source=source, profiles=profiles, tool=tool, limit=left)
+            if found is None or not found.as_run.equal:
+                told = [f"{outside}: {found.seen if found is not None else report.compared[there.report_path]}"]
+                seen, *unreached = str(run.verdict).splitlines()
+                _note_untested(report, there.report_path, f"{seen}; not all steps are reached", *unreached, *told)
+                continue
+            run, outside = found, f"; {outside}"
         held = "" if run.verdict.equal else _told_while_held(compared, run, losses if named else report.losses, end)
         alike, rule = "", ""
         if run.as_run.counterexample is not None:
@@ -133,12 +148,40 @@ def report_running(
             report.compared[there.report_path] = run.told_with(losses, held or rule)
         else:
             _report_run(report, run, held or rule)
-        report.compared[there.report_path] += alike
+        report.compared[there.report_path] += outside + alike
         if run.as_run.unknown and there.report_path not in report.untested:  # whose lines tell it already
             unknown = ", ".join(run.as_run.unknown)
             report.compared[there.report_path] += f"; unknown, taken as functions of what they are given: {unknown}"
         if any(name.casefold() == declaration.name.casefold() for name in types for declaration in assumed):
             report.compared[there.report_path] += "; types that nothing declares have the members that are used of them"
+
+
+def _asked_in_vain(there: Chart, source: Project, verdict: Verdict) -> list[str]:
+    """Return the variables that keep steps from being entered, as nothing but the chart itself writes them in a run.
+
+    Most are commands that an operator or another controller gives, and that the chart takes back.
+    """
+    from plcopen_sfc.analysis.coverage import STEP, TRANSITION  # noqa: PLC0415  # most conversions run nothing
+
+    if not verdict.proven:
+        return []
+    never = [each for each in verdict.coverage[0].unreached if each.impossible and not each.follows]
+    if not any(each.kind == STEP for each in never):
+        return []
+    missed = tuple(each.name for each in never if each.kind == TRANSITION)
+    names: set[str] = set()
+    for inner in with_inner_charts(there.chart):
+        labels = inner.labels()
+        for transition in inner.transitions:
+            label = labels.get(transition.id, "")
+            if label and any(each.endswith(label) for each in missed):
+                names |= names_in(transition, source.dialect)
+    for named in there.pou.transitions:
+        names |= names_in(named, source.dialect) if named.name.casefold() in names else set()
+    names -= {name.casefold() for name in (*verdict.inputs, *(flag.variable for flag in SfcFlag))}
+    declared = [each for section in source.global_sections() for each in section.variables]
+    plain = (each for each in (*there.pou.variables(), *declared) if isinstance(each.type, ElementaryType))
+    return sorted({each.name for each in plain if each.name.casefold() in names})
 
 
 def _why_not_compared(

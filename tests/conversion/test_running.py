@@ -608,3 +608,51 @@ def test_the_first_call_of_f_trig_is_told_without_a_run_and_taken_back_by_a_proo
     assert [item.what for item in losses] == (["falling edge", "chart"] if differs else [])
     if differs:
         assert "a cause is the falling edge, which the report names" in losses[1].why
+
+
+REQUESTED = """{{plcopen_sfc project.dialect := 'codesys'}}
+VAR_GLOBAL request, sensor AT %IX0.0 : BOOL; END_VAR
+PROGRAM Panel
+VAR button : BOOL; END_VAR
+IF button THEN {asked} := TRUE; END_IF
+END_PROGRAM
+PROGRAM Main
+VAR valve : BOOL; n : INT; {local}END_VAR
+INITIAL_STEP Init: END_STEP
+TRANSITION FROM Init TO Fill := {asked}; END_TRANSITION
+STEP Fill: valve(N); Take(N); END_STEP
+TRANSITION FROM Fill TO Init := sensor; END_TRANSITION
+ACTION Take: {asked} := FALSE; n := n + 1; {more} END_ACTION
+END_PROGRAM
+"""
+LIMITED_BY_COUNT = "IF n > 3 THEN valve := FALSE; END_IF"
+
+
+@pytest.mark.parametrize("asked", ["request", "Main.request"])
+def test_what_another_program_writes_is_an_input_though_the_chart_writes_it(asked: str) -> None:
+    local = "request : BOOL; " if asked != "request" else ""
+    text = REQUESTED.format(asked="request", more=LIMITED_BY_COUNT, local=local)
+    text = text.replace("THEN request := TRUE", f"THEN {asked} := TRUE")
+    project = sfc.loads(text.encode(), format="iec-text")
+    report = saved(project, "plcopen-2.01", partial=True)
+    assert "different after" in report.compared["POU Main"]
+    assert {item.what for item in report.with_outcome(Outcome.APPROXIMATED)} >= {"order of actions", "Boolean actions"}
+    verdict = sfc.equivalent(project.pou("Main"), project.pou("Main"))
+    assert verdict.proven
+    assert verdict.coverage[0].counts["step"] == (2, 2)
+
+
+def test_a_command_that_the_chart_takes_back_is_tried_from_outside() -> None:
+    alone = re.sub("PROGRAM Panel.*?END_PROGRAM", "", REQUESTED, flags=re.DOTALL)
+    project = sfc.loads(alone.format(asked="request", more=LIMITED_BY_COUNT, local="").encode(), format="iec-text")
+    report = saved(project, "plcopen-2.01", partial=True)
+    lines = report.untested["POU Main"]
+    assert "not all steps are reached" in report.compared["POU Main"]
+    assert any(line.startswith("not reached: step Fill: ") for line in lines)
+    assert any(line.startswith("with `request` written from outside as well: different") for line in lines)
+    assert {item.what for item in report.with_outcome(Outcome.APPROXIMATED)} >= {"order of actions", "Boolean actions"}
+    counted = alone.replace("{asked} := FALSE; n := n + 1;", "n := n + 1;").replace("Take(N)", "Take(P)")
+    project = sfc.loads(counted.format(asked="n = 7 OR n = 9", more="", local="").encode(), format="iec-text")
+    report = saved(project, "codesys-export")
+    assert report.compared["POU Main"].endswith("; with `n` written from outside as well")
+    assert "POU Main" not in report.untested
