@@ -21,7 +21,7 @@ from plcopen_sfc.analysis.checks.action_targets import (
     uses,
     written_elsewhere,
 )
-from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Finding, FindingPlace, Rule
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Finding, FindingPlace, Rule, ring
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.effects import Path, path_of
 from plcopen_sfc.languages.st import nodes as n
@@ -45,14 +45,13 @@ def _mixed(chart: CheckedChart) -> Iterator[Finding]:
                 message = f"{use.name} is {what} here ({_how(use)}), and {_there(continuous)}"
                 yield Finding(use.sheet.at(use.step, use.association), message)
     continuous_uses = {use.path: use for use in uses(chart) if use.manner is Manner.CONTINUOUS}
-    for sheet in chart.sheets:
-        for step, association in sheet.actions():
-            stores = association.kind is not None and manner_of(association) is Manner.STORED
-            for assigned in assignments(association.body, chart) if stores else ():
-                found_use = continuous_uses.get(path_of(assigned.target))
-                if found_use is not None and association.kind is not None:
-                    what = f"{print_node(assigned.target)} is stored here ({association.kind.words})"
-                    yield Finding(sheet.at(step, association), f"{what}, and {_there(found_use)}")
+    for sheet, step, association in chart.actions():
+        stores = association.kind is not None and manner_of(association) is Manner.STORED
+        for assigned in assignments(association.body, chart) if stores else ():
+            found_use = continuous_uses.get(path_of(assigned.target))
+            if found_use is not None and association.kind is not None:
+                what = f"{print_node(assigned.target)} is stored here ({association.kind.words})"
+                yield Finding(sheet.at(step, association), f"{what}, and {_there(found_use)}")
 
 
 def _there(continuous: TargetUse) -> str:
@@ -97,15 +96,6 @@ def _both_at_once(chart: CheckedChart) -> Iterator[Finding]:
                 yield Finding(use.sheet.at(use.step, use.association), message)
 
 
-def _chart(first: str, second: str) -> str:
-    return f"""
-INITIAL_STEP S1: {first} END_STEP
-STEP S2: {second} END_STEP
-TRANSITION FROM S1 TO S2 := a; END_TRANSITION
-TRANSITION FROM S2 TO S1 := b; END_TRANSITION
-"""
-
-
 ACT02 = Rule(
     code="ACT02",
     title="An operand is written continuously or stored, not both",
@@ -115,7 +105,7 @@ ACT02 = Rule(
     hint="Use S and R, or the continuous action in every step.",
     grafcet_hint="Write it continuously in all steps that need it, or store it in all of them (ON ACTIVATION Q, "
     "ON DEACTIVATION Q := FALSE).",
-    example=_chart("q(N);", "q(S);"),
+    example=ring("q(N);", "q(S);"),
     check=_mixed,
     severity=Severity.WARNING,
     severities={"grafcet": Severity.ERROR},
@@ -128,7 +118,7 @@ ACT03 = Rule(
     "ends; initialising the chart does not end it in all tools. Code anywhere in the project that writes the variable "
     "counts as a reset.",
     hint="Add an action with R to the step in which it shall end.",
-    example=_chart("q(S);", ""),
+    example=ring("q(S);"),
     check=_never_reset,
     severity=Severity.WARNING,
 )
@@ -139,7 +129,7 @@ ACT10 = Rule(
     why="R ends a stored action of the same name. Where there is none, R does nothing, or the variable is set "
     "elsewhere: then two places fight for it.",
     hint="Look where it is set; correct the name if it is another.",
-    example=_chart("q(R);", ""),
+    example=ring("q(R);"),
     check=_never_set,
     severity=Severity.INFO,
 )
@@ -150,7 +140,7 @@ ACT18 = Rule(
     why="R dominates in the action control of IEC 61131-3 (ed. 3, 6.7.4.6), so that the operand is never set; where "
     "the actions are coils, the last line counts.",
     hint="Remove one of them, or use P1 and P0.",
-    example=_chart("q(S); q(R);", ""),
+    example=ring("q(S); q(R);"),
     check=_both_at_once,
     severity=Severity.WARNING,
 )
@@ -186,18 +176,17 @@ def _writes(chart: CheckedChart) -> Iterator[_Write]:
             place = use.sheet.at(use.step, use.association)
             for step in of_step.get(id(use.step), ()):
                 yield _Write(step, place, use.path, use.name, value, kind=use.association.kind)
-    for sheet in chart.sheets:
-        for own in sheet.steps:
-            bodies = [(sheet.at(own, a), a.body or body_named(a.target, chart), a.target or "") for a in own.actions]
-            main = own.main_action
-            bodies.append((sheet.at(own), body_named(main, chart) if isinstance(main, str) else main, ""))
-            for place, body, action in bodies:
-                for assigned in assignments(body, chart):
-                    path = path_of(assigned.target)
-                    if path and isinstance(n.bare(assigned.target), n.Name | n.Member | n.Address):
-                        name = print_node(assigned.target)
-                        for step in of_step.get(id(own), ()):
-                            yield _Write(step, place, path, name, constant(assigned.value), action, in_code=True)
+    for sheet, own in chart.steps():
+        bodies = [(sheet.at(own, a), a.body or body_named(a.target, chart), a.target or "") for a in own.actions]
+        main = own.main_action
+        bodies.append((sheet.at(own), body_named(main, chart) if isinstance(main, str) else main, ""))
+        for place, body, action in bodies:
+            for assigned in assignments(body, chart):
+                path = path_of(assigned.target)
+                if path and isinstance(n.bare(assigned.target), n.Name | n.Member | n.Address):
+                    name = print_node(assigned.target)
+                    for step in of_step.get(id(own), ()):
+                        yield _Write(step, place, path, name, constant(assigned.value), action, in_code=True)
 
 
 def _overwritten(chart: CheckedChart) -> Iterator[Finding]:
@@ -352,13 +341,7 @@ ACT19 = Rule(
     "the same action (IEC 61131-3 ed. 3, 6.7.4.6; CODESYS V3 does the same). Assignments of code in between are lost, "
     "also FALSE. In S7-GRAPH S is a coil: there the assignment counts.",
     hint="End it with an R, or set it in code too: a P1 action with an assignment.",
-    example="""
-INITIAL_STEP S1: Off(N); END_STEP
-STEP S2: q(S); END_STEP
-TRANSITION FROM S1 TO S2 := a; END_TRANSITION
-TRANSITION FROM S2 TO S1 := b; END_TRANSITION
-ACTION Off: q := FALSE; END_ACTION
-""",
+    example=ring("Off(N);", "q(S);") + "ACTION Off: q := FALSE; END_ACTION\n",
     check=_overwritten,
     severity=Severity.WARNING,
     severities={"s7graph": None, "grafcet": None, "matiec": None, "beremiz": None},
@@ -387,21 +370,19 @@ def _no_time(duration: str | None) -> bool:
 
 
 def _without_time(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet in chart.sheets:
-        for step, association in sheet.actions():
-            if association.qualifier.needs_duration and _no_time(association.duration):
-                message = f"the qualifier {association.qualifier} needs a time"
-                yield Finding(sheet.at(step, association), message)
+    for sheet, step, association in chart.actions():
+        if association.qualifier.needs_duration and _no_time(association.duration):
+            message = f"the qualifier {association.qualifier} needs a time"
+            yield Finding(sheet.at(step, association), message)
 
 
 def _with_time(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet in chart.sheets:
-        for step, association in sheet.actions():
-            timed = association.qualifier.needs_duration or association.qualifier in _TIMERS
-            plain = association.kind is None and not timed
-            if plain and not _no_time(association.duration) and not _ZERO.fullmatch(association.duration or ""):
-                message = f"the time {association.duration} has no effect with the qualifier {association.qualifier}"
-                yield Finding(sheet.at(step, association), message)
+    for sheet, step, association in chart.actions():
+        timed = association.qualifier.needs_duration or association.qualifier in _TIMERS
+        plain = association.kind is None and not timed
+        if plain and not _no_time(association.duration) and not _ZERO.fullmatch(association.duration or ""):
+            message = f"the time {association.duration} has no effect with the qualifier {association.qualifier}"
+            yield Finding(sheet.at(step, association), message)
 
 
 _ZERO = re.compile(r"\s*(?:L?T(?:IME)?#0(?:[a-z]+)?|PT0S|0)\s*", re.IGNORECASE)
@@ -421,41 +402,37 @@ def _several_times(chart: CheckedChart) -> Iterator[Finding]:
 
 
 def _foreign(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet in chart.sheets:
-        for step, association in sheet.actions():
-            if association.kind is None and association.qualifier not in chart.profile.qualifiers:
-                message = f"there is no qualifier {association.qualifier} here"
-                yield Finding(sheet.at(step, association), message)
+    for sheet, step, association in chart.actions():
+        if association.kind is None and association.qualifier not in chart.profile.qualifiers:
+            message = f"there is no qualifier {association.qualifier} here"
+            yield Finding(sheet.at(step, association), message)
 
 
 def _nothing_done(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet in chart.sheets:
-        for step, association in sheet.actions():
-            if not association.target and association.body is None and association.forcing is None:
-                yield Finding(sheet.at(step, association), "the association names no action and no variable")
+    for sheet, step, association in chart.actions():
+        if not association.target and association.body is None and association.forcing is None:
+            yield Finding(sheet.at(step, association), "the association names no action and no variable")
 
 
 def _step_actions(chart: CheckedChart) -> Iterator[Finding]:
     if chart.pou is None:
         return
     known = {action.name.casefold() for action in chart.pou.actions} | {m.name.casefold() for m in chart.pou.methods}
-    for sheet in chart.sheets:
-        for step in sheet.steps:
-            for kind, name in (
-                ("entry", step.entry_action),
-                ("main", step.main_action),
-                ("exit", step.exit_action),
-            ):
-                if isinstance(name, str) and name.isidentifier() and name.casefold() not in known:
-                    yield Finding(sheet.at(step), f"the POU has no action {name!r}, the {kind} action of the step")
+    for sheet, step in chart.steps():
+        for kind, name in (
+            ("entry", step.entry_action),
+            ("main", step.main_action),
+            ("exit", step.exit_action),
+        ):
+            if isinstance(name, str) and name.isidentifier() and name.casefold() not in known:
+                yield Finding(sheet.at(step), f"the POU has no action {name!r}, the {kind} action of the step")
 
 
 def _more_than_nine(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet in chart.sheets:
-        for step in sheet.steps:
-            count = sum(not association.exclude for association in step.actions)
-            if count > _NINE:
-                yield Finding(sheet.at(step), f"the step has {count} associations")
+    for sheet, step in chart.steps():
+        count = sum(not association.exclude for association in step.actions)
+        if count > _NINE:
+            yield Finding(sheet.at(step), f"the step has {count} associations")
 
 
 def _initial_with_actions(chart: CheckedChart) -> Iterator[Finding]:
@@ -470,39 +447,28 @@ def _initial_with_actions(chart: CheckedChart) -> Iterator[Finding]:
 
 
 def _events(chart: CheckedChart) -> Iterator[Finding]:
-    names = {step.name.casefold() for sheet in chart.sheets for step in sheet.steps} | {"s_all"}
-    for sheet in chart.sheets:
-        for step, association in sheet.actions():
-            place = sheet.at(step, association)
-            qualifier = association.qualifier
-            if qualifier in _ONLY_WITH_EVENT and association.event in (None, ActionEvent.C):
-                yield Finding(place, f"the qualifier {qualifier} needs an event")
-            switched = association.target if qualifier in (Qualifier.ON, Qualifier.OFF) else None
-            if switched and switched.strip('#"').casefold() not in names:
-                yield Finding(place, f"{qualifier} names {switched!r}, which is no step of this block")
+    names = {step.name.casefold() for _, step in chart.steps()} | {"s_all"}
+    for sheet, step, association in chart.actions():
+        place = sheet.at(step, association)
+        qualifier = association.qualifier
+        if qualifier in _ONLY_WITH_EVENT and association.event in (None, ActionEvent.C):
+            yield Finding(place, f"the qualifier {qualifier} needs an event")
+        switched = association.target if qualifier in (Qualifier.ON, Qualifier.OFF) else None
+        if switched and switched.strip('#"').casefold() not in names:
+            yield Finding(place, f"{qualifier} names {switched!r}, which is no step of this block")
 
 
 def _guards(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet in chart.sheets:
-        for step, association in sheet.actions():
-            place = sheet.at(step, association)
-            interlock = step.interlock is not None and step.interlock.condition is not None
-            supervision = step.supervision is not None and step.supervision.condition is not None
-            if (association.interlock or association.event is ActionEvent.C) and not interlock:
-                yield Finding(place, "the action depends on the interlock, and the step has none")
-            elif association.event in (ActionEvent.L0, ActionEvent.L1) and not interlock:
-                yield Finding(place, f"the event {association.event} never comes: the step has no interlock")
-            elif association.event in (ActionEvent.V0, ActionEvent.V1) and not supervision:
-                yield Finding(place, f"the event {association.event} never comes: the step has no supervision")
-
-
-def _ring(action: str) -> str:
-    return f"""
-INITIAL_STEP S1: END_STEP
-STEP S2: {action} END_STEP
-TRANSITION FROM S1 TO S2 := a; END_TRANSITION
-TRANSITION FROM S2 TO S1 := b; END_TRANSITION
-"""
+    for sheet, step, association in chart.actions():
+        place = sheet.at(step, association)
+        interlock = step.interlock is not None and step.interlock.condition is not None
+        supervision = step.supervision is not None and step.supervision.condition is not None
+        if (association.interlock or association.event is ActionEvent.C) and not interlock:
+            yield Finding(place, "the action depends on the interlock, and the step has none")
+        elif association.event in (ActionEvent.L0, ActionEvent.L1) and not interlock:
+            yield Finding(place, f"the event {association.event} never comes: the step has no interlock")
+        elif association.event in (ActionEvent.V0, ActionEvent.V1) and not supervision:
+            yield Finding(place, f"the event {association.event} never comes: the step has no supervision")
 
 
 ACT01 = Rule(
@@ -511,7 +477,7 @@ ACT01 = Rule(
     why="L, D, SD, DS and SL do nothing, or something at once, without one (IEC 61131-3 ed. 3, table 59). CoDeSys and "
     "CODESYS refuse the chart.",
     hint="Add the time.",
-    example=_ring("q(D);"),
+    example=ring(second="q(D);"),
     check=_without_time,
     severity=Severity.ERROR,
 )
@@ -521,7 +487,7 @@ ACT05 = Rule(
     title="A qualifier without time has none",
     why="The time has no effect, although one was probably expected.",
     hint="Remove the time, or use the qualifier that was meant.",
-    example=_ring("q(N, T#5s);"),
+    example=ring(second="q(N, T#5s);"),
     check=_with_time,
     severity=Severity.WARNING,
 )
@@ -532,12 +498,7 @@ ACT06 = Rule(
     why="All timed associations of an action share one action control, and that has one time input: which of several "
     "times counts is undefined (IEC 61131-3 ed. 3, 6.7.4.6).",
     hint="Use the same time everywhere, or actions of their own.",
-    example="""
-INITIAL_STEP S1: q(L, T#2s); END_STEP
-STEP S2: q(D, T#5s); END_STEP
-TRANSITION FROM S1 TO S2 := a; END_TRANSITION
-TRANSITION FROM S2 TO S1 := b; END_TRANSITION
-""",
+    example=ring("q(L, T#2s);", "q(D, T#5s);"),
     check=_several_times,
     severity=Severity.WARNING,
     severities={"codesys": Severity.INFO, "codesys23": Severity.INFO, "s7graph": None, "grafcet": None},
@@ -549,12 +510,7 @@ ACT07 = Rule(
     why="S7-GRAPH has no P, P0, P1, SD, DS and SL; IEC 61131-3 has no CALL, no ON and OFF, no counters and timers; "
     "no tool documents what DL of TC6 does.",
     hint="Express it in another way: P1 is the event S1 of S7-GRAPH, SD a set action and a timer.",
-    example="""
-INITIAL_STEP S1: q(P1); END_STEP
-STEP S2: END_STEP
-TRANSITION FROM S1 TO S2 := a; END_TRANSITION
-TRANSITION FROM S2 TO S1 := b; END_TRANSITION
-""",
+    example=ring("q(P1);"),
     check=_foreign,
     severity=Severity.ERROR,
 )

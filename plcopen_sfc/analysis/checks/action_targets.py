@@ -79,12 +79,11 @@ def operand(text: str, chart: CheckedChart) -> Path:
 
 def uses(chart: CheckedChart) -> Iterator[TargetUse]:
     """Return the uses of operands by all associations of a chart."""
-    for sheet in chart.sheets:
-        for step, association in sheet.actions():
-            if association.target:
-                path = operand(association.target, chart)
-                if path:
-                    yield TargetUse(sheet, step, association, path, manner_of(association))
+    for sheet, step, association in chart.actions():
+        if association.target:
+            path = operand(association.target, chart)
+            if path:
+                yield TargetUse(sheet, step, association, path, manner_of(association))
 
 
 def by_operand(chart: CheckedChart) -> dict[Path, list[TargetUse]]:

@@ -35,6 +35,7 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import (
     ActionAssociation,
     Body,
+    Enclosure,
     PartialChart,
     SfcBody,
     SfcNetwork,
@@ -96,6 +97,16 @@ class Rule:
     def hints(self) -> str:
         """What to do about a breach, and what in a GRAFCET where that has other words."""
         return f"{self.hint} In a GRAFCET: {self.grafcet_hint}" if self.grafcet_hint else self.hint
+
+
+def ring(first: str = "", second: str = "", forth: str = "a", back: str = "b") -> str:
+    """Return an example: two steps in a circle, with their actions and the conditions between them."""
+    return f"""
+INITIAL_STEP S1: {first} END_STEP
+STEP S2: {second} END_STEP
+TRANSITION FROM S1 TO S2 := {forth}; END_TRANSITION
+TRANSITION FROM S2 TO S1 := {back}; END_TRANSITION
+""".replace(":  END", ": END")
 
 
 MOST_MARKINGS = 5_000
@@ -412,6 +423,22 @@ class CheckedChart:
         """The networks that the chart consists of; the chart itself is the first."""
         return tuple(_sheets(self.root, frozenset()))
 
+    def steps(self) -> Iterator[tuple[CheckedSheet, Step]]:
+        """Yield the steps of all networks that are in the program."""
+        return ((sheet, step) for sheet in self.sheets for step in sheet.steps)
+
+    def transitions(self) -> Iterator[tuple[CheckedSheet, Transition]]:
+        """Yield the transitions of all networks that are in the program."""
+        return ((sheet, transition) for sheet in self.sheets for transition in sheet.transitions)
+
+    def actions(self) -> Iterator[tuple[CheckedSheet, Step, ActionAssociation]]:
+        """Yield the action associations of all networks that are in the program, with their steps."""
+        return ((sheet, step, association) for sheet in self.sheets for step, association in sheet.actions())
+
+    def enclosures(self) -> Iterator[tuple[CheckedSheet, Step, Enclosure]]:
+        """Yield what steps enclose."""
+        return ((sheet, step, each) for sheet, step in self.steps() for each in step.encloses or ())
+
     @cached_property
     def net(self) -> Net:
         """The net of the chart, with macro-steps expanded and all partial charts."""
@@ -468,8 +495,8 @@ class CheckedChart:
     @cached_property
     def flags(self) -> frozenset[str]:
         """The names of the flags of steps in a GRAFCET (``X12``, ``XM1``), in lower case; none in other charts."""
-        steps = (step for sheet in self.sheets for step in sheet.steps) if self.family == "grafcet" else ()
-        names = (name for step in steps for name in (step.name, step.number) if name is not None)
+        steps = self.steps() if self.family == "grafcet" else ()
+        names = (name for _, step in steps for name in (step.name, step.number) if name is not None)
         return frozenset(f"x{name}".casefold() for name in names)
 
     @cached_property

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import combinations
 
 from plcopen_sfc.analysis.checks.action_targets import Manner, assignments, operand, uses
-from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedSheet, Finding, FindingPlace, Rule
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedSheet, Finding, FindingPlace, Rule, ring
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.effects import path_of
 from plcopen_sfc.languages.st import nodes as n
@@ -72,18 +72,17 @@ def _own_edge(step: Step, condition: Condition | None) -> str:
 
 
 def _no_edge(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet in chart.sheets:
-        for step, association in sheet.actions():
-            if association.kind is ActionKind.ON_EVENT and (edge := _own_edge(step, association.condition)):
-                word = "ON ACTIVATION" if edge == "↑" else "ON DEACTIVATION"
-                message = f"the event {edge}X{step.name} never comes while step {step.name} is active"
-                yield Finding(sheet.at(step, association), message, f"Write {word} for what this step does then.")
-            elif association.kind is ActionKind.ON_EVENT and not has_edge(association.condition, chart):
-                message = "the event of the action is no edge" if association.condition else "the action has no event"
-                yield Finding(sheet.at(step, association), message)
-            elif association.kind is ActionKind.ON_EVENT and _lasts(association.condition):
-                message = "the event of the action can be TRUE without an edge"
-                yield Finding(sheet.at(step, association), message, "Write an edge on both sides of an OR: ↑a + ↑b.")
+    for sheet, step, association in chart.actions():
+        if association.kind is ActionKind.ON_EVENT and (edge := _own_edge(step, association.condition)):
+            word = "ON ACTIVATION" if edge == "↑" else "ON DEACTIVATION"
+            message = f"the event {edge}X{step.name} never comes while step {step.name} is active"
+            yield Finding(sheet.at(step, association), message, f"Write {word} for what this step does then.")
+        elif association.kind is ActionKind.ON_EVENT and not has_edge(association.condition, chart):
+            message = "the event of the action is no edge" if association.condition else "the action has no event"
+            yield Finding(sheet.at(step, association), message)
+        elif association.kind is ActionKind.ON_EVENT and _lasts(association.condition):
+            message = "the event of the action can be TRUE without an edge"
+            yield Finding(sheet.at(step, association), message, "Write an edge on both sides of an OR: ↑a + ↑b.")
 
 
 def _lasts(condition: Condition | None) -> bool:
@@ -105,21 +104,19 @@ def _needs_edge(node: n.Expression) -> bool:
 
 
 def _edge(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet in chart.sheets:
-        for step, association in sheet.actions():
-            condition = association.condition
-            drawn = isinstance(condition, WiredCondition | NamedCondition)
-            if association.kind in _CONDITIONAL and condition is not None and not drawn and has_edge(condition, chart):
-                yield Finding(sheet.at(step, association), "the condition of a continuous action is an edge")
+    for sheet, step, association in chart.actions():
+        condition = association.condition
+        drawn = isinstance(condition, WiredCondition | NamedCondition)
+        if association.kind in _CONDITIONAL and condition is not None and not drawn and has_edge(condition, chart):
+            yield Finding(sheet.at(step, association), "the condition of a continuous action is an edge")
 
 
 def _assigning(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet in chart.sheets:
-        for step, association in sheet.actions():
-            if association.kind in _CONDITIONAL and association.value is not None:
-                done = f"{association.target} := {association.value}"
-                hint = f"Write ON ACTIVATION {done}, which is executed once, or the name of a BOOL alone."
-                yield Finding(sheet.at(step, association), f"{done} is no continuous action", hint)
+    for sheet, step, association in chart.actions():
+        if association.kind in _CONDITIONAL and association.value is not None:
+            done = f"{association.target} := {association.value}"
+            hint = f"Write ON ACTIVATION {done}, which is executed once, or the name of a BOOL alone."
+            yield Finding(sheet.at(step, association), f"{done} is no continuous action", hint)
 
 
 def _not_boolean(chart: CheckedChart) -> Iterator[Finding]:
@@ -179,13 +176,7 @@ ACT13 = Rule(
     why="A step switches a Boolean variable or runs an action (IEC 61131-3 ed. 3, 6.7.4). Other values are assigned "
     "by stored actions, or in the code of an action.",
     hint="Use a BOOL, or assign the value in an action.",
-    example="""
-VAR level : INT; END_VAR
-INITIAL_STEP S1: level(N); END_STEP
-STEP S2: END_STEP
-TRANSITION FROM S1 TO S2 := a; END_TRANSITION
-TRANSITION FROM S2 TO S1 := b; END_TRANSITION
-""",
+    example="VAR level : INT; END_VAR" + ring("level(N);"),
     check=_not_boolean,
     severity=Severity.ERROR,
 )
@@ -195,17 +186,16 @@ def _inputs_written(chart: CheckedChart) -> Iterator[Finding]:
     if chart.pou is None:
         return
     inputs = {variable.name.casefold() for variable in chart.pou.variables(SectionKind.INPUT)}
-    for sheet in chart.sheets:
-        for step, association in sheet.actions():
-            written = {print_node(each.target): path_of(each.target) for each in assignments(association.body, chart)}
-            if association.target:
-                written[association.target] = operand(association.target, chart)
-            for name, path in written.items():
-                if path and path[0] in inputs:
-                    yield Finding(sheet.at(step, association), f"{name} is an input, and the action writes it")
-                elif path and path[0] in chart.flags - chart.types.keys():
-                    message = f"{name} is the flag of a step, and the action writes it"
-                    yield Finding(sheet.at(step, association), message, "Write a variable: transitions change steps.")
+    for sheet, step, association in chart.actions():
+        written = {print_node(each.target): path_of(each.target) for each in assignments(association.body, chart)}
+        if association.target:
+            written[association.target] = operand(association.target, chart)
+        for name, path in written.items():
+            if path and path[0] in inputs:
+                yield Finding(sheet.at(step, association), f"{name} is an input, and the action writes it")
+            elif path and path[0] in chart.flags - chart.types.keys():
+                message = f"{name} is the flag of a step, and the action writes it"
+                yield Finding(sheet.at(step, association), message, "Write a variable: transitions change steps.")
 
 
 ACT20 = Rule(
@@ -238,10 +228,9 @@ def _partials(chart: CheckedChart) -> dict[str, PartialChart]:
 
 def _orders(chart: CheckedChart) -> Iterator[tuple[CheckedSheet, Step, FindingPlace, ForcingOrder]]:
     """Yield the forcing orders, with the steps that give them."""
-    for sheet in chart.sheets:
-        for step, association in sheet.actions():
-            if association.forcing is not None:
-                yield sheet, step, sheet.at(step, association), association.forcing
+    for sheet, step, association in chart.actions():
+        if association.forcing is not None:
+            yield sheet, step, sheet.at(step, association), association.forcing
 
 
 def _macros(chart: CheckedChart) -> Iterator[Finding]:
@@ -256,35 +245,31 @@ def _macros(chart: CheckedChart) -> Iterator[Finding]:
 def _enclosures(chart: CheckedChart) -> Iterator[Finding]:
     partials = _partials(chart)
     enclosed_by: dict[str, str] = {}
-    for sheet in chart.sheets:
-        for step in sheet.steps:
-            for enclosure in step.encloses or ():
-                key = enclosure.chart.casefold()
-                partial = partials.get(key)
-                if partial is None:
-                    yield Finding(sheet.at(step), f"the step encloses {enclosure.chart!r}, and there is no such chart")
-                    continue
-                if key in enclosed_by:
-                    message = f"{enclosure.chart} is enclosed by {enclosed_by[key]}, too"
-                    yield Finding(sheet.at(step), message)
-                enclosed_by.setdefault(key, step.name)
-                steps = {inner.name.casefold() for inner in partial.chart.steps}
-                for name in enclosure.activated_steps:
-                    if name.casefold() not in steps:
-                        yield Finding(sheet.at(step), f"{enclosure.chart} has no step {name!r} to activate")
-                if not enclosure.activated_steps:
-                    yield Finding(sheet.at(step), f"no step of {enclosure.chart} has an activation link")
+    for sheet, step, enclosure in chart.enclosures():
+        key = enclosure.chart.casefold()
+        partial = partials.get(key)
+        if partial is None:
+            yield Finding(sheet.at(step), f"the step encloses {enclosure.chart!r}, and there is no such chart")
+            continue
+        if key in enclosed_by:
+            message = f"{enclosure.chart} is enclosed by {enclosed_by[key]}, too"
+            yield Finding(sheet.at(step), message)
+        enclosed_by.setdefault(key, step.name)
+        steps = {inner.name.casefold() for inner in partial.chart.steps}
+        for name in enclosure.activated_steps:
+            if name.casefold() not in steps:
+                yield Finding(sheet.at(step), f"{enclosure.chart} has no step {name!r} to activate")
+        if not enclosure.activated_steps:
+            yield Finding(sheet.at(step), f"no step of {enclosure.chart} has an activation link")
 
 
 def _initial_enclosures(chart: CheckedChart) -> Iterator[Finding]:
     partials = _partials(chart)
-    for sheet in chart.sheets:
-        for step in sheet.steps:
-            for enclosure in step.encloses or () if step.initial else ():
-                partial = partials.get(enclosure.chart.casefold())
-                if partial is not None and not partial.chart.initial_steps:
-                    message = f"the step is initial, and {enclosure.chart}, which it encloses, has no initial step"
-                    yield Finding(sheet.at(step), message)
+    for sheet, step, enclosure in chart.enclosures():
+        partial = partials.get(enclosure.chart.casefold())
+        if step.initial and partial is not None and not partial.chart.initial_steps:
+            message = f"the step is initial, and {enclosure.chart}, which it encloses, has no initial step"
+            yield Finding(sheet.at(step), message)
 
 
 def _forced(chart: CheckedChart) -> Iterator[Finding]:
@@ -292,7 +277,7 @@ def _forced(chart: CheckedChart) -> Iterator[Finding]:
     for sheet, _, place, order in _orders(chart):
         partial = partials.get(order.chart.casefold())
         if partial is None:
-            if not _is_whole(sheet, order):
+            if order.chart or sheet.partial is None:  # an order without a name forces the chart around a partial one
                 yield Finding(place, f"the order forces {order.chart!r}, and there is no such chart")
             continue
         steps = {inner.name.casefold() for inner in partial.chart.steps}
@@ -305,17 +290,11 @@ def _forced(chart: CheckedChart) -> Iterator[Finding]:
             yield Finding(place, "the order names no steps to force")
 
 
-def _is_whole(sheet: CheckedSheet, order: ForcingOrder) -> bool:
-    """Return True if an order in a partial chart forces the chart around it, which has no name in the model."""
-    return sheet.partial is not None and not order.chart
-
-
 def _circles(chart: CheckedChart) -> Iterator[Finding]:
     names = {id(s): s.partial.name.casefold() if s.partial is not None else "" for s in chart.sheets}
     around = {
         step.macro.expansion.casefold(): names[id(sheet)]
-        for sheet in chart.sheets
-        for step in sheet.steps
+        for sheet, step in chart.steps()
         if step.macro is not None and step.macro.expansion
     }
 
@@ -328,10 +307,8 @@ def _circles(chart: CheckedChart) -> Iterator[Finding]:
         return name
 
     below: dict[str, list[tuple[str, FindingPlace]]] = {}
-    for sheet in chart.sheets:
-        for step in sheet.steps:
-            for enclosure in step.encloses or ():
-                below.setdefault(owner(sheet), []).append((enclosure.chart.casefold(), sheet.at(step)))
+    for sheet, step, enclosure in chart.enclosures():
+        below.setdefault(owner(sheet), []).append((enclosure.chart.casefold(), sheet.at(step)))
     for sheet, _, place, order in _orders(chart):
         below.setdefault(owner(sheet), []).append((order.chart.casefold(), place))
     for upper, lower in below.items():
@@ -346,11 +323,9 @@ def _rulers(chart: CheckedChart) -> Iterator[tuple[NetStep, FindingPlace, str, s
     for _, step, place, order in _orders(chart):
         if id(step) in of_step:
             yield of_step[id(step)], place, order.chart.casefold(), f"{order.situation}{sorted(order.steps)}"
-    for sheet in chart.sheets:
-        for step in sheet.steps:
-            for enclosure in step.encloses or ():
-                if id(step) in of_step:
-                    yield of_step[id(step)], sheet.at(step), enclosure.chart.casefold(), "encloses"
+    for sheet, step, enclosure in chart.enclosures():
+        if id(step) in of_step:
+            yield of_step[id(step)], sheet.at(step), enclosure.chart.casefold(), "encloses"
 
 
 def _at_once(chart: CheckedChart) -> Iterator[Finding]:
@@ -512,9 +487,9 @@ _ENDS = "Call the step so, or name it behind FROM or TO. A step without a way in
 
 
 def _unused(chart: CheckedChart) -> Iterator[Finding]:
-    steps = [step for sheet in chart.sheets for step in sheet.steps]
-    used = {step.macro.expansion.casefold() for step in steps if step.macro is not None and step.macro.expansion}
-    used |= {enclosure.chart.casefold() for step in steps for enclosure in step.encloses or ()}
+    macros = (step.macro for _, step in chart.steps() if step.macro is not None)
+    used = {macro.expansion.casefold() for macro in macros if macro.expansion}
+    used |= {enclosure.chart.casefold() for _, _, enclosure in chart.enclosures()}
     for sheet in chart.sheets:
         partial = sheet.partial
         if partial is not None and partial.kind is not PartialChartKind.GLOBAL and partial.name.casefold() not in used:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Finding, Rule
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Finding, Rule, ring
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.st.literals import duration_of
 
@@ -33,12 +33,7 @@ LOW01 = Rule(
     why="In the textbook's chain of reset-dominant flip-flops a step is reset by the step behind it. Where that leads "
     "back, the first step can never be set again: the chain locks. Other lowerings are right.",
     hint="Nothing, unless the chart becomes a classic flip-flop chain: lower it in another way, or insert a step.",
-    example="""
-INITIAL_STEP S1: END_STEP
-STEP S2: END_STEP
-TRANSITION FROM S1 TO S2 := a; END_TRANSITION
-TRANSITION FROM S2 TO S1 := b; END_TRANSITION
-""",
+    example=ring(),
     check=_pairs,
     severity=Severity.INFO,
 )
@@ -117,14 +112,13 @@ def _nanoseconds(text: str | None) -> int | None:
 
 
 def _order(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet in chart.sheets:
-        for step in sheet.steps:
-            greatest = _nanoseconds(step.max_time)
-            for what, time in (("minimum", step.min_time), ("warning", step.warning_time)):
-                given = _nanoseconds(time)
-                if greatest is not None and given is not None and given > greatest:
-                    message = f"the {what} time {time} is longer than the maximum time {step.max_time}"
-                    yield Finding(sheet.at(step), message)
+    for sheet, step in chart.steps():
+        greatest = _nanoseconds(step.max_time)
+        for what, time in (("minimum", step.min_time), ("warning", step.warning_time)):
+            given = _nanoseconds(time)
+            if greatest is not None and given is not None and given > greatest:
+                message = f"the {what} time {time} is longer than the maximum time {step.max_time}"
+                yield Finding(sheet.at(step), message)
 
 
 TIM01 = Rule(

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 from typing import Protocol, TypeVar
 
-from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedProject, Finding, FindingPlace, Rule
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedProject, Finding, FindingPlace, Rule, ring
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding.name_resolution import circle_text
 from plcopen_sfc.languages.binding.name_uses import Occurrence
@@ -231,14 +231,6 @@ def _elements(declaration: Declaration) -> tuple[Element, ...]:
     return (declaration.holder,) if isinstance(declaration.holder, Element) else ()
 
 
-_RING = """
-INITIAL_STEP S1: %s END_STEP
-STEP S2: END_STEP
-TRANSITION FROM S1 TO S2 := %s; END_TRANSITION
-TRANSITION FROM S2 TO S1 := b; END_TRANSITION
-"""
-_DECLARED = "VAR_INPUT Start, b : BOOL; END_VAR\n"
-
 VAR01 = Rule(
     code="VAR01",
     title="Names are declared",
@@ -249,7 +241,7 @@ VAR01 = Rule(
     "nearly the same as a declared one. In a GRAFCET without tables of variables only the flags of steps are looked "
     "for (X99 without a step 99).",
     hint="Declare it, or correct the name.",
-    example=_DECLARED + _RING % ("", "Strat"),
+    example="VAR_INPUT Start, b : BOOL; END_VAR" + ring(forth="Strat"),
     check=_undeclared,
     severity=Severity.WARNING,
 )
@@ -289,8 +281,8 @@ VAR04 = Rule(
     "type is left alone. No tool calculates with BOOL: values of stored actions in a GRAFCET are structured text, "
     "whose * and + are no AND and OR.",
     hint="Convert the value (REAL_TO_INT, TIME_TO_DINT), or compare it: n <> 0.",
-    example="VAR_INPUT Start, b : BOOL; n : INT; END_VAR\n"
-    + _RING % ("Count(P1);", "Start")
+    example="VAR_INPUT Start, b : BOOL; n : INT; END_VAR"
+    + ring("Count(P1);", forth="Start")
     + "ACTION Count: n := Start; END_ACTION\n",
     check=_misfitting,
     severity=Severity.WARNING,
@@ -303,7 +295,7 @@ VAR05 = Rule(
     why="No tool compiles two variables of one name, or two actions, which differ in no other way than in upper and "
     "lower case letters (IEC 61131-3 ed. 3, 6.1.2); which of them a text means is unknown.",
     hint="Remove one of them, or rename it.",
-    example="VAR_INPUT Start, b, start : BOOL; END_VAR\n" + _RING % ("", "Start"),
+    example="VAR_INPUT Start, b, start : BOOL; END_VAR" + ring(forth="Start"),
     check=_declared_twice,
     severity=Severity.ERROR,
 )

@@ -11,7 +11,7 @@ from dataclasses import replace
 from functools import reduce
 from operator import or_
 
-from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Finding, Rule
+from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Finding, Rule, ring
 from plcopen_sfc.analysis.exclusivity import Truth, covered
 from plcopen_sfc.analysis.marking import Firing
 from plcopen_sfc.analysis.regions import Obstacle, Unstructured, find_regions
@@ -122,8 +122,8 @@ def _run_through(chart: CheckedChart) -> Iterator[Finding]:
         leaving = [net.transitions[i] for i in net.leaving[step.index] if len(net.transitions[i].sources) == 1]
         after = [chart.condition(chart.sheet_of(t), t.transition) for t in leaving]
         plain = [_behind_edges(condition) for condition in after if not condition.before]
-        if not entering or not plain or any(_truth(chart, t) in _SAID for t in leaving):
-            continue
+        if not entering or not plain or any(_truth(chart, t) is Truth.ALWAYS for t in leaving):
+            continue  # CND02 finds conditions that are always true
         before = [chart.condition(chart.sheet_of(t), t.transition) for t in entering]
         if all(implies(condition, plain) for condition in before) and not _is_dead(chart, [step.index]):
             message = "whenever the step is entered, a transition that leaves it is true already"
@@ -140,9 +140,6 @@ def _behind_edges(condition: NetworkExpression) -> NetworkExpression:
 
 
 _NEVER = n.Literal("FALSE")
-
-_SAID = frozenset({Truth.ALWAYS})
-"""Of conditions that are always true another rule speaks."""
 
 
 def _implies(condition: NetworkExpression, others: Sequence[NetworkExpression], chart: CheckedChart) -> bool:
@@ -161,12 +158,7 @@ EVO01 = Rule(
     "situation never ends, elsewhere the chart goes round with every scan. In GRAFCET it is enough that one condition "
     "of inputs makes all others of the circle true, as with equal conditions.",
     hint="Let one transition of the circle wait for something else, such as an edge.",
-    example="""
-INITIAL_STEP S1: END_STEP
-STEP S2: END_STEP
-TRANSITION FROM S1 TO S2 := TRUE; END_TRANSITION
-TRANSITION FROM S2 TO S1 := a OR NOT a; END_TRANSITION
-""",
+    example=ring(forth="TRUE", back="a OR NOT a"),
     check=_endless,
     severity=Severity.INFO,
     severities={"grafcet": Severity.ERROR},
@@ -213,20 +205,15 @@ def started_elsewhere(chart: CheckedChart) -> int:
     """The steps (bits) that something else than a transition may activate: forcing orders, enclosing steps, ON."""
     charts: set[str] = set()
     names: set[str] = set()
-    for sheet in chart.sheets:
-        for step, association in sheet.actions():
-            if association.forcing is not None:
-                charts.add(association.forcing.chart.casefold())
-                names.update(name.casefold() for name in association.forcing.steps)
-            if association.qualifier is Qualifier.ON and association.target:
-                names.add(association.target.strip('#"').casefold())
-            for enclosure in step.encloses or ():
-                charts.add(enclosure.chart.casefold())
-                names.update(name.casefold() for name in enclosure.activated_steps)
-        for step in sheet.steps:
-            for enclosure in step.encloses or ():
-                charts.add(enclosure.chart.casefold())
-                names.update(name.casefold() for name in enclosure.activated_steps)
+    for _, _, association in chart.actions():
+        if association.forcing is not None:
+            charts.add(association.forcing.chart.casefold())
+            names.update(name.casefold() for name in association.forcing.steps)
+        if association.qualifier is Qualifier.ON and association.target:
+            names.add(association.target.strip('#"').casefold())
+    for _, _, enclosure in chart.enclosures():
+        charts.add(enclosure.chart.casefold())
+        names.update(name.casefold() for name in enclosure.activated_steps)
     found = 0
     for net_step in chart.net.steps:
         partial = chart.sheet_of(net_step).partial

@@ -194,82 +194,35 @@ def _home(subject: Pou | SfcNetwork) -> Project:
     return Project(pous=[subject])
 
 
-_ON_CHARTS: tuple[Rule, ...] = (
-    structure_rules.STR01,
-    structure_rules.STR02,
-    structure_rules.STR04,
-    structure_rules.STR05,
-    reachability_rules.STR06,
-    reachability_rules.STR07,
-    reachability_rules.STR08,
-    structure_rules.STR09,
-    reachability_rules.STR10,
-    structure_rules.STR11,
-    structure_rules.STR12,
-    reachability_rules.STR13,
-    structure_rules.STR14,
-    reachability_rules.STR15,
-    structure_rules.NAM01,
-    structure_rules.NAM02,
-    structure_rules.NAM03,
-    structure_rules.NAM04,
-    structure_rules.NAM05,
-    transition_rules.SEL01,
-    transition_rules.SEL02,
-    transition_rules.SEL03,
-    transition_rules.SEL04,
-    transition_rules.CND01,
-    transition_rules.CND02,
-    transition_rules.CND03,
-    transition_rules.CND04,
-    transition_rules.CND05,
-    transition_rules.CND06,
-    transition_rules.CND07,
-    transition_rules.CND08,
-    transition_rules.CND09,
-    transition_rules.CND10,
-    action_rules.ACT01,
-    action_rules.ACT02,
-    action_rules.ACT03,
-    action_rules.ACT04,
-    action_rules.ACT05,
-    action_rules.ACT06,
-    action_rules.ACT07,
-    action_rules.ACT08,
-    action_rules.ACT09,
-    action_rules.ACT10,
-    grafcet_rules.ACT11,
-    grafcet_rules.ACT12,
-    grafcet_rules.ACT13,
-    action_rules.ACT14,
-    action_rules.ACT15,
-    action_rules.ACT16,
-    action_rules.ACT17,
-    action_rules.ACT18,
-    action_rules.ACT19,
-    grafcet_rules.ACT20,
-    name_rules.VAR01,
-    name_rules.VAR02,
-    name_rules.VAR03,
-    name_rules.VAR04,
-    name_rules.VAR05,
-    name_rules.VAR06,
-    name_rules.VAR07,
-    reachability_rules.EVO01,
-    reachability_rules.EVO02,
-    limit_rules.TIM01,
-    grafcet_rules.HIE01,
-    grafcet_rules.HIE02,
-    grafcet_rules.HIE03,
-    grafcet_rules.HIE04,
-    grafcet_rules.HIE05,
-    grafcet_rules.HIE06,
-    grafcet_rules.HIE07,
-    grafcet_rules.HIE08,
-    limit_rules.LIM01,
-    limit_rules.LOW01,
-    limit_rules.LOW02,
+_GROUPS = {
+    "STR": "Structure",
+    "NAM": "Names and numbers",
+    "SEL": "Selections",
+    "CND": "Conditions",
+    "ACT": "Actions",
+    "VAR": "Names in program text",
+    "EVO": "Evolution",
+    "TIM": "Times",
+    "HIE": "Hierarchy",
+    "LIM": "Limits of tools",
+    "LOW": "Lowering",
+    "CHK": "The check itself",
+}
+_MODULES = (
+    structure_rules,
+    reachability_rules,
+    transition_rules,
+    action_rules,
+    grafcet_rules,
+    name_rules,
+    limit_rules,
 )
+
+
+def _on_charts() -> list[Rule]:
+    """Return the rules of the modules of this package, by group and number."""
+    found = (each for module in _MODULES for each in vars(module).values() if isinstance(each, Rule))
+    return sorted(found, key=lambda rule: ([*_GROUPS].index(rule.code[:3]), rule.code))
 
 
 @cache
@@ -278,7 +231,7 @@ def all_rules() -> tuple[Rule, ...]:
 
     Raises `PluginError`.
     """
-    rules = [*_ON_CHARTS]
+    rules = _on_charts()
     for rule in provided_by_plugins(plugins.CHECKS, Rule):
         if not _CODE.fullmatch(rule.code) or any(rule.code == other.code for other in rules):
             raise PluginError(
@@ -291,19 +244,6 @@ def all_rules() -> tuple[Rule, ...]:
 _CODE = re.compile(r"[A-Z]{2,4}\d\d")
 
 
-_GROUPS = {
-    "STR": "Structure",
-    "NAM": "Names and numbers",
-    "SEL": "Selections",
-    "CND": "Conditions",
-    "ACT": "Actions",
-    "EVO": "Evolution",
-    "TIM": "Times",
-    "HIE": "Hierarchy",
-    "LIM": "Limits of tools",
-    "LOW": "Lowering",
-    "CHK": "The check itself",
-}
 _HEAD = """# Checks
 
 The numbered rules on charts: `plcopen-sfc check` on the [command line](cli.md#check), `sfc.check` in Python. This page

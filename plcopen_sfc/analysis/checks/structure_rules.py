@@ -5,7 +5,7 @@ Among them are steps that nothing leaves or enters, and references to steps that
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedSheet, Finding, FindingPlace, Rule
 from plcopen_sfc.diagnostics import Severity
@@ -91,12 +91,9 @@ def _place(sheet: CheckedSheet, symbol: Symbol) -> FindingPlace:
 
 
 def _alternation(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet in chart.sheets if chart.family == "grafcet" else ():  # elsewhere STR11 and STR14 find each end
-        for transition in sheet.transitions:
-            if not transition.sources and not transition.targets:
-                yield Finding(
-                    sheet.at(transition), "the transition leads from no step to no step", "Connect or remove it."
-                )
+    for sheet, transition in chart.transitions() if chart.family == "grafcet" else ():  # else STR11 and STR14 find it
+        if not transition.sources and not transition.targets:
+            yield Finding(sheet.at(transition), "the transition leads from no step to no step", "Connect or remove it.")
     for sheet, wires in _drawings(chart):
         for symbol in wires.symbols.values():
             if symbol.kind not in _ENDS and symbol.kind is not SymbolKind.JUMP:
@@ -136,11 +133,10 @@ def _sides(bar: Symbol, above: list[Symbol], below: list[Symbol]) -> Iterator[tu
 
 
 def _references(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet in chart.sheets:
-        for transition in sheet.transitions:
-            for side, ids in (("from", transition.sources), ("to", transition.targets)):
-                if any(number not in sheet.names for number in ids):
-                    yield Finding(sheet.at(transition), f"the transition leads {side} a step that does not exist")
+    for sheet, transition in chart.transitions():
+        for side, ids in (("from", transition.sources), ("to", transition.targets)):
+            if any(number not in sheet.names for number in ids):
+                yield Finding(sheet.at(transition), f"the transition leads {side} a step that does not exist")
     for sheet, wires in _drawings(chart):
         for symbol in wires.symbols.values():
             if symbol.kind is SymbolKind.JUMP and symbol.target is None and not symbol.exclude:
@@ -208,21 +204,19 @@ def _duplicates(chart: CheckedChart) -> Iterator[Finding]:
 def _flags_of_two(chart: CheckedChart) -> Iterator[Finding]:
     """Find steps of two charts of a GRAFCET with one name: their flag is that of both."""
     charts: dict[str, CheckedSheet] = {}
-    for sheet in chart.sheets:
-        for step in sheet.steps:
-            first = charts.setdefault(step.name.casefold(), sheet)
-            if first is not sheet and step.name:
-                place = first.partial.name if first.partial is not None else "the first chart"
-                message = f"{place} has a step {step.name!r}, too: X{step.name} is the flag of both"
-                yield Finding(sheet.at(step), message)
+    for sheet, step in chart.steps():
+        first = charts.setdefault(step.name.casefold(), sheet)
+        if first is not sheet and step.name:
+            place = first.partial.name if first.partial is not None else "the first chart"
+            message = f"{place} has a step {step.name!r}, too: X{step.name} is the flag of both"
+            yield Finding(sheet.at(step), message)
 
 
 def _identifiers(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet in chart.sheets:
-        for step in sheet.steps:
-            if not _is_identifier(step.name, chart):
-                message = f"the name {step.name!r} is no identifier" if step.name.strip() else "the step has no name"
-                yield Finding(sheet.at(step), message)
+    for sheet, step in chart.steps():
+        if not _is_identifier(step.name, chart):
+            message = f"the name {step.name!r} is no identifier" if step.name.strip() else "the step has no name"
+            yield Finding(sheet.at(step), message)
 
 
 def _is_identifier(name: str, chart: CheckedChart) -> bool:
@@ -240,10 +234,9 @@ def _clashes(chart: CheckedChart) -> Iterator[Finding]:
         type_ = variable.type
         if not (isinstance(type_, DerivedType) and type_.name.upper().startswith(_OF_STEPS)):
             taken[variable.name.casefold()] = "a variable"
-    for sheet in chart.sheets:
-        for step in sheet.steps:
-            if step.name.casefold() in taken:
-                yield Finding(sheet.at(step), f"the POU has {taken[step.name.casefold()]} of the same name")
+    for sheet, step in chart.steps():
+        if step.name.casefold() in taken:
+            yield Finding(sheet.at(step), f"the POU has {taken[step.name.casefold()]} of the same name")
 
 
 _OF_STEPS = ("G7_", "SFCSTEPTYPE")
@@ -252,15 +245,11 @@ _OF_STEPS = ("G7_", "SFCSTEPTYPE")
 
 def _numbers(chart: CheckedChart) -> Iterator[Finding]:
     for sheet in chart.sheets:
-        groups: list[tuple[str, list[Step] | list[Transition]]] = [
-            ("step", list(sheet.steps)),
-            ("transition", list(sheet.transitions)),
-        ]
-        for kind, elements in groups:
-            yield from _repeated(sheet, kind, elements)
+        yield from _repeated(sheet, "step", sheet.steps)
+        yield from _repeated(sheet, "transition", sheet.transitions)
 
 
-def _repeated(sheet: CheckedSheet, kind: str, elements: list[Step] | list[Transition]) -> Iterator[Finding]:
+def _repeated(sheet: CheckedSheet, kind: str, elements: Iterable[Step | Transition]) -> Iterator[Finding]:
     seen: set[int] = set()
     for element in elements:
         if element.number in seen:
@@ -354,10 +343,7 @@ NAM05 = Rule(
 def _start_by_themselves(chart: CheckedChart) -> Iterator[CheckedSheet]:
     """The networks that are started with the program, not by a macro-step, an enclosing step or a forcing order."""
     forced = {
-        association.forcing.chart.casefold()
-        for sheet in chart.sheets
-        for _, association in sheet.actions()
-        if association.forcing is not None
+        association.forcing.chart.casefold() for _, _, association in chart.actions() if association.forcing is not None
     }
     for sheet in chart.sheets:
         if sheet.macro is None and sheet.steps:
@@ -388,13 +374,6 @@ def _several(chart: CheckedChart) -> Iterator[Finding]:
                 yield Finding(sheet.at(step), message)
 
 
-_TWO = """
-INITIAL_STEP S1: END_STEP
-INITIAL_STEP S2: END_STEP
-TRANSITION FROM S1 TO S2 := a; END_TRANSITION
-TRANSITION FROM S2 TO S1 := b; END_TRANSITION
-"""
-
 STR02 = Rule(
     code="STR02",
     title="A chart has an initial step",
@@ -418,7 +397,12 @@ STR12 = Rule(
     why="IEC 61131-3 (ed. 3, 6.7.2) wants exactly one in each network; tools refuse the chart, or start with one of "
     "them. GRAFCET and S7-GRAPH allow several.",
     hint="Make the others ordinary steps, and reach them by a simultaneous divergence.",
-    example=_TWO,
+    example="""
+INITIAL_STEP S1: END_STEP
+INITIAL_STEP S2: END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+""",
     check=_several,
     severity=Severity.ERROR,
     severities={"s7graph": None, "grafcet": None},
@@ -443,10 +427,9 @@ def _sinks(chart: CheckedChart) -> Iterator[Finding]:
 
 
 def _sources(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet in chart.sheets:
-        for transition in sheet.transitions:
-            if not transition.sources:
-                yield Finding(sheet.at(transition), "no step leads to the transition")
+    for sheet, transition in chart.transitions():
+        if not transition.sources:
+            yield Finding(sheet.at(transition), "no step leads to the transition")
 
 
 STR09 = Rule(

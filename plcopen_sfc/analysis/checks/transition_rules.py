@@ -14,6 +14,7 @@ from plcopen_sfc.analysis.checks.checked_chart import (
     Finding,
     FindingPlace,
     Rule,
+    ring,
 )
 from plcopen_sfc.analysis.exclusivity import Truth, covered
 from plcopen_sfc.analysis.search_limits import Answer
@@ -38,11 +39,10 @@ from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Enu
 
 def _selections(chart: CheckedChart) -> Iterator[tuple[CheckedSheet, Step, list[Transition]]]:
     """Yield each step with several transitions that leave it, in the order in which they are tried."""
-    for sheet in chart.sheets:
-        for step in sheet.steps:
-            leaving = sheet.leaving.get(step.id, [])
-            if len(leaving) > 1:
-                yield sheet, step, leaving
+    for sheet, step in chart.steps():
+        leaving = sheet.leaving.get(step.id, [])
+        if len(leaving) > 1:
+            yield sheet, step, leaving
 
 
 class _Pair(NamedTuple):
@@ -87,14 +87,6 @@ def _witness(witness: object) -> str:
         for name, value in sorted(witness.items())
     ]
     return ", ".join(words)
-
-
-def _overlapping(chart: CheckedChart) -> Iterator[Finding]:
-    yield from _told(chart, Answer.NO, "it can be true together with")
-
-
-def _undecided(chart: CheckedChart) -> Iterator[Finding]:
-    yield from _told(chart, Answer.UNKNOWN, "it is unknown whether it excludes")
 
 
 def _told(chart: CheckedChart, answer: Answer, words: str) -> Iterator[Finding]:
@@ -152,7 +144,7 @@ TRANSITION FROM S1 TO S3 := b; END_TRANSITION
 TRANSITION FROM S2 TO S1 := c; END_TRANSITION
 TRANSITION FROM S3 TO S1 := d; END_TRANSITION
 """,
-    check=_overlapping,
+    check=lambda chart: _told(chart, Answer.NO, "it can be true together with"),
     severity=None,
     severities={"iec": Severity.INFO, "grafcet": Severity.ERROR, "matiec": Severity.ERROR, "beremiz": Severity.ERROR},
 )
@@ -172,7 +164,7 @@ TRANSITION FROM S1 TO S3 := level * 3 < limit; END_TRANSITION
 TRANSITION FROM S2 TO S1 := c; END_TRANSITION
 TRANSITION FROM S3 TO S1 := d; END_TRANSITION
 """,
-    check=_undecided,
+    check=lambda chart: _told(chart, Answer.UNKNOWN, "it is unknown whether it excludes"),
     severity=None,
     severities={"grafcet": Severity.WARNING, "matiec": Severity.WARNING, "beremiz": Severity.WARNING},
 )
@@ -217,14 +209,8 @@ TRANSITION FROM S3 TO S1 := d; END_TRANSITION
 )
 
 
-def _transitions(chart: CheckedChart) -> Iterator[tuple[CheckedSheet, Transition]]:
-    for sheet in chart.sheets:
-        for transition in sheet.transitions:
-            yield sheet, transition
-
-
 def _missing(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet, transition in _transitions(chart):
+    for sheet, transition in chart.transitions():
         condition = transition.condition
         unwired = isinstance(condition, WiredCondition) and not (
             condition.input.connections or condition.input.expression
@@ -234,7 +220,7 @@ def _missing(chart: CheckedChart) -> Iterator[Finding]:
 
 
 def _no_boolean(chart: CheckedChart) -> Iterator[Finding]:
-    names = (step.name.casefold() for sheet in chart.sheets for step in sheet.steps)
+    names = (step.name.casefold() for _, step in chart.steps())
     steps = {name for name in names if name not in chart.types} if chart.family == "grafcet" else set()
     for sheet in chart.sheets:
         site = Site(chart.pou, charts=(sheet.chart,), place=chart.pou.place if chart.pou is not None else "")
@@ -316,7 +302,7 @@ _NO_BOOLEANS = {"struct": "a structure", "string": "a string", "enum": "a value 
 
 def _unreadable(chart: CheckedChart) -> Iterator[Finding]:
     bool_ = ElementaryType(name=Elementary.BOOL)
-    steps = {step.name.casefold() for sheet in chart.sheets for step in sheet.steps}
+    steps = {step.name.casefold() for _, step in chart.steps()}
     known = (chart.flags - chart.types.keys()) | {name for name, type_ in chart.types.items() if type_ == bool_}
     for sheet in chart.sheets:
         places = [(sheet.at(transition), transition.condition) for transition in sheet.transitions]
@@ -360,7 +346,7 @@ _AS_ACTIONS = "Write a variable, and values in structured text: a AND b, NOT a, 
 
 
 def _constant(chart: CheckedChart, truth: Truth) -> Iterator[tuple[CheckedSheet, Transition]]:
-    for sheet, transition in _transitions(chart):
+    for sheet, transition in chart.transitions():
         if chart.truth(sheet, transition) is truth:
             yield sheet, transition
 
@@ -393,7 +379,7 @@ def _nodes(found: NetworkExpression) -> Iterator[n.Node]:
 
 
 def _assigning(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet, transition in _transitions(chart):
+    for sheet, transition in chart.transitions():
         found = chart.condition(sheet, transition)
         own = {helper.name.casefold() for helper in found.helpers}
         trees = [*found.before, *([found.tree] if found.tree is not None else [])]
@@ -431,7 +417,7 @@ def _stored(chart: CheckedChart, transition: Transition) -> Iterator[str]:
 
 
 def _calling(chart: CheckedChart) -> Iterator[Finding]:
-    for sheet, transition in _transitions(chart):
+    for sheet, transition in chart.transitions():
         found = chart.condition(sheet, transition)
         called = [print_node(call.callee) for call in _calls(found) if _has_state(call, chart)]
         if called:
@@ -479,7 +465,7 @@ def _unknown_name(chart: CheckedChart) -> Iterator[Finding]:
     if chart.pou is None:
         return
     known = {named.name.casefold() for named in chart.pou.transitions} | chart.types.keys()
-    for sheet, transition in _transitions(chart):
+    for sheet, transition in chart.transitions():
         condition = transition.condition
         named = isinstance(condition, NamedCondition) and condition.name.isidentifier()
         if isinstance(condition, NamedCondition) and named and condition.name.casefold() not in known:
@@ -491,7 +477,7 @@ def _unknown_steps(chart: CheckedChart) -> Iterator[Finding]:
     if chart.pou is None:
         return
     known = chart.types.keys() | chart.around.names | chart.steps_of_pou
-    for sheet, transition in _transitions(chart):
+    for sheet, transition in chart.transitions():
         for node in _nodes(chart.condition(sheet, transition)):
             if isinstance(node, n.Member) and isinstance(node.base, n.Name) and node.name.identifier in _STEP_MEMBERS:
                 name = node.base.identifier
@@ -502,13 +488,6 @@ def _unknown_steps(chart: CheckedChart) -> Iterator[Finding]:
 
 _STEP_MEMBERS = frozenset({"X", "x", "T", "t"})
 
-
-_RING = """
-INITIAL_STEP S1: END_STEP
-STEP S2: END_STEP
-TRANSITION FROM S1 TO S2 := %s; END_TRANSITION
-TRANSITION FROM S2 TO S1 := b; END_TRANSITION
-"""
 
 CND01 = Rule(
     code="CND01",
@@ -530,7 +509,7 @@ CND02 = Rule(
     "happen (IEC 60848:2013, transient evolution).",
     hint="Nothing, if the step is meant for one scan; else correct the condition.",
     grafcet_hint="Nothing, if the step is meant to be passed only; else correct the condition.",
-    example=_RING % "a OR NOT a",
+    example=ring(forth="a OR NOT a"),
     check=_always,
     severity=Severity.INFO,
     severities={"grafcet": Severity.WARNING},
@@ -541,7 +520,7 @@ CND03 = Rule(
     title="A condition can be true",
     why="The transition never fires: what follows it is not reached, and the step before it is not left this way.",
     hint="Correct the condition, or remove the transition.",
-    example=_RING % "a AND level < 3 AND level > 5",
+    example=ring(forth="a AND level < 3 AND level > 5"),
     check=_never,
     severity=Severity.WARNING,
 )
@@ -553,7 +532,7 @@ CND04 = Rule(
     "S7-GRAPH and GRAFCET all of them in every scan. CoDeSys V2.3 forbids assignments in transitions; instruction "
     "list ends without ST there.",
     hint="Write the variable in an action of the step before.",
-    example=_RING % "(q := a)",
+    example=ring(forth="(q := a)"),
     check=_assigning,
     severity=Severity.ERROR,
 )
@@ -567,7 +546,7 @@ CND05 = Rule(
     "evaluates all conditions in every cycle.",
     hint="Call the block in an action, or before the chart, and ask for its output. For times there is the time of "
     "the step.",
-    example="VAR edge : R_TRIG; END_VAR" + _RING % "edge(CLK := a)",
+    example="VAR edge : R_TRIG; END_VAR" + ring(forth="edge(CLK := a)"),
     check=_calling,
     severity=Severity.WARNING,
     severities={"codesys23": Severity.ERROR, "s7graph": None},
@@ -609,7 +588,7 @@ CND08 = Rule(
     why="A step variable (S3.X, S3.t) of a step that was renamed or removed by hand does not compile, or means "
     "something else.",
     hint="Correct the name.",
-    example=_RING % "S7.T > T#5s",
+    example=ring(forth="S7.T > T#5s"),
     check=_unknown_steps,
     severity=Severity.WARNING,
 )
@@ -639,7 +618,7 @@ CND10 = Rule(
     why="A transition fires where its condition is TRUE (IEC 61131-3 ed. 3, 6.7.3): a number, a time or a structure "
     "does not compile. In GRAFCET the name of a step is no condition either, its flag is (X2 of step 2).",
     hint="Compare it: n <> 0, t > T#2s.",
-    example="VAR n : INT; END_VAR" + _RING % "n",
+    example="VAR n : INT; END_VAR" + ring(forth="n"),
     check=_no_boolean,
     severity=Severity.ERROR,
 )
