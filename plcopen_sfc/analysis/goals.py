@@ -107,6 +107,7 @@ class Goals:
     ) -> None:
         self.system = system
         self._signals = signals
+        self._by_key = {name.casefold(): name for name in signals}
         self._shared = {own.casefold(): name for own, name in system.shared_names().items()}
         self._shared = _without_lists(system, self._shared) | self._shared
         self._project = system.subject.project
@@ -186,9 +187,7 @@ class Goals:
         return found
 
     def _passed(self, path: str, pou: Pou, steps: Iterable[str], caller: Pou) -> Callable[[Expression], Expression]:
-        external = {variable.name for variable in pou.variables(SectionKind.EXTERNAL)}
-        own = {variable.name.casefold() for variable in pou.variables() if variable.name not in external}
-        own |= {step.casefold() for step in steps}
+        own = _own_variables(pou) | {step.casefold() for step in steps}
         members = {name: parse_expression(f"{path}.{name}", self._project.dialect).tree for name in own}
         parameters = [variable.name.casefold() for variable in parameters_of(pou.interface)]
         calls: dict[str, Mapping[str, Expression]] = {}
@@ -477,13 +476,13 @@ class Goals:
     def _boolean(self, tree: Expression, *, wanted: bool) -> Distance:
         value = self._value(tree)
         if value is None:
-            return _nothing
+            return lambda: 0.0
         return lambda: float(bool(value()) is not wanted)
 
     def _compared(self, operator: Operator, left: Expression, right: Expression) -> Distance:
         first, second = self._value(left), self._value(right)
         if first is None or second is None or any(map(self._is_elapsed, (left, right))):
-            return _nothing  # a time that runs comes nearer by itself
+            return lambda: 0.0  # a time that runs comes nearer by itself
 
         def distance() -> float:
             a, b = first(), second()
@@ -536,12 +535,6 @@ class Goals:
         key = text.casefold()
         name = self._shared.get(key, text)
         return self._by_key.get(name.casefold())
-
-    @property
-    def _by_key(self) -> dict[str, str]:
-        if not hasattr(self, "_keys"):
-            self._keys = {name.casefold(): name for name in self._signals}
-        return self._keys
 
     # -- which inputs
 
@@ -675,26 +668,26 @@ def _inlined(tree: Expression, assigned: Mapping[str, Expression]) -> Expression
     return cast("Expression", changed(tree))
 
 
+def _same(tree: Expression) -> Expression:
+    return tree
+
+
+def _own_variables(pou: Pou) -> set[str]:
+    """Return the names (lower case) of the variables that a POU does not only name."""
+    external = {variable.name for variable in pou.variables(SectionKind.EXTERNAL)}
+    return {variable.name.casefold() for variable in pou.variables() if variable.name not in external}
+
+
 def _without_lists(system: ProgramSystem, shared: Mapping[str, str]) -> dict[str, str]:
     """Return the inputs in lists of global variables by their names without the list, which programs may use."""
     lists = {section.name.casefold() for section in system.subject.project.global_sections() if section.name}
-    pou = system.subject.pou
-    external = {variable.name for variable in pou.variables(SectionKind.EXTERNAL)}
-    own = {variable.name.casefold() for variable in pou.variables() if variable.name not in external}
+    own = _own_variables(system.subject.pou)
     found: dict[str, list[str]] = {}
     for key, name in shared.items():
         first, _, rest = key.partition(".")
         if rest and first in lists and rest.partition(".")[0].partition("[")[0] not in own:
             found.setdefault(rest, []).append(name)
     return {name: names[0] for name, names in found.items() if len(names) == 1}
-
-
-def _nothing() -> float:
-    return 0.0
-
-
-def _same(tree: Expression) -> Expression:
-    return tree
 
 
 def _accepted(signal: Signal, value: Any) -> Value | None:

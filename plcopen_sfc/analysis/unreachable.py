@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from datetime import date
-from functools import cached_property, reduce
+from functools import cache, cached_property, reduce
 from operator import or_
 
 from plcopen_sfc.analysis.exclusivity import condition_of
@@ -29,7 +29,7 @@ from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.chart_settings import SfcFlag
-from plcopen_sfc.model.pou import Pou, PouKind
+from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
 from plcopen_sfc.model.types import PointerType
 from plcopen_sfc.model.variables import SectionKind
@@ -69,20 +69,16 @@ class Unreachable:
         self._knowledge = ProjectKnowledge(system.subject.project)
         self.steps: dict[str, set[int]] = {}
         self.transitions: dict[str, set[int]] = {}
-        self._fixed: set[str] = set()
-        self._graphs: dict[str, MarkingGraph] = {}
+        self.fixed: set[str] = set()
+        """Names (lower case) of variables that keep their first value: nothing that is executed writes them."""
+        self._graph = cache(self._marking_graph)
+        self._given = cache(self._constant_inputs)
         self._never_said: set[str] = set()
-        self._inputs_given: dict[str, Mapping[str, bool | int | float | str | date]] = {}
         main = [body for body in self._pou.bodies if isinstance(body, SfcBody)]
         if nets and len(main) == len(self._pou.bodies) == 1:
             self._find()
         elif chart is not None:
-            self._fixed = {name for name in chart.fixed if not self._changed_by_code.intersection(("", name))}
-
-    @property
-    def fixed(self) -> set[str]:
-        """Names (lower case) of variables that keep their first value: nothing that is executed writes them."""
-        return self._fixed
+            self.fixed = {name for name in chart.fixed if not self._changed_by_code.intersection(("", name))}
 
     @cached_property
     def _changed_by_code(self) -> set[str]:
@@ -97,18 +93,12 @@ class Unreachable:
             return True
         if self._chart is not None and self._chart.is_never_executed(owner):
             return True
-        place = owner.removeprefix(f"{own} / step ")
-        steps = self._nets[own].steps if own in self._nets else ()
-        return any(step.path == place and step.index in self.steps.get(own, ()) for step in steps)
+        return owner.removeprefix(f"{own} / step ") in self.dead_paths()
 
     def dead_paths(self) -> set[str]:
         """Return the paths of the steps of the POU's own chart that are never entered."""
         own = self._pou.name
-        return (
-            {step.path for step in self._nets[own].steps if step.index in self.steps[own]}
-            if own in self.steps
-            else set()
-        )
+        return {self._nets[own].steps[index].path for index in self.steps.get(own, ())}
 
     def is_impossible(
         self, trees: Sequence[Expression], chart: SfcNetwork | None, called: str | None = None, owner: str = ""
@@ -121,25 +111,22 @@ class Unreachable:
             return False
         if called is None:
             active = self._active_in.get(owner.removeprefix(f"{self._pou.name}.").casefold(), "")
-            return self._is_impossible(trees, chart, self._fixed, active)
+            return self._is_impossible(trees, chart, self.fixed, active)
         pou = self._system.called_pous()[called]
         formula = Formula(self._system.subject.project.dialect, self._knowledge.at(pou))
         terms = formula.terms([JudgedCondition(tree) for tree in trees])
-        given = self._given(pou) if pou.kind is PouKind.FUNCTION else {}
+        given = self._given(called) if pou.kind is PouKind.FUNCTION else {}
         return formula.is_impossible(terms, {text: given.get(text.lstrip("#").casefold()) for text in formula.names()})
 
-    def _given(self, function: Pou) -> Mapping[str, bool | int | float | str | date]:
+    def _constant_inputs(self, called: str) -> dict[str, bool | int | float | str | date]:
         """Return the inputs (lower case) to which all calls of a function give the same literal, with their values."""
-        if function.name not in self._inputs_given:
-            self._inputs_given[function.name] = self._constant_inputs(function)
-        return self._inputs_given[function.name]
-
-    def _constant_inputs(self, function: Pou) -> dict[str, bool | int | float | str | date]:
-        project, name = self._system.subject.project, function.name.casefold()
+        project, function = self._system.subject.project, self._system.called_pous()[called]
+        name = function.name.casefold()
         texts = [text for pou in project.pous if pou is not function for text in texts_in(pou, project.dialect)]
         nodes = [node for text in texts for tree in text.trees for node in walk(tree)]
         order = [variable.name.casefold() for variable in parameters_of(function.interface)]
-        calls = [given(node, order) for node in nodes if isinstance(node, n.Call) and _variable(node.callee) == name]
+        found_calls = (node for node in nodes if isinstance(node, n.Call))
+        calls = [given(call, order) for call in found_calls if print_node(call.callee).casefold() == name]
         if len(calls) != sum(use.name.casefold() == name for text in texts for use in text.uses):
             return {}  # a box calls it, too, or a text that cannot be read
         changed = [path for body in function.bodies for path in bind(body, project.dialect).effects.writes]
@@ -154,13 +141,14 @@ class Unreachable:
 
     def is_never_tested(self, name: str, transition: NetTransition, tree: Expression) -> bool:
         """True if `tree` is FALSE wherever a chart of this name tests the condition of a transition."""
-        return self._is_impossible([tree, *self._false_before(name, transition)], transition.chart, self._fixed)
+        return self._is_impossible([tree, *self._false_before(name, transition)], transition.chart, self.fixed)
 
     def frozen_by(self, trees: Sequence[Expression], chart: SfcNetwork | None) -> list[str]:
         """The variables whose values keep conditions from being TRUE together, as nothing writes or gives them."""
         frozen = {name.casefold(): name for name in self._system.frozen()}
-        names = {name.casefold() for tree in trees for name in _variables(tree)} & frozen.keys()
-        if not names or not self._is_impossible(trees, chart, self._fixed | names):
+        nodes = (node for tree in trees for node in walk(tree) if isinstance(node, n.Name | n.Member))
+        names = {print_node(node).casefold() for node in nodes} & frozen.keys()
+        if not names or not self._is_impossible(trees, chart, self.fixed | names):
             return []
         return sorted((frozen[name] for name in names), key=str.casefold)
 
@@ -179,11 +167,8 @@ class Unreachable:
             bool(marking & bit) is value for marking in graph if not transition.pre & ~marking
         )
 
-    def _graph(self, name: str) -> MarkingGraph:
-        if name not in self._graphs:
-            net = self._nets[name]
-            self._graphs[name] = MarkingGraph(net, competing=self._system.profile.competing, cap=_MARKINGS)
-        return self._graphs[name]
+    def _marking_graph(self, name: str) -> MarkingGraph:
+        return MarkingGraph(self._nets[name], competing=self._system.profile.competing, cap=_MARKINGS)
 
     def is_left_before(self, name: str, step: NetStep, time: str) -> bool:
         """True if a step of a chart is always left before a time has passed: a condition behind it is TRUE then."""
@@ -261,7 +246,7 @@ class Unreachable:
             executed |= {name for name in bodies if name in said}
             if (len(executed), len(said), sum(map(len, possible.values()))) == before:
                 break
-        self._fixed = fixed
+        self.fixed = fixed
         self._never_said = (bodies.keys() - executed) | self._never_called(
             possible, [texts[k] for k in executed & texts.keys()]
         )
@@ -411,15 +396,3 @@ def _entered(net: Net, never: set[int]) -> set[int]:
     """Return the steps that can be entered if all other transitions may fire."""
     sourceless = (net.transitions[i].post for i in net.sourceless if i not in never)
     return set(indexes(net.reachable(reduce(or_, sourceless, net.initial), never)))
-
-
-def _variable(tree: n.Expression) -> str | None:
-    """Return the name (lower case) that an expression is."""
-    return tree.identifier.casefold() if isinstance(tree, n.Name) else None
-
-
-def _variables(tree: Expression) -> Iterator[str]:
-    """Yield the names and paths in a condition."""
-    for node in walk(tree):
-        if isinstance(node, n.Name | n.Member):
-            yield print_node(node)
