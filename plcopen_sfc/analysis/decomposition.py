@@ -21,6 +21,7 @@ from plcopen_sfc.analysis.number_terms import explore_terms
 from plcopen_sfc.analysis.product import Explored, Progress, Search, StopError, advanced, search
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.errors import SfcError, SimulationError
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.effects import ANYTHING, Path, is_standard_call, path_of, reads, writes
 from plcopen_sfc.languages.networks import condition_reader
@@ -100,10 +101,7 @@ class Parts(Protocol):
 
 def cone(parts: Sequence[ProgramPart], names: Iterable[str]) -> frozenset[int]:
     """Return the parts that the values of some variables depend on, by their numbers."""
-    writers: dict[str, list[int]] = {}
-    for number, part in enumerate(parts):
-        for name in part.writes:
-            writers.setdefault(name, []).append(number)
+    writers = grouped((name, number) for number, part in enumerate(parts) for name in part.writes)
     starts: list[int | str] = [number for number, part in enumerate(parts) if part.always]
     starts += names
 

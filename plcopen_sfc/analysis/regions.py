@@ -12,6 +12,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 
@@ -263,9 +264,7 @@ class _Finder:
                     message = f"{forks[0].path} forks branches of which another transition forks some, too"
                     raise _Blocked(Obstacle.UNMATCHED_FORK, message, [forks[0].index])
                 block_of[branch] = number
-        members: dict[int, list[int]] = {}
-        for step in sorted(self._reached):
-            members.setdefault(self._region(step), []).append(step)
+        members = grouped((self._region(step), step) for step in sorted(self._reached))
         initial: dict[int, int] = {}
         for step in indexes(net.initial):
             region = self._region(step)
@@ -277,10 +276,8 @@ class _Finder:
                 raise _Blocked(Obstacle.INITIAL_STEP_IN_BRANCH, f"{name} is initial inside a simultaneous branch")
             initial[region] = step
         order = {region: index for index, region in enumerate(members)}
-        inner: dict[int, list[int]] = {}
-        for transition in self._live:
-            if len(transition.sources) == len(transition.targets) == 1:
-                inner.setdefault(self._region(transition.sources[0]), []).append(transition.index)
+        plain = (each for each in self._live if len(each.sources) == len(each.targets) == 1)
+        inner = grouped((self._region(each.sources[0]), each.index) for each in plain)
         blocks = tuple(
             ParallelBlock(
                 index=number,
@@ -291,9 +288,7 @@ class _Finder:
             )
             for number, (branches, (forks, joins)) in enumerate(found.items())
         )
-        forked: dict[int, list[int]] = {}
-        for block in blocks:
-            forked.setdefault(block.parent, []).append(block.index)
+        forked = grouped((block.parent, block.index) for block in blocks)
         regions = tuple(
             Region(
                 index=order[region],

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from plcopen_sfc.errors import ArgumentError, ModelError, nearest
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.model import times
 
 if TYPE_CHECKING:
@@ -220,9 +221,7 @@ def _called(thing: Checked) -> str:
 
 def misfit(model: type[BaseModel], owner: str, error: ValidationError) -> ModelError:
     """Return the error of this package for what does not fit in the fields of `owner`."""
-    fields: dict[tuple[int | str, ...], list[Mapping[str, Any]]] = {}
-    for each in error.errors(include_url=False):
-        fields.setdefault(each["loc"][: _choice(each["loc"])], []).append(each)
+    fields = grouped((each["loc"][: _choice(each["loc"])], each) for each in error.errors(include_url=False))
     told = [each for loc, errors in fields.items() for each in _of_choices(model, owner, loc, errors)]
     more = f"; and {len(told) - _NAMED} more" if len(told) > _NAMED else ""
     return ModelError("; ".join(told[:_NAMED]) + more)

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeA
 from pydantic import BeforeValidator, Field
 
 from plcopen_sfc.errors import ArgumentError, Location, ModelError, check_argument, nearest
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.model import times
 from plcopen_sfc.model.actions import ActionEvent, ActionKind, ForcingOrder, Monitoring, Qualifier, SymbolAccess
 from plcopen_sfc.model.base import Element, ElementId, Model
@@ -610,11 +611,7 @@ def by_priority(transitions: Iterable[Transition]) -> list[Transition]:
 
 def leaving_steps(transitions: Iterable[Transition]) -> dict[int, list[Transition]]:
     """Return the transitions that leave each step, by its id, in the order in which they are tried."""
-    found: dict[int, list[Transition]] = {}
-    for transition in by_priority(transitions):
-        for source in dict.fromkeys(transition.sources):
-            found.setdefault(source, []).append(transition)
-    return found
+    return grouped((source, each) for each in by_priority(transitions) for source in dict.fromkeys(each.sources))
 
 
 def connected_parts(steps: Collection[Step], transitions: Iterable[Transition]) -> list[list[Step]]:
@@ -630,10 +627,7 @@ def connected_parts(steps: Collection[Step], transitions: Iterable[Transition]) 
         ends = [root(i) for i in (*transition.sources, *transition.targets) if i in above]  # a damaged chart lacks some
         for end in ends[1:]:
             above[root(end)] = root(ends[0])
-    parts: dict[int, list[Step]] = {}
-    for step in steps:
-        parts.setdefault(root(step.id), []).append(step)
-    return list(parts.values())
+    return list(grouped((root(step.id), step) for step in steps).values())
 
 
 def step_codes(step: Step, lines: Iterable[str | tuple[str, str | None]]) -> Iterator[tuple[str, str]]:

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from itertools import product
 from typing import NamedTuple
 
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.model.drawing import BARS, STEPS, Drawing, SymbolKind
 
 _MAX_ALTERNATIVES = 4096
@@ -78,10 +79,7 @@ class _Tracer:
         self.inputs = inputs
         self.jumps = jumps
         self.wiring = Wiring()
-        self.consumers: dict[int, list[int]] = {}
-        for consumer, sources in inputs.items():
-            for source in sources:
-                self.consumers.setdefault(source, []).append(consumer)
+        self.consumers = grouped((source, consumer) for consumer, sources in inputs.items() for source in sources)
 
     def run(self) -> Wiring:
         for symbol, kind in self.kinds.items():

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.networks import NetworkStatements, kept_conditions
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
@@ -108,10 +109,7 @@ def _interface(pou: Pou, drawn: NetworkStatements) -> Interface:
 def in_order_of_flow(steps: list[Step], transitions: list[Transition]) -> tuple[list[Step], list[Transition]]:
     """Steps and transitions as they are reached from the initial steps, one path after the other; then all others."""
     by_id = {step.id: step for step in steps}
-    leaving: dict[int, list[Transition]] = {}
-    for transition in transitions:
-        for source in transition.sources:
-            leaving.setdefault(source, []).append(transition)
+    leaving = grouped((source, transition) for transition in transitions for source in transition.sources)
     found: dict[int, Step] = {}
     passed: dict[int, Transition] = {}
     waiting: list[Step | Transition] = [step for step in reversed(steps) if step.initial]

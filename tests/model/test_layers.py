@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-BELOW = {"collector", "diagnostics", "errors", "model", "operations"}
+BELOW = {"collector", "diagnostics", "errors", "grouping", "model", "operations"}
 
 
 def named_modules(tree: ast.AST) -> Iterator[str]:

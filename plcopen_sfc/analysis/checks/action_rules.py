@@ -23,6 +23,7 @@ from plcopen_sfc.analysis.checks.action_targets import (
 )
 from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Finding, FindingPlace, Rule, ring
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.effects import Path, path_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
@@ -166,9 +167,7 @@ class _Write:
 
 def _writes(chart: CheckedChart) -> Iterator[_Write]:
     """Return the assignments of steps, by associations and in code. Continuous actions are joined by OR."""
-    of_step: dict[int, list[NetStep]] = {}
-    for net_step in chart.net.steps:
-        of_step.setdefault(id(net_step.step), []).append(net_step)
+    of_step = grouped((id(net_step.step), net_step) for net_step in chart.net.steps)
     kept = {Manner.SET: "TRUE", Manner.RESET: "FALSE"}
     for use in uses(chart):
         if use.manner in (*kept, Manner.STORED):
@@ -210,10 +209,7 @@ def _literal(value: str | None, chart: CheckedChart) -> str:
 
 
 def _races(chart: CheckedChart) -> Iterator[Finding]:
-    by_path: dict[Path, list[_Write]] = {}
-    for write in _writes(chart):
-        by_path.setdefault(write.path, []).append(write)
-    for writes in by_path.values():
+    for writes in grouped((write.path, write) for write in _writes(chart)).values():
         reported: set[tuple[str, str]] = set()
         for first, second in combinations(writes[:_MOST_WRITERS], 2):
             pair = (first.place.path, second.place.path)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedSheet
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.effects import Path, path_of
 from plcopen_sfc.languages.st import nodes as n
@@ -88,10 +89,7 @@ def uses(chart: CheckedChart) -> Iterator[TargetUse]:
 
 def by_operand(chart: CheckedChart) -> dict[Path, list[TargetUse]]:
     """Return the same by operand."""
-    found: dict[Path, list[TargetUse]] = {}
-    for use in uses(chart):
-        found.setdefault(use.path, []).append(use)
-    return found
+    return grouped((use.path, use) for use in uses(chart))
 
 
 def continuous_operands(chart: CheckedChart) -> set[Path]:

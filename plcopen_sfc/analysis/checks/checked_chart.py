@@ -16,6 +16,7 @@ from plcopen_sfc.analysis.marking import MarkingGraph, marking_graph
 from plcopen_sfc.analysis.ruled_situations import RuledSituations
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.binding import Declaration, Names, bind, texts_in
 from plcopen_sfc.languages.binding.compile_mistakes import type_mistakes, value_mistake
 from plcopen_sfc.languages.binding.name_scopes import charts_inside
@@ -502,9 +503,7 @@ class CheckedChart:
     @cached_property
     def _steps_of_flags(self) -> dict[str, NetStep]:
         """The steps by their flags; without a flag that a variable hides, or that two charts have."""
-        found: dict[str, list[NetStep]] = {}
-        for each in self.net.steps:
-            found.setdefault(f"x{each.step.name}".casefold(), []).append(each)
+        found = grouped((f"x{each.step.name}".casefold(), each) for each in self.net.steps)
         return {flag: steps[0] for flag, steps in found.items() if len(steps) == 1 and flag not in self.types}
 
     @cached_property

@@ -18,6 +18,7 @@ from plcopen_sfc.analysis.regions import Obstacle, Unstructured, find_regions
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.analysis.soundness import soundness
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.effects import reads
 from plcopen_sfc.languages.networks import NetworkExpression
 from plcopen_sfc.languages.st import nodes as n
@@ -31,11 +32,8 @@ from plcopen_sfc.semantics.net import NetStep, NetTransition
 def cycles(chart: CheckedChart) -> Iterator[tuple[int, ...]]:
     """Cycles of transitions (indexes) that are always true; one for each set of steps that they connect."""
     always = [t for t in chart.net.transitions if _truth(chart, t) is Truth.ALWAYS]
-    after: dict[int, list[tuple[int, int]]] = {}
-    for transition in always:
-        if len(transition.sources) == 1:  # a convergence waits for others
-            for target in transition.targets:
-                after.setdefault(transition.sources[0], []).append((target, transition.index))
+    alone = (each for each in always if len(each.sources) == 1)  # a convergence waits for others
+    after = grouped((each.sources[0], (target, each.index)) for each in alone for target in each.targets)
     done: set[int] = set()
     for start in sorted(after):
         way: list[int] = []

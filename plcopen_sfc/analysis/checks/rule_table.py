@@ -30,6 +30,7 @@ from plcopen_sfc.analysis.checks.checked_chart import (
 )
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location, ModelError, PluginError, listed_names, nearest
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.network import CommentBox
 from plcopen_sfc.model.pou import Pou, PouKind
@@ -260,16 +261,17 @@ found impossible is impossible, whatever the inputs do.
 
 def in_profiles(rule: Rule) -> str:
     """Return the severity of a breach, profile by profile where they differ."""
-    groups: dict[str, list[str]] = {}
-    for name in FAMILIES:
-        severity = rule.severity_for(name)
-        groups.setdefault(severity.value if severity is not None else "-", []).append(name)
+    groups = grouped((_shown(rule.severity_for(name)), name) for name in FAMILIES)
     if len(groups) == 1:
         return next(iter(groups))
-    usual = rule.severity.value if rule.severity is not None else "-"
+    usual = _shown(rule.severity)
     return ", ".join(
         [usual, *(f"{severity} ({', '.join(names)})" for severity, names in groups.items() if severity != usual)]
     )
+
+
+def _shown(severity: Severity | None) -> str:
+    return severity.value if severity is not None else "-"
 
 
 def catalogue(rules: Iterable[Rule]) -> str:

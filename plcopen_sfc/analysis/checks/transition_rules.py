@@ -19,6 +19,7 @@ from plcopen_sfc.analysis.checks.checked_chart import (
 from plcopen_sfc.analysis.exclusivity import Truth, covered
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.binding.name_sites import in_tree
 from plcopen_sfc.languages.binding.text_sites import Site
@@ -100,9 +101,7 @@ def _told(chart: CheckedChart, answer: Answer, words: str) -> Iterator[Finding]:
 
 def _shadowed(chart: CheckedChart) -> Iterator[Finding]:
     for sheet, step, leaving in _selections(chart):
-        overlapping: dict[int, list[Transition]] = {}
-        for one, other in chart.overlaps(sheet, leaving):
-            overlapping.setdefault(other, []).append(leaving[one])
+        overlapping = grouped((other, leaving[one]) for one, other in chart.overlaps(sheet, leaving))
         for place, possible in sorted(overlapping.items()):  # one that excludes another cannot be hidden by it
             later = leaving[place]
             before = [t for t in possible if set(t.sources) <= set(later.sources)]

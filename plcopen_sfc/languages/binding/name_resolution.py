@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from enum import Enum
 from typing import Any
 
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.binding.name_scopes import (
     Scopes,
     declared_name,
@@ -529,10 +530,7 @@ def circle_text(circle: Sequence[StoredType]) -> str:
 
 def _with_an_end_removed(contained: dict[int, list[int]]) -> list[int]:
     """Return the keys of what contains itself, or what does: without all that has an end."""
-    holders: dict[int, list[int]] = {}
-    for key, inside in contained.items():
-        for inner in inside:
-            holders.setdefault(inner, []).append(key)
+    holders = grouped((inner, key) for key, inside in contained.items() for inner in inside)
     left = {key: len(inside) for key, inside in contained.items()}
     ending = [key for key, count in left.items() if not count]
     for key in ending:

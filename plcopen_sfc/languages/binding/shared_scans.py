@@ -6,13 +6,14 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from itertools import chain, islice, product
 
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.binding.bound_bodies import actions_by_name, step_effects
 from plcopen_sfc.languages.effects import ANYTHING, Effects, may_change, path_of
 from plcopen_sfc.languages.st.parsing import parse_expression
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step
 from plcopen_sfc.model.text import local_name
 
 _MOST_SITUATIONS = 2_000
@@ -46,10 +47,7 @@ class SharedScans:
         """The situations that the chart can reach, as far as they are few: ids of steps that are active together."""
         first = frozenset(step.id for step in self._chart.steps if step.initial)
         found, waiting = {first}, [first]
-        leaving: dict[int, list[Transition]] = {}
-        for transition in self._chart.transitions:
-            for source in transition.sources[:1]:
-                leaving.setdefault(source, []).append(transition)
+        leaving = grouped((source, each) for each in self._chart.transitions for source in each.sources[:1])
         while waiting and len(found) < _MOST_SITUATIONS:
             situation = waiting.pop()
             for transition in (each for step in sorted(situation) for each in leaving.get(step, ())):

@@ -9,6 +9,7 @@ from collections.abc import Callable, Collection, Iterable
 from dataclasses import replace
 
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.il import instructions, result_expression, statements_with_result
 from plcopen_sfc.languages.networks.exported_networks import SOURCES, network_statements
 from plcopen_sfc.languages.networks.network_graph import Graph, is_fed
@@ -288,8 +289,7 @@ class _ConditionReader:
             return self._text(pin.expression) if pin.expression else _failed("the condition is wired to nothing")
         if self._whole is None:
             self._whole = reader_of_chart(self._chart, self._chart.logic, self._dialect)
-            for place, node in enumerate(self._chart.logic):
-                self._places.setdefault(node.id, []).append(place)
+            self._places = grouped((node.id, place) for place, node in enumerate(self._chart.logic))
         needed = _feeding(self._whole, [self._whole.graph.resolve(None, pin)])
         reader = reader_of_chart(
             self._chart,
