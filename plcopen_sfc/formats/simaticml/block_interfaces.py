@@ -42,7 +42,7 @@ from plcopen_sfc.formats.simaticml.nested_start_values import (
     write_nested,
 )
 from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, counting_fields, member_digests, warn_of_edit
-from plcopen_sfc.formats.xml.extension_data import legal_text
+from plcopen_sfc.formats.xml.extension_data import attributes_of, elements_of, legal_text
 from plcopen_sfc.languages.s7_globals import open_address
 from plcopen_sfc.languages.s7_types import NO_START
 from plcopen_sfc.model.types import (
@@ -121,10 +121,10 @@ def write_interface(
     inputs, in lower case, that are static variables there.
     """
     element = sub(parent, "Interface")
-    for key, value in (interface.extension_data.attributes if interface.extension_data is not None else {}).items():
+    for key, value in attributes_of(interface.extension_data).items():
         element.set(key, value)
     sections = ctx.root("Interface", "Sections", element)
-    for content in interface.extension_data.elements if interface.extension_data is not None else ():
+    for content in elements_of(interface.extension_data):
         add_element(ctx, sections, content)
     left: dict[str, Any] = {}
     given = interface.sections
@@ -184,7 +184,7 @@ def _write_section(
 ) -> None:
     name = section_name(section) or ""
     element = sub(parent, "Section", {"Name": name})
-    for content in section.extension_data.elements if section.extension_data is not None else ():
+    for content in elements_of(section.extension_data):
         add_element(ctx, element, content)
     for variable in section.variables:
         write_member(
@@ -292,7 +292,7 @@ def write_member(
 
     `is_passed`: calls of a function give its value, so that the start value of its type is not that of the parameter.
     """
-    kept = variable.extension_data.attributes if variable.extension_data is not None else {}
+    kept = attributes_of(variable.extension_data)
     own = {key: variable.attributes[key] for key in MEMBER_ATTRIBUTES if key in variable.attributes}
     type_ = ctx.s7_types.type(variable.type)
     spelled = spelling(type_, kept if type_ is variable.type else {})
@@ -306,7 +306,7 @@ def write_member(
         for key, value in listed.items():
             kind, marks = _form(key, value, kept)
             sub(holder, kind, {"Name": key, **marks}).text = value or None
-    unknown = list(variable.extension_data.elements) if variable.extension_data is not None else []
+    unknown = list(elements_of(variable.extension_data))
     for content in [content for content in unknown if content.startswith("<AttributeList")]:
         add_element(ctx, element, content)
         unknown.remove(content)

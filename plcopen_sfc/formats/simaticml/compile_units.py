@@ -23,10 +23,11 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     keep_element,
     keep_rest,
     local,
+    merge_fields,
     opaque_body,
     read_comments,
     read_model,
-    read_object_text,
+    read_objects,
 )
 from plcopen_sfc.formats.simaticml.element_writer import (
     ID,
@@ -34,6 +35,7 @@ from plcopen_sfc.formats.simaticml.element_writer import (
     add_element,
     finish,
     keep_fields,
+    kept_parts,
     sub,
     write_object_text,
 )
@@ -42,8 +44,8 @@ from plcopen_sfc.formats.simaticml.graph_writer import write_graph
 from plcopen_sfc.formats.simaticml.lad_fbd_networks import read_network, report_network, write_network
 from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, code_digest, warn_of_edit
 from plcopen_sfc.formats.simaticml.scl_tokens import InterfaceNames, read_code, write_code
-from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup
-from plcopen_sfc.model.base import Element, ExtensionData
+from plcopen_sfc.formats.xml.extension_data import Markup, attributes_of, exchange_markup
+from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.network import LogicNetwork, OutputVariable
 from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
@@ -135,8 +137,7 @@ def language_of(body: Body | None) -> str:
     """Return the language of a body as TIA Portal calls it."""
     if body is None:
         return ""
-    kept = body.extension_data.attributes.get("ProgrammingLanguage") if body.extension_data is not None else None
-    return kept or NAMES.get(body.language, "")
+    return attributes_of(body.extension_data).get("ProgrammingLanguage") or NAMES.get(body.language, "")
 
 
 def _continues(last: Fields, body: Fields) -> bool:
@@ -169,14 +170,7 @@ def _read_unit(ctx: DocumentReading, unit: etree._Element, late: Fields) -> tupl
             keep_attribute(own, local(child), child.text or "")
         else:
             keep_element(own, child)
-    holder = child_named(unit, "ObjectList")
-    for child in children(holder) if holder is not None else ():
-        field = {"Title": "title", "Comment": "comment"}.get(child.get("CompositionName", ""), "")
-        text = read_object_text(child) if local(child) == "MultilingualText" and field and field not in own else None
-        if text is not None:
-            own[field] = text
-        else:
-            keep_element(own, child)
+    read_objects(unit, own)
     keep_rest(own, unit)
     for key, value in attributes(unit).items():
         if key not in ("ID", "CompositionName"):
@@ -207,7 +201,7 @@ def _add_unit(
     """Return a new compile unit with the texts of `thing`: its ``NetworkSource`` and itself."""
     unit = sub(parent, UNIT, {ID: "", "CompositionName": "CompileUnits"})
     values = sub(unit, "AttributeList")
-    kept = dict(thing.extension_data.attributes) if thing.extension_data is not None else {}
+    kept = dict(attributes_of(thing.extension_data))
     source = sub(values, "NetworkSource")
     if kept.pop("NetworkSource", None) is not None:
         values.remove(source)
@@ -218,7 +212,8 @@ def _add_unit(
             {"AttributeList": values, "ObjectList": objects, "NetworkSource": source}.get(owner, unit).set(mark, value)
         elif " " not in name and name != "ProgrammingLanguage":
             sub(values, name).text = value or None
-    _unknown(ctx, values, objects, thing.extension_data)
+    for element in kept_parts(ctx, thing.extension_data):
+        (objects if element.get(ID) is not None else values).append(element)
     if language:
         sub(values, "ProgrammingLanguage").text = language
     write_object_text(ctx, objects, "Comment", thing.comment)
@@ -250,16 +245,6 @@ def _is_empty(parts: list[etree._Element]) -> bool:
     return all(local(each) in _SHELLS for part in parts for each in part.iter(etree.Element))
 
 
-def _unknown(
-    ctx: DocumentWriting, values: etree._Element, objects: etree._Element, extension_data: ExtensionData | None
-) -> None:
-    for content in extension_data.elements if extension_data is not None else ():
-        holder = etree.Element("holder")
-        add_element(ctx, holder, content)
-        for element in list(holder):
-            (objects if element.get(ID) is not None else values).append(element)
-
-
 def _body(ctx: DocumentReading, name: str, parts: list[etree._Element], own: Fields, late: Fields) -> Fields | SfcBody:
     kind = [local(part) for part in parts]
     plain = name.removeprefix("F_")
@@ -272,28 +257,15 @@ def _body(ctx: DocumentReading, name: str, parts: list[etree._Element], own: Fie
         except NotUnderstoodError as error:
             report_network(ctx, error, parts[0])
         else:
-            return {"language": LANGUAGES[plain], "networks": [_merged(network, own)], **marks}
+            return {"language": LANGUAGES[plain], "networks": [merge_fields(network, own)], **marks}
     elif name == "SCL" and kind in ([], ["StructuredText"]):
         try:
             names = InterfaceNames(ctx.types, ctx.constants)
-            return {"language": "ST", **_merged(read_code(parts[0], names) if parts else {}, own)}
+            return {"language": "ST", **merge_fields(read_code(parts[0], names) if parts else {}, own)}
         except NotUnderstoodError:
             pass
     keep_attribute(own, "ProgrammingLanguage", name)
     return {**opaque_body(*parts), **own}
-
-
-def _merged(fields: Fields, own: Fields) -> Fields:
-    """Return the fields of a program, with the texts of its compile unit."""
-    merged = {**fields, **own}
-    if "extension_data" in fields and "extension_data" in own:
-        one, other = fields["extension_data"], own["extension_data"]
-        merged["extension_data"] = {
-            "data": [*one.get("data", []), *other.get("data", [])],
-            "attributes": {**one.get("attributes", {}), **other.get("attributes", {})},
-            "elements": [*one.get("elements", []), *other.get("elements", [])],
-        }
-    return merged
 
 
 def _chart(ctx: DocumentReading, element: etree._Element, own: Fields, late: Fields) -> SfcBody:

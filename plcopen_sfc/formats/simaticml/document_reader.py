@@ -28,16 +28,7 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     read_comments,
     read_model,
 )
-from plcopen_sfc.formats.simaticml.openness_objects import (
-    DATA_BLOCKS,
-    DATA_TYPE,
-    POUS,
-    TAG_TABLE,
-    read_data_block,
-    read_data_type,
-    read_pou,
-    read_tag_table,
-)
+from plcopen_sfc.formats.simaticml.openness_objects import DATA_BLOCKS, KINDS, POUS, ObjectKind
 from plcopen_sfc.formats.simaticml.tia_versions import (
     DEFAULT,
     VERSIONS,
@@ -51,9 +42,7 @@ from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.pou import DataBlock, Pou
-from plcopen_sfc.model.project import TagTable
 from plcopen_sfc.model.sfc import SfcBody
-from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.whole_numbers import canonical_number
 
 _PARTS = {
@@ -131,16 +120,9 @@ class LateDocument:
         self._root: etree._Element | None = None
         self._waiting = 0
 
-    def object(self, element: etree._Element, place: int, *, keep_id: bool) -> ProjectObject:
+    def object(self, element: etree._Element, kind: ObjectKind, place: int, *, keep_id: bool) -> ProjectObject:
         """Return the object at `element`, which is child `place` of the root, unread."""
-        kind = local(element)
-        if kind in POUS:
-            return self._later(Pou, read_pou, element, place, keep_id=keep_id)
-        if kind in DATA_BLOCKS:
-            return self._later(DataBlock, read_data_block, element, place, keep_id=keep_id)
-        if kind == DATA_TYPE:
-            return self._later(DataTypeDeclaration, read_data_type, element, place, keep_id=keep_id)
-        return self._later(TagTable, read_tag_table, element, place, keep_id=keep_id)
+        return self._later(kind.model, kind.read, element, place, keep_id=keep_id)
 
     def _later(
         self,
@@ -207,7 +189,6 @@ class LateDocument:
 
 
 PRODUCT = TIA_PORTAL
-OBJECTS = "SW."
 IDS = "IDs"
 """Extension attribute of a project: the ids of its objects, where they are no running numbers."""
 SCHEMA = "schema "
@@ -257,21 +238,24 @@ def read_project(
     fields: Fields = {"dialect": Dialect.SCL, "header": header, "pous": [], "data_blocks": [], "data_types": []}
     fields["tag_tables"] = []
     _find_schemas(ctx, root)
-    ranks = [_rank(local(child)) for child in children(root) if local(child) not in ("Engineering", "DocumentInfo")]
+    frame = ("Engineering", "DocumentInfo")
+    order = [each.model for each in dict.fromkeys(KINDS.values())]
+    kinds = [KINDS.get(local(child)) for child in children(root) if local(child) not in frame]
+    ranks = [order.index(kind.model) if kind is not None else len(order) for kind in kinds]
     usual = ranks == sorted(ranks)  # else ids tell in which order the objects of all kinds are
-    frame: set[str] = set()
+    seen: set[str] = set()
     for place, child in enumerate(root):
         kind = local(child)
         if not kind:
             continue
-        if kind in ("Engineering", "DocumentInfo"):
-            if kind in frame:
+        if kind in frame:
+            if kind in seen:
                 keep_element(fields, child)
                 continue
-            frame.add(kind)
+            seen.add(kind)
         if kind == "DocumentInfo":
             _document_info(header, child)
-        elif (where := _list_for(kind)) is not None:
+        elif (known := KINDS.get(kind)) is not None:
             copied = mark_of(child)
             if copied is AddedMark.UNCHANGED:
                 continue  # the project has the global variables in it
@@ -280,7 +264,7 @@ def read_project(
                 ctx.edited_copies.add((child.findtext("{*}AttributeList/{*}Name") or "").casefold())
                 ctx.warn("XML213", f"an object added for {PRODUCT} was edited: it is one of the project now", child)
             look_at_object(ctx, child)
-            fields[where].append(late.object(child, place, keep_id=not usual))
+            fields[known.field].append(late.object(child, known, place, keep_id=not usual))
         elif kind != "Engineering":
             keep_element(fields, child)
             ctx.warn("XML201", no_object(kind), child)
@@ -305,21 +289,6 @@ def read_project(
 
 
 _IDS_IN: Any = etree.XPath("//@ID")  # quicker than asking every element of a large file
-
-
-def _list_for(kind: str) -> str | None:
-    """Return the field of `Project` in which objects of a kind are; None where it is no such object."""
-    if kind in POUS:
-        return "pous"
-    if kind in DATA_BLOCKS:
-        return "data_blocks"
-    return {DATA_TYPE: "data_types", TAG_TABLE: "tag_tables"}.get(kind)
-
-
-def _rank(kind: str) -> int:
-    """Return the place of a kind of object among others: objects that others need are first."""
-    groups: tuple[tuple[str, ...], ...] = ((TAG_TABLE,), (DATA_TYPE,), tuple(DATA_BLOCKS), tuple(POUS))
-    return next((rank for rank, group in enumerate(groups) if kind in group), len(groups))
 
 
 def _find_schemas(ctx: DocumentReading, root: etree._Element) -> None:

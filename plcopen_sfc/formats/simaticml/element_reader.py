@@ -211,24 +211,47 @@ def read_object_text(element: etree._Element) -> Fields | None:
     return {"texts": texts}
 
 
+def read_objects(element: etree._Element, fields: Fields, *expected: str) -> list[etree._Element]:
+    """Return the objects of an object: its title and comment are read, the `expected` ones returned, others kept."""
+    holder = child_named(element, "ObjectList")
+    found: list[etree._Element] = []
+    for child in children(holder) if holder is not None else ():
+        field = {"Title": "title", "Comment": "comment"}.get(child.get("CompositionName", ""))
+        text = read_object_text(child) if local(child) == "MultilingualText" and field not in fields else None
+        if text is not None and field is not None:
+            fields[field] = text
+        elif local(child) in expected:
+            found.append(child)
+        else:
+            keep_element(fields, child)
+    return found
+
+
 def read_comments(ctx: DocumentReading, element: etree._Element, fields: Fields) -> None:
     """Put the fields back that XML comments of this package at `element` hold."""
-    for comment in element.iterchildren(etree.Comment) if ctx.trusting else ():
-        text = comment.text or ""
-        if text.startswith(COMMENT_MARK):
-            try:
-                found = json.loads(text.removeprefix(COMMENT_MARK))
-                if isinstance(found, dict) and "extension_data" in found:
-                    extension_data(fields)
-                    found["extension_data"] = ExtensionData.model_validate(found["extension_data"]).model_dump(
-                        mode="json"
-                    )
-            except (ValueError, RecursionError) as error:
-                ctx.warn("XML208", f"fields in extension data are damaged: {first_line(error)}", comment)
-                continue
-            if isinstance(found, dict):
-                found.pop(ADDED, None)
-                merge_fields(fields, found)
+    for comment in element.iterchildren(etree.Comment):
+        read_comment(ctx, comment, fields)
+
+
+def read_comment(ctx: DocumentReading, comment: etree._Element, fields: Fields) -> None:
+    """Put the fields back that one XML comment holds."""
+    try:
+        found = comment_fields(comment) if ctx.trusting else {}
+        if "extension_data" in found:
+            extension_data(fields)
+            found["extension_data"] = ExtensionData.model_validate(found["extension_data"]).model_dump(mode="json")
+    except (ValueError, RecursionError) as error:
+        ctx.warn("XML208", f"fields in extension data are damaged: {first_line(error)}", comment)
+    else:
+        found.pop(ADDED, None)
+        merge_fields(fields, found)
+
+
+def comment_fields(comment: etree._Element) -> Fields:
+    """Return the fields in a comment of this package; none in any other. Raises `ValueError` or `RecursionError`."""
+    text = comment.text or ""
+    found = json.loads(text.removeprefix(COMMENT_MARK)) if text.startswith(COMMENT_MARK) else {}
+    return found if isinstance(found, dict) else {}
 
 
 def first_line(error: Exception) -> str:
@@ -273,8 +296,8 @@ def _misfit(ctx: DocumentReading, element: etree._Element, error: Exception) -> 
     return misfit(error, {}, element, file=ctx.file, lines=ctx.lines, place=ctx.place)
 
 
-def merge_fields(fields: Fields, found: Fields) -> None:
-    """Add `found` to `fields`; lists and parts of objects are added to those that are there."""
+def merge_fields(fields: Fields, found: Fields) -> Fields:
+    """Return `fields` with `found` added; lists and parts of objects are added to those that are there."""
     for name, value in found.items():
         present = fields.get(name)
         if isinstance(value, dict) and isinstance(present, dict) and not value.keys() & {"kind", "language"}:
@@ -283,6 +306,7 @@ def merge_fields(fields: Fields, found: Fields) -> None:
             present.extend(value)
         else:
             fields[name] = value
+    return fields
 
 
 _OBJECT = {"ID", "CompositionName"}

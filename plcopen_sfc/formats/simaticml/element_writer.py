@@ -14,7 +14,14 @@ from plcopen_sfc.formats.simaticml.action_functions import ActionControls, Actio
 from plcopen_sfc.formats.simaticml.declaration_spelling import LAYOUT
 from plcopen_sfc.formats.simaticml.element_reader import VERBATIM, N
 from plcopen_sfc.formats.simaticml.tia_versions import TiaVersion, concrete, namespace
-from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, add_markup, fields_left, legal_text, parsed_markup
+from plcopen_sfc.formats.xml.extension_data import (
+    COMMENT_MARK,
+    add_markup,
+    elements_of,
+    fields_left,
+    legal_text,
+    parsed_markup,
+)
 from plcopen_sfc.languages.s7_actions import ActionCalls
 from plcopen_sfc.languages.s7_globals import called_actions
 from plcopen_sfc.languages.s7_types import s7_types
@@ -174,6 +181,14 @@ def verbatim(ctx: DocumentWriting, extension_data: ExtensionData | None) -> etre
 def add_element(ctx: DocumentWriting, parent: etree._Element, content: str) -> None:
     """Append an element that was kept as markup."""
     add_markup(parent, concrete(content, ctx.schemas))
+
+
+def kept_parts(ctx: DocumentWriting, extension_data: ExtensionData | None) -> list[etree._Element]:
+    """Return the elements of an object that were kept as markup."""
+    holder = etree.Element("holder")
+    for content in elements_of(extension_data):
+        add_element(ctx, holder, content)
+    return list(holder)
 
 
 def keep_fields(element: etree._Element, fields: dict[str, Any]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-import json
+from contextlib import suppress
 
 from lxml import etree
 
@@ -18,10 +18,12 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     attributes,
     child_named,
     children,
+    comment_fields,
     keep_attribute,
     keep_element,
     local,
     merge_fields,
+    read_comment,
     read_comments,
     read_languages,
 )
@@ -39,7 +41,6 @@ from plcopen_sfc.formats.simaticml.replaced_elements import (
 from plcopen_sfc.formats.simaticml.row_tokens import read_action
 from plcopen_sfc.formats.simaticml.sequence_rules import ElementRef
 from plcopen_sfc.formats.simaticml.sequence_topology import TopologyReader, added_in, usual_order
-from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK
 from plcopen_sfc.model.drawing import SymbolKind
 from plcopen_sfc.whole_numbers import canonical_number
 
@@ -323,7 +324,9 @@ class _ChartReader:
         """Read the rows of a step. Returns the fields of it in comments that do not count, as the rows were edited."""
         shell = _shell(element)
         rows = children(element)
-        notes = {comment: self._note(comment) for comment in element.iterchildren(etree.Comment)}
+        notes: dict[etree._Element, Fields] = {comment: {} for comment in element.iterchildren(etree.Comment)}
+        for comment, note in notes.items():
+            read_comment(self.ctx, comment, note)
         edited = [name for note in notes.values() for name in edited_fields(note, element, self.ctx.edited_copies)]
         for row in element:
             if not isinstance(row.tag, str):
@@ -342,14 +345,6 @@ class _ChartReader:
                 step["actions"].append(action if association is None or edited else {**association, "id": action["id"]})
         _keep_shell(step, shell)
         return edited
-
-    def _note(self, comment: etree._Element) -> Fields:
-        """Return the fields in a comment between the rows."""
-        holder = etree.Element("Actions")
-        holder.append(copy.deepcopy(comment))
-        fields: Fields = {}
-        read_comments(self.ctx, holder, fields)
-        return fields
 
     def _supervised(self, step: Fields, element: etree._Element, kind: str) -> None:
         shell = _shell(element)
@@ -535,12 +530,8 @@ def _kept(element: etree._Element) -> Fields:
     """Return the fields in the comments of this package at an element, as far as they can be read."""
     found: Fields = {}
     for comment in element.iterchildren(etree.Comment):
-        text = comment.text or ""
-        try:
-            fields = json.loads(text.removeprefix(COMMENT_MARK)) if text.startswith(COMMENT_MARK) else {}
-        except (ValueError, RecursionError):
-            continue  # the reader of the element reports that it is damaged
-        found |= fields if isinstance(fields, dict) else {}
+        with suppress(ValueError, RecursionError):  # the reader of the element reports that it is damaged
+            found |= comment_fields(comment)
     return found
 
 

@@ -48,7 +48,7 @@ from plcopen_sfc.formats.simaticml.sequence_rules import (
     write_link,
 )
 from plcopen_sfc.formats.simaticml.sequence_topology import TopologyWriter, usual_order
-from plcopen_sfc.formats.xml.extension_data import Markup, markup_of
+from plcopen_sfc.formats.xml.extension_data import Markup, attributes_of, elements_of, markup_of
 from plcopen_sfc.languages.networks import chart_statements, condition_reader
 from plcopen_sfc.languages.sfc_flag_uses import WATCHING_FLAGS
 from plcopen_sfc.model.base import ExtensionData
@@ -92,7 +92,7 @@ class _ChartWriter:
     def __init__(self, ctx: DocumentWriting, chart: SfcNetwork) -> None:
         self.ctx = ctx
         self.chart = chart
-        self.schema = ctx.schemas.get("Graph", ctx.version.graph)
+        self.schema = ctx.schemas.get("Graph", ctx.version.schema("Graph"))
         self.step_numbers = _numbers((step.id, step.number) for step in chart.steps)
         self.last_step = max(self.step_numbers.values(), default=0)
         self.names = {
@@ -130,7 +130,7 @@ class _ChartWriter:
         self._controls(root[-1])
         self._alarms(root)
         own = ("PreOperations", "PostOperations", "AlarmsSettings")
-        for content in _unknown(chart.extension_data):
+        for content in elements_of(chart.extension_data):
             if not _is_shell(content, *own):
                 add_element(self.ctx, root, content)
         for name in ("Graph", "PreOperations", "PostOperations", "AlarmsSettings", "AlarmSupervisionCategories"):
@@ -164,7 +164,7 @@ class _ChartWriter:
         for operation in operations:
             child = sub(element, "PermanentOperation")
             write_languages(self.ctx, child, "Title", operation.title)
-            for content in _unknown(operation.extension_data):
+            for content in elements_of(operation.extension_data):
                 add_element(self.ctx, child, content)
             write_flgnet_body(self.ctx, child, operation.body or LdBody())
             _set_attributes(child, "PermanentOperation", operation.extension_data)
@@ -186,7 +186,7 @@ class _ChartWriter:
 
     def _fill_shell(self, element: etree._Element, extension_data: ExtensionData | None, name: str) -> None:
         """Add the parts of an element that were not understood."""
-        for content in _unknown(extension_data):
+        for content in elements_of(extension_data):
             if _is_shell(content, name):
                 holder = etree.Element("holder")
                 add_element(self.ctx, holder, content)
@@ -228,7 +228,7 @@ class _ChartWriter:
         write_languages(ctx, element, "Title", sequence.title)
         write_languages(ctx, element, "Comment", sequence.comment)
         steps = {step.id: step for step in self.chart.steps}
-        kept = _unknown(sequence.extension_data)
+        kept = elements_of(sequence.extension_data)
         is_kept = any(_is_shell(content, CONNECTIONS) for content in kept)
         connections = None if is_kept else self._connections(sequence, {t.id for t in transitions})
         added = connections.added if connections is not None else InsertedElements()
@@ -274,7 +274,7 @@ class _ChartWriter:
         drawn = _branches_of(links)
         types = writer.types()
         links = usual_order(with_competing_transitions_joined(without_joined_jumps(links, types), types), own)
-        order = kept_order(_attributes(sequence.extension_data).get(CONNECTIONS, ""))
+        order = kept_order(attributes_of(sequence.extension_data).get(CONNECTIONS, ""))
         links.sort(key=lambda link: order.get(str(link), len(order)))  # stable: new connections stay in usual order
         used = _branches_of(links)
         alone = len(self.chart.sequences) < _TWO
@@ -344,7 +344,7 @@ class _ChartWriter:
         if step.warning_time is not None:
             attributes["WarningTime"] = step.warning_time
         element = sub(parent, "Step", attributes)
-        for name, value in _attributes(step.extension_data).items():
+        for name, value in attributes_of(step.extension_data).items():
             if not name.startswith("@"):
                 element.set(name, value)
         ctx.place.append(f"step {step.name}")
@@ -361,7 +361,7 @@ class _ChartWriter:
         self._supervised(element, step, "Supervision", step.supervision)
         self._supervised(element, step, "Interlock", step.interlock)
         own = ("Actions", "Supervisions", "Interlocks")
-        for content in _unknown(step.extension_data):
+        for content in elements_of(step.extension_data):
             if not _is_shell(content, *own):
                 add_element(ctx, element, content)
         for name in (*own, "Supervision", "Interlock"):
@@ -413,13 +413,13 @@ class _ChartWriter:
         number = self.transition_numbers[transition.id]
         name = transition.name or f"Trans{number}"
         element = sub(parent, "Transition", {"IsMissing": "false", "Name": name, "Number": str(number)})
-        for key, value in _attributes(transition.extension_data).items():
+        for key, value in attributes_of(transition.extension_data).items():
             element.set(key, value)
         ctx.place.append(f"transition {self._labels[transition.id]}")
         native = {"id", "name", "number", "sources", "targets", "condition", "priority", "title", "comment"}
         write_languages(ctx, element, "TransitionName", transition.title)
         write_languages(ctx, element, "Comment", transition.comment)
-        for content in _unknown(transition.extension_data):
+        for content in elements_of(transition.extension_data):
             add_element(ctx, element, content)
         self._transition_condition(element, transition)
         ctx.keep("transition")
@@ -488,17 +488,9 @@ def _branches_of(links: list[SequenceLink]) -> set[int]:
     return {ref.number for link in links for ref in (link.source, link.target) if ref is not None and ref.kind == "B"}
 
 
-def _unknown(extension_data: ExtensionData | None) -> list[str]:
-    return extension_data.elements if extension_data is not None else []
-
-
-def _attributes(extension_data: ExtensionData | None) -> dict[str, str]:
-    return extension_data.attributes if extension_data is not None else {}
-
-
 def _set_attributes(element: etree._Element, name: str, extension_data: ExtensionData | None) -> None:
     """Write the attributes that were kept of `element` or of an element `name` close below it."""
-    for key, value in _attributes(extension_data).items():
+    for key, value in attributes_of(extension_data).items():
         owner, _, mark = key[1:].rpartition("@")
         if key.startswith("@") and owner == name:
             found = element if local(element) == name else _below(element, name)

@@ -64,8 +64,8 @@ from plcopen_sfc.formats.simaticml.program_comparison import (
     renumber,
     shortened,
 )
+from plcopen_sfc.formats.xml.extension_data import attributes_of
 from plcopen_sfc.languages.standard_blocks import S7_CONVERTED, S7_VERSION, StandardBlock, Tool, standard_block
-from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import FbdBody, LdBody, OpaqueBody
 from plcopen_sfc.model.network import (
     Block,
@@ -143,8 +143,8 @@ class _Writer:
     def __init__(self, root: XmlNode, network: LogicNetwork, types: Mapping[str, str]) -> None:
         self.root = root
         self.types = types
-        self.numbers = _kept(network.extension_data).get(NUMBERS, "")
-        self.hints = Hints(_kept(network.extension_data))
+        self.numbers = attributes_of(network.extension_data).get(NUMBERS, "")
+        self.hints = Hints(attributes_of(network.extension_data))
         self.hints_matter = False
         self.labels = [node for node in network.nodes if isinstance(node, Label)]
         self.rails = {node.id for node in network.nodes if isinstance(node, LeftPowerRail)}
@@ -178,7 +178,7 @@ class _Writer:
 
     def _fold_inverters(self) -> None:
         """Turn a NOT that was read from the negated input of a coil into that again."""
-        for draft in [draft for draft in self.drafts if INVERTED in _kept(draft.node.extension_data)]:
+        for draft in [draft for draft in self.drafts if INVERTED in attributes_of(draft.node.extension_data)]:
             ends = [(d, end) for d in self.drafts for end in d.ends if any(s == draft.number for s, _ in end.sources)]
             inlet = next((end for end in draft.ends if not end.is_output), None)
             if len(ends) == 1 and inlet is not None:
@@ -193,7 +193,7 @@ class _Writer:
         """Give new ``Move`` boxes the pins that all have: EN, on the rail in LAD, and ENO only where it is wired."""
         wired = {source for draft in self.drafts for end in draft.ends for source in end.sources}
         for draft in self.drafts:
-            if draft.name != _MOVE or _kept(draft.node.extension_data):
+            if draft.name != _MOVE or attributes_of(draft.node.extension_data):
                 continue
             if not any(end.name == "en" for end in draft.ends):
                 rails: list[tuple[int, str | None]] = [(number, None) for number in sorted(self.rails)[:1]]
@@ -258,7 +258,7 @@ class _Writer:
         parts = sub(self.root, "Parts")
         for draft in self.drafts:
             if isinstance(draft.node, Block):
-                self._template_values(draft, draft.node, _kept(draft.node.extension_data))
+                self._template_values(draft, draft.node, attributes_of(draft.node.extension_data))
             for end in _in_operand_order(draft):
                 if end.operand is not None:
                     self._access(parts, draft, end, end.operand)
@@ -298,7 +298,7 @@ class _Writer:
         if isinstance(node, Block) and node.call is not None and node.call.value in _CALL_NAMES:
             self._call(parent, draft, node)
             return
-        kept = _kept(node.extension_data)
+        kept = attributes_of(node.extension_data)
         marks = {key: kept[key] for key in _PART_ATTRIBUTES if key in kept}
         if not kept and draft.name in _TIMERS:
             marks["Version"] = S7_VERSION
@@ -362,8 +362,8 @@ class _Writer:
         call = _CALL_NAMES[node.call.value] if node.call is not None else "FC"
         info = sub(element, "CallInfo", {"Name": node.type_name, "BlockType": call})
         for name, kind in CALL_MARKS.items():
-            if name in _kept(node.extension_data):
-                text = _kept(node.extension_data)[name]
+            if name in attributes_of(node.extension_data):
+                text = attributes_of(node.extension_data)[name]
                 sub(info, kind, {"Name": name, "Informative": "true"}).text = text or None
         if node.instance is not None:
             self._instance(info, node.instance)
@@ -372,7 +372,7 @@ class _Writer:
             for variable in variables:
                 if variable.name in ("EN", "ENO"):
                     continue
-                kept = _kept(variable.extension_data)
+                kept = attributes_of(variable.extension_data)
                 marks = {"Name": variable.name, "Section": kept.get("Section", section)}
                 parameter = sub(info, "Parameter", marks | {"Type": kept.get("Type", "Variant")})
                 if "InterfaceFlags" in kept:
@@ -437,14 +437,14 @@ def _draft(node: Node) -> _Draft:
             raise NotUnderstoodError("an edge at a pin")
         block = _standard(node)
         name = s7_name(block) if block is not None else node.type_name
-        name = _kept(node.extension_data).get(PART_NAME, name)
-        return _Draft(node, name, ends, _kept(node.extension_data).get("SrcType", ""))
+        name = attributes_of(node.extension_data).get(PART_NAME, name)
+        return _Draft(node, name, ends, attributes_of(node.extension_data).get("SrcType", ""))
     raise NotUnderstoodError(node.kind)
 
 
 def _standard(node: Block) -> StandardBlock | None:
     """Return the standard block that a block is, if it has the name that IEC 61131-3 gives it."""
-    if PART_NAME in _kept(node.extension_data) or (node.call is not None and node.call.value in _CALL_NAMES):
+    if PART_NAME in attributes_of(node.extension_data) or (node.call is not None and node.call.value in _CALL_NAMES):
         return None
     block = standard_block(node.type_name)
     return block if block is not None and block.name == node.type_name else None
@@ -476,10 +476,6 @@ def _outlet(node: Block, variable: BlockVariable) -> _End:
 def _in_operand_order(draft: _Draft) -> list[_End]:
     """Return the pins in the order of their operands: an edge memory is behind the operand that is watched."""
     return sorted(draft.ends, key=lambda end: end.name == "bit")
-
-
-def _kept(extension_data: ExtensionData | None) -> dict[str, str]:
-    return extension_data.attributes if extension_data is not None else {}
 
 
 TEXTS = "texts"
@@ -636,7 +632,7 @@ def report_network(ctx: DocumentReading, error: NotUnderstoodError, element: etr
 
 def write_flgnet_body(ctx: DocumentWriting, owner: etree._Element, body: Body) -> None:
     """Write the body of an element of GRAPH: its language and its network."""
-    kept = body.extension_data.attributes if body.extension_data is not None else {}
+    kept = attributes_of(body.extension_data)
     owner.set("ProgrammingLanguage", kept.get("ProgrammingLanguage") or _NAMES.get(body.language, "LAD"))
     if isinstance(body, OpaqueBody):
         add_element(ctx, owner, body.content)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
 from typing import Any
 
 from lxml import etree
@@ -37,19 +38,20 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     merge_fields,
     plain_text,
     read_comments,
-    read_object_text,
+    read_objects,
 )
 from plcopen_sfc.formats.simaticml.element_writer import (
     ID,
     DocumentWriting,
-    add_element,
     finish,
     flag,
+    kept_parts,
     sub,
     write_object_text,
 )
 from plcopen_sfc.formats.simaticml.graph_reader import CONTROLLED, are_controls_edited
 from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, counting_fields, interface_digest
+from plcopen_sfc.formats.xml.extension_data import attributes_of, elements_of
 from plcopen_sfc.languages.s7_globals import UNCALLED, local_tags
 from plcopen_sfc.languages.s7_programs import report_program
 from plcopen_sfc.languages.st.lexer import tokenize
@@ -117,7 +119,7 @@ def read_pou(ctx: DocumentReading, element: etree._Element) -> Fields:
             f"#{m.get('Name', '').lower()}" for m in interface.iterfind("*/*[@Name='Constant']/{*}Member")
         )
     language = _take(values, "ProgrammingLanguage")
-    units = _object_list(element, fields, "SW.Blocks.CompileUnit")
+    units = read_objects(element, fields, "SW.Blocks.CompileUnit")
     late: Fields = {}
     fields["bodies"], unit_language = read_units(ctx, units, late)
     if fields.get("interface", {}).get("return_type") is not None:
@@ -182,7 +184,7 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
         )
     elif chart is not None:
         mark_added(write_interface(ctx, writer.values, Interface(), graph=True, added=added))
-    kept = pou.extension_data.attributes.get("ProgrammingLanguage") if pou.extension_data is not None else None
+    kept = attributes_of(pou.extension_data).get("ProgrammingLanguage")
     writer.set("ProgrammingLanguage", kept or block_language([language_of(body) for body in pou.bodies]) or "LAD")
     if chart is not None and ctx.body_name not in ctx.options.untouched:
         _write_settings(writer, chart.chart.graph_settings)
@@ -329,8 +331,7 @@ def read_data_block(ctx: DocumentReading, element: etree._Element) -> Fields:
     fields["type_name"] = _take(values, "InstanceOfName")
     if plain_text(values.get("ProgrammingLanguage")) == "DB":
         del values["ProgrammingLanguage"]
-    for child in _object_list(element, fields, ""):
-        keep_element(fields, child)
+    read_objects(element, fields)
     return _end(ctx, element, fields, values)
 
 
@@ -342,7 +343,7 @@ def write_data_block(ctx: DocumentWriting, parent: etree._Element, block: DataBl
         write_interface(ctx, writer.values, block.interface)
     if block.type_name is not None:
         writer.set("InstanceOfName", block.type_name)
-    kept = block.extension_data.attributes.get("ProgrammingLanguage") if block.extension_data is not None else None
+    kept = attributes_of(block.extension_data).get("ProgrammingLanguage")
     writer.set("ProgrammingLanguage", kept or "DB")
     ctx.keep("data block")
     write_object_text(ctx, writer.objects, "Comment", block.comment)
@@ -359,8 +360,7 @@ def read_data_type(ctx: DocumentReading, element: etree._Element) -> Fields:
     if members is not None:
         fields["type"] = members
         del values["Interface"]
-    for child in _object_list(element, fields, ""):
-        keep_element(fields, child)
+    read_objects(element, fields)
     digest = interface_digest(interface) if interface is not None else ""
     return _end(ctx, element, fields, values, {"type": digest, "initial": digest})
 
@@ -372,7 +372,7 @@ def write_data_type(ctx: DocumentWriting, parent: etree._Element, declaration: D
     native = {"type"}
     also: dict[str, Any] = {}
     if isinstance(declaration.type, StructType):
-        kept = declaration.extension_data.elements if declaration.extension_data is not None else []
+        kept = elements_of(declaration.extension_data)
         if declaration.type.members or not any(content.startswith("<Interface ") for content in kept):
             write_members(ctx, writer.values, declaration.type)
         ctx.keep("data type")
@@ -395,7 +395,7 @@ def read_tag_table(ctx: DocumentReading, element: etree._Element) -> Fields:
     """Read a tag table with its tags and user constants."""
     fields: Fields = {"tags": [], "constants": []}
     values = _start(ctx, element, fields)
-    for child in _object_list(element, fields, TAG, CONSTANT):
+    for child in read_objects(element, fields, TAG, CONSTANT):
         if local(child) == TAG:
             fields["tags"].append(_read_tag(ctx, child))
         else:
@@ -421,8 +421,7 @@ def _read_tag(ctx: DocumentReading, element: etree._Element) -> Fields:
     values = _start(ctx, element, fields)
     fields["type"] = _take(values, "DataTypeName") or ""
     fields["address"] = _take(values, "LogicalAddress")
-    for child in _object_list(element, fields, ""):
-        keep_element(fields, child)
+    read_objects(element, fields)
     return _end(ctx, element, fields, values)
 
 
@@ -445,14 +444,13 @@ def _read_constant(ctx: DocumentReading, element: etree._Element) -> Fields:
     value = _take(values, "Value")
     if value is not None:
         fields["initial"] = {"kind": "simple", "text": value}
-    for child in _object_list(element, fields, ""):
-        keep_element(fields, child)
+    read_objects(element, fields)
     return _end(ctx, element, fields, values)
 
 
 def _write_constant(ctx: DocumentWriting, parent: etree._Element, constant: Variable) -> None:
     writer = _Object(ctx, parent, CONSTANT, constant, "UserConstants")
-    kept = constant.extension_data.attributes if constant.extension_data is not None else {}
+    kept = attributes_of(constant.extension_data)
     writer.set("DataTypeName", spelling(constant.type, kept))
     native = {"type"}
     if isinstance(constant.initial, SimpleValue):
@@ -515,22 +513,6 @@ def _take(values: dict[str, etree._Element], name: str) -> str | None:
     return text
 
 
-def _object_list(element: etree._Element, fields: Fields, *expected: str) -> list[etree._Element]:
-    """Return the objects of an object: its title and comment are read, the `expected` ones returned, others kept."""
-    holder = child_named(element, "ObjectList")
-    found: list[etree._Element] = []
-    for child in children(holder) if holder is not None else ():
-        field = {"Title": "title", "Comment": "comment"}.get(child.get("CompositionName", ""))
-        text = read_object_text(child) if local(child) == "MultilingualText" and field not in fields else None
-        if text is not None and field is not None:
-            fields[field] = text
-        elif local(child) in expected:
-            found.append(child)
-        else:
-            keep_element(fields, child)
-    return found
-
-
 class _Object:
     """An object that is being written: its attributes by name, which are sorted at the end, and its objects."""
 
@@ -554,23 +536,44 @@ class _Object:
         self, native: frozenset[str], *, reported: frozenset[str] = frozenset(), also: dict[str, Any] | None = None
     ) -> None:
         """Write what was kept, sort the attributes as TIA Portal does, and carry the fields that are left."""
-        extension_data = self.thing.extension_data
-        for name, value in extension_data.attributes.items() if extension_data is not None else ():
+        for name, value in attributes_of(self.thing.extension_data).items():
             if name.startswith("@"):
                 owner, _, mark = name[1:].rpartition("@")
                 {"AttributeList": self.values, "ObjectList": self.objects}.get(owner, self.element).set(mark, value)
             elif name not in ("Datatype", ID):
                 self.set(name, value)
-        for content in extension_data.elements if extension_data is not None else ():
-            holder = etree.Element("holder")
-            add_element(self.ctx, holder, content)
-            for element in list(holder):
-                own = self.values.find(str(element.tag)) if element.get(ID) is None else None
-                if own is not None and own.tag in _MARKED and element.attrib:
-                    self.values.remove(own)
-                (self.objects if element.get(ID) is not None else self.values).append(element)
+        for element in kept_parts(self.ctx, self.thing.extension_data):
+            own = self.values.find(str(element.tag)) if element.get(ID) is None else None
+            if own is not None and own.tag in _MARKED and element.attrib:
+                self.values.remove(own)
+            (self.objects if element.get(ID) is not None else self.values).append(element)
         self.values[:] = sorted(self.values, key=lambda value: str(value.tag).lower())
         write_object_text(self.ctx, self.objects, "Title", getattr(self.thing, "title", None))
         if not len(self.objects):
             self.element.remove(self.objects)
         finish(self.ctx, self.element, self.thing, native | _TEXTS, reported=reported, also=also)
+
+
+Thing = Pou | DataBlock | DataTypeDeclaration | TagTable
+"""An object of a document."""
+
+
+@dataclass(frozen=True)
+class ObjectKind:
+    """Kind of the objects of a document: their class, the field of a project with them, their reader and writer."""
+
+    model: type[Thing]
+    field: str
+    read: Callable[[DocumentReading, etree._Element], Fields]
+    write: Callable[[DocumentWriting, etree._Element, Any], None]
+
+
+_POU = ObjectKind(Pou, "pous", read_pou, write_pou)
+_DATA_BLOCK = ObjectKind(DataBlock, "data_blocks", read_data_block, write_data_block)
+KINDS: dict[str, ObjectKind] = {
+    TAG_TABLE: ObjectKind(TagTable, "tag_tables", read_tag_table, write_tag_table),
+    DATA_TYPE: ObjectKind(DataTypeDeclaration, "data_types", read_data_type, write_data_type),
+    **dict.fromkeys(DATA_BLOCKS, _DATA_BLOCK),
+    **dict.fromkeys(POUS, _POU),
+}
+"""Kinds of objects by their elements, those that others need first."""

@@ -148,7 +148,7 @@ def fit_alarms(chart: SfcNetwork, version: TiaVersion) -> None:
     settings = chart.graph_settings
     if settings is None or not settings.alarm_categories:
         return
-    usual: list[_Category] = list(USUAL_CATEGORIES[version.graph >= ALL_CATEGORIES])
+    usual: list[_Category] = list(USUAL_CATEGORIES[version.schema("Graph") >= ALL_CATEGORIES])
     every: dict[str, _Category] = {entry[0]: entry for entry in USUAL_CATEGORIES[True]}
     given: list[_Category] = [(one.name, one.id, one.display_class, one.text) for one in settings.alarm_categories]
     names = {name for name, *_ in usual}

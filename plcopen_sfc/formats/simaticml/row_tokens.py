@@ -20,7 +20,7 @@ from plcopen_sfc.formats.simaticml.element_reader import (
 )
 from plcopen_sfc.formats.simaticml.element_writer import sub
 from plcopen_sfc.formats.simaticml.network_operands import parse_operand
-from plcopen_sfc.formats.xml.extension_data import legal_text
+from plcopen_sfc.formats.xml.extension_data import attributes_of, legal_text
 from plcopen_sfc.languages.st.parsing import parse_expression
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.body import StBody
@@ -88,7 +88,7 @@ def read_action(element: etree._Element) -> Fields:
 
 def write_row(element: etree._Element, action: ActionAssociation, blocks: Mapping[str, str] | None = None) -> None:
     """Fill ``Action`` with the tokens of an association. `blocks` are the function blocks of instance data blocks."""
-    kept = action.extension_data.attributes if action.extension_data is not None else {}
+    kept = attributes_of(action.extension_data)
     event, qualifier = action.event, action.qualifier
     if qualifier in AS_EVENTS and event is None:
         event, qualifier = AS_EVENTS[qualifier], Qualifier.N

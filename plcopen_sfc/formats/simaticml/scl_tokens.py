@@ -37,7 +37,7 @@ from plcopen_sfc.formats.simaticml.program_comparison import (
     shortened,
 )
 from plcopen_sfc.formats.simaticml.tia_versions import concrete, neutral
-from plcopen_sfc.formats.xml.extension_data import legal_text, markup, parsed_markup
+from plcopen_sfc.formats.xml.extension_data import attributes_of, legal_text, markup, parsed_markup
 from plcopen_sfc.languages.st.lexer import Comment, Token, tokenize
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect
@@ -193,7 +193,7 @@ def write_code(ctx: DocumentWriting, source: etree._Element, body: StBody) -> No
         ctx.note(Outcome.DROPPED, "comment", why="an edited text keeps only one language of a comment")
     if body.text:
         root = ctx.root("StructuredText", "StructuredText", source)
-        kept = body.extension_data.attributes if body.extension_data is not None else {}
+        kept = attributes_of(body.extension_data)
         write_text(root, legal_text(body.text), InterfaceNames(ctx.types, ctx.constants), ctx.culture, kept)
         if NUMBERS in kept:
             renumber(root, kept[NUMBERS])

@@ -26,6 +26,7 @@ from plcopen_sfc.formats.simaticml.sequence_rules import (
     read_link,
     without_inserted,
 )
+from plcopen_sfc.formats.xml.extension_data import attributes_of
 from plcopen_sfc.model.drawing import CONVERGENCES, STEPS, Drawing, Symbol, SymbolKind
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.wiring import trace
@@ -260,7 +261,7 @@ class TopologyWriter:
         for symbol in self.symbols.values():
             if symbol.kind in _TYPES:
                 count = str(len(self.paths[symbol.id]) if symbol.id in self.paths else len(symbol.inputs))
-                kept = symbol.extension_data.attributes if symbol.extension_data is not None else {}
+                kept = attributes_of(symbol.extension_data)
                 count = kept.get(f"{CARDINALITY} of {count}", count)
                 attributes = {"Number": str(self.numbers[symbol.id]), "Type": _TYPES[symbol.kind], "Cardinality": count}
                 yield symbol, attributes

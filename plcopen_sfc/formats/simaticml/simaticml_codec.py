@@ -21,20 +21,18 @@ from plcopen_sfc.formats.simaticml.added_elements import mark_added, seal_marks
 from plcopen_sfc.formats.simaticml.document_reader import IDS, PRODUCT, SCHEMA, find_version, read_project
 from plcopen_sfc.formats.simaticml.element_reader import local
 from plcopen_sfc.formats.simaticml.element_writer import ID, DocumentWriting, add_element, finish, sub
-from plcopen_sfc.formats.simaticml.openness_objects import (
-    DATA_BLOCKS,
-    DATA_TYPE,
-    POUS,
-    TAG_TABLE,
-    write_data_block,
-    write_data_type,
-    write_pou,
-    write_tag_table,
-)
+from plcopen_sfc.formats.simaticml.openness_objects import KINDS, Thing
 from plcopen_sfc.formats.simaticml.openness_schemas import fit_alarms, refuse_older
 from plcopen_sfc.formats.simaticml.tia_adaptation import adapt
-from plcopen_sfc.formats.simaticml.tia_versions import DEFAULT, TiaVersion, version_like
-from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup, markup_of, misfit
+from plcopen_sfc.formats.simaticml.tia_versions import DEFAULT, SCHEMAS, TiaVersion, version_like
+from plcopen_sfc.formats.xml.extension_data import (
+    Markup,
+    attributes_of,
+    elements_of,
+    exchange_markup,
+    markup_of,
+    misfit,
+)
 from plcopen_sfc.formats.xml.xml_codec import FolderCodec, XmlStyle, write_xml
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
 from plcopen_sfc.languages.library_blocks import library_blocks
@@ -136,14 +134,13 @@ def write_project(
 
 def _ids(project: Project) -> list[str]:
     """Return the ids that the file has, where they are no running numbers."""
-    return project.extension_data.attributes.get(IDS, "").split() if project.extension_data is not None else []
+    return attributes_of(project.extension_data).get(IDS, "").split()
 
 
 def _tree(project: Project, version: TiaVersion, report: ConversionReport, options: WriteOptions) -> etree._Element:
     """Return the tree with all ids still empty."""
-    kept = project.extension_data.attributes if project.extension_data is not None else {}
-    schemas = {kind: version.schema(kind) for kind in ("Interface", "Graph", "FlgNet", "StructuredText")}
-    schemas["StatementList"] = version.statement_list
+    kept = attributes_of(project.extension_data)
+    schemas = {kind: version.schema(kind) for kind in SCHEMAS}
     if options.same:
         given = {name.removeprefix(SCHEMA): value for name, value in kept.items() if name.startswith(SCHEMA)}
         schemas.update({kind: int(number) for kind, number in given.items()})
@@ -158,14 +155,7 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
     enumerations = {table.name for table in s7_types(project).tables()}
     added = {id(thing) for thing in (project.objects() if options.added else apart)}
     for thing in _in_order(project, apart):
-        if isinstance(thing, Pou):
-            write_pou(ctx, root, thing)
-        elif isinstance(thing, DataBlock):
-            write_data_block(ctx, root, thing)
-        elif isinstance(thing, DataTypeDeclaration):
-            write_data_type(ctx, root, thing)
-        else:
-            write_tag_table(ctx, root, thing)
+        next(kind for kind in KINDS.values() if isinstance(thing, kind.model)).write(ctx, root, thing)
         if id(thing) in added:
             mark_added(root[-1])
             if isinstance(thing, DataBlock) and thing.kind is DataBlockKind.GLOBAL:
@@ -178,7 +168,7 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
         ctx.note(Outcome.NOT_EXECUTED, what, name, why)
     if any(project.resources()):
         report_tasks(ctx.project, report)
-    for content in project.extension_data.elements if project.extension_data is not None else ():
+    for content in elements_of(project.extension_data):
         add_element(ctx, root, content)
     finish(ctx, root, project, _NATIVE, reported=frozenset({"applications", "configurations"}))
     seal_marks(root)
@@ -203,18 +193,15 @@ def _call(block: str, program: str) -> LogicNetwork:
     return LogicNetwork(nodes=[box])
 
 
-def _in_order(
-    project: Project, added: Sequence[Pou | DataBlock | TagTable]
-) -> list[Pou | DataBlock | DataTypeDeclaration | TagTable]:
+def _in_order(project: Project, added: Sequence[Pou | DataBlock | TagTable]) -> list[Thing]:
     """Objects in the order of the file, else those that others need first; those that are `added` among them."""
-    things: list[Pou | DataBlock | DataTypeDeclaration | TagTable]
-    tables = [thing for thing in added if isinstance(thing, TagTable)]
-    blocks = [thing for thing in added if isinstance(thing, DataBlock)]
-    pous = [*project.pous, *(thing for thing in added if isinstance(thing, Pou))]
-    things = [*project.tag_tables, *tables, *project.data_types, *project.data_blocks, *blocks, *pous]
+    things: list[Thing] = []
+    for kind in dict.fromkeys(KINDS.values()):
+        things += getattr(project, kind.field)
+        things += (thing for thing in added if isinstance(thing, kind.model))
 
-    def rank(thing: Pou | DataBlock | DataTypeDeclaration | TagTable) -> int:
-        text = thing.extension_data.attributes.get(ID, "") if thing.extension_data is not None else ""
+    def rank(thing: Thing) -> int:
+        text = attributes_of(thing.extension_data).get(ID, "")
         try:
             return int(text, 16)
         except ValueError:
@@ -232,13 +219,13 @@ def _document_info(ctx: DocumentWriting, root: etree._Element, header: FileHeade
         if any(value for name, value in header.model_dump(exclude_defaults=True).items()):
             finish(ctx, root, Project(header=header), frozenset())
         return
-    kept = header.extension_data.attributes if header.extension_data is not None else {}
+    kept = attributes_of(header.extension_data)
     for name, value in kept.items():
         if name == "#text":
             root[0].text = value
         elif name != "DocumentInfo" and not name.startswith("@"):
             root[0].set(name, value)
-    elements = header.extension_data.elements if header.extension_data is not None else []
+    elements = elements_of(header.extension_data)
     if not (header.created or header.description is not None or elements or "DocumentInfo" in kept):
         return
     info = sub(root, "DocumentInfo", {name[1:]: value for name, value in kept.items() if name.startswith("@")})
@@ -319,15 +306,6 @@ def _remove(element: etree._Element) -> None:
     parent.remove(element)
 
 
-_KINDS = {
-    **dict.fromkeys(POUS, Pou.kind_in_reports),
-    **dict.fromkeys(DATA_BLOCKS, DataBlock.kind_in_reports),
-    DATA_TYPE: DataTypeDeclaration.kind_in_reports,
-    TAG_TABLE: TagTable.kind_in_reports,
-}
-"""Names of the objects of a document in reports."""
-
-
 def _version(project: Project, options: WriteOptions) -> TiaVersion:
     """Return the version to write."""
     given = options.version or (project.header.version if project.header.product == PRODUCT else "")
@@ -368,7 +346,7 @@ class SimaticmlCodec(FolderCodec):
         if not options.same:
             if project.header.product == PRODUCT and options.version:
                 project.header.version = options.version
-            kept = project.extension_data.attributes if project.extension_data is not None else {}
+            kept = attributes_of(project.extension_data)
             for name in [name for name in kept if name.startswith(SCHEMA)]:
                 del kept[name]
             for chart in project.charts():
@@ -388,11 +366,11 @@ class SimaticmlCodec(FolderCodec):
         root = parse_xml(content)
         line_of = SourceLines(root, content).line
         for owner in root:
-            kind = _KINDS.get(local(owner))
+            kind = KINDS.get(local(owner))
             name = next(owner.iterfind("{*}AttributeList/{*}Name"), None)
             if kind is None or name is None:
                 continue
-            path = f"{kind} {name.text or ''}"
+            path = f"{kind.model.kind_in_reports} {name.text or ''}"
             found.setdefault(path, line_of(owner) or 1)
             for member in owner.iterfind("{*}AttributeList/{*}Interface/*/*/{*}Member"):
                 found.setdefault(f"{path} / {member.get('Name')}", line_of(member) or 1)

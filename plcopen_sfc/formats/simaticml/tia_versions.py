@@ -18,42 +18,33 @@ LANGUAGES = ("Graph", "FlgNet", "StructuredText", "StatementList")
 
 @dataclass(frozen=True)
 class TiaVersion:
-    """One version of TIA Portal: its name in ``Engineering/@version``, and the number of each schema; 0 for none."""
+    """One version of TIA Portal: its name in ``Engineering/@version``, and the numbers of its schemas; 0 for none."""
 
     name: str
-    interface: int
-    graph: int
-    flg_net: int
-    structured_text: int
-    statement_list: int
+    schemas: tuple[int, ...]
 
     def schema(self, kind: str) -> int:
         """Return the number of the schema of `kind`: ``Interface``, or one of `LANGUAGES`."""
-        return {
-            "Interface": self.interface,
-            "Graph": self.graph,
-            "FlgNet": self.flg_net,
-            "StructuredText": self.structured_text,
-            "StatementList": self.statement_list,
-        }.get(kind, 1)
+        return dict(zip(KINDS, self.schemas, strict=True)).get(kind, 1)
 
 
+KINDS = ("Interface", *LANGUAGES)
 VERSIONS = (
-    TiaVersion("V14 SP1", interface=2, graph=1, flg_net=1, structured_text=0, statement_list=1),
-    TiaVersion("V15", interface=3, graph=2, flg_net=2, structured_text=1, statement_list=2),
-    TiaVersion("V15.1", interface=3, graph=4, flg_net=3, structured_text=2, statement_list=3),
-    TiaVersion("V16", interface=4, graph=5, flg_net=4, structured_text=3, statement_list=4),
-    TiaVersion("V17", interface=5, graph=5, flg_net=4, structured_text=3, statement_list=4),
-    TiaVersion("V18", interface=5, graph=5, flg_net=4, structured_text=3, statement_list=4),
-    TiaVersion("V19", interface=5, graph=5, flg_net=5, structured_text=4, statement_list=5),
-    TiaVersion("V20", interface=5, graph=5, flg_net=5, structured_text=4, statement_list=5),
-    TiaVersion("V21", interface=5, graph=6, flg_net=5, structured_text=4, statement_list=5),
+    TiaVersion("V14 SP1", (2, 1, 1, 0, 1)),
+    TiaVersion("V15", (3, 2, 2, 1, 2)),
+    TiaVersion("V15.1", (3, 4, 3, 2, 3)),
+    TiaVersion("V16", (4, 5, 4, 3, 4)),
+    TiaVersion("V17", (5, 5, 4, 3, 4)),
+    TiaVersion("V18", (5, 5, 4, 3, 4)),
+    TiaVersion("V19", (5, 5, 5, 4, 5)),
+    TiaVersion("V20", (5, 5, 5, 4, 5)),
+    TiaVersion("V21", (5, 6, 5, 4, 5)),
 )
 """Of V14 SP1 and V15 the program schemas without a sample are those that share their grammar of operands with the GRAPH
 schema of the version. The first schema of SCL shares that of V15: V14 SP1 has no SCL in XML.
 """
 
-SCHEMAS = {kind: frozenset(v.schema(kind) for v in VERSIONS) - {0} for kind in ("Interface", *LANGUAGES)}
+SCHEMAS = {kind: frozenset(v.schema(kind) for v in VERSIONS) - {0} for kind in KINDS}
 """Numbers of the schemas of each kind. There is no version 3 of GRAPH, and no version 1 of interfaces."""
 
 DEFAULT = VERSIONS[-2]

@@ -168,6 +168,16 @@ def set_attributes(element: etree._Element, kept: Mapping[str, str]) -> None:
                 ) from error
 
 
+def attributes_of(extension_data: ExtensionData | None) -> dict[str, str]:
+    """Return the attributes that were kept of an object."""
+    return extension_data.attributes if extension_data is not None else {}
+
+
+def elements_of(extension_data: ExtensionData | None) -> list[str]:
+    """Return the elements that were kept of an object, as markup."""
+    return extension_data.elements if extension_data is not None else []
+
+
 def legal_text(text: str) -> str:
     """Return `text` without the control characters that XML 1.0 cannot hold."""
     return _ILLEGAL.sub("", text)

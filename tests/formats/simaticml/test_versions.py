@@ -71,7 +71,7 @@ def says_scl(path: Path) -> bool:
 @pytest.mark.parametrize("path", sorted(FIXTURES.rglob("*.xml")), ids=lambda path: path.name)
 def test_what_is_written_is_valid(path: Path, version: TiaVersion) -> None:
     project = sfc.load(path)
-    if says_scl(path) and not version.structured_text:
+    if says_scl(path) and not version.schema("StructuredText"):
         with pytest.raises(OldVersionError, match="SCL needs TIA Portal V15"):
             sfc.dumps(project, tia=version.name, fresh=True)
         return
@@ -93,7 +93,7 @@ def test_what_is_written_is_valid(path: Path, version: TiaVersion) -> None:
 @pytest.mark.parametrize("path", sorted(FIXTURES.rglob("*.xml")), ids=lambda path: path.name)
 def test_another_version_and_back_is_the_same(path: Path, version: TiaVersion) -> None:
     project = sfc.load(path)
-    if says_scl(path) and not version.structured_text:
+    if says_scl(path) and not version.schema("StructuredText"):
         return
     report = sfc.save(project, (there := io.BytesIO()), tia=version.name)
     assert not report.losses
