@@ -10,7 +10,14 @@ from typing import Any
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.iectext.text_outline import TextPart
-from plcopen_sfc.formats.iectext.text_source import Annotations, TextSource, between_semicolons, newlines, taken
+from plcopen_sfc.formats.iectext.text_source import (
+    Annotations,
+    TextSource,
+    between_semicolons,
+    keep_text,
+    newlines,
+    taken,
+)
 from plcopen_sfc.languages.declarations.kept_texts import wrapped
 from plcopen_sfc.languages.il import is_il
 from plcopen_sfc.languages.pragmas import Fields, PathError, RemainderEntry, StaleError, apply, format_path
@@ -340,8 +347,7 @@ def _keep_unknown(src: TextSource, element: ElementText, known: set[str]) -> Non
                 src.note(
                     "SFC103", f"{keyword} names {name!r}, which is no step of this chart", element.start, element.path
                 )
-                extension_data = element.fields.setdefault("extension_data", {})
-                extension_data.setdefault("data", []).append(wrapped(keyword.lower(), name))
+                keep_text(element.fields, keyword.lower(), name)
 
 
 def apply_change(src: TextSource, fields: Fields, found: tuple[RemainderEntry, int], path: str) -> None:

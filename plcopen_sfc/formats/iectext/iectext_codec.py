@@ -12,6 +12,7 @@ from typing import TypeAlias
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import EncodingError, Location
 from plcopen_sfc.formats.format_interface import ReadResult, TextCodec, WriteOptions
+from plcopen_sfc.formats.iectext.pou_text_writer import POU_KEYWORDS
 from plcopen_sfc.formats.iectext.project_text import dialect_of, read_project, write_project
 from plcopen_sfc.formats.iectext.text_outline import POUS, PartKind, TextPart, outline
 from plcopen_sfc.formats.iectext.text_source import INDENT, OWN_PRAGMA, TextSource, indented, is_own
@@ -30,20 +31,13 @@ from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou, PouKind
+from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Task
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.model.variables import SectionKind, VariableSection
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import ConversionReport
-
-_KEYWORDS = {
-    PouKind.FUNCTION: "FUNCTION",
-    PouKind.FUNCTION_BLOCK: "FUNCTION_BLOCK",
-    PouKind.PROGRAM: "PROGRAM",
-    PouKind.ORGANIZATION_BLOCK: "PROGRAM",
-}
 
 
 def compiled_text(project: Project) -> str:
@@ -60,7 +54,7 @@ def _comment(thing: Element, indent: str) -> str:
 
 
 def _pou(pou: Pou) -> str:
-    keyword = _KEYWORDS[pou.kind]
+    keyword = POU_KEYWORDS[pou.kind]
     head = f"{keyword} {pou.name}"
     interface = pou.interface
     if interface is not None and interface.return_type is not None:
@@ -207,7 +201,7 @@ class _Finder:
         for inner in part.parts:
             if inner.kind is PartKind.STEP and (step := next(steps, None)) is not None:
                 self._put(f"{path} / step {step.name}", inner)
-            elif inner.kind is PartKind.TRANSITION and chart is not None and self._leads(inner):
+            elif inner.kind is PartKind.TRANSITION and chart is not None and self._src.outline.leads(inner):
                 label = next(labels, None)
                 if label is not None:
                     self._put(f"{path} / transition {label}", inner)
@@ -241,10 +235,6 @@ class _Finder:
 
     def _put(self, path: str, part: TextPart) -> None:
         self.found.setdefault(path, self._lines.place(part.start)[0])
-
-    def _leads(self, part: TextPart) -> bool:
-        """True if a transition is one of the chart, rather than a transition object of the POU."""
-        return any(token.value.upper() in ("FROM", "TO") for token in self._src.outline.tokens(part.tokens))
 
 
 Found: TypeAlias = tuple[tuple[Key, ...], tuple[int, int], "TextPart | None"]
@@ -349,7 +339,7 @@ def _parts(
         if kind is PartKind.STEP:
             step = next(steps, None)
             key = ("step", str(step.id)) if step is not None else None
-        elif kind is PartKind.TRANSITION and _leads(src, inner):
+        elif kind is PartKind.TRANSITION and src.outline.leads(inner):
             transition = next(transitions, None)
             key = ("transition", str(transition.id)) if transition is not None else None
         elif kind is PartKind.TRANSITION:
@@ -380,10 +370,6 @@ def _loose(src: TextSource, around: TextPart, number: int, position: int) -> tup
     start = src.core(position, end)[0]
     text = src.text[start:end]
     return start + len(text) - len(text.lstrip()), start + len(text.rstrip())
-
-
-def _leads(src: TextSource, part: TextPart) -> bool:
-    return any(token.value.upper() in ("FROM", "TO") for token in src.outline.tokens(part.tokens))
 
 
 def _is_in_place(src: TextSource, start: int, part: TextPart) -> bool:

@@ -23,8 +23,16 @@ from plcopen_sfc.formats.iectext.chart_text_reader import (
 from plcopen_sfc.formats.iectext.text_declarations import read_return_type, read_section
 from plcopen_sfc.formats.iectext.text_outline import PartKind, TextPart
 from plcopen_sfc.formats.iectext.text_printing import put_drawing
-from plcopen_sfc.formats.iectext.text_source import Annotations, TextBlock, TextSource, is_own, newlines, taken
-from plcopen_sfc.languages.declarations.kept_texts import Inheritance, unwrapped, wrapped
+from plcopen_sfc.formats.iectext.text_source import (
+    Annotations,
+    TextBlock,
+    TextSource,
+    is_own,
+    keep_text,
+    newlines,
+    taken,
+)
+from plcopen_sfc.languages.declarations.kept_texts import Inheritance, unwrapped
 from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, plain_fields
 from plcopen_sfc.model.checked import first_misfit
 from plcopen_sfc.model.pou import Pou
@@ -68,15 +76,9 @@ def _pou_fields(src: TextSource, part: TextPart, gap: tuple[int, int]) -> Fields
     container = _container(src, part, gap, "POU ")
     container.fields["kind"] = _KINDS.get(part.kind, part.kind)  # a pragma may have a finer kind
     fields = _finished(src, container)
-    body = fields.pop("body", None)
-    chart = fields.pop("chart", None)
-    fields["bodies"] = _bodies(body, chart) + fields.get("bodies", [])
+    body = _body(fields.pop("body", None), fields.pop("chart", None))
+    fields["bodies"] = ([body] if body is not None else []) + fields.get("bodies", [])
     return fields
-
-
-def _bodies(body: Fields | None, chart: Fields | None) -> list[Fields]:
-    whole = _body(body, chart)
-    return [] if whole is None else [whole]
 
 
 def _body(body: Fields | None, chart: Fields | None) -> Fields | None:
@@ -124,7 +126,9 @@ def _container(src: TextSource, part: TextPart, gap: tuple[int, int], prefix: st
         container.fields["interface"]["return_type"] = read_return_type(src, part.return_type, path)
     if not _is_as_typed(container.annotations):
         _keep_header_rest(src, part, container)
-    has_chart = any(p.kind is PartKind.STEP or (p.kind is PartKind.TRANSITION and _leads(src, p)) for p in part.parts)
+    has_chart = any(
+        p.kind is PartKind.STEP or (p.kind is PartKind.TRANSITION and src.outline.leads(p)) for p in part.parts
+    )
     position, loose = part.inside[0], False
     for inner in part.parts:
         if inner.kind is PartKind.LOOSE:
@@ -174,7 +178,7 @@ def _keep_header_rest(src: TextSource, part: TextPart, container: UnitText) -> N
             container.fields["interface"]["extension_data"] = extension_data.model_dump()
     modifiers = [t.value for t in tokens[1:] if t.span[1] <= _name_start(tokens, part)]
     if modifiers:
-        _keep_data(container.fields, "modifiers", " ".join(modifiers))
+        keep_text(container.fields, "modifiers", " ".join(modifiers))
 
 
 def _behind(tokens: list[Any], word: str) -> tuple[str, ...]:
@@ -190,26 +194,10 @@ def _name_start(tokens: list[Any], part: TextPart) -> int:
     return int(next((t.span[0] for t in tokens[1:] if t.value == first), 0))
 
 
-def _keep_data(fields: Fields, place: str, text: str) -> None:
-    fields.setdefault("extension_data", {}).setdefault("data", []).append(wrapped(place, text))
-
-
-def _leads(src: TextSource, part: TextPart) -> bool:
-    """True if a transition is one of a chart; a transition object of the POU has no FROM and no TO."""
-    depth = 0
-    for token in src.outline.tokens(part.tokens):
-        depth += (token.type == "LPAR") - (token.type == "RPAR")
-        if depth == 0 and token.type in ("ASSIGN", "COLON"):
-            break
-        if token.value.upper() in ("FROM", "TO"):
-            return True
-    return False
-
-
 def _object_names(src: TextSource, part: TextPart) -> Iterator[str]:
     """Yield the names of the transition objects of a POU."""
     for inner in part.parts:
-        if inner.kind is PartKind.TRANSITION and not _leads(src, inner):
+        if inner.kind is PartKind.TRANSITION and not src.outline.leads(inner):
             yield from (token.value.casefold() for token in src.outline.tokens(inner.tokens)[:1])
 
 
@@ -242,17 +230,17 @@ def _read_part(src: TextSource, part: TextPart, gap: tuple[int, int], container:
         sections = read_section(src, part, gap, place)
         if not sections:
             src.note("IEC108", f"{part.keyword} is not allowed in a POU", part.start, place)
-            _keep_data(container.fields, "section", newlines(src.text[part.start : part.end]))
+            keep_text(container.fields, "section", newlines(src.text[part.start : part.end]))
         container.sections += sections
     elif part.kind is PartKind.STEP:
         container.chart.steps.append(read_step(src, part, src.annotations(*gap, place), place))
-    elif part.kind is PartKind.TRANSITION and (_leads(src, part) or not part.closed):
+    elif part.kind is PartKind.TRANSITION and (src.outline.leads(part) or not part.closed):
         container.chart.transitions.append(read_transition(src, part, src.annotations(*gap, place), place))
     elif part.kind is PartKind.TRANSITION:
         container.transitions.append(_read_transition_object(src, part, gap, place))
     elif part.kind is PartKind.PROPERTY:
         container.annotations.extend(src.annotations(*gap, place))
-        _keep_data(container.fields, "property", newlines(src.text[part.start : part.end]))
+        keep_text(container.fields, "property", newlines(src.text[part.start : part.end]))
     else:
         inner = _container(src, part, gap, f"{place} / {part.kind.lower()} ")
         in_place = [c for c, _ in inner.annotations.changes if c.path == ("in_place",)]
@@ -329,7 +317,7 @@ def _finished(src: TextSource, container: UnitText) -> Fields:
         parts = map(plain_fields, container.sections) if src.has_changes else container.sections
         fields.setdefault("interface", {})["sections"] = list(parts)
     for text in container.rest:
-        _keep_data(fields, "statements", text)
+        keep_text(fields, "statements", text)
     fields = _with_changes(src, container.annotations, fields, container.path, container.declared)
     for thing, name in [(fields, "body"), *((t, "condition") for t in fields.get("chart", {}).get("transitions", []))]:
         if not put_drawing(thing, name):

@@ -35,9 +35,17 @@ from plcopen_sfc.formats.iectext.text_printing import (
     pragmas,
     split,
 )
-from plcopen_sfc.formats.iectext.text_source import INDENT, TextBlock, format_comment, indented
+from plcopen_sfc.formats.iectext.text_source import (
+    INDENT,
+    TextBlock,
+    format_comment,
+    indented,
+    keep_data,
+    keep_text,
+    kept_texts,
+)
 from plcopen_sfc.formats.text_patch import Key, WrittenBlock, numbered_blocks
-from plcopen_sfc.languages.declarations.kept_texts import unwrapped, wrapped
+from plcopen_sfc.languages.declarations.kept_texts import unwrapped
 from plcopen_sfc.languages.networks import shown_body, shown_condition, shown_named_condition
 from plcopen_sfc.languages.pragmas import Fields, Numbered, RemainderEntry, Segment, changes, plain_fields
 from plcopen_sfc.languages.st.lexer import tokenize
@@ -145,7 +153,7 @@ class ChartTextWriter:
         path = f"{self.path} / step {step.name}"
         self.printer.note(Outcome.KEPT, "step", path)
         in_place: list[tuple[str, Body]] = []
-        lift = self._lifter(self.names[index], in_place)
+        lift = lifter(self.printer, self.names[index], in_place)
         leave = frozenset({"id", "actions", *(f"{kind}_action" for kind in STEP_ACTIONS)})
         intended = plain_fields(step, lift, leave)
         if step.id in self.explicit:
@@ -168,18 +176,6 @@ class ChartTextWriter:
 
     def _actions(self, in_place: list[tuple[str, Body]]) -> str:
         return "".join("\n" + self.write_action(name, body, self.indent) for name, body in in_place)
-
-    def _lifter(self, wish: str, in_place: list[tuple[str, Body]]) -> Callable[[BaseModel], Fields | None]:
-        """Bodies inside an element become actions in place that it refers to."""
-
-        def lift(thing: BaseModel) -> Fields | None:
-            if not is_lifted_body(thing):
-                return None
-            name = self.printer.new_name(f"{wish}_body")
-            in_place.append((name, thing))  # type: ignore[arg-type]
-            return {"body_of": name}
-
-        return lift
 
     def _near(self, read_back: Fields, intended: Fields, place: tuple[Segment, ...], path: str) -> list[RemainderEntry]:
         """Return the changes to write beside an element; those too big for it are left for the end of the unit."""
@@ -217,7 +213,7 @@ class ChartTextWriter:
         body = association.body
         alone = body is not None and association.target is None and is_text_body(body)
         intended = plain_fields(
-            association, self._lifter(name, in_place), frozenset({"id", "body"} if alone else {"id"})
+            association, lifter(self.printer, name, in_place), frozenset({"id", "body"} if alone else {"id"})
         )
         if association.id in self.explicit:
             intended["id"] = association.id
@@ -343,7 +339,7 @@ class ChartTextWriter:
             kept = unwrapped(data.content)
             if kept is not None and kept[0] == keyword.lower() and self.printer.is_name(kept[1]):
                 names.append(kept[1])
-                read_back.setdefault("extension_data", {}).setdefault("data", []).append(wrapped(*kept))
+                keep_text(read_back, *kept)
         return f" {keyword} {names[0]}" if len(names) == 1 else f" {keyword} ({', '.join(names)})"
 
     def _condition(
@@ -384,7 +380,7 @@ class ChartTextWriter:
                 return shown, {"condition": {"kind": "body", "body": body_fields(text, tokens)}}
         if self.unique and _is_drawn(condition):
             return self._drawn(transition, inner), {}
-        intended["condition"] = plain_fields(condition, self._lifter(wish, in_place))
+        intended["condition"] = plain_fields(condition, lifter(self.printer, wish, in_place))
         return self._nothing_right(transition, inner)
 
     def _drawn(self, transition: Transition, inner: str) -> str:
@@ -414,6 +410,19 @@ class ChartTextWriter:
         path = f"{self.path} / transition {self.labels[transition.id]}"
         self.printer.note(Outcome.NOT_EXECUTED, "condition", path, nothing_right(text))
         return f"{inner}:= {text};\n", {"condition": {"kind": "expression", "text": text}}
+
+
+def lifter(printer: TextPrinter, wish: str, in_place: list[tuple[str, Body]]) -> Callable[[BaseModel], Fields | None]:
+    """Return what makes bodies inside an element actions in place that it refers to, named after `wish`."""
+
+    def lift(thing: BaseModel) -> Fields | None:
+        if not is_lifted_body(thing):
+            return None
+        name = printer.new_name(f"{wish}_body")
+        in_place.append((name, thing))  # type: ignore[arg-type]
+        return {"body_of": name}
+
+    return lift
 
 
 def _is_drawn(condition: Condition | None) -> bool:
@@ -458,7 +467,7 @@ def _beside(near: list[RemainderEntry], indent: str) -> str:
     return f" {pragma(near[0])}\n" + pragmas(near[1:], indent)
 
 
-_KEYWORDS = {
+POU_KEYWORDS = {
     PouKind.PROGRAM: "PROGRAM",
     PouKind.FUNCTION_BLOCK: "FUNCTION_BLOCK",
     PouKind.FUNCTION: "FUNCTION",
@@ -473,7 +482,7 @@ def write_pou(printer: TextPrinter, pou: Pou) -> WrittenBlock:
     printer.actions = frozenset(action.name.casefold() for action in pou.actions)
     path = f"POU {pou.name}"
     printer.note(Outcome.KEPT, "POU", path)
-    return _Unit(printer, pou, _KEYWORDS[pou.kind], path, indent="", objects=pou.transitions).piece()
+    return _Unit(printer, pou, POU_KEYWORDS[pou.kind], path, indent="", objects=pou.transitions).piece()
 
 
 def _names(pou: Pou) -> list[str]:
@@ -512,6 +521,7 @@ class _Unit:
         self.alone = True
         self.late: list[RemainderEntry] = []
         self.in_place: list[tuple[str, Body]] = []
+        self.lift = lifter(printer, thing.name, self.in_place)
 
     def piece(self, extra: list[RemainderEntry] | None = None) -> WrittenBlock:
         """Return the text of the container; `extra` are more changes for its pragmas."""
@@ -530,7 +540,7 @@ class _Unit:
         self.alone = "\n" not in head and not sections
         body = self._body(bodies[0] if bodies else None, intended, read_back)
         if len(bodies) > 1:
-            intended["bodies"] = [plain_fields(other, self._lift) for other in bodies[1:]]
+            intended["bodies"] = [plain_fields(other, self.lift) for other in bodies[1:]]
         properties = self._properties(intended, read_back)
         near, late = split([*(extra or []), *changes(read_back, intended)])
         note_changes(self.printer, (*near, *late), self.path, leave=("body", "in_place"))
@@ -552,28 +562,18 @@ class _Unit:
     def _properties(self, intended: Fields, read_back: Fields) -> list[str]:
         """Properties, which the model has no place for, as they were read."""
         texts: list[str] = []
-        for data in intended.get("extension_data", {}).get("data", []):
-            kept = unwrapped(data.get("content", ""))
-            if kept is None or kept[0] != "property":
-                continue
-            found = outline(f"FUNCTION_BLOCK x\n{kept[1]}\nEND_FUNCTION_BLOCK\n", self.printer.dialect)
+        for _, text, data in (kept for kept in kept_texts(intended) if kept[0] == "property"):
+            found = outline(f"FUNCTION_BLOCK x\n{text}\nEND_FUNCTION_BLOCK\n", self.printer.dialect)
             parts = found.parts[0].parts if len(found.parts) == 1 and not found.problems else []
-            if len(parts) == 1 and parts[0].kind is PartKind.PROPERTY and parts[0].end - parts[0].start == len(kept[1]):
-                texts.append(kept[1])
-                read_back.setdefault("extension_data", {}).setdefault("data", []).append(data)
+            if len(parts) == 1 and parts[0].kind is PartKind.PROPERTY and parts[0].end - parts[0].start == len(text):
+                texts.append(text)
+                keep_data(read_back, data)
         return texts
 
     def _inner(self, keyword: str, thing: Action | Method | NamedTransition) -> WrittenBlock:
         path = f"{self.path} / {keyword.lower()} {thing.name}"
         self.printer.note(Outcome.KEPT, keyword.lower(), path)
         return _Unit(self.printer, thing, keyword, path, indent=self.inner, objects=self.objects).piece()
-
-    def _lift(self, thing: BaseModel) -> Fields | None:
-        if not is_lifted_body(thing):
-            return None
-        name = self.printer.new_name(f"{self.thing.name}_body")
-        self.in_place.append((name, thing))  # type: ignore[arg-type]
-        return {"body_of": name}
 
     # -- bodies -------------------------------------------------------------------------------------------------------
 
@@ -636,9 +636,9 @@ class _Unit:
     def _chart(self, body: SfcBody, intended: Fields, read_back: Fields) -> list[WrittenBlock]:
         chart = body.chart
         rest = frozenset({"steps", "transitions"})
-        intended["chart"] = plain_fields(chart, self._lift, rest)
+        intended["chart"] = plain_fields(chart, self.lift, rest)
         if not chart.steps and not any(t.sources or t.targets for t in chart.transitions):
-            intended["chart"] = plain_fields(chart, self._lift)
+            intended["chart"] = plain_fields(chart, self.lift)
             return []
         read_back["body"] = {"language": "SFC"}
         read_back["chart"] = {}

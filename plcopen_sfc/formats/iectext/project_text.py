@@ -29,6 +29,9 @@ from plcopen_sfc.formats.iectext.text_source import (
     TextSource,
     between_semicolons,
     indented,
+    keep_data,
+    keep_text,
+    kept_texts,
     newlines,
 )
 from plcopen_sfc.formats.matiec.matiec_declarations import variable_names
@@ -58,17 +61,33 @@ def read_global_section(src: TextSource, part: TextPart, gap: tuple[int, int], p
     sections = [plain_fields(section) for section in read_section(src, part, gap, place)]
     annotations = src.annotations(gap[0], part.start, place)
     for fields in sections[:1]:
-        typed = [c for c, _ in annotations.changes if c.path == ("declaration_ends",)]
-        if typed:
-            start = src.core(*gap)[0]
-            start += len(src.text[start : part.start]) - len(src.text[start : part.start].lstrip())
-            fields["declaration"] = newlines(src.text[start : part.end]) + str(typed[0].value)
+        if _keep_typed(src, part, annotations, fields, gap):
             fields.pop("comment", None)
             fields.pop("extension_data", None)
-        for found, offset in annotations.changes:
-            if found.path != ("declaration_ends",):
-                apply_change(src, fields, (found, offset), place)
+        _change_others(src, annotations, fields, place)
     return sections
+
+
+def _keep_typed(
+    src: TextSource, part: TextPart, annotations: Annotations, fields: Fields, gap: tuple[int, int]
+) -> bool:
+    """Return True if a pragma tells to keep a declaration as it was typed, which is done then."""
+    typed = [str(found.value) for found, _ in annotations.changes if found.path == _TYPED]
+    if typed:
+        start = src.core(*gap)[0]
+        start += len(src.text[start : part.start]) - len(src.text[start : part.start].lstrip())
+        fields["declaration"] = newlines(src.text[start : part.end]) + typed[0]
+    return bool(typed)
+
+
+def _change_others(src: TextSource, annotations: Annotations, fields: Fields, place: str) -> None:
+    """Make the changes that the other pragmas before a declaration tell."""
+    for found in annotations.changes:
+        if found[0].path != _TYPED:
+            apply_change(src, fields, found, place)
+
+
+_TYPED = ("declaration_ends",)
 
 
 def write_global_section(printer: TextPrinter, section: VariableSection, indent: str) -> str:
@@ -161,7 +180,7 @@ def _read_statements(src: TextSource, part: TextPart, gap: tuple[int, int], fiel
         elif fields.get("resources") is None or tokens[0].type != "SEMICOLON":
             text = newlines(src.text[tokens[0].span[0] : position])
             src.note("IEC105", f"{text[:40]!r} is no task and no program instance", tokens[0].span[0], place)
-            fields.setdefault("extension_data", {}).setdefault("data", []).append(wrapped("statement", text))
+            keep_text(fields, "statement", text)
 
 
 def _task(src: TextSource, tokens: list[Token], annotations: Annotations, place: str) -> Fields:
@@ -176,7 +195,7 @@ def _task(src: TextSource, tokens: list[Token], annotations: Annotations, place:
                 elif keyword in ("SINGLE", "INTERVAL"):
                     fields[keyword.lower()] = text
                 else:
-                    fields.setdefault("extension_data", {}).setdefault("data", []).append(wrapped(keyword, text))
+                    keep_text(fields, keyword, text)
             keyword, value = "", []
         elif token.type == "ASSIGN" and not keyword:
             keyword, value = value[0].value.upper() if value else "", []
@@ -216,7 +235,7 @@ def _add_instance(src: TextSource, tokens: list[Token], annotations: Annotations
             return
     if task:
         src.note("IEC106", f"there is no task {task!r} in this resource", tokens[0].span[0], place)
-        instance.setdefault("extension_data", {}).setdefault("data", []).append(wrapped("with", task))
+        keep_text(instance, "with", task)
     fields.setdefault("instances", []).append(instance)
 
 
@@ -278,8 +297,8 @@ class _ConfigurationWriter:
     def _sections(self, sections: list[VariableSection], indent: str) -> str:
         return "".join(write_global_section(self.printer, section, indent) for section in sections)
 
-    def _kept(self, resource: Resource) -> list[tuple[str, str]]:
-        data = resource.extension_data.data if resource.extension_data is not None else []
+    def _kept(self, thing: Resource | PouInstance) -> list[tuple[str, str]]:
+        data = thing.extension_data.data if thing.extension_data is not None else []
         return [kept for kept in (unwrapped(one.content) for one in data) if kept is not None]
 
     def _name(self, name: str) -> str:
@@ -303,7 +322,7 @@ class _ConfigurationWriter:
         if isinstance(thing, Resource):
             for found, data in zip(self._kept(thing), intended.get("extension_data", {}).get("data", []), strict=False):
                 if found[0] == ON_PLACE:
-                    read_back.setdefault("extension_data", {}).setdefault("data", []).append(data)
+                    keep_data(read_back, data)
         near, late = split([*(extra or []), *changes(read_back, intended)])
         for change in (*near, *late):
             self.printer.note(Outcome.EXTENSION_DATA, label(change), thing.name, "IEC text has no place for it")
@@ -337,9 +356,7 @@ class _ConfigurationWriter:
         name = self._name(instance.name)
         type_name = instance.type_name if self.printer.is_name(instance.type_name) else name
         read_back: Fields = {} if type_name == name else {"type_name": type_name}
-        data = instance.extension_data.data if instance.extension_data is not None else []
-        kept = [found for found in (unwrapped(each.content) for each in data) if found is not None]
-        arguments = next((words for place, words in kept if place == "arguments"), "")
+        arguments = next((words for place, words in self._kept(instance) if place == "arguments"), "")
         if arguments:
             read_back["extension_data"] = {"data": [wrapped("arguments", arguments)]}
         text = self._top(instance, name, indent, read_back=read_back)
@@ -406,22 +423,15 @@ def _read_unit(src: TextSource, part: TextPart, gap: tuple[int, int], fields: Fi
     else:
         if part.kind is PartKind.LOOSE:
             src.note("IEC107", "this belongs to no unit: PROGRAM, FUNCTION_BLOCK, FUNCTION, TYPE ..", part.start)
-        data = wrapped("unit", newlines(src.text[gap[0] : part.end]).strip())
-        fields.setdefault("extension_data", {}).setdefault("data", []).append(data)
+        keep_text(fields, "unit", newlines(src.text[gap[0] : part.end]).strip())
 
 
 def _read_types(src: TextSource, part: TextPart, gap: tuple[int, int]) -> list[Fields]:
     types = read_types(src, part, gap)
     annotations = src.annotations(*gap)
     for fields in types[:1]:
-        typed = [c for c, _ in annotations.changes if c.path == ("declaration_ends",)]
-        if typed:
-            start = src.core(*gap)[0]
-            start += len(src.text[start : part.start]) - len(src.text[start : part.start].lstrip())
-            fields["declaration"] = newlines(src.text[start : part.end]) + str(typed[0].value)
-        for found in annotations.changes:
-            if found[0].path != ("declaration_ends",):
-                apply_change(src, fields, found, f"data type {fields.get('name', '')}")
+        _keep_typed(src, part, annotations, fields, gap)
+        _change_others(src, annotations, fields, f"data type {fields.get('name', '')}")
     return types
 
 
@@ -490,15 +500,12 @@ def write_project(project: Project, _options: WriteOptions, report: ConversionRe
 def _foreign_units(intended: Fields, read_back: Fields) -> list[str]:
     """Units that the model has no place for, as they were read."""
     texts: list[str] = []
-    for data in intended.get("extension_data", {}).get("data", []):
-        kept = unwrapped(data.get("content", ""))
-        if kept is None or kept[0] != "unit":
-            continue
+    for _, text, data in (kept for kept in kept_texts(intended) if kept[0] == "unit"):
         known = read_back.get("extension_data", {}).get("data", [])
-        back = read_project("\n\n".join([*texts, kept[1], ""]), None)[0].extension_data
+        back = read_project("\n\n".join([*texts, text, ""]), None)[0].extension_data
         if back is not None and [one.content for one in back.data] == [one["content"] for one in (*known, data)]:
-            texts.append(kept[1])
-            read_back["extension_data"] = {"data": [*known, data]}
+            texts.append(text)
+            keep_data(read_back, data)
     return texts
 
 

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from plcopen_sfc.formats.iectext.text_outline import PartKind, TextPart, outline
 from plcopen_sfc.formats.iectext.text_printing import TextPrinter
-from plcopen_sfc.formats.iectext.text_source import INDENT, TextSource, newlines
+from plcopen_sfc.formats.iectext.text_source import INDENT, TextSource, keep_data, kept_texts, newlines
 from plcopen_sfc.formats.matiec.matiec_declarations import with_quotes
 from plcopen_sfc.languages.declarations import Declared, read_declarations, write_data_type, write_section, write_type
-from plcopen_sfc.languages.declarations.kept_texts import inheritance, unwrapped
+from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.languages.pragmas import Fields, plain_fields
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
@@ -97,12 +97,11 @@ def _header(
     intended: Fields,
     read_back: Fields,
 ) -> str:
-    kept = [(unwrapped(data.get("content", "")), data) for data in intended.get("extension_data", {}).get("data", [])]
     words = [keyword, name]
-    for found, data in kept:
-        if found is not None and found[0] == "modifiers":
-            words.insert(1, found[1])
-            read_back.setdefault("extension_data", {}).setdefault("data", []).append(data)
+    for place, modifiers, data in kept_texts(intended):
+        if place == "modifiers":
+            words.insert(1, modifiers)
+            keep_data(read_back, data)
     bases = inheritance(interface)
     extension_data = bases.keep()
     if extension_data is not None:
@@ -179,16 +178,13 @@ def write_section_text(printer: TextPrinter, section: VariableSection, indent: s
     """Return a section as text, and the fields that a reader takes from it."""
     quoted = [with_quotes(variable, printer.variables) for variable in section.variables]
     section = section.model_copy(update={"variables": quoted})
-    text = write_section(section, printer.dialect, indent)
-    read_back = _section_read_back(printer, text)
-    if read_back is not None and len(read_back.get("variables", [])) == len(section.variables):
-        return text, read_back
     variables = [_expressible(printer, variable) for variable in section.variables]
     simple = section.model_copy(update={"variables": variables, "comment": None, "extension_data": None})
-    text = write_section(simple, printer.dialect, indent)
-    read_back = _section_read_back(printer, text)
-    if read_back is not None and len(read_back.get("variables", [])) == len(section.variables):
-        return text, read_back
+    for each in (section, simple):
+        text = write_section(each, printer.dialect, indent)
+        read_back = _section_read_back(printer, text)
+        if read_back is not None and len(read_back.get("variables", [])) == len(section.variables):
+            return text, read_back
     text = f"{indent}VAR\n{indent}END_VAR"
     return text, _section_read_back(printer, text) or {}
 

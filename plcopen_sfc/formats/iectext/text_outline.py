@@ -115,6 +115,17 @@ class Outline:
         """Return the tokens of a range."""
         return self.found.tokens[span[0] : span[1]]
 
+    def leads(self, part: TextPart) -> bool:
+        """True if a transition is one of a chart; a transition object of the POU has no FROM and no TO."""
+        depth = 0
+        for token in self.tokens(part.tokens):
+            depth += (token.type == "LPAR") - (token.type == "RPAR")
+            if depth == 0 and token.type in ("ASSIGN", "COLON"):
+                break
+            if token.value.upper() in ("FROM", "TO"):
+                return True
+        return False
+
 
 def outline(text: str, dialect: Dialect) -> Outline:
     """Find the parts of a text. Never raises: see `Outline.problems`."""
@@ -178,17 +189,17 @@ class _Scan:
                 loose = self.at if loose < 0 else loose
                 self.at += 1
                 continue
-            if loose >= 0:
-                parts.append(self.loose(loose))
-                loose = -1
+            loose = self.take_loose(loose, parts)
             parts.append(self.unit(opener))
-        if loose >= 0:
-            parts.append(self.loose(loose))
+        self.take_loose(loose, parts)
         return parts
 
-    def loose(self, first: int) -> TextPart:
-        start, end = self.tokens[first].span[0], self.behind()
-        return TextPart(PartKind.LOOSE, start, end, inside=(start, end), tokens=(first, self.at))
+    def take_loose(self, first: int, parts: list[TextPart]) -> int:
+        """Put the text from the token `first` on (-1: none) into `parts`. Returns -1: nothing is loose now."""
+        if first >= 0:
+            start, end = self.tokens[first].span[0], self.behind()
+            parts.append(TextPart(PartKind.LOOSE, start, end, inside=(start, end), tokens=(first, self.at)))
+        return -1
 
     def unit_opener(self) -> PartKind | None:
         kind = self.type()
@@ -310,17 +321,14 @@ class _Scan:
                 loose = self.at if loose < 0 else loose
                 self.at += 1
                 continue
-            if loose >= 0:
-                part.parts.append(self.loose(loose))
-                loose = -1
+            loose = self.take_loose(loose, part.parts)
             if found == closer:
                 return self.close(part, begin, inner)
             if ends:
                 return self.unclosed(part, begin, inner)
             if nested is not None:
                 part.parts.append(self.nested(nested))
-        if loose >= 0:
-            part.parts.append(self.loose(loose))
+        self.take_loose(loose, part.parts)
         return self.unclosed(part, begin, inner)
 
     def ends_container(self, kind: PartKind, found: str) -> bool:
@@ -428,14 +436,11 @@ class _Scan:
                 loose = self.at if loose < 0 else loose
                 self.at += 1
                 continue
-            if loose >= 0:
-                part.parts.append(self.loose(loose))
-                loose = -1
+            loose = self.take_loose(loose, part.parts)
             if found == f"END_{kind.value}":
                 return self.close(part, begin, inner)
             if closes or (opens and found == "RESOURCE" and kind is PartKind.RESOURCE):
                 return self.unclosed(part, begin, inner)
             part.parts.append(self.section() if found in VAR_KEYWORDS else self.configuration(PartKind.RESOURCE))
-        if loose >= 0:
-            part.parts.append(self.loose(loose))
+        self.take_loose(loose, part.parts)
         return self.unclosed(part, begin, inner)

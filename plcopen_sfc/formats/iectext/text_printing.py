@@ -22,9 +22,10 @@ from plcopen_sfc.formats.iectext.text_source import (
     format_comment,
     indented,
     is_own,
+    keep_data,
+    kept_texts,
     taken,
 )
-from plcopen_sfc.languages.declarations.kept_texts import unwrapped
 from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, Segment, additions
 from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
 from plcopen_sfc.languages.words import take_name
@@ -230,12 +231,11 @@ def comment_lines(fields: Fields, read_back: Fields, indent: str) -> str:
 def foreign_pragmas(fields: Fields, read_back: Fields, indent: str) -> str:
     """Pragmas of other tools that were read from a text."""
     lines = ""
-    for data in fields.get("extension_data", {}).get("data", []):
-        kept = unwrapped(data.get("content", ""))
-        if kept is None or kept[0] != "pragma" or not _FOREIGN_PRAGMA.fullmatch(kept[1]):
+    for place, text, data in kept_texts(fields):
+        if place != "pragma" or not _FOREIGN_PRAGMA.fullmatch(text):
             break
-        lines += f"{indent}{kept[1]}\n"
-        read_back.setdefault("extension_data", {}).setdefault("data", []).append(data)
+        lines += f"{indent}{text}\n"
+        keep_data(read_back, data)
     return lines
 
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.iectext.text_outline import Outline
-from plcopen_sfc.languages.declarations.kept_texts import wrapped
+from plcopen_sfc.languages.declarations.kept_texts import unwrapped, wrapped
 from plcopen_sfc.languages.pragmas import Fields, NotationError, RemainderEntry, parse_change
 from plcopen_sfc.languages.problems import Lines, Problem
 from plcopen_sfc.languages.st import parse_expression, parse_statements
@@ -157,8 +157,23 @@ class Annotations:
         if self.comments:
             fields["comment"] = "\n".join(self.comments)
         for pragma in self.pragmas:
-            extension_data = fields.setdefault("extension_data", {})
-            extension_data.setdefault("data", []).append(wrapped("pragma", pragma))
+            keep_text(fields, "pragma", pragma)
+
+
+def keep_text(fields: Fields, place: str, text: str) -> None:
+    """Keep a text that the model has no field for with the object of `fields`; `place` tells what it is."""
+    keep_data(fields, wrapped(place, text))
+
+
+def keep_data(fields: Fields, data: Fields) -> None:
+    """Add foreign data to the fields of an object."""
+    fields.setdefault("extension_data", {}).setdefault("data", []).append(data)
+
+
+def kept_texts(fields: Fields) -> Iterator[tuple[str, str, Fields]]:
+    """Yield the place and the text of each piece of foreign data of an object, empty for those of others, and it."""
+    for data in fields.get("extension_data", {}).get("data", []):
+        yield *(unwrapped(data.get("content", "")) or ("", "")), data
 
 
 @dataclass
