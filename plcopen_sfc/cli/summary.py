@@ -37,7 +37,8 @@ from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork, Step, Transition, l
 from plcopen_sfc.semantics.profile import default_profile
 
 if TYPE_CHECKING:
-    from plcopen_sfc.formats.format_interface import Format, TextCodec
+    from plcopen_sfc.formats.format_interface import Format
+    from plcopen_sfc.formats.text_codec import TextCodec
 
 _DEEPEST = 40
 """Branches inside of branches; what is deeper is printed at the end."""

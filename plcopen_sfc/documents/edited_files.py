@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from lxml import etree
 
     from plcopen_sfc.drawing import DrawingStyle
-    from plcopen_sfc.formats.format_interface import TextCodec
+    from plcopen_sfc.formats.text_codec import TextCodec
     from plcopen_sfc.formats.text_patch import WrittenBlock
     from plcopen_sfc.formats.xml.xml_codec import XmlCodec
 

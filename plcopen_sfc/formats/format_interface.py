@@ -15,7 +15,6 @@ from plcopen_sfc.model.dialect import Dialect
 
 if TYPE_CHECKING:
     from plcopen_sfc.diagnostics import Diagnostic
-    from plcopen_sfc.formats.text_patch import BlockSpan, SourceText, WrittenBlock
     from plcopen_sfc.model.project import Project
     from plcopen_sfc.model.sfc import Step
     from plcopen_sfc.report import ConversionReport
@@ -192,22 +191,6 @@ class Codec(ABC):
     def is_rewritten(self, project: Project, content: bytes) -> bool:
         """True if the writer put something else into the file `content` of `project`, and an edit may change that."""
         return False
-
-
-class TextCodec(Codec):
-    """Reads and writes a text format, whose files can be patched: see `formats.text_patch`."""
-
-    @abstractmethod
-    def decode(self, content: bytes) -> SourceText:
-        """Return the text of a file, and its encoding."""
-
-    @abstractmethod
-    def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
-        """Return the text of a project, object by object."""
-
-    @abstractmethod
-    def located(self, content: bytes) -> tuple[Project, SourceText, BlockSpan]:
-        """Return the project in a file, its text, and the places of the objects in that."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Text formats: encodings, and an edited project as a patch of the text that was read.
+"""Text formats: an edited project as a patch of the text that was read.
 
 A writer makes *blocks*: the text of an object, or of its parts. A reader of the same format makes *spans*: the places
 of those objects in the file. To save an edit, the model is written as it was read and as it is now; only the blocks
@@ -8,15 +8,14 @@ declarations.
 
 from __future__ import annotations
 
-import codecs
 import re
 from collections.abc import Collection, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import SequenceMatcher
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 from plcopen_sfc.diagnostics import Diagnostic
-from plcopen_sfc.errors import EncodingError, Location
+from plcopen_sfc.formats.text_codec import SourceText
 from plcopen_sfc.languages.declarations import Declared, Found, Head, write_variable
 from plcopen_sfc.languages.declarations.declaration_writing import indent_of, section_head, section_rest
 from plcopen_sfc.languages.declarations.kept_texts import kept
@@ -112,52 +111,6 @@ def _variables(section: Found, start: int) -> Iterator[BlockSpan]:
     spans = {id(part.node): part.span for part in parts}
     for node, named in together.items():
         yield BlockSpan(tuple(named), (start + spans[node][0], start + spans[node][1]))
-
-
-# -- encodings
-
-
-class SourceText(NamedTuple):
-    """The text of a file as it is, with its line ends, its encoding, and whether that is only a guess."""
-
-    text: str
-    encoding: str
-    guessed: bool = False
-
-    @property
-    def newline(self) -> str:
-        """The first line end of the text."""
-        found = re.search(r"\r\n|\r|\n", self.text)
-        return found.group() if found is not None else "\n"
-
-    def encode(self, text: str) -> tuple[bytes, bool]:
-        """`text` in the encoding of the file, and False; True: it needs UTF-8, which has a byte order mark then."""
-        try:
-            return text.encode(self.encoding), False
-        except UnicodeEncodeError:
-            return text.encode("utf-8-sig", errors="replace"), True
-
-
-_MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16-le"), (codecs.BOM_UTF16_BE, "utf-16-be"))
-
-
-def decode_text(data: bytes) -> SourceText:
-    """Return the text of a file: in the encoding of its byte order mark, in UTF-8, else in a code page (a guess).
-
-    Raises `EncodingError` where a file with the mark of UTF-16 is damaged: no code page is meant by that.
-    """
-    marked = next((encoding for mark, encoding in _MARKS if data.startswith(mark)), "utf-8")
-    # cp1252 leaves five bytes undefined (0x81, 0x8d, 0x8f, 0x90, 0x9d); Latin-1 below takes any.
-    for encoding in (marked, "cp1252"):
-        try:
-            return SourceText(data.decode(encoding), encoding, guessed=encoding != marked)
-        except UnicodeDecodeError as error:
-            if encoding.startswith("utf-16"):
-                line = data[: error.start].decode(encoding, errors="replace").count("\n") + 1
-                message = f"the file has the byte order mark of UTF-16, and byte {error.start} is not valid in it"
-                hint = "The file is damaged: export or copy it again."
-                raise EncodingError(message, location=Location(line=line), hint=hint) from error
-    return SourceText(data.decode("latin-1"), "latin-1", guessed=True)
 
 
 # -- blocks and spans

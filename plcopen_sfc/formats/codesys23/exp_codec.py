@@ -31,15 +31,14 @@ from plcopen_sfc.formats.codesys23.exp_reader import (
     footer_of,
     read_export,
 )
-from plcopen_sfc.formats.format_interface import ReadResult, TextCodec, WriteOptions
+from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.provenance import content_digest
 from plcopen_sfc.formats.registry import CODE_PAGES
 from plcopen_sfc.formats.remainder_comments import keys_of
+from plcopen_sfc.formats.text_codec import SourceText, TextCodec, decode_text
 from plcopen_sfc.formats.text_patch import (
     BlockSpan,
-    SourceText,
     WrittenBlock,
-    decode_text,
     numbered_blocks,
     section_block,
 )
@@ -627,11 +626,9 @@ class ExpCodec(TextCodec):
         found = read_export(self.decode(data), file)
         return ReadResult(found.project, found.diagnostics, self._page)
 
-    def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
-        """Return the file without comments of this package."""
-        source = self.decode(data)
-        own = [found.span() for found in OWN_LINE.finditer(source.text)]
-        return source.encode(without(source.text, own))[0] if own else data
+    def without_own_comments(self, text: str) -> str:
+        """Return a text without comments of this package."""
+        return without(text, (found.span() for found in OWN_LINE.finditer(text)))
 
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
         """Write a whole file with CRLF, in the code page that has its characters."""

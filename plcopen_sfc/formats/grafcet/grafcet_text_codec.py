@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from plcopen_sfc.errors import Location, ModelError, StructureError
-from plcopen_sfc.formats.format_interface import ReadResult, TextCodec, WriteOptions
+from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.grafcet.grafcet_text_reader import (
     CHARTS,
     SITUATIONS,
@@ -24,7 +24,8 @@ from plcopen_sfc.formats.grafcet.grafcet_text_reader import (
 from plcopen_sfc.formats.grafcet.other_notations import translated
 from plcopen_sfc.formats.grafcet.sfc_losses import report_unexpressed
 from plcopen_sfc.formats.remainder_comments import keys_of
-from plcopen_sfc.formats.text_patch import BlockSpan, SourceText, WrittenBlock, decode_text, numbered_blocks
+from plcopen_sfc.formats.text_codec import SourceText, TextCodec
+from plcopen_sfc.formats.text_patch import BlockSpan, WrittenBlock, numbered_blocks
 from plcopen_sfc.languages.declarations import write_type, write_value
 from plcopen_sfc.languages.networks.condition_reading import shown_condition
 from plcopen_sfc.languages.pragmas import changes, plain_fields
@@ -310,28 +311,19 @@ def _read(source: SourceText, file: str | None) -> tuple[GrafcetText, SourceText
 class GrafcetTextCodec(TextCodec):
     """GRAFCETs as text."""
 
-    def decode(self, content: bytes) -> SourceText:
-        """Return the text of a file, and its encoding."""
-        return decode_text(content)
-
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a text. Raises `StructureError` at a line that is not valid in a GRAFCET."""
         found = _read(self.decode(data), file)[0]
         return ReadResult(found.project, found.diagnostics)
 
-    def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
-        """Return the text without comments of this package."""
-        source = self.decode(data)
-        return source.encode(_OWN_LINES.sub("", source.text))[0]
+    def without_own_comments(self, text: str) -> str:
+        """Return a text without the lines of this package."""
+        return _OWN_LINES.sub("", text)
 
     def lines(self, content: bytes, project: Project) -> dict[str, int]:
         """Return the line of each object of the text."""
         found, _, lines = _read(self.decode(content), None)
         return found.lines if lines is None else {path: lines[line - 1] for path, line in found.lines.items()}
-
-    def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
-        """Write a whole text in UTF-8."""
-        return (self.to_blocks(project, options, report).whole() + "\n").encode("utf-8", errors="replace")
 
     def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
         """Return the text of a project, in the blocks that an edit replaces."""

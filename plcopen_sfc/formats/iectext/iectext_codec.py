@@ -11,14 +11,15 @@ from typing import TypeAlias
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import EncodingError, Location
-from plcopen_sfc.formats.format_interface import ReadResult, TextCodec, WriteOptions
+from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.iectext.pou_text_writer import POU_KEYWORDS
 from plcopen_sfc.formats.iectext.project_text import dialect_of, read_project, write_project
 from plcopen_sfc.formats.iectext.text_outline import POUS, PartKind, TextPart, outline
 from plcopen_sfc.formats.iectext.text_source import INDENT, OWN_PRAGMA, TextSource, indented, is_own
 from plcopen_sfc.formats.matiec.matiec_project import fit_project, pous_in_order
 from plcopen_sfc.formats.matiec.matiec_statements import compilable_comments, plain_comment
-from plcopen_sfc.formats.text_patch import BlockSpan, Key, SourceText, WrittenBlock, decode_text, numbered
+from plcopen_sfc.formats.text_codec import SourceText, TextCodec
+from plcopen_sfc.formats.text_patch import BlockSpan, Key, WrittenBlock, numbered
 from plcopen_sfc.languages.declarations import write_data_type, write_section, write_type, write_value
 from plcopen_sfc.languages.pragmas import NotationError, parse_change
 from plcopen_sfc.languages.problems import Lines
@@ -161,16 +162,6 @@ def _instance(instance: PouInstance, task: str) -> str:
 
 _ABOUT_THE_FILE = re.compile(r"\{\s*plcopen_sfc\s+(?:format\b|project\.dialect\b)")
 """Pragmas with facts that the tool of the file knows: they stay."""
-
-
-def without_own_pragmas(data: bytes) -> bytes:
-    """Return the file `data` without them; `data` itself where there are none."""
-    source = decode_text(data)
-    if OWN_PRAGMA.search(source.text) is None:
-        return data
-    comments = outline(source.text, dialect_of(source.text)).found.comments
-    own = [c.span for c in comments if is_own(c) and _ABOUT_THE_FILE.match(c.text) is None]
-    return source.encode(without(source.text, own))[0]
 
 
 def source_lines(text: str) -> dict[str, int]:
@@ -434,10 +425,6 @@ _MOST_NULS = 8
 class IecTextCodec(TextCodec):
     """Textual IEC 61131-3."""
 
-    def decode(self, content: bytes) -> SourceText:
-        """Return the text of a file, and its encoding."""
-        return decode_text(content)
-
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a text. Raises `FormatError`; faults inside of it are in the diagnostics."""
         source = self.decode(data)
@@ -450,9 +437,12 @@ class IecTextCodec(TextCodec):
             src.diagnostics.append(Diagnostic("IEC200", Severity.WARNING, message, Location(file)))
         return ReadResult(project, src.diagnostics)
 
-    def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
-        """Return the file without pragmas of this package."""
-        return without_own_pragmas(data)
+    def without_own_comments(self, text: str) -> str:
+        """Return a text without pragmas of this package, but for those about the file."""
+        if OWN_PRAGMA.search(text) is None:
+            return text
+        comments = outline(text, dialect_of(text)).found.comments
+        return without(text, [c.span for c in comments if is_own(c) and _ABOUT_THE_FILE.match(c.text) is None])
 
     def lines(self, content: bytes, project: Project) -> dict[str, int]:
         """Return the line of each object in the text `content`, by the path that the report gives it."""

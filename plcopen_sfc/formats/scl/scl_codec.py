@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterator, Mapping, Sequence
 from itertools import pairwise
 
-from plcopen_sfc.formats.format_interface import ReadResult, TextCodec, WriteOptions
+from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.remainder_comments import keys_of
 from plcopen_sfc.formats.scl.scl_reader import (
     DECLARED,
@@ -20,12 +20,11 @@ from plcopen_sfc.formats.scl.scl_reader import (
     start_values,
     write_start_values,
 )
+from plcopen_sfc.formats.text_codec import SourceText, TextCodec
 from plcopen_sfc.formats.text_patch import (
     BlockSpan,
     Key,
-    SourceText,
     WrittenBlock,
-    decode_text,
     numbered_blocks,
     section_block,
 )
@@ -574,28 +573,20 @@ def _by_retention(section: VariableSection) -> list[VariableSection]:
 
 
 class SclCodec(TextCodec):
-    """External source files in SCL."""
+    """External source files in SCL, as TIA Portal writes them."""
 
-    def decode(self, content: bytes) -> SourceText:
-        """Return the text of a file, and its encoding."""
-        return decode_text(content)
+    encoding = "utf-8-sig"
+    newline = "\r\n"
 
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a source. What does not parse is kept and reported."""
         found = read_source(self.decode(data), file)
         return ReadResult(found.project, found.diagnostics)
 
-    def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
-        """Return the source without comments of this package."""
-        source = self.decode(data)
-        comments = split_units(source.text, Dialect.SCL).comments
-        own = [comment.span for comment in comments if OWN_COMMENT.match(comment.text)]
-        return source.encode(without(source.text, own))[0] if own else data
-
-    def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
-        """Write a whole source: in UTF-8 with a byte order mark and CRLF, as TIA Portal does."""
-        text = self.to_blocks(project, options, report).whole() + "\n"
-        return text.replace("\n", "\r\n").encode("utf-8-sig", errors="replace")
+    def without_own_comments(self, text: str) -> str:
+        """Return a source without comments of this package."""
+        comments = split_units(text, Dialect.SCL).comments
+        return without(text, [comment.span for comment in comments if OWN_COMMENT.match(comment.text)])
 
     def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
         """Return the text of a project, in the pieces that an edit replaces."""

@@ -12,14 +12,13 @@ from dataclasses import dataclass, field
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
-from plcopen_sfc.formats.format_interface import ReadResult, TextCodec, WriteOptions
+from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
+from plcopen_sfc.formats.text_codec import SourceText, TextCodec
 from plcopen_sfc.formats.text_patch import (
     BlockSpan,
     Place,
-    SourceText,
     WrittenBlock,
     block_span,
-    decode_text,
     numbered_blocks,
 )
 from plcopen_sfc.languages.declarations import write_type
@@ -143,16 +142,15 @@ def _read(source: SourceText, file: str | None = None) -> _Found:
 class SdfCodec(TextCodec):
     """Symbol tables; `german`: new addresses are in German mnemonics."""
 
+    encoding = _CODE_PAGE  # `_Writer` reports what it does not have
+    newline = "\r\n"
+
     def __init__(self, *, german: bool = False) -> None:
         self._german = german
 
     def for_version(self, version: str) -> SdfCodec:
         """Return the codec for mnemonics that were asked for."""
         return SdfCodec(german=version == "german")
-
-    def decode(self, content: bytes) -> SourceText:
-        """Return the text of a file, and its encoding."""
-        return decode_text(content)
 
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a file. A line that is no symbol is kept and reported."""
@@ -166,11 +164,6 @@ class SdfCodec(TextCodec):
     def _is_german(self, data: bytes) -> bool:
         lines = LINE.finditer(self.decode(data).text)
         return any(is_german(line["address"].strip()) for line in lines if tag_address(line["address"].strip()))
-
-    def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
-        """Write a whole file in the code page of Windows, with CRLF."""
-        text = self.to_blocks(project, options, report).whole()
-        return f"{text}\n".replace("\n", "\r\n").encode(_CODE_PAGE, errors="replace")  # told by `_Writer`
 
     def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
         """Return the lines of a project, each a block that an edit replaces."""
