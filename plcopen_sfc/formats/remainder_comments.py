@@ -22,6 +22,7 @@ from plcopen_sfc.languages.pragmas import (
     Segment,
     StaleError,
     apply,
+    changes,
     format_value,
     parse_change,
     plain_fields,
@@ -29,6 +30,8 @@ from plcopen_sfc.languages.pragmas import (
 )
 from plcopen_sfc.languages.st.lexer import Comment
 from plcopen_sfc.model.checked import first_misfit
+from plcopen_sfc.model.compare import path_of
+from plcopen_sfc.model.numbering import take_ids
 from plcopen_sfc.model.project import Project
 
 DAMAGED = "damaged"
@@ -82,6 +85,17 @@ def put_back(project: Project, entries: Sequence[Entry], note: Note) -> Project:
         message = f"the comments of plcopen_sfc are left out: {first_misfit(error)}"
         note(DAMAGED, message, entries[0][1].span[0])
         return project
+
+
+def lacking(back: Project, meant: Project) -> Iterator[tuple[RemainderEntry, str]]:
+    """Yield the content of `meant` that a file lacks of which `back` was read, and the path of what that belongs to.
+
+    No list of what a format lacks could be as complete. Ids in charts are those of `back`.
+    """
+    meant = meant.model_copy(deep=True)
+    take_ids(meant, back)
+    for change in changes(plain_fields(back), plain_fields(meant), guarded=True):
+        yield change, path_of(meant, keys_of(meant, change))
 
 
 def keys_of(project: Project, change: RemainderEntry) -> Iterator[str | int]:

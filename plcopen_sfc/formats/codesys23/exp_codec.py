@@ -34,7 +34,7 @@ from plcopen_sfc.formats.codesys23.exp_reader import (
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.provenance import content_digest
 from plcopen_sfc.formats.registry import CODE_PAGES
-from plcopen_sfc.formats.remainder_comments import keys_of
+from plcopen_sfc.formats.remainder_comments import lacking
 from plcopen_sfc.formats.text_codec import SourceText, TextCodec, decode_text
 from plcopen_sfc.formats.text_patch import (
     BlockSpan,
@@ -47,7 +47,7 @@ from plcopen_sfc.languages.declarations import write_type, write_value
 from plcopen_sfc.languages.declarations.attributes import pragma_attributes
 from plcopen_sfc.languages.declarations.declaration_comments import LINE_END
 from plcopen_sfc.languages.declarations.kept_texts import kept
-from plcopen_sfc.languages.pragmas import RemainderEntry, changes, plain_fields
+from plcopen_sfc.languages.pragmas import RemainderEntry
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, print_node, transform, walk
 from plcopen_sfc.languages.st.lexer import CommentKind, Token, tokenize
@@ -55,10 +55,8 @@ from plcopen_sfc.languages.st.printing import render
 from plcopen_sfc.languages.text_edits import Edit, apply_edits, without
 from plcopen_sfc.languages.translation.tree_translation import conditional_assignment
 from plcopen_sfc.model.body import IlBody, StBody
-from plcopen_sfc.model.compare import path_of
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.numbering import take_ids
 from plcopen_sfc.model.pou import Action, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Body, BodyCondition, SfcBody
@@ -194,37 +192,29 @@ def write_blocks(
     """
     blocks = [_in_page(block, page) if page else block for block in numbered_blocks(_objects(project, report))]
     if baseline is None:
-        meant, left = _missing(blocks, meant)
+        left = _missing(blocks, meant)
     else:
         edited, before = _others(meant, baseline), _others(baseline, meant)
         # content that a file spells in its own way would come back otherwise from our text, and is kept
-        known = {str(change) for change in _missing(_written(before), before)[1]}
+        known = {str(change) for change, _ in _missing(_written(before), before)}
         known_names = {pou.report_path for pou in meant.pous} - {pou.report_path for pou in edited.pous}
         own = [pou for pou in project.pous if pou.report_path not in known_names]
         written = project.model_copy(update={"pous": own, "data_types": edited.data_types})
-        meant, left = _missing(_written(written), edited)
-        left = [change for change in left if str(change) not in known]
-    for change in left:
-        path = path_of(meant, keys_of(meant, change))
+        left = [one for one in _missing(_written(written), edited) if str(one[0]) not in known]
+    for change, path in left:
         report.add(Outcome.EXTENSION_DATA, change.field, path, "CoDeSys 2.3 cannot express it; it is in a comment")
     if page and not (page == USUAL and _is_taken_as_usual("\n".join(block.whole() for block in blocks))):
-        left.insert(0, RemainderEntry((CODE_PAGE,), page))
+        left.insert(0, (RemainderEntry((CODE_PAGE,), page), ""))
     if left:
-        rest = "\n".join(f"(* {_ascii(f'{{plcopen_sfc {change}}}')} *)" for change in left)
+        rest = "\n".join(f"(* {_ascii(f'{{plcopen_sfc {change}}}')} *)" for change, _ in left)
         blocks.append(WrittenBlock(("rest", ""), rest, apart=True))
     return WrittenBlock(("file", ""), blocks=tuple(blocks))
 
 
-def _missing(blocks: Sequence[WrittenBlock], meant: Project) -> tuple[Project, list[RemainderEntry]]:
-    """Return the content of `meant` that the text in `blocks` lacks, beside a copy of it with the ids of the text.
-
-    The text is read back: no list of what it lacks can be incomplete.
-    """
+def _missing(blocks: Sequence[WrittenBlock], meant: Project) -> list[tuple[RemainderEntry, str]]:
+    """Return the content of `meant` that the text in `blocks` lacks, each with the path of what it belongs to."""
     text = WrittenBlock(("file", ""), blocks=tuple(blocks)).whole()
-    back = read_export(SourceText(text + "\n", USUAL)).project
-    meant = meant.model_copy(deep=True)
-    take_ids(meant, back)
-    return meant, list(changes(plain_fields(back), plain_fields(meant), guarded=True))
+    return [*lacking(read_export(SourceText(text + "\n", USUAL)).project, meant)]
 
 
 def _written(project: Project) -> list[WrittenBlock]:

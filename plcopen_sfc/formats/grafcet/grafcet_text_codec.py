@@ -23,18 +23,15 @@ from plcopen_sfc.formats.grafcet.grafcet_text_reader import (
 )
 from plcopen_sfc.formats.grafcet.other_notations import translated
 from plcopen_sfc.formats.grafcet.sfc_losses import report_unexpressed
-from plcopen_sfc.formats.remainder_comments import keys_of
+from plcopen_sfc.formats.remainder_comments import lacking
 from plcopen_sfc.formats.text_codec import SourceText, TextCodec
 from plcopen_sfc.formats.text_patch import BlockSpan, WrittenBlock, numbered_blocks
 from plcopen_sfc.languages.declarations import write_type, write_value
 from plcopen_sfc.languages.networks.condition_reading import shown_condition
-from plcopen_sfc.languages.pragmas import changes, plain_fields
 from plcopen_sfc.model.actions import ActionKind, ForcedSituation, ForcingOrder, Qualifier
 from plcopen_sfc.model.body import StBody
-from plcopen_sfc.model.compare import path_of
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.numbering import take_ids
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import (
@@ -75,16 +72,11 @@ def write_blocks(project: Project, report: ConversionReport) -> WrittenBlock:
     if not blocks:  # a text has a head, to be recognised
         blocks.append(WrittenBlock(("grafcet", ""), f"GRAFCET {project.name or 'empty'}"))
     written = WrittenBlock(("file", ""), blocks=tuple(blocks))
-    # the text is read back, and whatever differs goes into comments: no list of what it lacks can be incomplete
-    back = read_text(SourceText(written.whole() + "\n", "utf-8")).project
-    meant = project.model_copy(deep=True)
-    take_ids(meant, back)
-    left = list(changes(plain_fields(back), plain_fields(meant), guarded=True))
-    for change in left:
-        path = path_of(meant, keys_of(meant, change))
+    left = [*lacking(read_text(SourceText(written.whole() + "\n", "utf-8")).project, project)]
+    for change, path in left:
         report.add(Outcome.EXTENSION_DATA, change.field, path, "a GRAFCET has no word for it; it is in a comment")
     if left:
-        rest = "\n".join(f"// {{plcopen_sfc {change}}}" for change in left)
+        rest = "\n".join(f"// {{plcopen_sfc {change}}}" for change, _ in left)
         blocks.append(WrittenBlock(("rest", ""), rest, apart=True))
     return WrittenBlock(("file", ""), blocks=tuple(blocks))
 

@@ -25,15 +25,12 @@ from plcopen_sfc.formats.grafcet.grafcet_xmi_reader import (
 )
 from plcopen_sfc.formats.grafcet.grafcet_xmi_terms import XSI_TYPE, ReadCondition, TermError, TermWriter
 from plcopen_sfc.formats.grafcet.sfc_losses import report_unexpressed
-from plcopen_sfc.formats.remainder_comments import keys_of
+from plcopen_sfc.formats.remainder_comments import lacking
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle
 from plcopen_sfc.formats.xml.xml_parsing import parse_xml
-from plcopen_sfc.languages.pragmas import changes, plain_fields
 from plcopen_sfc.model.actions import ActionKind
-from plcopen_sfc.model.compare import path_of
 from plcopen_sfc.model.conditions import Expression
-from plcopen_sfc.model.numbering import take_ids
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, Condition, PartialChart, PartialChartKind, SfcNetwork, Step
@@ -406,10 +403,7 @@ class GrafcetXmiCodec(XmlCodec):
                 why = f"variables of a .grafcet file have no start value: it does not begin with {start}"
                 report.add(Outcome.NOT_EXECUTED, "initial value", f"POU {found[0].name} / {variable.name}", why)
         back = XmiReader(root, None).run().project
-        meant = project.model_copy(deep=True)
-        take_ids(meant, back)
-        for change in changes(plain_fields(back), plain_fields(meant), guarded=True):
-            path = path_of(meant, keys_of(meant, change))
+        for change, path in lacking(back, project):
             report.add(
                 Outcome.EXTENSION_DATA, change.field, path, "a .grafcet file has no place for it; it is in a comment"
             )
