@@ -322,7 +322,6 @@ class CodesysCodec(Tc6Codec):
     """CODESYS and TwinCAT PLCopenXML."""
 
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
-        """Read an export. Raises `FormatError`."""
         reading = load_tc6(data, _TOOL_DATA, file=file)
         reading.project.dialect = Dialect.CODESYS
         return reading
@@ -340,7 +339,6 @@ class CodesysCodec(Tc6Codec):
         return XmlStyle(encoding="utf-8", bom=True, newline="\r\n", self_closing=" />")
 
     def validate(self, content: bytes, *, file: str | None = None) -> list[Diagnostic]:
-        """Return the errors of a file by the schema of the format."""
         return validate_codesys(content, file=file)
 
 

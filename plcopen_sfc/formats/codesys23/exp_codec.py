@@ -608,7 +608,6 @@ class ExpCodec(TextCodec):
         return ExpCodec(version) if version in CODE_PAGES else self
 
     def decode(self, content: bytes) -> SourceText:
-        """Return the text of a file, and its code page."""
         return decode_export(content, self._page)
 
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
@@ -617,7 +616,6 @@ class ExpCodec(TextCodec):
         return ReadResult(found.project, found.diagnostics, self._page)
 
     def without_own_comments(self, text: str) -> str:
-        """Return a text without comments of this package."""
         return without(text, (found.span() for found in OWN_LINE.finditer(text)))
 
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
@@ -631,13 +629,11 @@ class ExpCodec(TextCodec):
         replace_later_language(project, report)
 
     def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
-        """Return the text of a project, in the blocks that an edit replaces."""
         # in comments of this package an object may be named with its neighbours
         known = options.baseline if not OWN_LINE.search(self.decode(options.source).text) else None
         return write_blocks(project, options.rewritten or project, report, baseline=known)
 
     def located(self, content: bytes) -> tuple[Project, SourceText, BlockSpan]:
-        """Return the project in a file, its text, and the place of each object in that."""
         source = self.decode(content)
         found = read_export(source)
         return found.project, source, found.spans

@@ -140,7 +140,6 @@ class ExportCodec(XmlCodec):
     """Exports of CODESYS V3 in its own format."""
 
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
-        """Read a file. Raises `FormatError`."""
         root = parse_xml(data, file=file)
         if root.tag != "ExportFile" or not entry_lists(root):
             raise StructureError(

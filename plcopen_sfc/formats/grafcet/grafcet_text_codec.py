@@ -309,16 +309,13 @@ class GrafcetTextCodec(TextCodec):
         return ReadResult(found.project, found.diagnostics)
 
     def without_own_comments(self, text: str) -> str:
-        """Return a text without the lines of this package."""
         return _OWN_LINES.sub("", text)
 
     def lines(self, content: bytes, project: Project) -> dict[str, int]:
-        """Return the line of each object of the text."""
         found, _, lines = _read(self.decode(content), None)
         return found.lines if lines is None else {path: lines[line - 1] for path, line in found.lines.items()}
 
     def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
-        """Return the text of a project, in the blocks that an edit replaces."""
         if options.source and translated(self.decode(options.source).text) is not None:
             why = "it was in the notation of another tool; an edit writes it as the text of a GRAFCET"
             report.add(Outcome.TRANSLATED, "notation", f"POU {project.name or ''}".strip(), why)
@@ -329,7 +326,6 @@ class GrafcetTextCodec(TextCodec):
         report_unexpressed(project, report)
 
     def located(self, content: bytes) -> tuple[Project, SourceText, BlockSpan]:
-        """Return the project in a file, its text, and the place of each object in that."""
         found, source, _ = _read(self.decode(content), None)
         return found.project, source, found.spans
 

@@ -420,7 +420,6 @@ class GrafcetXmiCodec(XmlCodec):
         return XmlStyle(encoding="UTF-8", newline="\n", self_closing="/>", final_newline=True)
 
     def lines(self, content: bytes, project: Project) -> dict[str, int]:
-        """Return the line of each object, by the path that a report gives it."""
         reader = XmiReader(parse_xml(content), None)
         reader.run()
         return reader.lines

@@ -338,14 +338,12 @@ class Tc6Codec(XmlCodec):
     pou_tag = "pou"
 
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
-        """Read a file of any TC6 version. Raises `FormatError`."""
         reading = load_tc6(data, file=file)
         if reading.project.header.is_of_beremiz:  # which writes the values of strings without quotes, none by a name
             quote_strings(reading.project, frozenset())
         return reading
 
     def lines(self, content: bytes, project: Project) -> dict[str, int]:
-        """Return the line of each object of `project` in the file `content`, by the path that the report gives it."""
         return source_lines(content, project)
 
     def replace_missing(self, project: Project, report: ConversionReport) -> None:
@@ -357,14 +355,12 @@ class Tc6Codec(XmlCodec):
         fit_project(project, options, report, keeps_drawings=True)
 
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
-        """Return the tree of the file for `project`."""
         if options.flavour == "beremiz":
             return write_project(project, BEREMIZ, report, options)
         version = version_named(options.version) or V2_01
         return write_project(project, Tc6Dialect(version), report, options)
 
     def unchanged_symbols(self, before: SfcNetwork, after: SfcNetwork) -> frozenset[int]:
-        """Return ids of symbols whose elements are the same before and after an edit."""
         return unchanged_symbols(before, after)
 
     def style(self) -> XmlStyle:
@@ -372,7 +368,6 @@ class Tc6Codec(XmlCodec):
         return XmlStyle(encoding="utf-8", newline="\n", self_closing="/>", final_newline=True)
 
     def validate(self, content: bytes, *, file: str | None = None) -> list[Diagnostic]:
-        """Return the errors of a file by the schema of the format."""
         return validate_tc6(content, file=file)
 
 

@@ -584,16 +584,13 @@ class SclCodec(TextCodec):
         return ReadResult(found.project, found.diagnostics)
 
     def without_own_comments(self, text: str) -> str:
-        """Return a source without comments of this package."""
         comments = split_units(text, Dialect.SCL).comments
         return without(text, [comment.span for comment in comments if OWN_COMMENT.match(comment.text)])
 
     def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
-        """Return the text of a project, in the pieces that an edit replaces."""
         return write_pieces(project, report)
 
     def located(self, content: bytes) -> tuple[Project, SourceText, BlockSpan]:
-        """Return the project in a source, its text, and the place of each object in that."""
         source = self.decode(content)
         found = read_source(source)
         return found.project, source, found.spans

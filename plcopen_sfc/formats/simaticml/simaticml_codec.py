@@ -319,7 +319,6 @@ class SimaticmlCodec(FolderCodec):
     """SimaticML, the documents of TIA Portal Openness."""
 
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
-        """Read a document of TIA Portal Openness. Raises `FormatError`."""
         with collecting_rarely():
             root = parse_xml(data, file=file)
             version = find_version(root, file=file)
@@ -341,7 +340,6 @@ class SimaticmlCodec(FolderCodec):
         return has_actions or may_have(content, SOURCE_CHART_FIELD)
 
     def adapt(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
-        """Adapt `project`, a copy, to this format."""
         exchange_markup(project, markup_of(project), Markup.SIMATICML)
         if not options.same:
             if project.header.product == PRODUCT and options.version:
@@ -385,7 +383,6 @@ class SimaticmlCodec(FolderCodec):
         exchange_markup(project, Markup.SIMATICML, markup_of(project))
 
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
-        """Return the tree of the document for `project`."""
         version, own = _version(project, options), markup_of(project)
         exchange_markup(project, own, Markup.SIMATICML)  # no copy: `options.marks` names its objects by their ids
         try:
@@ -402,7 +399,6 @@ class SimaticmlCodec(FolderCodec):
         return normalize(data, _STYLE)
 
     def validate(self, content: bytes, *, file: str | None = None) -> list[Diagnostic]:
-        """Return findings in a file by the schemas of the format."""
         from plcopen_sfc.formats.simaticml.openness_schemas import validate  # noqa: PLC0415  # brings xmlschema
 
         return validate(content, file=file)

@@ -166,12 +166,10 @@ class SdfCodec(TextCodec):
         return any(is_german(line["address"].strip()) for line in lines if tag_address(line["address"].strip()))
 
     def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
-        """Return the lines of a project, each a block that an edit replaces."""
         blocks = [*_Writer(project, report, german=self._german).blocks()]
         return WrittenBlock(("file", ""), blocks=numbered_blocks(blocks))
 
     def located(self, content: bytes) -> tuple[Project, SourceText, BlockSpan]:
-        """Return the project in a file, its text, and the place of each symbol in that."""
         source = self.decode(content)
         found = _read(source)
         spans = block_span(("file", ""), (0, len(source.text)), found.places)

@@ -169,7 +169,6 @@ class TwincatCodec(FolderCodec):
     """Files of TwinCAT 3 with one object each."""
 
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
-        """Read a file. Raises `FormatError`."""
         return read_object(data, file=file)
 
     def replace_missing(self, project: Project, report: ConversionReport) -> None:
@@ -177,11 +176,9 @@ class TwincatCodec(FolderCodec):
         put_logic(project, report)
 
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
-        """Return the tree of the file for `project`."""
         return write_object(project, options, report)
 
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
-        """Write a file from the model alone."""
         root = self.to_tree(project, options, report)
         # archives are marked as preserving blanks, and the tool indents them all the same
         etree.indent(root, _INDENT)
@@ -243,7 +240,6 @@ class TwincatCodec(FolderCodec):
         project.applications = task_document(*tasks).applications if tasks else []
 
     def extension(self, document: Project) -> str:
-        """Return the extension of the file for a document."""
         kinds = {".TcDUT": document.data_types, ".TcGVL": document.global_variables, ".TcTTO": document.applications}
         return next((extension for extension, found in kinds.items() if found), ".TcPOU")
 
