@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections import Counter, defaultdict
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from difflib import SequenceMatcher
 from functools import partial
 from itertools import islice
@@ -270,7 +270,7 @@ def longest_rising(numbers: Sequence[int]) -> set[int]:
     return chosen
 
 
-_FEATURE_LIMIT = 400
+_FEATURE_LIMIT = 401
 
 
 class ElementComparison:
@@ -299,51 +299,46 @@ class ElementComparison:
         """Return an element of `before` or `after`."""
         tag = kind_of(element)
         keys: Keys = () if tag.startswith("#") else _keys_of(dict(cast("Any", element.attrib)))
-        return AlignedItem(tag, keys, partial(self.bytes_of, element), partial(_tree_features, element, keys))
+        return AlignedItem(tag, keys, partial(self.bytes_of, element), lambda: _features(_of_tree(element), keys))
 
     def source_item(self, node: SourceNode) -> AlignedItem:
         """Return a node of the source."""
         tree = self._tree
         tag = tree.tag(node)
         keys: Keys = _keys_of(tree.values(node)) if node.is_element else ()
-        return AlignedItem(tag, keys, None, partial(_source_features, tree, node, keys))
+        return AlignedItem(tag, keys, None, lambda: _features(_of_source(tree, node), keys))
 
 
-def _tree_features(element: etree._Element, keys: Keys) -> Counter[Hashable]:
-    """Return small facts of an element, without its keys, which are compared by themselves."""
+_Facts: TypeAlias = tuple[str, Mapping[str, str], str]
+"""Of one node: its tag, its attributes, and its own text."""
+
+
+def _features(nodes: Iterable[_Facts], keys: Keys) -> Counter[Hashable]:
+    """Return small facts of the nodes of an element, without its keys, which are compared by themselves."""
     own = {name for name, _ in keys}
     found: Counter[Hashable] = Counter()
-    for count, node in enumerate(element.iter()):
-        if count > _FEATURE_LIMIT:
-            break
-        tag = kind_of(node)
-        if node is not element:
+    for place, (tag, attributes, text) in enumerate(islice(nodes, _FEATURE_LIMIT)):
+        if place:
             found[tag] += 1
-        for name, value in node.attrib.items():
-            if node is not element or name not in own:
+        for name, value in attributes.items():
+            if place or name not in own:
                 found[tag, str(name), str(value)] += 1
-        if text := (node.text or "").strip():
-            found[tag, text] += 1
-    return found
-
-
-def _source_features(tree: SourceTree, node: SourceNode, keys: Keys) -> Counter[Hashable]:
-    """Return the same of an element in the source."""
-    own = {name for name, _ in keys}
-    found: Counter[Hashable] = Counter()
-    waiting = [node]
-    count = 0
-    while waiting and count <= _FEATURE_LIMIT:
-        here = waiting.pop()
-        count += 1
-        tag = tree.tag(here)
-        if here is not node:
-            found[tag] += 1
-        for name, value in tree.values(here).items():
-            if here is not node or name not in own:
-                found[tag, name, value] += 1
-        text = tree.value_of(tree.content(here)) if here.is_element else tree.inner(here)
         if text.strip():
             found[tag, text.strip()] += 1
-        waiting += reversed(here.children)
     return found
+
+
+def _of_tree(element: etree._Element) -> Iterator[_Facts]:
+    return ((kind_of(node), cast("Any", node.attrib), node.text or "") for node in element.iter())
+
+
+def _of_source(tree: SourceTree, node: SourceNode) -> Iterator[_Facts]:
+    waiting = [node]
+    while waiting:
+        here = waiting.pop()
+        yield (
+            tree.tag(here),
+            tree.values(here),
+            tree.value_of(tree.content(here)) if here.is_element else tree.inner(here),
+        )
+        waiting += reversed(here.children)

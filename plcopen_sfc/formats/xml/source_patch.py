@@ -33,7 +33,6 @@ from plcopen_sfc.formats.xml.source_style import (
     attribute_changes,
     is_mixed,
     kind_of,
-    nodes_of,
     qualified_name,
     text_changes,
     with_source_blanks,
@@ -116,18 +115,17 @@ class ChildLayout:
         for node in run:
             self._removal_of[node] = change
 
-    def removals(self) -> list[Edit]:
-        """Return the edits that remove the children in `going`; all content, if nothing but blanks would be left."""
+    def removals(self, *, refilled: bool) -> list[Edit]:
+        """Return the edits that remove the children in `going`; all content, if nothing but blanks would be left.
+
+        `refilled`: something new comes in.
+        """
         parent = self._parent
-        if not self._going or any(child not in self._going for child in parent.children):
+        if refilled or not self._going or any(child not in self._going for child in parent.children):
             return self._removals
         if self._tree.value_of(self._tree.content(parent)).strip():
             return self._removals
         return [make_empty(self._style, parent)]
-
-    def removals_one_by_one(self) -> list[Edit]:
-        """Return the same edits where something new comes in instead."""
-        return self._removals
 
     def insertion(self, anchor: SourceNode | None, following: SourceNode | None) -> Insertion:
         """Return the place for new children between two that stay (None: the beginning or the end of the parent)."""
@@ -236,7 +234,7 @@ class RemovedElements:
         if item.keys:
             self._by_keys[item.tag, tuple(item.keys)].append((node, element))
         # A child may have been taken out before the rest was removed.
-        children = [child for child in nodes_of(element) if not kind_of(child).startswith("#")]
+        children = [child for child in element if not kind_of(child).startswith("#")]
         self._inside += len(children)
         # Every removed subtree is aligned with its source here; the bound keeps the removal of a whole project fast.
         if not children or self._inside > _MAX_INSIDE:
@@ -337,7 +335,7 @@ class SourceMerge:
         ):
             self._mixed(node, before, after)
         else:
-            self._children(node, nodes_of(before), nodes_of(after))
+            self._children(node, list(before), list(after))
 
     def _attributes(self, node: SourceNode, before: etree._Element, after: etree._Element) -> None:
         written = self._tree.named_attributes(node)
@@ -416,7 +414,7 @@ class SourceMerge:
                 self._insertions.append(insertion)
             insertion.elements.append(element)
             inserted = True
-        self._edits += layout.removals_one_by_one() if inserted else layout.removals()
+        self._edits += layout.removals(refilled=inserted)
 
     def _sort_out(
         self,
@@ -484,7 +482,7 @@ class SourceMerge:
     # Text beside children
 
     def _mixed(self, node: SourceNode, before: etree._Element, after: etree._Element) -> None:
-        old, new = nodes_of(before), nodes_of(after)
+        old, new = list(before), list(after)
         places, origins, _ = self._match(node, old, new)
         found = [place for place in places if place is not None]
         in_order = found == sorted(found, key=lambda place: place.start)

@@ -31,11 +31,6 @@ def kind_of(element: etree._Element) -> str:
     return COMMENT if tag is etree.Comment else INSTRUCTION
 
 
-def nodes_of(element: etree._Element) -> list[etree._Element]:
-    """Child elements, comments and processing instructions."""
-    return list(element)
-
-
 def is_mixed(element: etree._Element) -> bool:
     """True if an element has text beside other nodes, so that its white space counts."""
     if len(element) == 0:
@@ -166,7 +161,7 @@ class NewMarkup:
     def _content(
         self, element: etree._Element, scope: Mapping[str, str], indent: str | None, unit: str, empty_end: str | None
     ) -> str:
-        children = nodes_of(element)
+        children = list(element)
         if not children:
             return self.text(element)
         mixed = is_mixed(element)
