@@ -25,7 +25,7 @@ from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Project, Tag, TagTable
 from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step, Transition
 from plcopen_sfc.model.types import Variable
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection, sections_of
 from plcopen_sfc.refactor.dialect_translation import translate_project
 from plcopen_sfc.refactor.name_edits import undeclared
 from plcopen_sfc.report import ConversionReport
@@ -230,7 +230,8 @@ class _Merging:
                 self._actions(pou)
             if TableKind.VARIABLES in self._columns:
                 interface = mine.interface or Interface()
-                versions = _Versions(interface.sections, *map(_sections, (shown, now, then)))
+                others = (sections_of(each.interface) for each in (shown, now, then))
+                versions = _Versions(interface.sections, *others)
                 self._variables(versions, mine.report_path, _name(now))
                 if interface.sections:
                     mine.interface = interface
@@ -522,10 +523,6 @@ def _name(thing: Pou | Step) -> str:
 
 def _named(steps: Iterable[Step], step: Step) -> Step | None:
     return next((each for each in steps if _name(each) == _name(step)), None)
-
-
-def _sections(pou: Pou) -> list[VariableSection]:
-    return pou.interface.sections if pou.interface is not None else []
 
 
 def _content(holder: VariableSection | TagTable) -> list[Any]:

@@ -64,6 +64,11 @@ class Interface(Element):
         return [v for s in self.sections if kind is None or s.kind is kind for v in s.variables]
 
 
+def sections_of(interface: Interface | None) -> list[VariableSection]:
+    """Return the sections of an interface; none where nothing has one."""
+    return interface.sections if interface is not None else []
+
+
 class AccessDirection(StrEnum):
     """``READ_ONLY`` or ``READ_WRITE`` of an access path."""
 

@@ -73,7 +73,7 @@ from plcopen_sfc.model.types import (
     StringType,
     StructType,
 )
-from plcopen_sfc.model.variables import SectionKind, VariableSection
+from plcopen_sfc.model.variables import SectionKind, VariableSection, sections_of
 from plcopen_sfc.report import ConversionReport, Outcome
 
 USUAL = "cp1252"
@@ -311,7 +311,7 @@ def _pou(pou: Pou, report: ConversionReport) -> Iterator[WrittenBlock]:
     result = pou.interface.return_type if pou.interface is not None else None
     type_ = f" : {write_type(result, _DIALECT)}" if result is not None else ""
     yield WrittenBlock(("head", ""), f"{keyword} {pou.name}{type_}")
-    for section in pou.interface.sections if pou.interface is not None else []:
+    for section in sections_of(pou.interface):
         yield _section(section)
     if "undivided" not in texts:
         yield WrittenBlock(("divider", ""), DIVIDER)

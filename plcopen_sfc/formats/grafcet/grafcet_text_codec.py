@@ -45,6 +45,7 @@ from plcopen_sfc.model.sfc import (
 )
 from plcopen_sfc.model.text import Text, plain
 from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
+from plcopen_sfc.model.variables import sections_of
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _TABLE_WORDS = {kind: word for word, kind in TABLES.items()}
@@ -95,7 +96,7 @@ class _Writer:
         chart = pou.chart or SfcNetwork()
         block = " AS FUNCTION_BLOCK" if pou.kind is PouKind.FUNCTION_BLOCK else ""
         blocks = [_line(("head", ""), f"GRAFCET {_named(pou.name, f'POU {pou.name}')}{block}", pou.comment, "")]
-        for section in pou.interface.sections if pou.interface is not None else []:
+        for section in sections_of(pou.interface):
             word = _TABLE_WORDS.get(section.kind)
             if word is not None:
                 head = _line(("head", ""), word, section.comment, "")

@@ -36,7 +36,7 @@ from plcopen_sfc.model.sfc import (
 )
 from plcopen_sfc.model.times import objection
 from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection, sections_of
 from plcopen_sfc.whole_numbers import whole_number
 
 TABLES = {"INPUTS": SectionKind.INPUT, "OUTPUTS": SectionKind.OUTPUT, "INTERNALS": SectionKind.LOCAL}
@@ -317,7 +317,7 @@ class _Reader:
 
     def _variables(self) -> Iterator[Variable]:
         interface = self._pou.interface if self._pou is not None else None
-        for section in interface.sections if interface is not None else ():
+        for section in sections_of(interface):
             yield from section.variables
 
     def _partial(self, found: re.Match[str], comment_text: str | None, start: int, end: int) -> None:

@@ -35,6 +35,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, Condition, PartialChart, PartialChartKind, SfcNetwork, Step
 from plcopen_sfc.model.types import Elementary, SimpleValue
+from plcopen_sfc.model.variables import sections_of
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _XMI = "http://www.omg.org/XMI"
@@ -106,7 +107,7 @@ class XmiWriter:
         container = etree.SubElement(self._root, "variableDeclarationContainer")
         positions: dict[str, str] = {}
         words = {kind: word for word, kind in SECTIONS.items()}
-        declared = [(v, s.kind) for s in (pou.interface.sections if pou.interface else []) for v in s.variables]
+        declared = [(v, s.kind) for s in sections_of(pou.interface) for v in s.variables]
         texts = " ".join(_texts(networks))
         flags = {
             f"X{step.name}": self._numbers[id(step)]

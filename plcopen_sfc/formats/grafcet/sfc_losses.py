@@ -15,7 +15,7 @@ from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcBody, SfcNetwork, Step
-from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.model.variables import SectionKind, sections_of
 from plcopen_sfc.report import ConversionReport, Outcome
 
 
@@ -41,7 +41,7 @@ def report_unexpressed(project: Project, report: ConversionReport) -> None:
         if chart is None:
             report.add(Outcome.NOT_EXECUTED, "POU", pou.report_path, "a GRAFCET is a chart, and executes no other POU")
             continue
-        for section in pou.interface.sections if pou.interface is not None else []:
+        for section in sections_of(pou.interface):
             for variable in section.variables if section.kind not in _DECLARED else []:
                 why = "a GRAFCET declares inputs, outputs and internal variables only"
                 report.add(Outcome.NOT_EXECUTED, "variable", f"{pou.report_path} / {variable.name}", why)

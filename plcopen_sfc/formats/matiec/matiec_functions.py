@@ -21,7 +21,7 @@ from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import Variable
-from plcopen_sfc.model.variables import PASSED, Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import PASSED, Interface, SectionKind, VariableSection, sections_of
 from plcopen_sfc.report import ConversionReport, Outcome
 
 
@@ -128,7 +128,7 @@ def _add_parameters(
 
 
 def _parameters(function: Pou) -> Iterator[str]:
-    sections = function.interface.sections if function.interface is not None else ()
+    sections = sections_of(function.interface)
     yield from (variable.name for each in sections if each.kind in PASSED for variable in each.variables)
 
 

@@ -45,7 +45,7 @@ from plcopen_sfc.model.types import (
     SimpleValue,
     used_types,
 )
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection, sections_of
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _ORDER = (PouKind.FUNCTION, PouKind.FUNCTION_BLOCK, PouKind.PROGRAM)
@@ -199,7 +199,7 @@ def _fit_pou(unit: FittedPou, final_scan: bool | None, *, same_loops: bool, reli
 
 def _check_addresses(unit: FittedPou) -> None:
     """Take off addresses that matiec does not take: it has them at local variables of programs."""
-    for section in unit.pou.interface.sections if unit.pou.interface is not None else ():
+    for section in sections_of(unit.pou.interface):
         for variable in section.variables:
             address = variable.address
             if address is None:

@@ -24,7 +24,7 @@ from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Configuration
 from plcopen_sfc.model.sfc import ActionAssociation, BodyCondition, Condition, SfcNetwork, Step, Transition
-from plcopen_sfc.model.variables import VariableSection
+from plcopen_sfc.model.variables import VariableSection, sections_of
 
 if TYPE_CHECKING:
     from plcopen_sfc.formats.plcopen.tc6_reading import Fields
@@ -552,7 +552,7 @@ def _of_section(section: VariableSection) -> str:
 
 def pou_digest(pou: Pou) -> str:
     """Return a digest of a block in structured text: of its interface and its statements."""
-    sections = [_plain_fields(section) for section in (pou.interface.sections if pou.interface is not None else ())]
+    sections = [_plain_fields(section) for section in sections_of(pou.interface)]
     rest = [len(pou.actions), len(pou.transitions), len(pou.methods)]
     return text_digest(json.dumps([pou.name, pou.kind, sections, [*map(_plain, pou.bodies)], rest], sort_keys=True))
 

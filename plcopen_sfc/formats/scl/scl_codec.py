@@ -75,7 +75,7 @@ from plcopen_sfc.model.types import (
     StructValue,
     Variable,
 )
-from plcopen_sfc.model.variables import SectionKind, VariableSection
+from plcopen_sfc.model.variables import SectionKind, VariableSection, sections_of
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -297,7 +297,7 @@ def _not_executed(pou: Pou, called: frozenset[int]) -> Iterator[tuple[str, str, 
 
 def _note_foreign(project: Project, pou: Pou, types: S7Types, tags: Container[str], report: ConversionReport) -> None:
     """Report the declarations of a block that are written although TIA Portal does not know them."""
-    sections = pou.interface.sections if pou.interface is not None else []
+    sections = sections_of(pou.interface)
     for section in (section for section in sections if section.kind is not SectionKind.EXTERNAL):
         words = section_head(section, _SCL)[-1]
         if section.persistent:
@@ -436,7 +436,7 @@ def _pou(pou: Pou, types: S7Types, tags: Container[str], literals: Mapping[str, 
 
 def _sections(pou: Pou, types: S7Types, tags: Container[str]) -> Iterator[VariableSection]:
     """Yield the sections of a block as SCL has them. `tags`: the names of variables that are tags."""
-    for section in pou.interface.sections if pou.interface is not None else []:
+    for section in sections_of(pou.interface):
         if section.kind is not SectionKind.EXTERNAL:  # S7 has no declarations of global variables in blocks
             members = [variable for variable in section.variables if variable.name.casefold() not in tags]
             if len(members) < len(section.variables):
@@ -483,7 +483,7 @@ def _section(section: VariableSection, types: S7Types) -> WrittenBlock:
 
 def _data_block(block: DataBlock, types: S7Types) -> Iterator[WrittenBlock]:
     texts = kept(block.extension_data)
-    sections = block.interface.sections if block.interface is not None else []
+    sections = sections_of(block.interface)
     sections = [
         section.model_copy(update={"variables": [_in_block(variable, types) for variable in section.variables]})
         for section in sections
@@ -548,7 +548,7 @@ def _without_value(variable: Variable) -> Variable:
 def _retained(block: DataBlock) -> ExtensionData | None:
     """Extension data of a data block. Its head has RETAIN where all variables of its structure are retained."""
     texts = kept(block.extension_data)
-    sections = block.interface.sections if block.interface is not None else []
+    sections = sections_of(block.interface)
     words = texts.get("properties", "").splitlines()
     if not sections or not (block.type_name is not None or "RETAIN" in words or any(map(_is_struct, sections))):
         return block.extension_data

@@ -57,7 +57,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, SfcNetwork, Step
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Variable
-from plcopen_sfc.model.variables import SectionKind, VariableSection
+from plcopen_sfc.model.variables import SectionKind, sections_of
 
 Q = Qualifier
 _RESETS = (Q.R, Q.R0)
@@ -164,7 +164,7 @@ def watching_flags(pou: Pou, chart: SfcNetwork) -> frozenset[SfcFlag]:
 
     They are variables of the block, and SFCError is none of its inputs.
     """
-    declared = {v.name.casefold(): s.kind for s in _sections(pou) for v in s.variables}
+    declared = {v.name.casefold(): s.kind for s in sections_of(pou.interface) for v in s.variables}
     used = chart.flags_in_use(lambda name: name.casefold() in declared)
     kind = declared.get(SfcFlag.ERROR.variable.casefold())
     is_written = kind in (SectionKind.OUTPUT, SectionKind.LOCAL, SectionKind.IN_OUT)
@@ -544,10 +544,6 @@ def _is_of_iec(row: ActionAssociation) -> bool:
     """True if an association has nothing beside its qualifier, its time and its condition."""
     special = (row.event, row.value, row.forcing)
     return not row.interlock and row.kind in _KINDS and row.qualifier in _IEC and not any(special)
-
-
-def _sections(pou: Pou) -> list[VariableSection]:
-    return pou.interface.sections if pou.interface is not None else []
 
 
 def _is_timer(variable: Variable) -> bool:

@@ -49,7 +49,7 @@ from plcopen_sfc.model.types import (
     StringType,
     Variable,
 )
-from plcopen_sfc.model.variables import PASSED, Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import PASSED, Interface, SectionKind, VariableSection, sections_of
 
 _OF_EDGES = frozenset({"R_TRIG", "F_TRIG", "BOOL"})
 """Types of the variables that networks with edges need."""
@@ -176,7 +176,9 @@ class ActionFunctions:
 
     def arguments(self, called: Pou) -> dict[str, str]:
         """Return the arguments of a call of a function, or of the block for a chart, by their names."""
-        parameters = [v for section in _sections(called) if section.kind in PASSED for v in section.variables]
+        parameters = [
+            v for section in sections_of(called.interface) if section.kind in PASSED for v in section.variables
+        ]
         passed = {variable.name: f"#{variable.name}" for variable in parameters}
         return passed | self._step_data.get(called.name, {})
 
@@ -299,7 +301,7 @@ class ActionFunctions:
 
     def _parameters(self, pou: Pou, used: Set[str], written: Set[str]) -> Interface | str:
         """Return the parameters of a block that uses variables of `pou`; a reason where they cannot be parameters."""
-        known = {v.name.casefold(): (s, v) for s in _sections(pou) for v in s.variables}
+        known = {v.name.casefold(): (s, v) for s in sections_of(pou.interface) for v in s.variables}
         known |= {v.name.casefold(): (VariableSection(kind=SectionKind.LOCAL), v) for v in self.instances(pou)}
         blocks = {name: block for name, (_, v) in known.items() if (block := self._block(v.type)) is not None}
         charts = [body.chart for body in pou.bodies if isinstance(body, SfcBody)]
@@ -563,7 +565,3 @@ def _path(text: str) -> str:
     tree = parse_expression(text, Dialect.SCL).tree
     path = path_of(tree) if tree is not None else None
     return path[0].casefold() if path else ""
-
-
-def _sections(pou: Pou) -> list[VariableSection]:
-    return pou.interface.sections if pou.interface is not None else []

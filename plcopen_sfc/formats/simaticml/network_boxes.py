@@ -28,7 +28,7 @@ from plcopen_sfc.model.network import Block, BlockCall, BlockVariable, InputPin,
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
-from plcopen_sfc.model.variables import PASSED, Interface, SectionKind
+from plcopen_sfc.model.variables import PASSED, Interface, SectionKind, sections_of
 from plcopen_sfc.report import ConversionReport, Outcome
 
 RAIL = 0
@@ -328,7 +328,7 @@ def _name_pins(block: Block, pou: Pou, network: LogicNetwork) -> None:
 def mark_call(block: Block, pou: Pou) -> None:
     """Mark a box as a call of a block, with the types and sections of its pins."""
     block.call = _CALLS[pou.kind]
-    sections = pou.interface.sections if pou.interface is not None else []
+    sections = sections_of(pou.interface)
     declared = {v.name.casefold(): (section.kind, v.type) for section in sections for v in section.variables}
     for group in (block.parameters.inputs, block.parameters.in_outs, block.parameters.outputs):
         for parameter in list(group):

@@ -62,7 +62,7 @@ from plcopen_sfc.model.pou import Action, DataBlock, DataBlockKind, Method, Pou,
 from plcopen_sfc.model.project import Tag, TagTable
 from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration, EnumType, SimpleValue, StructType, Variable
-from plcopen_sfc.model.variables import Interface, SectionKind
+from plcopen_sfc.model.variables import Interface, SectionKind, sections_of
 from plcopen_sfc.report import CHART_OF_ACTION, ORDER_OF_ACTIONS, Outcome
 from plcopen_sfc.whole_numbers import canonical_number
 
@@ -142,7 +142,7 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
         ctx.place.append(f"POU {pou.name}")
     ctx.body_name, ctx.pou = pou.name, pou
     ctx.types = types_of(ctx.project, pou)
-    sections = pou.interface.sections if pou.interface is not None else []
+    sections = sections_of(pou.interface)
     constants = [variable for section in sections if holds_constants(section) for variable in section.variables]
     ctx.constants = frozenset(f"#{variable.name.lower()}" for variable in constants)
     ctx.tags = local_tags(ctx.project).get(pou.name.casefold(), {})

@@ -16,7 +16,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project, TagTable
 from plcopen_sfc.model.sfc import ActionAssociation, Condition, SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import plain
-from plcopen_sfc.model.variables import VariableSection
+from plcopen_sfc.model.variables import VariableSection, sections_of
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _KIND_WORDS = {kind: word for word, kind in KINDS.items()}
@@ -44,7 +44,7 @@ def tables_of(project: Project, report: ConversionReport) -> list[ListTable]:
         _report_more(thing, thing.chart, report)
         called = thing.name if name == "PROGRAM" else f"{name} {thing.name}"
         steps += (TableRow({"Program": called, **row}) for row in _chart_rows(thing, thing.chart, report))
-        for section in thing.interface.sections if thing.interface is not None else ():
+        for section in sections_of(thing.interface):
             variables += _section(section, called)
         for action in thing.actions:
             if isinstance(action.body, StBody):
