@@ -9,7 +9,7 @@ declarations.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import SequenceMatcher
 from typing import Any, TypeAlias
@@ -203,10 +203,6 @@ def patch_text(
     return apply_edits(source.text, patch.edits(spans, before, after))
 
 
-def _without(blocks: Iterable[WrittenBlock], idle: Collection[WrittenBlock]) -> tuple[WrittenBlock, ...]:
-    return tuple(block for block in blocks if block not in idle)
-
-
 def _file(block: WrittenBlock, newline: str) -> str:
     return block.whole().replace("\n", newline) + newline
 
@@ -224,7 +220,10 @@ class _Patch:
         # what the text does without before the edit, it does without behind it
         idle = {block for block in before.blocks if block.key not in known}.intersection(after.blocks)
         if known and idle:
-            before, after = (replace(each, blocks=_without(each.blocks, idle)) for each in (before, after))
+            before, after = (
+                replace(each, blocks=tuple(block for block in each.blocks if block not in idle))
+                for each in (before, after)
+            )
         if not (before.blocks and after.blocks and sorted(known) == sorted(block.key for block in before.blocks)):
             return [self._replaced(around, before, after)]
         return self._children(around, before, after)

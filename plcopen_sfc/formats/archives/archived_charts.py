@@ -81,10 +81,6 @@ _FLOW_PIN = "sfc"
 """Name of the output that exports of PLCopen XML give wires into transitions and convergences."""
 
 
-def _is_attribute(thing: etree._Element) -> bool:
-    return type_of(thing) == "SFCAttribute"
-
-
 class ChartReader:
     """Reads one chart. `conditions` are the names of the transition objects of its POU, in lower case."""
 
@@ -119,7 +115,8 @@ class ChartReader:
             if value.get("n") == "Id":
                 found.setdefault(value.text or "", []).append(value)
         for text, values in found.items():
-            own = [each for each in values if (parent := each.getparent()) is not None and _is_attribute(parent)]
+            holders = [(each, each.getparent()) for each in values]
+            own = [each for each, holder in holders if holder is not None and type_of(holder) == "SFCAttribute"]
             for value in own[0 if len(own) < len(values) else 1 :]:
                 message = f"an attribute has the number {text.removesuffix('L')}, which another one has"
                 self._ctx.warn("TWC105", message, value)

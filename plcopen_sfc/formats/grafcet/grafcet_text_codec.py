@@ -7,7 +7,7 @@ of the model is put behind it.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
 from plcopen_sfc.errors import Location, ModelError, StructureError
@@ -271,13 +271,9 @@ def _time(text: str) -> str:
 
 
 def _line(key: tuple[str, str], text: str, comment: Text | None, indent: str) -> WrittenBlock:
-    first, *others = plain(comment).split("\n") if comment is not None else [None]
-    lines = [indent + text + (f" {_quoted(first)}" if first is not None else "")]
-    return WrittenBlock(key, "\n".join([*lines, *(f"{indent}    {_quoted(each)}" for each in _told(others))]))
-
-
-def _told(lines: Sequence[str | None]) -> Iterator[str]:
-    return (line for line in lines if line is not None)
+    first, *others = map(_quoted, plain(comment).split("\n")) if comment is not None else [""]
+    lines = [f"{indent}{text} {first}" if first else indent + text, *(f"{indent}    {each}" for each in others)]
+    return WrittenBlock(key, "\n".join(lines))
 
 
 def _quoted(text: str) -> str:

@@ -203,7 +203,8 @@ class _ToAutomaton(_Notation):
                 made.add(f"CHART {name[1] if name is not None else 'G'}", line)
             elif tag in ("STEPS", "TRANSITIONS", "ACTIONS"):
                 found = {"STEPS": steps, "TRANSITIONS": transitions, "ACTIONS": actions}[tag]
-                found += [(at, self._fields(entry)) for at, entry in self._entries(bare, inner)]
+                for at, entry in self._entries(bare, inner):
+                    found.append((at, [part.strip() for part in _REMARK.sub(" ", entry).split(":")]))
             elif tag == "/PARTIAL":
                 self._chart(steps, transitions, actions)
             elif tag not in ("INFO", "/INFO", "GRAFCET", "/GRAFCET", "CHARTS", "/CHARTS"):
@@ -239,9 +240,6 @@ class _ToAutomaton(_Notation):
                 at = start + len(entry) - len(entry.lstrip())
                 yield text.count("\n", 0, at) + 1, entry.strip()
             start = stop + 1
-
-    def _fields(self, entry: str) -> list[str]:
-        return [part.strip() for part in _REMARK.sub(" ", entry).split(":")]
 
     def _chart(
         self,

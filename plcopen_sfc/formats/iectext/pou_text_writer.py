@@ -620,7 +620,8 @@ class _Unit:
     def _statements(self, lines: TextBlock, intended: Fields, read_back: Fields) -> list[WrittenBlock]:
         tokens = tokenize(lines.text, self.printer.dialect, KEYWORDS).tokens
         read_back["body"] = body_fields(lines.text, tokens)
-        intended["body"] = _without_text(intended.get("body", {})) | ({"text": lines.text} if lines.text else {})
+        body = {key: value for key, value in intended.get("body", {}).items() if key != "text"}
+        intended["body"] = body | ({"text": lines.text} if lines.text else {})
         intended["layout"] = {edge: getattr(lines, edge) for edge in _EDGES if getattr(lines, edge)}
         read_back["layout"] = {}
         if not lines.text:
@@ -664,7 +665,3 @@ def write_in_place(unit: _Unit, name: str, body: Body, indent: str | None = None
 
 
 _EDGES = ("after", "before", "margin")
-
-
-def _without_text(body: Fields) -> Fields:
-    return {key: value for key, value in body.items() if key != "text"}

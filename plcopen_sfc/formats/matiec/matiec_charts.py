@@ -388,7 +388,7 @@ class ChartFitter:
             kind = self._type(target)
             if isinstance(kind, ElementaryType) and kind.name is not Elementary.BOOL:
                 wrong.append(f"{target} is of type {kind.name.value}: only a Boolean variable can be an action")
-        if "." in target and self._is_action_of_instance(target):
+        if "." in target and self._is_instance(target.partition(".")[0]):
             wrong.append("matiec has no actions of instances")
         return wrong
 
@@ -400,9 +400,6 @@ class ChartFitter:
         """True if this is an instance of a function block, which is called as an action."""
         kind = self._type(name)
         return isinstance(kind, DerivedType) and kind.name.casefold() not in self.unit.types
-
-    def _is_action_of_instance(self, target: str) -> bool:
-        return self._is_instance(target.partition(".")[0])
 
     def _line(
         self, qualifier: Qualifier, target: str, *, duration: str | None = None, indicator: str | None = None

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from plcopen_sfc.languages.il import statements as il_statements
-from plcopen_sfc.languages.networks import Helper, NetworkProblem, body_statements
+from plcopen_sfc.languages.networks import Helper, body_statements
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, render, transform
 from plcopen_sfc.languages.words import IEC_KEYWORDS, is_plain, take_name
@@ -167,7 +167,7 @@ class FittedPou:
             return body.text
         if isinstance(body, FbdBody | LdBody):
             read = body_statements(body, self.dialect, taken=self.used)
-            wrong = [*_texts(read.obstacles), *self.declare_helpers(read.helpers)]
+            wrong = [*map(str, read.obstacles), *self.declare_helpers(read.helpers)]
             blocks = sum(isinstance(node, Block) for network in body.networks for node in network.nodes)
             if not wrong and self.own and blocks > 1:
                 why = "statements follow the wires, the converter of its tool goes by the places of the blocks"
@@ -191,10 +191,6 @@ class FittedPou:
 
 
 ADDED = "for what is drawn or what matiec does not execute by itself"
-
-
-def _texts(problems: Iterable[NetworkProblem]) -> list[str]:
-    return [str(problem) for problem in problems]
 
 
 def _names(pou: Pou) -> list[str]:

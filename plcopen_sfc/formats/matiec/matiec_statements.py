@@ -81,7 +81,7 @@ def _filled(node: n.Node, idle: Idle) -> n.Node:
         if name == "otherwise" and not working:
             new[name] = None
         elif not working and not isinstance(node, n.Statements):
-            new[name] = (_idle(idle),)
+            new[name] = (n.Assignment(n.Name(idle()), n.Literal("FALSE")),)
         elif len(working) < len(found):
             new[name] = working
     return replace(node, **new) if new else node  # type: ignore[arg-type]  # fields of several kinds of nodes
@@ -89,10 +89,6 @@ def _filled(node: n.Node, idle: Idle) -> n.Node:
 
 def _working(statements: tuple[n.Statement, ...]) -> tuple[n.Statement, ...]:
     return tuple(one for one in statements if not isinstance(one, n.Empty))
-
-
-def _idle(idle: Idle) -> n.Statement:
-    return n.Assignment(n.Name(idle()), n.Literal("FALSE"))
 
 
 # -- loops ------------------------------------------------------------------------------------------------------------
@@ -589,7 +585,8 @@ def _widens(kind: str, to: str) -> bool:
 def _as(common: str, kind: str, value: n.Expression) -> n.Expression:
     """Return an operand as one of the type `common`; literals without a type take any, whole ones but those of REAL."""
     if kind and kind != common:
-        return n.Call(n.Name(f"{kind}_TO_{common}"), (n.Argument(_without_parentheses(value)),))
+        inner = value.inner if isinstance(value, n.Parenthesized) else value
+        return n.Call(n.Name(f"{kind}_TO_{common}"), (n.Argument(inner),))
     if kind or common not in REALS:
         return value
     if isinstance(value, n.Literal) and _WHOLE.fullmatch(value.text):
@@ -605,7 +602,3 @@ def _as(common: str, kind: str, value: n.Expression) -> n.Expression:
         inner = _as(common, kind, value.inner)
         return value if inner is value.inner else replace(value, inner=inner)
     return value
-
-
-def _without_parentheses(value: n.Expression) -> n.Expression:
-    return value.inner if isinstance(value, n.Parenthesized) else value

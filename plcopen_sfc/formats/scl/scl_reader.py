@@ -15,7 +15,6 @@ from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.remainder_comments import DAMAGED, OUTDATED, put_back, read_entries
 from plcopen_sfc.formats.text_codec import SourceText
 from plcopen_sfc.formats.text_patch import (
-    BlockSpan,
     Place,
     ReadText,
     block_span,
@@ -207,10 +206,7 @@ class _Reader:
         if changes:
             project = put_back(project, changes, self._remainder_note)
             self._found.append((("rest", ""), (changes[0][1].span[0], changes[-1][1].span[1]), ()))
-        return ReadText(project, self._slices(), self._diagnostics)
-
-    def _slices(self) -> BlockSpan:
-        return block_span(("file", ""), (0, len(self._text)), self._found)
+        return ReadText(project, block_span(("file", ""), (0, len(self._text)), self._found), self._diagnostics)
 
     # -- units
 

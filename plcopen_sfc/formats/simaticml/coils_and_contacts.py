@@ -110,7 +110,9 @@ def _boxes(network: LogicNetwork, bits: Collection[str]) -> list[tuple[Block, li
     for box in network.nodes:
         if not isinstance(box, Block) or box.type_name.upper() not in BOOLEAN | {"MOVE"}:
             continue
-        readers = [node for node in network.nodes if any(_reads(pin, box) for pin in _inputs(node))]
+        readers = [
+            node for node in network.nodes if any(c.source == box.id for pin in _inputs(node) for c in pin.connections)
+        ]
         written = [node for node in readers if _is_bit(node, bits)]
         enable = next(iter(box.parameters.inputs), None)
         has_enable = enable is not None and enable.name.upper() == "EN" and _wired(enable)
@@ -173,10 +175,6 @@ def _is_bit(node: Node, bits: Collection[str]) -> TypeGuard[OutputVariable]:
         return False
     of_value = (node.input.connections[0].pin or "").upper() != "ENO"
     return of_value and node.expression.removeprefix("#").strip('"').casefold() in bits
-
-
-def _reads(pin: InputPin, box: Block) -> bool:
-    return any(connection.source == box.id for connection in pin.connections)
 
 
 def _wired(pin: BlockVariable) -> bool:

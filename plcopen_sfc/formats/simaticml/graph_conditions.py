@@ -215,15 +215,11 @@ def drawn_condition(
     if found.before:
         return "function blocks or edges are in it, which a transition of S7-GRAPH cannot have"
     tree = found.tree
-    texts = [print_node(_operand_of(tree) if also else tree), *also]
+    texts = [print_node(n.Parenthesized(tree) if also and isinstance(tree, n.Operation) else tree), *also]
     if isinstance(tree, n.Literal) and tree.text.upper() == "TRUE" and also:
         texts = [*also]
     text = " AND ".join(texts)
     return condition_body(Expression(text=text), result) or f"no network of LAD or FBD expresses {text}"
-
-
-def _operand_of(tree: n.Expression) -> n.Expression:
-    return n.Parenthesized(tree) if isinstance(tree, n.Operation) else tree
 
 
 def untranslated_name(label: str) -> str:

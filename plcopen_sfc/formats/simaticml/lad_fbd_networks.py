@@ -259,7 +259,8 @@ class _Writer:
         for draft in self.drafts:
             if isinstance(draft.node, Block):
                 self._template_values(draft, draft.node, attributes_of(draft.node.extension_data))
-            for end in _in_operand_order(draft):
+            # in the order of their operands: an edge memory is behind the operand that is watched
+            for end in sorted(draft.ends, key=lambda end: end.name == "bit"):
                 if end.operand is not None:
                     self._access(parts, draft, end, end.operand)
                 for source, _ in end.sources:
@@ -471,11 +472,6 @@ def _inlet(name: str, pin: InputPin | None) -> _End:
 def _outlet(node: Block, variable: BlockVariable) -> _End:
     operand = variable.output.expression if variable.output is not None else None
     return _End(_s7_pin(node, variable.name), operand=operand, is_output=True)
-
-
-def _in_operand_order(draft: _Draft) -> list[_End]:
-    """Return the pins in the order of their operands: an edge memory is behind the operand that is watched."""
-    return sorted(draft.ends, key=lambda end: end.name == "bit")
 
 
 TEXTS = "texts"

@@ -15,7 +15,6 @@ XSD032  a part of a schema version that this TIA Portal does not have
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator
 from dataclasses import replace
 
 from lxml import etree
@@ -62,7 +61,7 @@ def validate(data: bytes, *, file: str | None = None) -> list[Diagnostic]:
         return [Diagnostic("XSD001", Severity.ERROR, message, error.location)]
     found = [_lenient(finding) for finding in schema_findings(root, _FRAME, data=data, file=file)]
     lines = SourceLines(root, data)
-    for part in _parts(root):
+    for part in (part for holder in root.iter(*_HOLDERS) for part in holder.iterchildren(etree.Element)):
         if len(found) > MAX_FINDINGS:
             break
         name = etree.QName(part)
@@ -82,12 +81,6 @@ def validate(data: bytes, *, file: str | None = None) -> list[Diagnostic]:
 def _names_its_version(root: etree._Element) -> bool:
     engineering = root.find("Engineering")
     return engineering is not None and version_named(engineering.get("version", "")) is not None
-
-
-def _parts(root: etree._Element) -> Iterator[etree._Element]:
-    """Yield the parts in interfaces and network sources."""
-    for holder in root.iter(*_HOLDERS):
-        yield from holder.iterchildren(etree.Element)
 
 
 def _unknown(part: etree._Element, version: TiaVersion, place: Location) -> Diagnostic:

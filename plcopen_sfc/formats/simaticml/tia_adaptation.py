@@ -114,7 +114,7 @@ def _mark_instances(project: Project) -> None:
     names = [block.name for block in project.data_blocks if block.kind is DataBlockKind.INSTANCE]
     for pou in project.pous:
         for body in pou.bodies:
-            called = [name for name in names if isinstance(body, StBody) and _calls(body.text, name)]
+            called = [name for name in names if isinstance(body, StBody) and f'"{name}"(' in body.text]
             if called:
                 body.extension_data = body.extension_data or ExtensionData()
                 body.extension_data.attributes |= {f'{CALL}"{name}"': "FB" for name in called}
@@ -159,10 +159,6 @@ def _note_versions(project: Project) -> None:
         version = version_of(variable.type)
         if version is not None and "Version" not in variable.attributes:
             variable.attributes = {"Version": version} | variable.attributes
-
-
-def _calls(text: str, name: str) -> bool:
-    return f'"{name}"(' in text
 
 
 def _languages(thing: Any, language: str) -> None:

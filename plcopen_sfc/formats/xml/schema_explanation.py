@@ -325,7 +325,8 @@ class Grammar:
         if above is not None and not above.type.has_simple_content():
             found = next((child for child in _child_declarations(above) if child.name == element.tag), None)
         # In foreign data everything that is declared globally is checked in every place.
-        wild = above is None or any(child.name is None for child in _child_declarations(above)) or _is_anything(above)
+        wild = above is None or above.type.name == f"{_XS}anyType"
+        wild = wild or any(child.name is None for child in _child_declarations(above))
         return self._schema.maps.elements.get(element.tag) if found is None and wild else found
 
     @staticmethod
@@ -380,10 +381,6 @@ def _child_declarations(declaration: Any) -> Iterator[Any]:
     content = declaration.type.content
     if hasattr(content, "iter_elements"):
         yield from content.iter_elements()
-
-
-def _is_anything(declaration: Any) -> bool:
-    return bool(declaration.type.name == f"{_XS}anyType")
 
 
 def _builtin(simple_type: Any) -> str:
