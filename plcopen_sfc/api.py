@@ -290,6 +290,6 @@ def _text_of(content: bytes, kind: Format) -> str:
         from plcopen_sfc.formats.xml.xml_parsing import decode_xml  # noqa: PLC0415
 
         return decode_xml(content)[0]
-    from plcopen_sfc.formats.text_codec import decode_text  # noqa: PLC0415
+    from plcopen_sfc.formats.text_encoding import decode_text  # noqa: PLC0415
 
     return decode_text(content).text

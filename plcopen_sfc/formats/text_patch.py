@@ -15,7 +15,7 @@ from difflib import SequenceMatcher
 from typing import Any, TypeAlias
 
 from plcopen_sfc.diagnostics import Diagnostic
-from plcopen_sfc.formats.text_codec import SourceText
+from plcopen_sfc.formats.text_encoding import SourceText
 from plcopen_sfc.languages.declarations import Declared, Found, Head, write_variable
 from plcopen_sfc.languages.declarations.declaration_writing import indent_of, section_head, section_rest
 from plcopen_sfc.languages.declarations.kept_texts import kept

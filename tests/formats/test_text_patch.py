@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from plcopen_sfc.formats.text_codec import SourceText, decode_text
+from plcopen_sfc.formats.text_encoding import SourceText, decode_text
 from plcopen_sfc.formats.text_patch import BlockSpan, WrittenBlock, numbered, patch_text
 
 

@@ -35,7 +35,8 @@ from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.provenance import content_digest
 from plcopen_sfc.formats.registry import CODE_PAGES
 from plcopen_sfc.formats.remainder_comments import lacking
-from plcopen_sfc.formats.text_codec import SourceText, TextCodec, decode_text
+from plcopen_sfc.formats.text_codec import TextCodec
+from plcopen_sfc.formats.text_encoding import SourceText, decode_text
 from plcopen_sfc.formats.text_patch import (
     BlockSpan,
     WrittenBlock,

@@ -32,7 +32,7 @@ from plcopen_sfc.formats.codesys23.exp_outline import (
     outline_of,
 )
 from plcopen_sfc.formats.remainder_comments import DAMAGED, OUTDATED, Entry, put_back, read_entries
-from plcopen_sfc.formats.text_codec import SourceText
+from plcopen_sfc.formats.text_encoding import SourceText
 from plcopen_sfc.formats.text_patch import (
     Place,
     ReadText,

@@ -24,7 +24,8 @@ from plcopen_sfc.formats.grafcet.grafcet_text_reader import (
 from plcopen_sfc.formats.grafcet.other_notations import translated
 from plcopen_sfc.formats.grafcet.sfc_losses import report_unexpressed
 from plcopen_sfc.formats.remainder_comments import lacking
-from plcopen_sfc.formats.text_codec import SourceText, TextCodec
+from plcopen_sfc.formats.text_codec import TextCodec
+from plcopen_sfc.formats.text_encoding import SourceText
 from plcopen_sfc.formats.text_patch import BlockSpan, WrittenBlock, numbered_blocks
 from plcopen_sfc.languages.declarations import write_type, write_value
 from plcopen_sfc.languages.networks.condition_reading import shown_condition

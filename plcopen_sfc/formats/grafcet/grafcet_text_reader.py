@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location, StructureError, nearest
 from plcopen_sfc.formats.remainder_comments import DAMAGED, OUTDATED, put_back, read_entries
-from plcopen_sfc.formats.text_codec import SourceText
+from plcopen_sfc.formats.text_encoding import SourceText
 from plcopen_sfc.formats.text_patch import BlockSpan, Key, ReadText, numbered
 from plcopen_sfc.languages.declarations import read_declarations
 from plcopen_sfc.languages.grafcet_conditions import separated

@@ -18,7 +18,8 @@ from plcopen_sfc.formats.iectext.text_outline import POUS, PartKind, TextPart, o
 from plcopen_sfc.formats.iectext.text_source import INDENT, OWN_PRAGMA, TextSource, indented, is_own
 from plcopen_sfc.formats.matiec.matiec_project import fit_project, pous_in_order
 from plcopen_sfc.formats.matiec.matiec_statements import compilable_comments, plain_comment
-from plcopen_sfc.formats.text_codec import SourceText, TextCodec
+from plcopen_sfc.formats.text_codec import TextCodec
+from plcopen_sfc.formats.text_encoding import SourceText
 from plcopen_sfc.formats.text_patch import BlockSpan, Key, WrittenBlock, numbered
 from plcopen_sfc.languages.declarations import write_data_type, write_section, write_type, write_value
 from plcopen_sfc.languages.pragmas import NotationError, parse_change

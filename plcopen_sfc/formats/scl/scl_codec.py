@@ -20,7 +20,8 @@ from plcopen_sfc.formats.scl.scl_reader import (
     start_values,
     write_start_values,
 )
-from plcopen_sfc.formats.text_codec import SourceText, TextCodec
+from plcopen_sfc.formats.text_codec import TextCodec
+from plcopen_sfc.formats.text_encoding import SourceText
 from plcopen_sfc.formats.text_patch import (
     BlockSpan,
     Key,

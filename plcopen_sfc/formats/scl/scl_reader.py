@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.remainder_comments import DAMAGED, OUTDATED, put_back, read_entries
-from plcopen_sfc.formats.text_codec import SourceText
+from plcopen_sfc.formats.text_encoding import SourceText
 from plcopen_sfc.formats.text_patch import (
     Place,
     ReadText,

@@ -16,7 +16,7 @@ from plcopen_sfc.formats.format_interface import Codec, ReadResult, WriteOptions
 from plcopen_sfc.formats.steplist.list_reader import read_list
 from plcopen_sfc.formats.steplist.list_tables import Sheet, laid_out
 from plcopen_sfc.formats.steplist.list_writer import tables_of
-from plcopen_sfc.formats.text_codec import SourceText, decode_text
+from plcopen_sfc.formats.text_encoding import SourceText, decode_text
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport, Outcome
 

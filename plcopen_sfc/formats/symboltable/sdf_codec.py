@@ -13,7 +13,8 @@ from dataclasses import dataclass, field
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
-from plcopen_sfc.formats.text_codec import SourceText, TextCodec
+from plcopen_sfc.formats.text_codec import TextCodec
+from plcopen_sfc.formats.text_encoding import SourceText
 from plcopen_sfc.formats.text_patch import (
     BlockSpan,
     Place,

@@ -10,7 +10,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.scl.scl_codec import CODEC
-from plcopen_sfc.formats.text_codec import decode_text
+from plcopen_sfc.formats.text_encoding import decode_text
 from plcopen_sfc.report import LOSSES, ConversionReport
 from tests import strategies as random_model
 from tests.languages.declarations import test_model as sayable
