@@ -6,7 +6,7 @@ anything found possible may still be excluded by conditions.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, reduce
 from operator import or_
@@ -155,16 +155,24 @@ def explore_one_by_one(net: Net, cap: int) -> ExploredMarkings:
     return found
 
 
-def explore_in_sets(net: Net, competing: Competing, cap: int) -> ExploredMarkings:
-    """Fire every set of transitions that can fire in one scan, until more than `cap` markings were seen."""
-    came_from: dict[int, dict[int, int]] = {net.initial: {}}
-    levels = [[net.initial]]
-    found = ExploredMarkings(net, {net.initial}, levels, came_from=came_from)
+def explore_in_sets(
+    net: Net, competing: Competing, cap: int, starts: Collection[int] = (), within: int = -1
+) -> ExploredMarkings:
+    """Fire every set of transitions that can fire in one scan, until more than `cap` markings were seen.
+
+    `starts`: markings with which it begins, instead of the initial one. `within`: the steps (bits) of a part of the
+    chart that no transition connects with others; those of the others are left out.
+    """
+    came_from: dict[int, dict[int, int]] = {start: {} for start in starts or (net.initial,)}
+    levels = [[*came_from]]
+    found = ExploredMarkings(net, set(came_from), levels, came_from=came_from)
     budget = _FIRINGS_PER_MARKING * cap
     while levels[-1]:
         fresh: list[int] = []
         for marking in levels[-1]:
             enabled = net.enabled(marking)
+            if within != -1:
+                enabled = tuple(i for i in enabled if (net.transitions[i].pre | net.transitions[i].post) & within)
             found.enabled |= mask(enabled)
             if found.unsafe is None:
                 enters = [i for i in enabled if marking & ~net.transitions[i].pre & net.transitions[i].post]

@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from graphlib import CycleError, TopologicalSorter
 
+from plcopen_sfc.analysis.marking import explore_in_sets
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Node, Statement
@@ -26,7 +27,7 @@ from plcopen_sfc.lowering.reading.chart_source import ChartSource, DelayInCondit
 from plcopen_sfc.lowering.schedule.scan_schedule import exclude
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.semantics.charts.grafcet.partial_charts import RuledChart
-from plcopen_sfc.semantics.net import Competing, Net, NetTransition, indexes, mask
+from plcopen_sfc.semantics.net import Competing, Net, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Profile
 
 
@@ -115,8 +116,7 @@ class TermCode:
         return start if found or early or called else None
 
 
-_MOST_EVOLUTIONS = 20_000
-_MOST_TOGETHER = 8
+_MOST_SITUATIONS = 10_000
 
 
 class Concurrency:
@@ -156,9 +156,12 @@ class _Part:
     def __init__(self, net: Net, steps: int, ruled: Sequence[RuledChart], competing: Competing) -> None:
         self.steps = steps
         self._with: dict[int, list[int]] = {}
-        markings = _markings(net, steps, ruled, competing)
-        self._complete = markings is not None
-        for marking in markings or ():
+        imposed = (start for chart in ruled if chart.steps & steps for start in _imposed(chart))
+        # the situations are an over-approximation, which is right for both questions: can fire together, can be active
+        starts = {start & steps for start in (net.initial, *imposed)}
+        found = explore_in_sets(net, competing, _MOST_SITUATIONS, starts, steps)
+        self._complete = found.complete
+        for marking in found.seen:
             for step in indexes(marking):
                 self._with.setdefault(step, []).append(marking)
 
@@ -197,28 +200,6 @@ def _parts(net: Net) -> list[int]:
     return list(found.values())
 
 
-def _markings(net: Net, steps: int, ruled: Sequence[RuledChart], competing: Competing) -> set[int] | None:
-    """Return the situations that a part can be in; None where there are too many."""
-    imposed = (start for chart in ruled if chart.steps & steps for start in _imposed(chart))
-    waiting = [start & steps for start in (net.initial, *imposed)]
-    found = set(waiting)
-    left = _MOST_EVOLUTIONS
-    while waiting:
-        marking = waiting.pop()
-        enabled = [i for i in net.enabled(marking) if (net.transitions[i].pre | net.transitions[i].post) & steps]
-        # every subset of the enabled transitions is one possible evolution: conditions are not looked at
-        left -= 1 << len(enabled)
-        if len(enabled) > _MOST_TOGETHER or left < 0:
-            return None
-        # the situations are an over-approximation, which is right for both questions: can fire together, can be active
-        for true in _subsets(enabled):
-            after, _ = net.fire(marking, true, competing)
-            if after & steps not in found:
-                found.add(after & steps)
-                waiting.append(after & steps)
-    return found
-
-
 def _imposed(chart: RuledChart) -> Iterator[int]:
     """Yield the situations that the charts above can put a chart into."""
     yield from (order.imposed for order in chart.orders if order.imposed is not None)
@@ -226,12 +207,6 @@ def _imposed(chart: RuledChart) -> Iterator[int]:
     for enclosing in chart.enclosures:  # several can become active at once
         opened |= {links | enclosing.links for links in opened}
     yield from opened
-
-
-def _subsets(indices: Sequence[int]) -> Iterator[int]:
-    """Yield every non-empty set of some indexes, as bits."""
-    for chosen in range(1, 1 << len(indices)):
-        yield mask(index for place, index in enumerate(indices) if chosen >> place & 1)
 
 
 class Stability:
