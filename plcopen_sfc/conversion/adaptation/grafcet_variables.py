@@ -14,7 +14,7 @@ from plcopen_sfc.languages.binding import Declaration
 from plcopen_sfc.languages.declarations import write_type
 from plcopen_sfc.languages.grafcet_conditions import is_operand
 from plcopen_sfc.languages.translation.literal_translation import international_address, translated_address
-from plcopen_sfc.languages.words import identifier, is_plain
+from plcopen_sfc.languages.words import free_name, identifier, is_plain
 from plcopen_sfc.lowering.code.lowered_code import names_of
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
@@ -78,11 +78,7 @@ def _legal_names(project: Project) -> Iterator[tuple[str, str]]:
         ]
         for name, path in named:
             if not is_plain(name):
-                new, number = identifier(name), 1
-                while new.casefold() in taken:
-                    number += 1
-                    new = f"{identifier(name)}_{number}"
-                yield path, new
+                yield path, free_name(identifier(name), taken)
 
 
 def _located(pou: Pou) -> Iterator[VariableSection]:

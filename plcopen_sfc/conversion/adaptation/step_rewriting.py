@@ -472,30 +472,33 @@ class StepRewriter:
                 rows.active += lines
         # The statement is written in any case. From here on: scans in which it comes before or behind another write of
         # its operand otherwise than in S7-GRAPH, which the report tells.
-        if event is ActionEvent.S0 and self._is_driven_next(step, row):
-            why = f"`{_called(row)}` (event S0) is executed before the next step drives {row.target}"
-            self._note_action(Outcome.APPROXIMATED, step, row.target, f"{why}; S7-GRAPH executes it after that")
-            return
-        if event is ActionEvent.S0 and self._is_written_before(step, row):
-            why = f"`{_called(row)}` (event S0) is executed after the next step has written {row.target}"
-            self._note_action(Outcome.APPROXIMATED, step, row.target, f"{why}; S7-GRAPH executes it before that")
-            return
-        if event is ActionEvent.S1 and not is_coil(row) and self._overtakes(step, row):
-            why = f"`{_called(row)}` (event S1) is executed before rows above it that write {row.target}"
-            self._note_action(Outcome.APPROXIMATED, step, row.target, f"{why}; S7-GRAPH executes it after them")
-            return
-        driver = self._driven_after(step, row) if not is_coil(row) else None
-        if driver is not None:
-            why = f"`{_called(row)}` is executed before the step {driver.name}, active too, drives {row.target}"
-            self._note_action(Outcome.APPROXIMATED, step, row.target, f"{why}; S7-GRAPH executes it after that")
-            return
-        driver = self._driven_beside(step, row) if not is_coil(row) else None
-        if driver is not None:
-            why = f"`{_called(row)}` and the step {driver.name}, active too, write {row.target} at other times than in"
-            self._note_action(Outcome.APPROXIMATED, step, row.target, f"{why} S7-GRAPH")
+        order = self._other_order(step, row, event)
+        if order:
+            self._note_action(Outcome.APPROXIMATED, step, row.target, f"`{_called(row)}` {order}")
             return
         needs = f", under the condition {needed}" if needed != "TRUE" else ""
         self._note_action(Outcome.TRANSLATED, step, row.target, f"`{_called(row)}` is a statement {where}{needs}")
+
+    def _other_order(self, step: Step, row: ActionAssociation, event: ActionEvent | None) -> str:
+        """Return in which order with other writes of its operand a statement is executed, if not that of S7-GRAPH."""
+        if event is ActionEvent.S0 and self._is_driven_next(step, row):
+            return f"(event S0) is executed before the next step drives {row.target}; S7-GRAPH executes it after that"
+        if event is ActionEvent.S0 and self._is_written_before(step, row):
+            return (
+                f"(event S0) is executed after the next step has written {row.target}; S7-GRAPH executes it before that"
+            )
+        if is_coil(row):
+            return ""
+        if event is ActionEvent.S1 and self._overtakes(step, row):
+            return (
+                f"(event S1) is executed before rows above it that write {row.target}; S7-GRAPH executes it after them"
+            )
+        if (other := self._driven_after(step, row)) is not None:
+            words = f"is executed before the step {other.name}, active too, drives {row.target}"
+            return f"{words}; S7-GRAPH executes it after that"
+        if (other := self._driven_beside(step, row)) is not None:
+            return f"and the step {other.name}, active too, write {row.target} at other times than in S7-GRAPH"
+        return ""
 
     def _refusal(self, step: Step, row: ActionAssociation, event: ActionEvent | None) -> str | None:
         """Return why no statement does the same as a row; None where one does."""
