@@ -180,7 +180,12 @@ def _lowered(chart: Subject, rules: LoweringRules, options: ProofOptions | None)
                 project.language = project.language or rules.texts.culture or None
         proof = None
         if options is not None:
-            proof = _proof(chart, Subject(project, made.pou, chart.name), made, **options.searching)
+            proof = prove_code(chart, Subject(project, made.pou, chart.name), made, **options.searching)
+            if proof.kind is VerdictKind.DIFFERENT and not rules.is_classic:
+                raise LoweringError(
+                    f"the code does not do what the chart does: {proof}",
+                    hint="This is an error of plcopen_sfc: please report it with the chart.",
+                )
             refuse_untested(chart.name, proof, accepted=options.accept_untested)
     lowered = LoweredPou(
         **(vars(made) | {"pou": pou}),
@@ -231,9 +236,9 @@ def _chart_of(subject: Subject) -> SfcNetwork:
     return subject.pou.chart
 
 
-def _proof(chart: Subject, code: Subject, made: Constructed, **searching: Unpack[Searching]) -> Verdict:
-    """Compare `code` with `chart`. Raises `LoweringError` where exact code is different."""
-    found = prove(
+def prove_code(chart: Subject, code: Subject, made: Constructed, **searching: Unpack[Searching]) -> Verdict:
+    """Compare `code`, as it was `made` or read again, with `chart`."""
+    return prove(
         chart,
         code,
         made.rules.profile,
@@ -242,12 +247,6 @@ def _proof(chart: Subject, code: Subject, made: Constructed, **searching: Unpack
         step_flags=made.step_flags or None,
         **searching,
     )
-    if found.kind is VerdictKind.DIFFERENT and not made.rules.is_classic:
-        raise LoweringError(
-            f"the code does not do what the chart does: {found}",
-            hint="This is an error of plcopen_sfc: please report it with the chart.",
-        )
-    return found
 
 
 def _refuse_what_was_not_read(subject: Subject) -> None:

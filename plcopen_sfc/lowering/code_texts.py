@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
-from typing import Literal, TypeAlias
 
 from plcopen_sfc.model.sfc import Step, Transition
 from plcopen_sfc.model.text import Text, plain
@@ -36,36 +35,7 @@ def _numbered(step: Step, path: str) -> str:
     return f"{step.number} {path}"
 
 
-Suffix: TypeAlias = Literal[
-    "acknowledged",
-    "again",
-    "before",
-    "edge",
-    "end",
-    "entered",
-    "entry",
-    "exit",
-    "fault",
-    "last",
-    "late",
-    "left",
-    "main",
-    "mode",
-    "next",
-    "old",
-    "on",
-    "over",
-    "pulse",
-    "runs",
-    "seen",
-    "start",
-    "starts",
-    "time",
-    "timer",
-]
-"""Ends of the names of variables that belong to something else, in English."""
-
-_GERMAN_SUFFIXES: Mapping[Suffix, str] = {
+SUFFIXES: Mapping[str, str] = {
     "acknowledged": "quittiert",
     "again": "neu",
     "before": "vorher",
@@ -92,6 +62,7 @@ _GERMAN_SUFFIXES: Mapping[Suffix, str] = {
     "time": "zeit",
     "timer": "zeitglied",
 }
+"""Ends of the names of variables that belong to something else: the English ones, each with the German one."""
 
 
 class CodeWords:
@@ -386,12 +357,13 @@ class Texts:
         before, after = (_short(net.steps[side[0]].step) if side else "" for side in sides)
         return f"T{before}_{after.removeprefix('_') or self._suffix('end')}"
 
-    def with_suffix(self, name: str, suffix: Suffix) -> str:
+    def with_suffix(self, name: str, suffix: str) -> str:
         """Return the name of a variable that belongs to what `name` names: ``Push_edge``."""
         return f"{name}_{self._suffix(suffix)}"
 
-    def _suffix(self, suffix: Suffix) -> str:
-        return _GERMAN_SUFFIXES[suffix] if self.language == "de" else suffix
+    def _suffix(self, suffix: str) -> str:
+        german = SUFFIXES[suffix]
+        return german if self.language == "de" else suffix
 
     def time_name(self, step: Step) -> str:
         """Return the timer of a step."""

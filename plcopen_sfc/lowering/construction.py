@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.formats.format_interface import NetworkForm
 from plcopen_sfc.languages.st import print_node, transform
 from plcopen_sfc.languages.st.nodes import Expression, Name, Node
 from plcopen_sfc.languages.standard_blocks import Tool
@@ -34,10 +35,6 @@ from plcopen_sfc.lowering.lowering_options import (
     LoweringRules,
     OperatingMode,
     States,
-    has_instructions,
-    has_networks,
-    has_one_sheet,
-    shows_networks,
     tool_of,
     usual_states,
 )
@@ -76,7 +73,7 @@ def choose(source: ChartSource, rules: LoweringRules) -> tuple[Construction, Lan
     chosen, why = _choice(source, rules)
     language = rules.language
     if language is None:
-        drawn = chosen is Construction.FLIPFLOP and shows_networks(rules.target)
+        drawn = chosen is Construction.FLIPFLOP and rules.networks is NetworkForm.DRAWN
         language = Language.FBD if drawn else Language.ST
     wrong = [*_wrong_options(source, rules), *_wrong_language(source, rules, chosen, language)]
     for message, hint in [*wrong, *_wrong_places(rules, chosen, why)]:
@@ -104,9 +101,10 @@ def _wrong_language(
     source: ChartSource, rules: LoweringRules, chosen: Construction, language: Language
 ) -> Iterator[tuple[str, str]]:
     """Yield why the construction or the target has nothing in a language, and what to do."""
-    if language is Language.IL and not has_instructions(rules.target, source.dialect):
+    has_instructions = rules.format.il_bodies if rules.format is not None else source.dialect is not Dialect.SCL
+    if language is Language.IL and not has_instructions:
         yield f"{rules.target or 'SCL'} has no bodies in instruction list", "Take --language ST."
-    if language.is_drawn and not has_networks(rules.target):
+    if language.is_drawn and rules.networks is NetworkForm.COMMENTS:
         hint = "Flip-flops can be written as structured text too: language ST."
         yield f"{rules.target} is structured text and has no networks of {language}", hint
     if language.is_drawn and chosen is not Construction.FLIPFLOP:
@@ -290,8 +288,9 @@ def _code(
     code.known_types = {kind.name.casefold() for kind in project.data_types}
     code.texts = rules.texts
     code.instances = source.instances
-    code.culture = rules.texts.culture if code.tool is Tool.S7 and has_networks(rules.target) else ""
-    code.drawn, code.one_sheet = language is not Language.ST, has_one_sheet(rules.target)
+    code.culture = rules.texts.culture if code.tool is Tool.S7 and rules.networks is not NetworkForm.COMMENTS else ""
+    code.drawn = language is not Language.ST
+    code.one_sheet = rules.format is not None and rules.format.one_sheet
     return code
 
 

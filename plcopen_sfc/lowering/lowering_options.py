@@ -8,7 +8,7 @@ from enum import StrEnum
 from typing import TypedDict, TypeVar
 
 from plcopen_sfc.errors import LoweringError, check_argument, listed_names, nearest
-from plcopen_sfc.formats.format_interface import NetworkForm
+from plcopen_sfc.formats.format_interface import Format, NetworkForm
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.code_texts import TEXTS, Texts
@@ -149,6 +149,16 @@ class LoweringRules:
     part: str = ""
 
     @property
+    def format(self) -> Format | None:
+        """Record of the target; None for code without one."""
+        return format_named(self.target)[0] if self.target is not None else None
+
+    @property
+    def networks(self) -> NetworkForm:
+        """Form of networks in the target."""
+        return self.format.networks if self.format is not None else NetworkForm.DRAWN
+
+    @property
     def is_classic(self) -> bool:
         """True if the code is to have the textbook form."""
         return self.style is Style.CLASSIC
@@ -247,23 +257,3 @@ def usual_states(rules: LoweringRules, dialect: Dialect) -> States:
     if rules.is_classic or rules.target is None or dialect is Dialect.SCL:
         return States.NUMBERS
     return States.ENUMERATION
-
-
-def has_one_sheet(target: str | None) -> bool:
-    """Return True if a format has all networks of a body on one sheet, as TC6 does."""
-    return target is not None and format_named(target)[0].one_sheet
-
-
-def has_networks(target: str | None) -> bool:
-    """Return True if a format can hold networks; in SCL they would only be comments."""
-    return target is None or format_named(target)[0].networks is not NetworkForm.COMMENTS
-
-
-def shows_networks(target: str | None) -> bool:
-    """Return True if a file of a format shows networks: textual IEC 61131-3 holds them as statements of its own."""
-    return target is None or format_named(target)[0].networks is NetworkForm.DRAWN
-
-
-def has_instructions(target: str | None, dialect: Dialect) -> bool:
-    """Return True if a format holds bodies in instruction list."""
-    return format_named(target)[0].il_bodies if target is not None else dialect is not Dialect.SCL

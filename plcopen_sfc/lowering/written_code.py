@@ -18,7 +18,7 @@ from plcopen_sfc.errors import Location, LoweringError, ModelError
 from plcopen_sfc.formats.matiec.matiec_statements import compilable_comments
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.binding.compile_mistakes import compile_mistakes
-from plcopen_sfc.lowering.chart_lowering import LoweredPou
+from plcopen_sfc.lowering.chart_lowering import LoweredPou, prove_code
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.lowering_options import Construction, Style, tool_of
 from plcopen_sfc.lowering.proof import prove
@@ -61,7 +61,7 @@ def prove_written(
     the code needs, where it cannot be executed, and where exact code is different from the chart.
     """
     try:
-        found = _proved(chart, seen, lowered, **searching)
+        found = prove_code(chart, resolve(seen, lowered.name), lowered, **searching)
     # the code cannot be resolved or executed as the tool reads it: is that so with our extension data too?
     except (LoweringError, ModelError) as error:
         if _is_equal(chart, carrying := whole(), lowered, **searching):
@@ -131,21 +131,9 @@ def refuse_comments(report: ConversionReport, pou: str) -> None:
             )
 
 
-def _proved(chart: Subject, written: Project, lowered: LoweredPou, **searching: Unpack[Searching]) -> Verdict:
-    return prove(
-        chart,
-        resolve(written, lowered.name),
-        lowered.profile,
-        fixed=lowered.at_rest,
-        left_out=lowered.left_out,
-        step_flags=lowered.step_flags or None,
-        **searching,
-    )
-
-
 def _is_equal(chart: Subject, written: Project, lowered: LoweredPou, **searching: Unpack[Searching]) -> bool:
     try:
-        return _proved(chart, written, lowered, **searching).kind is not VerdictKind.DIFFERENT
+        return prove_code(chart, resolve(written, lowered.name), lowered, **searching).kind is not VerdictKind.DIFFERENT
     except (LoweringError, ModelError):
         return False
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 import ast
 import inspect
 from collections import Counter
-from typing import get_args
 
 import pytest
 
 from plcopen_sfc import load
 from plcopen_sfc import model as m
 from plcopen_sfc.lowering import lower
-from plcopen_sfc.lowering.code_texts import TEXTS, CodeWords, Phrase, Suffix, Texts
+from plcopen_sfc.lowering.code_texts import SUFFIXES, TEXTS, CodeWords, Phrase, Texts
 from tests.lowering.charts import act, boolean, training_chain
 from tests.lowering.grafcets import pou_with
 from tests.samples import FIXTURES
@@ -38,7 +37,7 @@ def test_german_has_words_of_its_own_for_everything() -> None:
 
 
 def test_every_suffix_is_german_too() -> None:
-    assert {TEXTS["de"].with_suffix("a", suffix) for suffix in get_args(Suffix)} > {"a_flanke", "a_alt"}
+    assert {TEXTS["de"].with_suffix("a", suffix) for suffix in SUFFIXES} > {"a_flanke", "a_alt"}
 
 
 @pytest.mark.parametrize("language", TEXTS)
@@ -109,7 +108,7 @@ def names(project: m.Project, lang: str, **options: str | list[str]) -> set[str]
     return {word for variable in made.pou.variables() for word in variable.name.split("_")}
 
 
-ENGLISH = {suffix for suffix in get_args(Suffix) if TEXTS["de"].with_suffix("", suffix) != f"_{suffix}"}
+ENGLISH = {suffix for suffix in SUFFIXES if TEXTS["de"].with_suffix("", suffix) != f"_{suffix}"}
 ENGLISH |= {TEXTS["en"].pulse, TEXTS["en"].condition, TEXTS["en"].state}
 DRAWN = {"construction": "flipflop", "language": "FBD"}
 

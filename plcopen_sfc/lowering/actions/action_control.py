@@ -25,7 +25,6 @@ from plcopen_sfc.lowering.code.boolean_logic import (
 )
 from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.lowered_code import TIME, StepValue
-from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ActionUse, ChartSource
 from plcopen_sfc.lowering.reading.step_variables import StepTimers
 from plcopen_sfc.model.actions import Qualifier
@@ -212,9 +211,6 @@ def timed_alone(source: ChartSource) -> set[int]:
     return {step for each in found if each is not None and (step := each[0]) not in again}
 
 
-_STORING = frozenset({Q.S, Q.SD, Q.DS, Q.SL})
-
-
 class Decision(NamedTuple):
     """Conditions under which a value becomes TRUE and FALSE: never both; in other scans it stays."""
 
@@ -291,7 +287,7 @@ class SequentialControlCode:
         """
         delayed = [use for use in action.uses if use.qualifier is Q.D]
         lasting = all(isinstance(use.duration, n.Literal) and self._reentered.isdisjoint(use.steps) for use in delayed)
-        return lasting and not any(use.qualifier in _STORING for use in action.uses)
+        return lasting and not any(use.qualifier in _STORED for use in action.uses)
 
     # -- what associations decide
 
@@ -368,7 +364,7 @@ class SequentialControlCode:
     def _set_and_reset(self, action: ActionSource, into: list[Statement]) -> tuple[Expression, Expression]:
         """Return the set and reset conditions of a stored action in this scan."""
         uses = {q: [use for use in action.uses if use.qualifier is q] for q in Q}
-        stored = any(uses[q] for q in _STORING)
+        stored = any(uses[q] for q in _STORED)
         set_ = [conjunction([self._acts(use), use.condition]) for use in uses[Q.S]]
         set_ += [self._begins(use) for use in uses[Q.SL]]
         reset = [conjunction([self._acts(use), use.condition]) for use in (*uses[Q.R], *uses[Q.R0])]
@@ -419,7 +415,7 @@ class SequentialControlCode:
         into.append(call(timer, IN=running, PT=time))
         return ended
 
-    def _suffixed(self, name: str, suffix: Suffix) -> str:
+    def _suffixed(self, name: str, suffix: str) -> str:
         return self._code.texts.with_suffix(name, suffix)
 
 

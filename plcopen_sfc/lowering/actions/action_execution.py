@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from plcopen_sfc.languages.effects import path_of, reads
 from plcopen_sfc.languages.st import nodes as n
@@ -29,8 +29,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     when,
 )
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue, without_marks
-from plcopen_sfc.lowering.code_texts import Suffix
+from plcopen_sfc.lowering.code.lowered_code import StepValue, without_marks
 from plcopen_sfc.lowering.lowering_options import ActionPlace, LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource
 from plcopen_sfc.semantics.profile import ActionControl as ActionControlKind
@@ -398,35 +397,3 @@ class StepCode(NamedTuple):
     step: int
     name: str
     statements: Sequence[Statement]
-
-
-class StepSelection(Protocol):
-    """Selection of the code of steps by the situation, in the order in which it is given."""
-
-    def active(self, step: int) -> Expression:
-        """Return an expression that is TRUE if a step is active."""
-
-    def while_active(self, parts: Sequence[StepCode], suffix: Suffix) -> list[Statement]:
-        """Return the statements of the steps that are active. `suffix`: for the names of variables."""
-
-    def on_change(self, exits: Sequence[StepCode], entries: Sequence[StepCode]) -> list[Statement]:
-        """Return the statements of the steps that were left, then of those that were entered."""
-
-
-def add_changes(source: ChartSource, code: LoweredCode, steps: StepSelection) -> None:
-    """Append the exit actions of all steps that were left, then the entry actions of those that were entered."""
-    exits = [_part(source, each.step, each.exit) for each in source.step_code if each.exit]
-    entries = [_part(source, each.step, each.entry) for each in source.step_code if each.entry]
-    code.add(code.texts.step_actions, steps.on_change(exits, entries))
-
-
-def add_main_actions(source: ChartSource, code: LoweredCode, steps: StepSelection) -> None:
-    """Append the code that active steps execute in every scan."""
-    parts = [_part(source, each.step, each.main) for each in source.step_code if each.main]
-    for each in source.step_code:
-        code.keep_text(each.main, each.main_text)
-    code.add(code.texts.main_actions, steps.while_active(parts, "main"))
-
-
-def _part(source: ChartSource, step: int, statements: Sequence[Statement]) -> StepCode:
-    return StepCode(step, source.net.steps[step].step.name, statements)

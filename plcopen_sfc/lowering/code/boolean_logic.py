@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Hashable, Iterable, Sequence
+from collections.abc import Callable, Collection, Container, Hashable, Iterable, Sequence
 from typing import TypeAlias, TypeVar
 
 from plcopen_sfc.languages.st import nodes as n
@@ -95,6 +95,19 @@ def simplified(tree: N) -> N:
         return node
 
     return transform(tree, simpler)
+
+
+def with_known(tree: N, selector: Expression, value: n.Node | None, values: Container[n.Node]) -> N:
+    """Return the same without comparisons of `selector` with `values`, of which it is `value`; None: none of them."""
+
+    def known(node: n.Node) -> n.Node:
+        match node:
+            case n.Operation(Operator.EQUAL | Operator.UNEQUAL as operator, (compared, other)):
+                if compared == selector and other in values:
+                    return TRUE if (other == value) is (operator is Operator.EQUAL) else FALSE
+        return node
+
+    return transform(tree, known)
 
 
 Alternative: TypeAlias = "Callable[[Expression], tuple[Hashable, Hashable] | None]"

@@ -13,15 +13,14 @@ from typing import NamedTuple
 from plcopen_sfc.languages.effects import Path, is_impure, may_change, reads, writes
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, transform, walk
-from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
+from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.languages.st.walking import children
 from plcopen_sfc.lowering.code.boolean_logic import (
-    FALSE,
-    TRUE,
     conjunction,
     names_in,
     negation,
     simplified,
+    with_known,
     without_constant,
 )
 from plcopen_sfc.lowering.code.lowered_code import BOOL, CodeNetwork, LoweredCode
@@ -325,13 +324,7 @@ def _with(tree: Expression, name: str, value: Expression) -> Expression:
 
 def _in_branch(value: Expression, case: n.Case, place: int) -> Expression:
     """Return a value without what is known in a branch of a CASE: which of its labels the selector is."""
-    labels = [branch.labels for branch in case.branches]
-
-    def known(node: n.Node) -> n.Node:
-        match node:
-            case n.Operation(Operator.EQUAL | Operator.UNEQUAL as operator, (compared, label)):
-                if compared == case.selector and (label,) in labels:
-                    return TRUE if ((label,) == labels[place]) is (operator is Operator.EQUAL) else FALSE
-        return node
-
-    return simplified(transform(value, known))
+    single = {branch.labels[0] for branch in case.branches if len(branch.labels) == 1}
+    own = case.branches[place].labels
+    # where there are several the selector is one of them, and no other single one
+    return simplified(with_known(value, case.selector, own[0] if len(own) == 1 else None, single))

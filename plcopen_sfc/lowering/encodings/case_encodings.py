@@ -33,7 +33,6 @@ from plcopen_sfc.lowering.code.boolean_logic import (
 )
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork
 from plcopen_sfc.lowering.code.statement_lists import timers_of
-from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.encodings.case_states import (
     RegionState,
     StateNames,
@@ -125,7 +124,7 @@ class RegionEncoding(ScanSchedule):
             return None
         return _TimedRegion(self, self.states.machine_of(step))
 
-    def while_active(self, parts: Sequence[StepCode], suffix: Suffix) -> list[Statement]:
+    def while_active(self, parts: Sequence[StepCode], suffix: str) -> list[Statement]:
         """Return one CASE instead of several IFs of the same region."""
         found: list[Statement] = []
         for machine, these in self._by_region(parts):

@@ -15,14 +15,12 @@ from typing import NamedTuple
 
 from plcopen_sfc.analysis.regions import ParallelBlock, Region, Regions, Unstructured, find_regions
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import print_node, transform
-from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
+from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.languages.words import objection
 from plcopen_sfc.lowering.actions.action_execution import StepCode
 from plcopen_sfc.lowering.code.boolean_logic import (
-    FALSE,
-    TRUE,
     assignment,
     beside,
     conjunction,
@@ -31,6 +29,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
     remark,
     simplified,
+    with_known,
     without_constant,
 )
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode, Naming, integer
@@ -492,19 +491,10 @@ class StateVariables:
         self, selector: Expression, state: Expression, statements: Iterable[Statement], other: Expression | None = None
     ) -> list[Statement]:
         """Return statements without what is known in the branch of a state."""
-
-        def known(node: n.Node) -> n.Node:
-            match node:
-                case n.Operation(Operator.EQUAL | Operator.UNEQUAL as operator, (compared, value)):
-                    if compared == selector and value in self.names.all:
-                        return TRUE if (value == state) is (operator is Operator.EQUAL) else FALSE
-                    if compared == other and value == state:
-                        return TRUE if operator is Operator.UNEQUAL else FALSE
-            return node
-
         found: list[Statement] = []
         for each in statements:
-            changed = transform(each, known)
+            changed = with_known(each, selector, state, self.names.all)
+            changed = with_known(changed, other, None, {state}) if other is not None else changed
             found += [each] if changed is each else without_constant(simplified(changed))
         return found
 

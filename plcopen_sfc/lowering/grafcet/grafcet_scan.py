@@ -8,7 +8,7 @@ from dataclasses import replace
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
-from plcopen_sfc.lowering.actions.action_execution import add_actions, add_changes, add_conditions, add_main_actions
+from plcopen_sfc.lowering.actions.action_execution import add_actions, add_conditions
 from plcopen_sfc.lowering.actions.drive_block import DriveBlock, DriveSignal, without_texts
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
@@ -26,9 +26,9 @@ from plcopen_sfc.lowering.code.lowered_code import BOOL, INT, CodeNetwork
 from plcopen_sfc.lowering.encodings.case_encodings import RegionEncoding
 from plcopen_sfc.lowering.encodings.case_states import StateVariables
 from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding, StepFlagEncoding
-from plcopen_sfc.lowering.grafcet.forcing_orders import ForcingCode
 from plcopen_sfc.lowering.grafcet.grafcet_actions import (
     ContinuousActionCode,
+    ForcingCode,
     PassingActionCode,
     StepViews,
     StoredActions,
@@ -118,8 +118,8 @@ class GrafcetScan:
     def _add_actions(self) -> None:
         """Append the actions of steps, and those with qualifiers of IEC 61131-3."""
         encoding = self._encoding
-        add_changes(encoding.source, self._code, encoding)
-        add_main_actions(encoding.source, self._code, encoding)
+        encoding.add_changes()
+        encoding.add_main_actions()
         add_conditions(encoding.source, encoding.memory, self._driving, encoding.rules)
         ending = encoding.init if encoding.init is not None and encoding.rules.reset_actions else FALSE
         control = PassingActionCode(self._acting, encoding.active, self._seen, ending)

@@ -16,7 +16,6 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
     when,
 )
-from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.encodings.case_encodings import RegionEncoding
 from plcopen_sfc.lowering.encodings.case_states import RegionState, TriedTransition
 from plcopen_sfc.lowering.encodings.step_flags import StepFlagEncoding
@@ -39,7 +38,7 @@ class SkippedSteps:
         self._encoding, self._net, self._code, self._texts = encoding, encoding.net, encoding.code, encoding.texts
         self._conditions, self._preparations, self._evolves = conditions, preparations, evolves
 
-    def _named(self, step: int, suffix: Suffix) -> n.Name:
+    def _named(self, step: int, suffix: str) -> n.Name:
         return self._code.declare(self._texts.with_suffix(self._encoding.situation.name(step), suffix))
 
     # -- with a flag for each step

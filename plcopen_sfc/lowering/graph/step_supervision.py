@@ -22,7 +22,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     when,
 )
 from plcopen_sfc.lowering.code.lowered_code import TIME, LoweredCode, StepValue
-from plcopen_sfc.lowering.code_texts import Suffix, Texts
+from plcopen_sfc.lowering.code_texts import SUFFIXES, Texts
 from plcopen_sfc.lowering.graph.sequencer_source import AskedStepData, CyclePhase, GraphSource, StepNames
 from plcopen_sfc.lowering.reading.step_variables import FOREVER
 from plcopen_sfc.model.types import DerivedType
@@ -221,11 +221,7 @@ _ORDER = ("LS", "L1", "L0", "LA", "fault", "V1", "V0", "VS", "VA", "A1", "acknow
 
 def _called(name: str, step: str, texts: Texts) -> str:
     """Return the name of a variable of a step: that of S7-GRAPH, else a word."""
-    word = _WORDS.get(name)
-    return f"{step}_{name}" if word is None else texts.with_suffix(step, word)
-
-
-_WORDS: Mapping[str, Suffix] = {"fault": "fault", "acknowledged": "acknowledged"}
+    return texts.with_suffix(step, name) if name in SUFFIXES else f"{step}_{name}"
 
 
 _NONE = n.Literal("T#0ms")

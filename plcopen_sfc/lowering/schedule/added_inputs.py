@@ -180,16 +180,13 @@ class ModeInputs:
     def _declared(self, init: Expression | None) -> tuple[Expression, Expression]:
         """Return when transitions fire whose conditions are TRUE, and when all fire whose steps are active."""
         texts, modes = self._texts, self._modes
-        enable = (
-            self._input(texts.enable, texts.enable_comment, at_rest=True) if OperatingMode.ENABLE in modes else TRUE
-        )
-        single = (
-            self._input(texts.single_step, texts.single_step_comment) if OperatingMode.SINGLE_STEP in modes else FALSE
-        )
-        always = (
-            self._input(texts.without_conditions, texts.without_conditions_comment)
-            if OperatingMode.ADVANCE in modes
-            else FALSE
+        enable, single, always = (
+            self._input(name, comment, at_rest=rest is TRUE) if mode in modes else rest
+            for mode, name, comment, rest in (
+                (OperatingMode.ENABLE, texts.enable, texts.enable_comment, TRUE),
+                (OperatingMode.SINGLE_STEP, texts.single_step, texts.single_step_comment, FALSE),
+                (OperatingMode.ADVANCE, texts.without_conditions, texts.without_conditions_comment, FALSE),
+            )
         )
         pulse: Expression = FALSE
         if modes & {OperatingMode.SINGLE_STEP, OperatingMode.ADVANCE}:

@@ -23,9 +23,7 @@ from plcopen_sfc.lowering.actions.action_control import (
 from plcopen_sfc.lowering.actions.action_execution import (
     StepCode,
     add_actions,
-    add_changes,
     add_conditions,
-    add_main_actions,
 )
 from plcopen_sfc.lowering.actions.drive_block import DriveBlock, DriveSignal, without_texts
 from plcopen_sfc.lowering.code.boolean_logic import (
@@ -39,7 +37,6 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     with_distinct,
 )
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code_texts import Suffix
 from plcopen_sfc.lowering.lowering_options import ActionPlace, LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.lowering.reading.step_variables import StepTimers, TimedPart, resolve_steps
@@ -161,7 +158,7 @@ class ScanSchedule(ABC):
         """Return the part of the chart whose steps can have one timer together with this one; None if there is none."""
         return None
 
-    def while_active(self, parts: Sequence[StepCode], suffix: Suffix) -> list[Statement]:
+    def while_active(self, parts: Sequence[StepCode], suffix: str) -> list[Statement]:
         """Return the statements of the steps that are active. `suffix`: for the names of variables."""
         found: list[Statement] = []
         for step, name, statements in parts:
@@ -293,10 +290,10 @@ class ScanSchedule(ABC):
         self.gather(begin)
 
     def _add_actions(self) -> None:
-        self.sfc_flags.report_step(self)
-        add_changes(self.source, self.code, self)
+        self.sfc_flags.report_step(self.while_active)
+        self.add_changes()
         self.sfc_flags.watch(self.source.watches, self.active, self.times)
-        add_main_actions(self.source, self.code, self)
+        self.add_main_actions()
         add_conditions(self.source, self.memory, self.active, self.rules)
         ending = self.init if self.init is not None and self.rules.reset_actions else FALSE
         if self.rules.actions is ActionPlace.BLOCK:
@@ -304,6 +301,22 @@ class ScanSchedule(ABC):
         else:
             control = self._control(self.memory, ending, self.was_active)
             add_actions(self.source, control, self.rules)
+
+    def add_changes(self) -> None:
+        """Append the exit actions of all steps that were left, then the entry actions of those that were entered."""
+        exits = [self._part(each.step, each.exit) for each in self.source.step_code if each.exit]
+        entries = [self._part(each.step, each.entry) for each in self.source.step_code if each.entry]
+        self.code.add(self.texts.step_actions, self.on_change(exits, entries))
+
+    def add_main_actions(self) -> None:
+        """Append the code that active steps execute in every scan."""
+        for each in self.source.step_code:
+            self.code.keep_text(each.main, each.main_text)
+        parts = [self._part(each.step, each.main) for each in self.source.step_code if each.main]
+        self.code.add(self.texts.main_actions, self.while_active(parts, "main"))
+
+    def _part(self, step: int, statements: Sequence[Statement]) -> StepCode:
+        return StepCode(step, self.net.steps[step].step.name, statements)
 
     def _control(
         self, memory: Memory, ending: Expression, was_active: EarlierSteps = unknown_before

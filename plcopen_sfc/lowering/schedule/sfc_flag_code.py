@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import string_literal
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
-from plcopen_sfc.lowering.actions.action_execution import StepCode, StepSelection
+from plcopen_sfc.lowering.actions.action_execution import StepCode
 from plcopen_sfc.lowering.actions.variable_access import OwnVariables
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
@@ -268,7 +268,7 @@ class SfcFlagCode:
 
     # -- reports
 
-    def report_step(self, steps: StepSelection) -> None:
+    def report_step(self, while_active: Callable[[Sequence[StepCode], str], Sequence[Statement]]) -> None:
         """Append the name of the active step, of parallel ones the last in the chart."""
         if SfcFlag.CURRENT_STEP not in self._flags:
             return
@@ -276,7 +276,7 @@ class SfcFlagCode:
             StepCode(each.index, each.step.name, self._assigned(SfcFlag.CURRENT_STEP, self._text(each.step.name)))
             for each in self._source.net.steps
         ]
-        named = steps.while_active(parts, "main")
+        named = while_active(parts, "main")
         self._code.add(self._texts.current_step, [*self._assigned(SfcFlag.CURRENT_STEP, _EMPTY), *named])
 
     def report_transition(self, fired: Callable[[], Expression]) -> None:
