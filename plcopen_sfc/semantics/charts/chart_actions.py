@@ -24,7 +24,7 @@ from plcopen_sfc.semantics.charts.qualifier_control import (
     StandardControl,
 )
 from plcopen_sfc.semantics.charts.step_state import ActionOrigin, Reached
-from plcopen_sfc.semantics.charts.transition_firing import MOST_PLANS, Run, Write, execution
+from plcopen_sfc.semantics.charts.transition_firing import Plans, Run, Write, execution
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import ActionControl, ActionOrder, BooleanTargets, Profile, ScanOrder
 from plcopen_sfc.semantics.programs.routines import Routines
@@ -113,7 +113,7 @@ class Actions:
         self._sequential = profile.action_control is ActionControl.SEQUENTIAL and not continuous
         self._always = profile.boolean_targets is BooleanTargets.ALWAYS or continuous
         self._busy = scope.declare(f"{path}: busy actions", LINT, hidden=True)
-        self._work: dict[tuple[int, int, int], _Work] = {}
+        self._work = Plans(self._plan)
         drafts = _gather(owned) if continuous else self._in_order(_gather(owned))
         self.starts: list[int] = []
         """The slots of running timers."""
@@ -226,9 +226,7 @@ class Actions:
         for drawn in self._drawn:  # once in each scan in which their steps act, however often controls ask
             v[drawn.slot] = drawn.association.acts(situation | change.seen) and drawn.is_true(frame)
         concerned = change.seen | change.left if self._sequential else change.seen
-        work = self._work.get((situation, concerned, v[self._busy]))
-        if work is None:
-            work = self._plan(situation, concerned, v[self._busy])
+        work = self._work[situation, concerned, v[self._busy]]
         ended: list[ExecutedAction] = []
         active: list[ExecutedAction] = []
         resting: list[Write] = []
@@ -254,18 +252,15 @@ class Actions:
             v[drawn.slot] = False
         for write in (*work.idle, *resting):
             write(frame, False)
-        for action in ended:
-            if action.run is not None:
-                action.run(frame)
-            elif action.write is not None:
-                action.write(frame, False)
-        for action in active:
-            if action.run is not None:
-                action.run(frame)
-            elif action.write is not None:
-                action.write(frame, True)
+        for actions, is_active in ((ended, False), (active, True)):
+            for action in actions:
+                if action.run is not None:
+                    action.run(frame)
+                elif action.write is not None:
+                    action.write(frame, is_active)
 
-    def _plan(self, situation: int, seen: int, busy: int) -> _Work:
+    def _plan(self, key: tuple[int, int, int]) -> _Work:
+        situation, seen, busy = key
         found = {self._actions[index] for index in indexes(busy)}
         found.update(action for index in indexes(situation | seen) for action in self._by_step.get(index, ()))
         found.update(self._asked)
@@ -273,10 +268,7 @@ class Actions:
         idle: tuple[Write, ...] = ()
         if self._always:
             idle = tuple(a.write for a in self._actions if a not in found and a.write is not None)
-        if len(self._work) >= MOST_PLANS:
-            self._work.clear()
-        work = self._work[situation, seen, busy] = _Work(asked, idle)
-        return work
+        return _Work(asked, idle)
 
     def end(self, frame: Frame) -> None:
         """End everything, what is stored too, without executing anything: Boolean variables become FALSE."""
@@ -341,20 +333,16 @@ def check_associations(owned: Sequence[tuple[Owner, ActionAssociation]], profile
     for owner, model in owned:
         where = Location(path=f"{path} / step {owner.path}")
         what = model.target or "a body"
+        lacking = f"which the profile {profile.name} does not have"
         if model.qualifier not in profile.qualifiers:
-            raise UnknownBehaviourError(
-                f"the profile {profile.name} does not say what the qualifier {model.qualifier} of {what} does",
-                location=where,
-            )
-        if (model.kind is not None or model.forcing is not None) and not knows_grafcet:
-            raise UnknownBehaviourError(
-                f"{what} is an action of GRAFCET, which the profile {profile.name} does not have", location=where
-            )
-        if (model.event is not None or model.interlock) and not profile.graph_parameters:
-            raise UnknownBehaviourError(
-                f"{what} depends on an event or interlock of S7-GRAPH, which the profile {profile.name} does not have",
-                location=where,
-            )
+            message = f"the profile {profile.name} does not say what the qualifier {model.qualifier} of {what} does"
+        elif (model.kind is not None or model.forcing is not None) and not knows_grafcet:
+            message = f"{what} is an action of GRAFCET, {lacking}"
+        elif (model.event is not None or model.interlock) and not profile.graph_parameters:
+            message = f"{what} depends on an event or interlock of S7-GRAPH, {lacking}"
+        else:
+            continue
+        raise UnknownBehaviourError(message, location=where)
 
 
 def check_step_actions(net: Net, profile: Profile, path: str) -> None:
@@ -404,12 +392,10 @@ class StepActions:
 
     def leave_and_enter(self, frame: Frame, left: int, entered: int) -> None:
         """Exit actions, then entry actions, both in the order of the chart."""
-        for index in indexes(left):
-            if index in self._exit:
-                self._exit[index](frame)
-        for index in indexes(entered):
-            if index in self._entry:
-                self._entry[index](frame)
+        for steps, actions in ((left, self._exit), (entered, self._entry)):
+            for index in indexes(steps):
+                if index in actions:
+                    actions[index](frame)
 
     def of(self, situation: int) -> tuple[Run, ...]:
         """Return the main actions of the active steps."""

@@ -187,7 +187,7 @@ class ChartProgram:
     def watch(self, looks: Mapping[int, Callable[[Frame], None]]) -> None:
         """Call something each time the condition of a transition is tested, by the index of the transition."""
         self._moves = tuple(watched(move, looks.get(index)) for index, move in enumerate(self._moves))
-        self._plans = Plans(self._plan)
+        self._plans.clear()
 
     def marking(self, frame: Frame) -> int:
         """Return the active steps as programs see them, as bits of `net`."""
@@ -223,7 +223,7 @@ class ChartProgram:
         now = self._clock.now
         if self._order is ScanOrder.RETIMED and frame.v[self._pending]:
             frame.v[self._pending] = False
-            tick(frame, self._plans.of(frame.v[self._situation]).timed, now)
+            tick(frame, self._plans[frame.v[self._situation]].timed, now)
             self._announce(frame, self._evolve(frame))
         if self._logic is not None:
             if not frame.v[self._started]:  # a wire from an initial step is TRUE from the first scan on
@@ -261,7 +261,7 @@ class ChartProgram:
         elif situation != before:
             self._steps.change(frame, before, situation, entered, now)
             v[self._shown] = situation
-        plan = self._plans.of(situation)
+        plan = self._plans[situation]
         tick(frame, plan.timed, now)
         self._execute(frame, now, plan, SituationChange(before & ~situation, entered, situation))
 
@@ -269,7 +269,7 @@ class ChartProgram:
         """Clear transitions; the steps that they enter become active in the next scan."""
         v = frame.v
         situation = v[self._situation]
-        cleared = self._clear(frame, self._plans.of(situation), situation)
+        cleared = self._clear(frame, self._plans[situation], situation)
         if not cleared.transitions:
             return False
         v[self._situation] = following = situation & ~cleared.left | cleared.entered
@@ -294,7 +294,7 @@ class ChartProgram:
             if self._grafcet is not None:
                 self._grafcet.store(frame, before, situation)
             seen = situation & ~before if self._until_stable else 0
-        tick(frame, self._plans.of(situation).timed, now)
+        tick(frame, self._plans[situation].timed, now)
         fired = False
         fresh = situation if first else 0
         if not (first and self._profile.initial_situation_held):
@@ -303,7 +303,7 @@ class ChartProgram:
                     self._grafcet.begin(frame, now, situation, fresh)
                 # conditions of an evolution are tested on one situation and before any action: what fires first must
                 # not change what the others see
-                cleared = self._clear(frame, self._plans.of(situation), situation)
+                cleared = self._clear(frame, self._plans[situation], situation)
                 if not cleared.transitions:
                     break
                 fired = True
@@ -317,7 +317,7 @@ class ChartProgram:
                 raise self._unstable(situation)
         v[self._situation] = v[self._shown] = situation
         # steps that were passed in between have no actions but stored ones and pulses (`seen`): IEC 60848, 4.8
-        plan = self._plans.of(situation)
+        plan = self._plans[situation]
         self._execute(frame, now, plan, SituationChange(before & ~situation, situation & ~before, seen | situation))
         return fired
 

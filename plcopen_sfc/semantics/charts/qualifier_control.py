@@ -14,6 +14,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import reduce
+from operator import or_
 from typing import Any, NamedTuple, Protocol
 
 from plcopen_sfc.model import Qualifier
@@ -87,10 +89,8 @@ class Input:
 
     def __init__(self, associations: Sequence[Association]) -> None:
         self._associations = tuple(associations)
-        plain = [a for a in associations if not a.inverted and a.condition is None]
-        self._steps = 0
-        for association in plain:
-            self._steps |= association.steps
+        plain = (a.steps for a in associations if not a.inverted and a.condition is None)
+        self._steps = reduce(or_, plain, 0)
         self._others = tuple(a for a in associations if a.inverted or a.condition is not None)
 
     def is_on(self, situation: int, frame: Frame) -> bool:
@@ -120,37 +120,23 @@ class PlainControl:
         return ON if self._input.is_on(situation, frame) else 0
 
 
-class _Part:
-    """The share of one qualifier in a control."""
-
-    __slots__ = ("input",)
-
-    def __init__(self, associations: Sequence[Association]) -> None:
-        self.input = Input(associations)
-
-    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:
-        """As `Control.step`; `reset` is the input R."""
-        raise NotImplementedError
+_Part = Callable[[Frame, int, int, int, bool], int]
+"""The share of one qualifier in a control: as `Control.step`, with the steps seen, and the input R."""
 
 
-class _NonStored(_Part):
-    __slots__ = ()
-
-    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
-        return ON if self.input.is_on(situation, frame) else 0
+def _non_stored(input_: Input) -> _Part:
+    return lambda frame, _now, situation, _seen, _reset: ON if input_.is_on(situation, frame) else 0
 
 
-class _Stored(_Part):
-    __slots__ = ("_stored",)
+def _stored(input_: Input, reserve: Reserve) -> _Part:
+    slot = reserve("S_FF", BOOL)
 
-    def __init__(self, associations: Sequence[Association], reserve: Reserve) -> None:
-        super().__init__(associations)
-        self._stored = reserve("S_FF", BOOL)
-
-    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
+    def step(frame: Frame, _now: int, _situation: int, seen: int, reset: bool) -> int:
         v = frame.v
-        v[self._stored] = stored = not reset and (v[self._stored] or self.input.is_on(seen, frame))
+        v[slot] = stored = not reset and (v[slot] or input_.is_on(seen, frame))
         return ON | BUSY if stored else 0
+
+    return step
 
 
 class _Timer:
@@ -185,123 +171,83 @@ class _Timer:
         v[self._start], v[self._done] = None, False
 
 
-class _Timed(_Part):
+def _timed(input_: Input, reserve: Reserve, name: str, early: int, late: int) -> _Part:
     """L and D: what they give before the time of the step is over, and then."""
+    timer = _Timer(reserve, f"{name}_TMR")
 
-    __slots__ = ("_early", "_late", "_timer")
-
-    def __init__(
-        self, associations: Sequence[Association], reserve: Reserve, name: str, *, early: int = 0, late: int = 0
-    ) -> None:
-        super().__init__(associations)
-        self._timer = _Timer(reserve, f"{name}_TMR")
-        self._early, self._late = early | BUSY, late | BUSY
-
-    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
-        if not self.input.is_on(situation, frame):
-            self._timer.stop(frame.v)
+    def step(frame: Frame, now: int, situation: int, _seen: int, _reset: bool) -> int:
+        if not input_.is_on(situation, frame):
+            timer.stop(frame.v)
             return 0
-        return self._late if self._timer.over(frame.v, now, self.input.duration(situation, frame)) else self._early
+        return BUSY | (late if timer.over(frame.v, now, input_.duration(situation, frame)) else early)
+
+    return step
 
 
-class _Pulse(_Part):
+def _pulse(input_: Input, reserve: Reserve, name: str, signal: int) -> _Part:
     """P, and with `signal` PULSE instead of ON: P1."""
+    before = reserve(name, BOOL)
 
-    __slots__ = ("_before", "_signal")
-
-    def __init__(self, associations: Sequence[Association], reserve: Reserve, signal: int, name: str) -> None:
-        super().__init__(associations)
-        self._before = reserve(name, BOOL)
-        self._signal = signal
-
-    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
+    def step(frame: Frame, _now: int, situation: int, seen: int, _reset: bool) -> int:
         v = frame.v
         # `seen`, not `situation`: a step that is only passed in a scan gives its pulse too
-        rising = not v[self._before] and self.input.is_on(seen, frame)
-        v[self._before] = still = self.input.is_on(situation, frame)
-        return (self._signal if rising else 0) | (BUSY if still else 0)
+        rising = not v[before] and input_.is_on(seen, frame)
+        v[before] = still = input_.is_on(situation, frame)
+        return (signal if rising else 0) | (BUSY if still else 0)
+
+    return step
 
 
-class _FallingPulse(_Part):
-    __slots__ = ("_before",)
+def _falling_pulse(input_: Input, reserve: Reserve) -> _Part:
+    before = reserve("P0_TRIG", BOOL)
 
-    def __init__(self, associations: Sequence[Association], reserve: Reserve) -> None:
-        super().__init__(associations)
-        self._before = reserve("P0_TRIG", BOOL)
-
-    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
+    def step(frame: Frame, _now: int, situation: int, seen: int, _reset: bool) -> int:
         v = frame.v
-        before = v[self._before] or self.input.is_on(seen, frame)
-        v[self._before] = still = self.input.is_on(situation, frame)
+        was_on = v[before] or input_.is_on(seen, frame)
+        v[before] = still = input_.is_on(situation, frame)
         if still:
             return BUSY
-        return PULSE if before else 0
+        return PULSE if was_on else 0
+
+    return step
 
 
-class _StoredTimed(_Part):
+def _stored_timed(input_: Input, reserve: Reserve, name: str, *, cancels: bool) -> _Part:
     """SD and SL: a timer that starts with the first association and goes on without it."""
+    timer = _Timer(reserve, f"{name}_TMR")
+    time = reserve(f"{name}_TMR.PT", ELAPSED)
+    is_delay = name == "SD"
 
-    __slots__ = ("_cancels", "_time", "_timer")
-
-    def __init__(self, associations: Sequence[Association], reserve: Reserve, name: str, *, cancels: bool) -> None:
-        super().__init__(associations)
-        self._timer = _Timer(reserve, f"{name}_TMR")
-        self._time = reserve(f"{name}_TMR.PT", ELAPSED)
-        self._cancels = cancels
-
-    def _over(self, v: list[Any], now: int, seen: int, frame: Frame) -> bool | None:
-        """True if the time since the timer was started is over; None while it does not run."""
-        on = self.input.is_on(seen, frame)
-        if on:
-            v[self._time] = self.input.duration(seen, frame)
-        return self._timer.over(v, now, v[self._time]) if on or self._timer.runs(v) else None
-
-
-class _StoredDelayed(_StoredTimed):
-    __slots__ = ()
-
-    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
+    def step(frame: Frame, now: int, _situation: int, seen: int, reset: bool) -> int:
         v = frame.v
-        over = self._over(v, now, seen, frame)
-        if over is None:
+        if input_.is_on(seen, frame):
+            v[time] = input_.duration(seen, frame)
+        elif not timer.runs(v):
             return 0
+        over = timer.over(v, now, v[time])
         # matiec: R does not end a delay that runs, and the action is set behind the R; only what is set ends
-        if reset and (over or self._cancels):
-            self._timer.stop(v)
+        if reset and (cancels or (is_delay and over)):
+            timer.stop(v)
             return 0
-        return ON | BUSY if over else BUSY
+        return ON | BUSY if over is is_delay else BUSY
+
+    return step
 
 
-class _DelayedStored(_Part):
-    __slots__ = ("_stored", "_timer")
+def _delayed_stored(input_: Input, reserve: Reserve) -> _Part:
+    timer = _Timer(reserve, "DS_TMR")
+    slot = reserve("DS_FF", BOOL)
 
-    def __init__(self, associations: Sequence[Association], reserve: Reserve) -> None:
-        super().__init__(associations)
-        self._timer = _Timer(reserve, "DS_TMR")
-        self._stored = reserve("DS_FF", BOOL)
-
-    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
+    def step(frame: Frame, now: int, situation: int, _seen: int, reset: bool) -> int:
         v = frame.v
-        on = self.input.is_on(situation, frame)
-        done = on and self._timer.over(v, now, self.input.duration(situation, frame))
+        on = input_.is_on(situation, frame)
+        done = on and timer.over(v, now, input_.duration(situation, frame))
         if not on:
-            self._timer.stop(v)
-        v[self._stored] = stored = not reset and (v[self._stored] or done)
+            timer.stop(v)
+        v[slot] = stored = not reset and (v[slot] or done)
         return (ON | BUSY if stored else 0) | (BUSY if on else 0)
 
-
-class _StoredLimited(_StoredTimed):
-    __slots__ = ()
-
-    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
-        v = frame.v
-        over = self._over(v, now, seen, frame)
-        if over is None:
-            return 0
-        if reset and self._cancels:
-            self._timer.stop(v)
-            return 0
-        return BUSY if over else ON | BUSY
+    return step
 
 
 class StandardControl:
@@ -310,40 +256,29 @@ class StandardControl:
     __slots__ = ("_parts", "_reset")
 
     def __init__(self, associations: Sequence[Association], reserve: Reserve, *, cancels: bool) -> None:
-        def of(*qualifiers: Qualifier) -> list[Association]:
-            return [a for a in associations if a.qualifier in qualifiers]
-
-        resets = of(Qualifier.R, Qualifier.R0)
+        parts: tuple[tuple[Callable[[Input], _Part], tuple[Qualifier, ...]], ...] = (
+            (_non_stored, (Qualifier.N, Qualifier.NONE)),
+            (lambda of: _stored(of, reserve), (Qualifier.S,)),
+            (lambda of: _timed(of, reserve, "L", ON, 0), (Qualifier.L,)),
+            (lambda of: _timed(of, reserve, "D", 0, ON), (Qualifier.D,)),
+            (lambda of: _pulse(of, reserve, "P_TRIG", ON), (Qualifier.P,)),
+            (lambda of: _stored_timed(of, reserve, "SD", cancels=cancels), (Qualifier.SD,)),
+            (lambda of: _delayed_stored(of, reserve), (Qualifier.DS,)),
+            (lambda of: _stored_timed(of, reserve, "SL", cancels=cancels), (Qualifier.SL,)),
+            (lambda of: _pulse(of, reserve, "P1_TRIG", PULSE), (Qualifier.P1,)),
+            (lambda of: _falling_pulse(of, reserve), (Qualifier.P0,)),
+        )
+        found = [([a for a in associations if a.qualifier in qualifiers], make) for make, qualifiers in parts]
+        self._parts = tuple(make(Input(own)) for own, make in found if own)
+        resets = [a for a in associations if a.qualifier in (Qualifier.R, Qualifier.R0)]
         self._reset = Input(resets) if resets else None
-        parts: list[_Part] = []
-        if found := of(Qualifier.N, Qualifier.NONE):
-            parts.append(_NonStored(found))
-        if found := of(Qualifier.S):
-            parts.append(_Stored(found, reserve))
-        if found := of(Qualifier.L):
-            parts.append(_Timed(found, reserve, "L", early=ON))
-        if found := of(Qualifier.D):
-            parts.append(_Timed(found, reserve, "D", late=ON))
-        if found := of(Qualifier.P):
-            parts.append(_Pulse(found, reserve, ON, "P_TRIG"))
-        if found := of(Qualifier.SD):
-            parts.append(_StoredDelayed(found, reserve, "SD", cancels=cancels))
-        if found := of(Qualifier.DS):
-            parts.append(_DelayedStored(found, reserve))
-        if found := of(Qualifier.SL):
-            parts.append(_StoredLimited(found, reserve, "SL", cancels=cancels))
-        if found := of(Qualifier.P1):
-            parts.append(_Pulse(found, reserve, PULSE, "P1_TRIG"))
-        if found := of(Qualifier.P0):
-            parts.append(_FallingPulse(found, reserve))
-        self._parts = tuple(parts)
 
     def step(self, frame: Frame, now: int, situation: int, change: SituationChange) -> int:
         """See `Control.step`."""
         reset = self._reset is not None and self._reset.is_on(change.seen, frame)
         bits = 0
         for part in self._parts:
-            bits |= part.step(frame, now, situation, change.seen, reset)
+            bits |= part(frame, now, situation, change.seen, reset)
         return bits & BUSY if reset else bits
 
 

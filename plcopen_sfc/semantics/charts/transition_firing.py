@@ -6,9 +6,9 @@ scan cost as much as there are active steps, however big the chart is.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from plcopen_sfc.errors import CompetingTransitionsError, Location, SimulationError
 from plcopen_sfc.model import PouKind
@@ -53,27 +53,24 @@ class Plan:
     current: str
 
 
-class Plans:
-    """The plans of the situations that were met."""
-
-    __slots__ = ("_found", "_make")
-
-    def __init__(self, make: Callable[[int], Plan]) -> None:
-        self._make = make
-        self._found: dict[int, Plan] = {}
-
-    def of(self, situation: int) -> Plan:
-        """Return the plan of a situation."""
-        plan = self._found.get(situation)
-        if plan is None:
-            if len(self._found) >= MOST_PLANS:
-                self._found.clear()
-            plan = self._found[situation] = self._make(situation)
-        return plan
-
-
-MOST_PLANS = 4096
+_Situation = TypeVar("_Situation", bound=Hashable)
+_Planned = TypeVar("_Planned")
+_MOST_PLANS = 4096
 """Plans that are kept. A chart visits few situations; one with wide parallelism must not fill the memory."""
+
+
+class Plans(dict[_Situation, _Planned]):
+    """What is planned for the situations that were met, each when it is asked for first."""
+
+    def __init__(self, make: Callable[[_Situation], _Planned]) -> None:
+        super().__init__()
+        self._make = make
+
+    def __missing__(self, situation: _Situation) -> _Planned:
+        if len(self) >= _MOST_PLANS:
+            self.clear()
+        planned = self[situation] = self._make(situation)
+        return planned
 
 
 def execution(target: str, scope: Scope, where: str) -> tuple[Run | None, Write | None]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import reduce
+from operator import or_
 
 from plcopen_sfc.errors import ForcingConflictError, Location, UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, ForcedSituation, PartialChart, SfcNetwork
@@ -78,14 +80,8 @@ class Hierarchy:
         return found
 
     def _steps_of(self, chart: SfcNetwork) -> int:
-        bits = 0
-        for step in self._net.steps:
-            if step.chart is chart:
-                bits |= step.bit
-        for macro in self._net.macros:
-            if macro.chart is chart:
-                bits |= macro.steps
-        return bits
+        steps = reduce(or_, (step.bit for step in self._net.steps if step.chart is chart), 0)
+        return reduce(or_, (macro.steps for macro in self._net.macros if macro.chart is chart), steps)
 
     def _owners(self, steps: int) -> set[str]:
         return {name for name, partial in self._partials.items() if self._steps_of(partial.chart) & steps}
@@ -105,14 +101,9 @@ class Hierarchy:
                 return self._named(partial, order.steps, where)
 
     def _initial(self, chart: SfcNetwork) -> int:
-        bits = 0
-        for step in self._net.steps:
-            if step.chart is chart and step.step.initial:
-                bits |= step.bit
-        for macro in self._net.macros:
-            if macro.chart is chart and macro.step.initial and macro.entry is not None:
-                bits |= 1 << macro.entry
-        return bits
+        steps = reduce(or_, (step.bit for step in self._net.steps if step.chart is chart and step.step.initial), 0)
+        macros = (macro for macro in self._net.macros if macro.chart is chart and macro.step.initial)
+        return reduce(or_, (1 << macro.entry for macro in macros if macro.entry is not None), steps)
 
     def _named(self, partial: PartialChart, names: Sequence[str], where: str) -> int:
         bits = 0
@@ -164,9 +155,7 @@ class Hierarchy:
             elif chart.enclosures:
                 opened = [e for e in chart.enclosures if situation & e.steps & ~before]
                 if opened:
-                    own = 0
-                    for enclosure in opened:
-                        own |= enclosure.links
+                    own = reduce(or_, (enclosure.links for enclosure in opened))
                 elif not any(situation & e.steps for e in chart.enclosures):
                     own = 0
             situation = situation & ~chart.steps | own
@@ -181,9 +170,7 @@ class Hierarchy:
                 own = situation & chart.steps if order.imposed is None else order.imposed
             elif chart.enclosures and not any(situation & alone & e.steps for e in chart.enclosures):
                 # the net starts an enclosed chart by the steps that are initial in their own charts
-                own = 0
-                for enclosure in chart.enclosures:
-                    own |= enclosure.links if situation & enclosure.steps else 0
+                own = reduce(or_, (e.links for e in chart.enclosures if situation & e.steps), 0)
             else:
                 continue
             situation = situation & ~chart.steps | own
@@ -191,11 +178,8 @@ class Hierarchy:
 
     def held(self, situation: int) -> int:
         """Return the steps of charts that are forced: no transition of them is cleared."""
-        bits = 0
-        for chart in self._ordered:
-            if self._order(chart, situation) is not None:
-                bits |= chart.steps
-        return bits
+        forced = (chart.steps for chart in self._ordered if self._order(chart, situation) is not None)
+        return reduce(or_, forced, 0)
 
     def _order(self, chart: RuledChart, situation: int) -> ForcedCharts | None:
         acting = [order for order in chart.orders if situation & order.steps]

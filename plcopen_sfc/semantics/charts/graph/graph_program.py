@@ -23,9 +23,9 @@ from plcopen_sfc.semantics.charts.graph.graph_parameters import Commands, Mode, 
 from plcopen_sfc.semantics.charts.graph.interlock_conditions import CheckedSteps, StepConditions, programmed
 from plcopen_sfc.semantics.charts.step_state import ActionOrigin, Reached, Steps, T, X, override, tick
 from plcopen_sfc.semantics.charts.transition_firing import (
-    MOST_PLANS,
     NOTHING,
     Move,
+    Plans,
     Run,
     Write,
     choice,
@@ -346,8 +346,8 @@ class GraphProgram:
         )
         self._choose = choice(profile)
         self._moves: tuple[Move, ...] = ()
-        self._enabled: dict[int, tuple[Move, ...]] = {}
-        self._timed: dict[int, tuple[tuple[int, int], ...]] = {}
+        self._enabled = Plans(self._moves_in)
+        self._timed = Plans(self._steps.timed)
         self._pre: tuple[Run, ...] = ()
         self._post: tuple[Run, ...] = ()
         self._refused: UnknownBehaviourError | None = None
@@ -494,7 +494,7 @@ class GraphProgram:
         before = v[self._shown]
         commands = self._parameters.commands(frame)
         self._clear_events(frame)
-        tick(frame, self._timed_in(before), now)
+        tick(frame, self._timed[before], now)
         checked = self._conditions.check(frame, before, acknowledge=commands.acknowledge)
         self._count_undisturbed(frame, now, before, checked.disturbed)
         situation = self._next(frame, commands, checked)
@@ -508,16 +508,8 @@ class GraphProgram:
                 values[step_data.S1], values[step_data.U] = True, 0
             for index in indexes(left):
                 v[self._slots[index]].v[step_data.S0] = True
-            if entered:
-                # the first actions of a step depend on its interlock in this very cycle
-                fresh = self._conditions.check(frame, entered, acknowledge=False)
-                checked = CheckedSteps(
-                    checked.released & ~left | fresh.released,
-                    checked.held & ~left | fresh.held,
-                    checked.disturbed & ~left | fresh.disturbed,
-                )
-            else:
-                checked = CheckedSteps(checked.released & ~left, checked.held & ~left, checked.disturbed & ~left)
+            # the first actions of a step depend on its interlock in this very cycle
+            checked = checked.after(left, self._conditions.check(frame, entered, acknowledge=False))
         if commands.register:
             for index in indexes(situation):
                 v[self._slots[index]].v[step_data.R1] = True
@@ -550,7 +542,7 @@ class GraphProgram:
                 situation &= ~selected
             self._show_transitions(frame, (), {}, 0)
             return situation
-        enabled = self._enabled_in(situation)
+        enabled = self._enabled[situation]
         satisfied = {move.bit: bool(move.condition(frame)) for move in enabled}
         free = [move for move in enabled if not move.sources & checked.held]
         switching = [move._replace(condition=_satisfied) for move in free if _switches(commands, satisfied[move.bit])]
@@ -572,28 +564,15 @@ class GraphProgram:
                 if not bit & entered or bit & passed:
                     continue
                 passed |= bit
-                onward = next((m for m in self._enabled_in(bit) if m.sources == bit and m.condition(frame)), None)
+                onward = next((m for m in self._enabled[bit] if m.sources == bit and m.condition(frame)), None)
                 if onward is not None:
                     self.reached.transitions |= onward.bit
                     entered = entered & ~bit | onward.targets
                     moved = True
         return entered
 
-    def _enabled_in(self, situation: int) -> tuple[Move, ...]:
-        found = self._enabled.get(situation)
-        if found is None:
-            if len(self._enabled) >= MOST_PLANS:
-                self._enabled.clear()
-            found = self._enabled[situation] = tuple(self._moves[i] for i in self.net.enabled(situation))
-        return found
-
-    def _timed_in(self, situation: int) -> tuple[tuple[int, int], ...]:
-        found = self._timed.get(situation)
-        if found is None:
-            if len(self._timed) >= MOST_PLANS:
-                self._timed.clear()
-            found = self._timed[situation] = self._steps.timed(situation)
-        return found
+    def _moves_in(self, situation: int) -> tuple[Move, ...]:
+        return tuple(self._moves[i] for i in self.net.enabled(situation))
 
     def _show_transitions(
         self, frame: Frame, enabled: tuple[Move, ...], satisfied: dict[int, bool], switched: int

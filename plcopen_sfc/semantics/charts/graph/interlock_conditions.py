@@ -56,6 +56,14 @@ class CheckedSteps:
     held: int
     disturbed: int
 
+    def after(self, left: int, entered: CheckedSteps) -> CheckedSteps:
+        """Return the same when some steps are left, and others entered."""
+        return CheckedSteps(
+            self.released & ~left | entered.released,
+            self.held & ~left | entered.held,
+            self.disturbed & ~left | entered.disturbed,
+        )
+
 
 class StepConditions:
     """The interlocks and supervisions of a sequencer."""
