@@ -30,7 +30,7 @@ from plcopen_sfc.languages.networks import normal_form
 from plcopen_sfc.languages.networks.wires import joined
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, print_node, walk
-from plcopen_sfc.languages.st.literals import LiteralKind, LiteralValue, literal_value
+from plcopen_sfc.languages.st.literals import LiteralKind, LiteralValue, known_literal
 from plcopen_sfc.languages.st.nodes import Expression, Operator
 from plcopen_sfc.languages.st.walking import with_children
 from plcopen_sfc.model.actions import Qualifier
@@ -343,11 +343,8 @@ class Goals:
         transitions = chain.from_iterable(self.transitions)
         for goal in chain(transitions, self.branches, self.outcomes, self.parts):
             for node in walk(goal.tree) if goal.tree is not None else ():
-                if isinstance(node, n.Literal):
-                    try:
-                        value = literal_value(node, self._project.dialect)
-                    except SfcError:
-                        continue
+                value = known_literal(node, self._project.dialect) if isinstance(node, n.Literal) else None
+                if value is not None:
                     found.setdefault((value.kind, type(value.value), value.value), value)
         return list(found.values())
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 
-from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.name_sites import named
 from plcopen_sfc.languages.binding.name_uses import dialect_of
@@ -16,7 +14,7 @@ from plcopen_sfc.languages.binding.symbols import inside
 from plcopen_sfc.languages.binding.text_sites import Site
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
-from plcopen_sfc.languages.st.literals import INTEGER_RANGES, TIME_RANGES, LiteralKind, LiteralValue, literal_value
+from plcopen_sfc.languages.st.literals import INTEGER_RANGES, TIME_RANGES, LiteralKind, LiteralValue, known_literal
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.declaration import Declaration, Kind
@@ -79,16 +77,12 @@ def constant_of(tree: Expression, dialect: Dialect, knowledge: Knowledge | None)
     tree = n.bare(tree)
     match tree:
         case n.Literal():
-            try:
-                literal = literal_value(tree, dialect)
-            except ModelError:
-                return None
-            return None if literal.value in (math.inf, -math.inf) else literal
+            return known_literal(tree, dialect)
         case n.Unary((n.Operator.NEGATE | n.Operator.PLUS) as sign, operand):
             inner = constant_of(operand, dialect, knowledge)
             if inner is None or not isinstance(inner.value, int | float):
                 return None
-            return LiteralValue(inner.kind, -inner.value if sign is n.Operator.NEGATE else inner.value)
+            return LiteralValue(inner.kind, -inner.value if sign is n.Operator.NEGATE else inner.value, inner.type)
         case n.Name() | n.Member():
             known = knowledge(tree) if knowledge is not None else None
             return known if isinstance(known, LiteralValue) else None
@@ -141,10 +135,8 @@ class ProjectKnowledge:
         for value in type_.values:
             number: object = numbers[-1] + 1 if numbers else 0
             if value.value is not None:
-                try:
-                    number = literal_value(value.value, self.resolver.dialect).value
-                except ModelError:
-                    return False
+                literal = known_literal(value.value, self.resolver.dialect)
+                number = literal.value if literal is not None else None
             if not isinstance(number, int):
                 return False
             numbers.append(number)
@@ -201,16 +193,7 @@ class _Known:
         initial = holder.initial if isinstance(holder, t.Variable) else None
         if not isinstance(initial, t.SimpleValue) or not initial.text:
             return None
-        text = initial.text.strip()
-        sign = text.startswith("-")
-        tree = parse_expression(text.removeprefix("-"), self._dialect).tree
-        try:
-            value = literal_value(tree, self._dialect) if isinstance(tree, n.Literal) else None
-        except ModelError:
-            return None
-        if value is None or not sign:
-            return value
-        return LiteralValue(value.kind, -value.value, value.type) if isinstance(value.value, int | float) else None
+        return constant_of(parse_expression(initial.text, self._dialect).tree, self._dialect, None)
 
     def _enumerated(self, declaration: Declaration) -> LiteralValue | None:
         holder = declaration.holder
@@ -228,13 +211,11 @@ class _Known:
                 return None
             return VariableValues(ValueKind.SYMBOL, symbols=tuple(value.name for value in type_.values))
         if isinstance(type_, t.SubrangeType):
-            try:
-                bounds = [
-                    literal_value(bound, self._dialect).value for bound in (type_.bounds.lower, type_.bounds.upper)
-                ]
-            except ModelError:
+            bounds = [known_literal(each, self._dialect) for each in (type_.bounds.lower, type_.bounds.upper)]
+            if None in bounds:
                 return self._domain(type_.base)
-            least, greatest = (bound if isinstance(bound, int) else None for bound in bounds)
+            values = (bound.value for bound in bounds if bound is not None)
+            least, greatest = (value if isinstance(value, int) else None for value in values)
             return VariableValues(ValueKind.INTEGER, least, greatest)
         return None
 

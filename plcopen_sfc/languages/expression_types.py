@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import reduce
 
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.literals import INTEGER_RANGES, LiteralError, LiteralKind, literal_value
+from plcopen_sfc.languages.st.literals import INTEGER_RANGES, LiteralKind, known_literal
 from plcopen_sfc.languages.st.nodes import Expression, Node, Operator
 from plcopen_sfc.model.dialect import Dialect
 
@@ -158,9 +158,8 @@ class ExpressionTypes:
         return _of_type(self._type_of(node)) if self._type_of is not None else UNKNOWN
 
     def _literal(self, node: n.Literal) -> ElementaryValue:
-        try:
-            found = literal_value(node, self._dialect)
-        except LiteralError:
+        found = known_literal(node, self._dialect)
+        if found is None:
             return UNKNOWN
         if found.kind is LiteralKind.INTEGER and isinstance(found.value, int):
             return ElementaryValue(found.type, found.value, found.value, loose=not found.type)
