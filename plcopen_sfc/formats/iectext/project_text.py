@@ -36,7 +36,7 @@ from plcopen_sfc.formats.iectext.text_source import (
 )
 from plcopen_sfc.formats.matiec.matiec_declarations import variable_names
 from plcopen_sfc.formats.text_patch import WrittenBlock, numbered_blocks
-from plcopen_sfc.languages.declarations import write_access_section, write_config_section
+from plcopen_sfc.languages.declarations import write_listing
 from plcopen_sfc.languages.declarations.kept_texts import unwrapped, wrapped
 from plcopen_sfc.languages.pragmas import Append, Fields, Named, RemainderEntry, Segment, changes, plain_fields
 from plcopen_sfc.languages.st.lexer import Token, tokenize
@@ -262,10 +262,10 @@ class _ConfigurationWriter:
             place: list[Segment] | None = ["resources", Named(resource.name)] if unique else None
             text += "\n" + self._resource(resource, place)
         if configuration.access_variables is not None:
-            shown = write_access_section(configuration.access_variables, self.printer.dialect)
+            shown = write_listing(configuration.access_variables, self.printer.dialect)
             text += self._listing("access_variables", shown, plain_fields(configuration.access_variables))
         if configuration.config_variables is not None:
-            shown = write_config_section(configuration.config_variables, self.printer.dialect)
+            shown = write_listing(configuration.config_variables, self.printer.dialect)
             text += self._listing("config_variables", shown, plain_fields(configuration.config_variables))
         return text + ("\n" + pragmas(self.late, INDENT) if self.late else "") + "END_CONFIGURATION\n"
 
@@ -513,7 +513,7 @@ def _config_section(printer: TextPrinter, section: ConfigSection, late: list[Rem
     """``VAR_CONFIG`` outside of a configuration; empty where it does not come back from text."""
     intended = plain_fields(section)
     text = comment_lines(intended, {}, "") if str(intended.get("comment", "")).strip() else ""
-    text += write_config_section(section, printer.dialect)
+    text += write_listing(section, printer.dialect)
     back, src = read_project(
         f"{pragmas([RemainderEntry(('project', 'dialect'), str(printer.dialect))], '')}{text}\n", None
     )

@@ -15,9 +15,8 @@ from plcopen_sfc.languages.declarations.declaration_reading import (
     split_units,
 )
 from plcopen_sfc.languages.declarations.declaration_writing import (
-    write_access_section,
-    write_config_section,
     write_data_type,
+    write_listing,
     write_section,
     write_type,
     write_value,
@@ -33,9 +32,8 @@ __all__ = [
     "read_declarations",
     "read_interface",
     "split_units",
-    "write_access_section",
-    "write_config_section",
     "write_data_type",
+    "write_listing",
     "write_section",
     "write_type",
     "write_value",

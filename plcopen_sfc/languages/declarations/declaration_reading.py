@@ -299,10 +299,10 @@ class _Reader:
                     yield self._section(node)
                 case d.StructBody(type=struct):
                     yield self._struct_body(node, struct)
-                case d.AccessSectionNode():
-                    yield self._access(node)
-                case d.ConfigSectionNode():
-                    yield self._config(node)
+                case d.AccessSectionNode(paths):
+                    yield self._list(AccessSection, node, paths, self._access_path)
+                case d.ConfigSectionNode(entries):
+                    yield self._list(ConfigSection, node, entries, self._config_entry)
                 case d.TypeSection():
                     parts = tuple(self._members(node.types, self._type_declaration))
                     yield Found(None, node, _span(node), parts)
@@ -414,9 +414,6 @@ class _Reader:
             )
             yield Found(variable, node, span)
 
-    def _access(self, node: d.AccessSectionNode) -> Found:
-        return self._list(AccessSection, node, node.paths, self._access_path)
-
     def _list(self, kind: type[AccessSection | ConfigSection], node: Node, entries: Sequence[Node], read: Any) -> Found:
         start, end = _span(node)
         before = self._comments.take(0, start)
@@ -435,9 +432,6 @@ class _Reader:
             comment=comment_text(self._around(node)),
         )
         yield Found(variable, node, _span(node))
-
-    def _config(self, node: d.ConfigSectionNode) -> Found:
-        return self._list(ConfigSection, node, node.entries, self._config_entry)
 
     def _config_entry(self, node: d.ConfigEntry) -> Iterator[Found]:
         variable = ConfigVariable(

@@ -20,7 +20,7 @@ from plcopen_sfc.languages.st.printing import INDENT
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.text import Text, plain
-from plcopen_sfc.model.variables import AccessDirection, AccessSection, ConfigSection, VariableSection
+from plcopen_sfc.model.variables import AccessDirection, AccessSection, AccessVariable, ConfigSection, VariableSection
 
 
 def indent_of(dialect: Dialect) -> str:
@@ -118,6 +118,12 @@ def write_value(value: t.Value, dialect: Dialect = Dialect.IEC) -> str:
     return text if text and _parses(f"VAR x : INT := {text}; END_VAR", dialect) else ""
 
 
+def _initial(value: t.Value | None, dialect: Dialect) -> str:
+    """Return what gives something its initial value; empty where it has none that could be read back."""
+    text = write_value(value, dialect) if value is not None else ""
+    return f" := {text}" if text else ""
+
+
 def _value(value: t.Value) -> str:
     match value:
         case t.SimpleValue(text=text):
@@ -153,9 +159,8 @@ def write_variable(variable: t.Variable, dialect: Dialect = Dialect.IEC, indent:
     name = declared_name(variable.name, dialect) if variable.name or variable.address is None else ""
     address = f" AT {_address(variable.address, dialect)}" if variable.address is not None else ""
     edge = f" {texts['edge']}" if "edge" in texts else ""
-    initial = write_value(variable.initial, dialect) if variable.initial is not None else ""
     text = f"{name}{attributes}{address} : {write_type(variable.type, dialect, indent)}{edge}".lstrip()
-    text += f" := {initial};" if initial else ";"
+    text += f"{_initial(variable.initial, dialect)};"
     return _with_comment(variable.comment, text, dialect, indent, [] if scl else _pragmas(texts, dialect))
 
 
@@ -216,31 +221,24 @@ def _kept_lines(texts: dict[str, str], indent: str) -> list[str]:
     return [indent + unreadable] if unreadable else []
 
 
-def write_access_section(section: AccessSection, dialect: Dialect = Dialect.IEC, indent: str = "") -> str:
-    """``VAR_ACCESS .. END_VAR``."""
+def write_listing(section: AccessSection | ConfigSection, dialect: Dialect = Dialect.IEC, indent: str = "") -> str:
+    """``VAR_ACCESS .. END_VAR`` or ``VAR_CONFIG .. END_VAR``."""
     deeper = indent + indent_of(dialect)
-    lines = [f"{indent}VAR_ACCESS"]
+    lines = [f"{indent}{'VAR_ACCESS' if isinstance(section, AccessSection) else 'VAR_CONFIG'}"]
     for variable in section.variables:
-        direction = f" {_DIRECTIONS[variable.direction]}" if variable.direction is not None else ""
-        text = f"{written_name(variable.alias, dialect)} : {variable.path} : {write_type(variable.type)}{direction};"
+        if isinstance(variable, AccessVariable):
+            direction = f" {_DIRECTIONS[variable.direction]}" if variable.direction is not None else ""
+            alias, type_ = written_name(variable.alias, dialect), write_type(variable.type)
+            text = f"{alias} : {variable.path} : {type_}{direction};"
+        else:
+            address = f" AT {variable.address}" if variable.address is not None else ""
+            type_ = write_type(variable.type, dialect, deeper)
+            text = f"{variable.path}{address} : {type_}{_initial(variable.initial, dialect)};"
         lines.append(_with_comment(variable.comment, text, dialect, deeper, []))
     return "\n".join([*lines, *_kept_lines(kept(section.extension_data), deeper), f"{indent}END_VAR"])
 
 
 _DIRECTIONS = {AccessDirection.READ_ONLY: "READ_ONLY", AccessDirection.READ_WRITE: "READ_WRITE"}
-
-
-def write_config_section(section: ConfigSection, dialect: Dialect = Dialect.IEC, indent: str = "") -> str:
-    """``VAR_CONFIG .. END_VAR``."""
-    deeper = indent + indent_of(dialect)
-    lines = [f"{indent}VAR_CONFIG"]
-    for variable in section.variables:
-        address = f" AT {variable.address}" if variable.address is not None else ""
-        initial = write_value(variable.initial, dialect) if variable.initial is not None else ""
-        value = f" := {initial}" if initial else ""
-        text = f"{variable.path}{address} : {write_type(variable.type, dialect, deeper)}{value};"
-        lines.append(_with_comment(variable.comment, text, dialect, deeper, []))
-    return "\n".join([*lines, *_kept_lines(kept(section.extension_data), deeper), f"{indent}END_VAR"])
 
 
 # -- declarations of types
@@ -254,11 +252,9 @@ def write_data_type(declaration: t.DataTypeDeclaration, dialect: Dialect = Diale
         return "\n".join([*lines, *_scl_type(declaration, texts, indent)])
     lines += [indent + line for line in _pragmas(texts, dialect)]
     extends = f" EXTENDS {texts['extends']}" if "extends" in texts else ""
-    initial = write_value(declaration.initial, dialect) if declaration.initial is not None else ""
-    value = f" := {initial}" if initial else ""
     deeper = indent + indent_of(dialect)
     text = f"{deeper}{written_name(declaration.name, dialect)}{extends} : "
-    text += f"{write_type(declaration.type, dialect, deeper)}{value};"
+    text += f"{write_type(declaration.type, dialect, deeper)}{_initial(declaration.initial, dialect)};"
     return "\n".join([*lines, f"{indent}TYPE", text, f"{indent}END_TYPE"])
 
 

@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 from plcopen_sfc import model as m
 from plcopen_sfc.languages.declarations import (
     read_declarations,
-    write_access_section,
-    write_config_section,
     write_data_type,
+    write_listing,
     write_section,
     write_value,
 )
@@ -301,4 +300,4 @@ def test_access_paths_and_configured_variables() -> None:
     one, other = read_declarations(access).items[0].thing, read_declarations(config).items[0].thing
     assert one.variables[0].direction is m.AccessDirection.READ_ONLY
     assert other.variables[0].address == "%IX0.0"
-    assert (write_access_section(one), write_config_section(other)) == (access, config)
+    assert (write_listing(one), write_listing(other)) == (access, config)
