@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import Any
 
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Statement
 from plcopen_sfc.languages.st.walking import children, walk
 from plcopen_sfc.languages.standard_blocks import BOUND_FUNCTIONS, standard_block
 
@@ -53,6 +53,17 @@ def is_variable(expression: Expression) -> bool:
 
 
 _VARIABLES = (n.Name, n.Member, n.Index, n.Dereference, n.Peripheral, n.Address)
+
+
+_SETTING = {AssignmentKind.SET: "TRUE", AssignmentKind.RESET: "FALSE"}
+
+
+def conditional_assignment(node: n.Assignment) -> n.If | None:
+    """Return ``IF a THEN q := TRUE; END_IF`` for ``q S= a``, FALSE for ``R=``; None for other assignments."""
+    if node.kind not in _SETTING or isinstance(node.value, n.AssignmentExpression):
+        return None
+    done = n.Assignment(node.target, n.Literal(_SETTING[node.kind]))
+    return n.If((n.Branch(node.value, (done,)),), span=node.span)
 
 
 @dataclass(frozen=True, slots=True)

@@ -48,13 +48,13 @@ from plcopen_sfc.languages.declarations import write_type, write_value
 from plcopen_sfc.languages.declarations.attributes import pragma_attributes
 from plcopen_sfc.languages.declarations.declaration_comments import LINE_END
 from plcopen_sfc.languages.declarations.kept_texts import kept
+from plcopen_sfc.languages.effects import conditional_assignment
 from plcopen_sfc.languages.pragmas import RemainderEntry
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, print_node, transform, walk
 from plcopen_sfc.languages.st.lexer import CommentKind, Token, tokenize
 from plcopen_sfc.languages.st.printing import render
 from plcopen_sfc.languages.text_edits import Edit, apply_edits, without
-from plcopen_sfc.languages.translation.tree_translation import conditional_assignment
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect

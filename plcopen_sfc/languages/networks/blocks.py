@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.effects import is_variable
+from plcopen_sfc.languages.effects import conditional_assignment, is_variable
 from plcopen_sfc.languages.networks.network_graph import (
     EDGE_COILS,
     EDGE_CONTACTS,
@@ -199,11 +199,9 @@ class BlockReader:
         """Write `value` to `target`, or set or reset it while `value` is TRUE."""
         if storage is Storage.NONE:
             return n.Assignment(target, value)
-        sets = storage is Storage.SET
-        if self._wires.dialect in (Dialect.CODESYS, Dialect.TWINCAT):
-            return n.Assignment(target, value, AssignmentKind.SET if sets else AssignmentKind.RESET)
-        constant = n.Assignment(target, n.Literal("TRUE" if sets else "FALSE"))
-        return n.If((n.Branch(value, (constant,)),))
+        stored = n.Assignment(target, value, AssignmentKind.SET if storage is Storage.SET else AssignmentKind.RESET)
+        is_known = self._wires.dialect in (Dialect.CODESYS, Dialect.TWINCAT)
+        return stored if is_known else conditional_assignment(stored) or stored
 
     def _guarded(self, guard: Expression | None, statements: tuple[Statement, ...]) -> tuple[Statement, ...]:
         return statements if guard is None else (n.If((n.Branch(guard, statements),)),)

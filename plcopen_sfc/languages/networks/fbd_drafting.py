@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.effects import Path, is_impure, is_repeatable, path_of, reads
+from plcopen_sfc.languages.effects import Path, conditional_assignment, is_impure, is_repeatable, path_of, reads
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, by_name, constant_of, is_harmless, is_power
 from plcopen_sfc.languages.networks.element_places import (
     GRID,
@@ -522,7 +522,4 @@ def _calls(statements: Iterable[Statement]) -> list[n.Call]:
 
 def _without_storing(node: n.Node) -> n.Node:
     """Return ``x S= c`` as an IF, for dialects that have no ``S=``."""
-    if isinstance(node, n.Assignment) and node.kind in (AssignmentKind.SET, AssignmentKind.RESET):
-        constant = n.Literal("TRUE" if node.kind is AssignmentKind.SET else "FALSE")
-        return n.If((n.Branch(node.value, (n.Assignment(node.target, constant),)),))
-    return node
+    return (conditional_assignment(node) if isinstance(node, n.Assignment) else None) or node

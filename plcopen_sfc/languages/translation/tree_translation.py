@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import cast
 
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.effects import conditional_assignment
 from plcopen_sfc.languages.expression_types import ExpressionTypes
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import LiteralKind, known_literal
@@ -118,17 +119,6 @@ class StepTranslator:
 
 
 _BOTH_SIDES = {Operator.AND_THEN: Operator.AND, Operator.OR_ELSE: Operator.OR}
-_SETTING = {AssignmentKind.SET: "TRUE", AssignmentKind.RESET: "FALSE"}
-
-
-def conditional_assignment(node: n.Assignment) -> n.If | None:
-    """Return ``IF a THEN q := TRUE; END_IF`` for ``q S= a``, FALSE for ``R=``; None for other assignments."""
-    if node.kind not in _SETTING or isinstance(node.value, n.AssignmentExpression):
-        return None
-    done = n.Assignment(node.target, n.Literal(_SETTING[node.kind]))
-    return n.If((n.Branch(node.value, (done,)),), span=node.span)
-
-
 _JUMPS = {Dialect.SCL: "GOTO", Dialect.CODESYS: "JMP"}
 
 
