@@ -15,13 +15,13 @@ from plcopen_sfc.semantics.charts.qualifier_control import (
     ON,
     PULSE,
     Association,
-    ContinuousControl,
     Control,
-    PlainControl,
     Reserve,
     SequentialControl,
     SituationChange,
-    StandardControl,
+    continuous_control,
+    plain_control,
+    standard_control,
 )
 from plcopen_sfc.semantics.charts.step_state import ActionOrigin, Reached
 from plcopen_sfc.semantics.charts.transition_firing import Plans, Run, Write, execution
@@ -176,12 +176,12 @@ class Actions:
 
     def _control(self, associations: Sequence[Association], reserve: Reserve) -> Control:
         if self._continuous:
-            return ContinuousControl(associations)
+            return continuous_control(associations)
         if self._sequential:
             return SequentialControl(associations, reserve)
         if all(a.qualifier in (Qualifier.N, Qualifier.NONE) for a in associations):
-            return PlainControl(associations)
-        return StandardControl(associations, reserve, cancels=self._profile.reset_cancels_delays)
+            return plain_control(associations)
+        return standard_control(associations, reserve, cancels=self._profile.reset_cancels_delays)
 
     def translate(self) -> None:
         """Prepare bodies, targets, times and conditions. Raises `UnknownBehaviourError`."""
@@ -220,7 +220,7 @@ class Actions:
     def act(self, frame: Frame, now: int, situation: int, change: SituationChange) -> None:
         """Ask all controls, then execute: first what has ended, then what is active.
 
-        `situation` and `change` are as in `Control.step`.
+        `situation` are the active steps, and `change` how they came to be active in this scan.
         """
         v = frame.v
         for drawn in self._drawn:  # once in each scan in which their steps act, however often controls ask
@@ -232,7 +232,7 @@ class Actions:
         resting: list[Write] = []
         busy = 0
         for action in work.actions:
-            bits = action.control.step(frame, now, situation, change)
+            bits = action.control(frame, now, situation, change)
             before = v[action.out]
             out = v[action.out] = bits & _OUT
             if out:

@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from operator import or_
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from plcopen_sfc.model import Qualifier
 from plcopen_sfc.semantics.programs.runtime_types import BOOL, ELAPSED, INSTANT, Frame, ScalarType
@@ -72,14 +72,11 @@ class SituationChange(NamedTuple):
     seen: int
 
 
-class Control(Protocol):
-    """Decides in every scan on one action."""
+Control = Callable[[Frame, int, int, SituationChange], int]
+"""Decides on one action: ON, BUSY, PULSE and OFF for a scan.
 
-    def step(self, frame: Frame, now: int, situation: int, change: SituationChange) -> int:
-        """ON, BUSY, PULSE and OFF for this scan.
-
-        `situation` are the active steps, `change` is how they came to be so in this scan.
-        """
+It gets the time, the active steps, and how they came to be active in this scan.
+"""
 
 
 class Input:
@@ -107,21 +104,14 @@ class Input:
         return 0
 
 
-class PlainControl:
-    """The control of an action that is only associated with N: no memory."""
-
-    __slots__ = ("_input",)
-
-    def __init__(self, associations: Sequence[Association]) -> None:
-        self._input = Input(associations)
-
-    def step(self, frame: Frame, now: int, situation: int, change: SituationChange) -> int:  # noqa: ARG002
-        """See `Control.step`."""
-        return ON if self._input.is_on(situation, frame) else 0
+def plain_control(associations: Sequence[Association]) -> Control:
+    """Return the control of an action that is only associated with N: no memory."""
+    input_ = Input(associations)
+    return lambda frame, _now, situation, _change: ON if input_.is_on(situation, frame) else 0
 
 
 _Part = Callable[[Frame, int, int, int, bool], int]
-"""The share of one qualifier in a control: as `Control.step`, with the steps seen, and the input R."""
+"""The share of one qualifier in a control: as `Control`, with the steps seen, and the input R."""
 
 
 def _non_stored(input_: Input) -> _Part:
@@ -250,59 +240,51 @@ def _delayed_stored(input_: Input, reserve: Reserve) -> _Part:
     return step
 
 
-class StandardControl:
-    """The ACTION_CONTROL of IEC 61131-3."""
+def standard_control(associations: Sequence[Association], reserve: Reserve, *, cancels: bool) -> Control:
+    """Return the ACTION_CONTROL of IEC 61131-3."""
+    makers: tuple[tuple[Callable[[Input], _Part], tuple[Qualifier, ...]], ...] = (
+        (_non_stored, (Qualifier.N, Qualifier.NONE)),
+        (lambda of: _stored(of, reserve), (Qualifier.S,)),
+        (lambda of: _timed(of, reserve, "L", ON, 0), (Qualifier.L,)),
+        (lambda of: _timed(of, reserve, "D", 0, ON), (Qualifier.D,)),
+        (lambda of: _pulse(of, reserve, "P_TRIG", ON), (Qualifier.P,)),
+        (lambda of: _stored_timed(of, reserve, "SD", cancels=cancels), (Qualifier.SD,)),
+        (lambda of: _delayed_stored(of, reserve), (Qualifier.DS,)),
+        (lambda of: _stored_timed(of, reserve, "SL", cancels=cancels), (Qualifier.SL,)),
+        (lambda of: _pulse(of, reserve, "P1_TRIG", PULSE), (Qualifier.P1,)),
+        (lambda of: _falling_pulse(of, reserve), (Qualifier.P0,)),
+    )
+    found = [([a for a in associations if a.qualifier in qualifiers], make) for make, qualifiers in makers]
+    parts = tuple(make(Input(own)) for own, make in found if own)
+    resets = [a for a in associations if a.qualifier in (Qualifier.R, Qualifier.R0)]
+    resetting = Input(resets) if resets else None
 
-    __slots__ = ("_parts", "_reset")
-
-    def __init__(self, associations: Sequence[Association], reserve: Reserve, *, cancels: bool) -> None:
-        parts: tuple[tuple[Callable[[Input], _Part], tuple[Qualifier, ...]], ...] = (
-            (_non_stored, (Qualifier.N, Qualifier.NONE)),
-            (lambda of: _stored(of, reserve), (Qualifier.S,)),
-            (lambda of: _timed(of, reserve, "L", ON, 0), (Qualifier.L,)),
-            (lambda of: _timed(of, reserve, "D", 0, ON), (Qualifier.D,)),
-            (lambda of: _pulse(of, reserve, "P_TRIG", ON), (Qualifier.P,)),
-            (lambda of: _stored_timed(of, reserve, "SD", cancels=cancels), (Qualifier.SD,)),
-            (lambda of: _delayed_stored(of, reserve), (Qualifier.DS,)),
-            (lambda of: _stored_timed(of, reserve, "SL", cancels=cancels), (Qualifier.SL,)),
-            (lambda of: _pulse(of, reserve, "P1_TRIG", PULSE), (Qualifier.P1,)),
-            (lambda of: _falling_pulse(of, reserve), (Qualifier.P0,)),
-        )
-        found = [([a for a in associations if a.qualifier in qualifiers], make) for make, qualifiers in parts]
-        self._parts = tuple(make(Input(own)) for own, make in found if own)
-        resets = [a for a in associations if a.qualifier in (Qualifier.R, Qualifier.R0)]
-        self._reset = Input(resets) if resets else None
-
-    def step(self, frame: Frame, now: int, situation: int, change: SituationChange) -> int:
-        """See `Control.step`."""
-        reset = self._reset is not None and self._reset.is_on(change.seen, frame)
+    def step(frame: Frame, now: int, situation: int, change: SituationChange) -> int:
+        reset = resetting is not None and resetting.is_on(change.seen, frame)
         bits = 0
-        for part in self._parts:
+        for part in parts:
             bits |= part(frame, now, situation, change.seen, reset)
         return bits & BUSY if reset else bits
 
+    return step
 
-class ContinuousControl:
-    """The control of a continuous action of GRAFCET: each association has a delay of its own, and any is enough.
+
+def continuous_control(associations: Sequence[Association]) -> Control:
+    """Return the control of a continuous action of GRAFCET: each association has a delay of its own, any is enough.
 
     Delays are measured by the time of the step (IEC 60848:2013, 4.8.2).
     """
 
-    __slots__ = ("_associations",)
-
-    def __init__(self, associations: Sequence[Association]) -> None:
-        self._associations = tuple(associations)
-
-    def step(self, frame: Frame, now: int, situation: int, change: SituationChange) -> int:  # noqa: ARG002
-        """See `Control.step`."""
-        for association in self._associations:
+    def step(frame: Frame, now: int, situation: int, _change: SituationChange) -> int:
+        for association in associations:
             if association.is_on(situation, frame):
                 if association.qualifier is Qualifier.N:
                     return ON
-                late = now - (frame.v[association.since] or 0) >= association.duration(frame)
-                if late is (association.qualifier is Qualifier.D):
+                if _is_late(association, frame, now) is (association.qualifier is Qualifier.D):
                     return ON
         return 0
+
+    return step
 
 
 class SequentialControl:
@@ -325,8 +307,8 @@ class SequentialControl:
         self._reset_start = reserve("reset_remaining_time", INSTANT)
         self._reset_time = reserve("reset_remaining_time.PT", ELAPSED)
 
-    def step(self, frame: Frame, now: int, situation: int, change: SituationChange) -> int:
-        """See `Control.step`."""
+    def __call__(self, frame: Frame, now: int, situation: int, change: SituationChange) -> int:
+        """See `Control`."""
         v = frame.v
         set_ = _is_over(v, self._set_start, self._set_time, now)
         reset = _is_over(v, self._reset_start, self._reset_time, now)
