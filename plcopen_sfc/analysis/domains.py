@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple, NoReturn
 
@@ -189,14 +190,12 @@ class Text(Probe):
         raise NotProvableError(f"{self.domain.name} is a text")
 
 
+@dataclass(slots=True, eq=False)
 class Unasked:
     """The value of an input at the end of a scan that has not read it: it is only asked for where it matters."""
 
-    __slots__ = ("ask", "name")
-
-    def __init__(self, name: str, ask: Callable[[], Any]) -> None:
-        self.name = name
-        self.ask = ask
+    name: str
+    ask: Callable[[], Any]
 
 
 def asked(value: Any) -> Any:

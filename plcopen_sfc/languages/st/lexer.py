@@ -12,18 +12,13 @@ from plcopen_sfc.languages.st.nodes import Span
 from plcopen_sfc.model.dialect import Dialect
 
 
+@dataclass(slots=True, eq=False)
 class Token:
     """A token: its type in the grammar, its text and where it is."""
 
-    __slots__ = ("span", "type", "value")
-
-    def __init__(self, type: str, value: str, span: Span) -> None:
-        self.type = type
-        self.value = value
-        self.span = span
-
-    def __repr__(self) -> str:
-        return f"Token({self.type}, {self.value!r})"
+    type: str
+    value: str
+    span: Span
 
 
 class CommentKind(StrEnum):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from operator import itemgetter
 from typing import Any, ClassVar
 
@@ -58,25 +59,21 @@ class StatementList(list[Any]):
     __slots__ = ()
 
 
+@dataclass(slots=True, eq=False)
 class _Labels:
     """Labels of a branch of CASE, or the target of a jump, before it is known which."""
 
-    __slots__ = ("labels", "span")
-
-    def __init__(self, labels: list[Expression | n.Range], span: Span) -> None:
-        self.labels = labels
-        self.span = span
+    labels: list[Expression | n.Range]
+    span: Span
 
 
+@dataclass(slots=True, eq=False)
 class _Handler:
     """``__CATCH(error)`` with its statements."""
 
-    __slots__ = ("error", "span", "statements")
-
-    def __init__(self, error: Expression | None, statements: StatementList, span: Span) -> None:
-        self.error = error
-        self.statements = statements
-        self.span = span
+    error: Expression | None
+    statements: StatementList
+    span: Span
 
 
 def over(items: Sequence[Any]) -> Span:
@@ -537,15 +534,13 @@ class DeclarationBuilder(Builder):
         return d.Declarations(tuple(found), span=(0, end))
 
 
+@dataclass(slots=True, eq=False)
 class _Declared:
     """The part of a variable before its colon."""
 
-    __slots__ = ("address", "names", "span")
-
-    def __init__(self, names: tuple[Any, ...], address: Expression | None, span: Span) -> None:
-        self.names = names
-        self.address = address
-        self.span = span
+    names: tuple[Any, ...]
+    address: Expression | None
+    span: Span
 
 
 def _item(value: Any) -> Any:

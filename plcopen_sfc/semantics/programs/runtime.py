@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import math
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from functools import wraps
 from inspect import signature
 from typing import Any
@@ -26,14 +27,12 @@ class Processor:
         self.left = 0
 
 
+@dataclass(slots=True, eq=False, repr=False)
 class Pointer:
     """Pointer to a variable: a list and an index in it. Equal pointers lead to the same variable."""
 
-    __slots__ = ("cells", "index")
-
-    def __init__(self, cells: list[Any], index: int) -> None:
-        self.cells = cells
-        self.index = index
+    cells: list[Any]
+    index: int
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Pointer) and self.cells is other.cells and self.index == other.index
@@ -42,14 +41,12 @@ class Pointer:
         return hash((id(self.cells), self.index))
 
 
+@dataclass(slots=True, eq=False, repr=False)
 class View:
     """An array passed to a parameter of any length, ``ARRAY[*]``: its elements and bounds (ed. 3, 6.5.3)."""
 
-    __slots__ = ("bounds", "cells")
-
-    def __init__(self, cells: list[Any], bounds: tuple[tuple[int, int], ...]) -> None:
-        self.cells = cells
-        self.bounds = bounds
+    cells: list[Any]
+    bounds: tuple[tuple[int, int], ...]
 
     def at(self, *indices: int) -> int:
         """Return where the element of these indices is in `cells`."""

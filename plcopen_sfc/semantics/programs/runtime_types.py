@@ -123,14 +123,12 @@ class Direction(StrEnum):
     EXTERNAL = "external"
 
 
+@dataclass(slots=True, eq=False, repr=False)
 class Frame:
     """The values of a structure, of an instance or of a call. `v` are its slots, by `layout`."""
 
-    __slots__ = ("layout", "v")
-
-    def __init__(self, layout: Layout, v: list[Any]) -> None:
-        self.layout = layout
-        self.v = v
+    layout: Layout
+    v: list[Any]
 
 
 @dataclass(slots=True, eq=False)
