@@ -13,6 +13,7 @@ from plcopen_sfc.analysis.deciding_parts import ConditionPart, ConditionParts
 from plcopen_sfc.analysis.exclusivity import association_condition
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.analysis.unreachable import Unreachable
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.st import parse_condition, print_node
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model import conditions
@@ -145,10 +146,11 @@ class Coverage:
 
     def _lines(self, impossible: bool) -> list[str]:
         known = [each for each in self.unreached if each.impossible is impossible and not each.follows]
-        together: dict[tuple[str, str], list[str]] = {}
-        for each in known:
-            if each.kind not in (PART, OUTCOME, DECISION) or each.why.startswith("needs "):
-                together.setdefault((each.kind, each.why), []).append(each.name)
+        together = grouped(
+            ((each.kind, each.why), each.name)
+            for each in known
+            if each.kind not in (PART, OUTCOME, DECISION) or each.why.startswith("needs ")
+        )
         for kind, why in list(together):
             if kind == TRANSITION and (STEP, why) in together:  # told by the steps behind it
                 del together[kind, why]
@@ -274,8 +276,13 @@ def any_untested(coverage: Sequence[Coverage]) -> bool:
 
     Of code beside a chart its assignments count: what they are behind follows from the chart, or is asked for there.
     """
+    return any(each.untested for each in led_by_chart(coverage))
+
+
+def led_by_chart(coverage: Sequence[Coverage]) -> list[Coverage]:
+    """Return both sides; of code beside a chart only what that does not tell."""
     is_led = any(each.has_chart for each in coverage)
-    return any((each.led() if is_led and not each.has_chart else each).untested for each in coverage)
+    return [each.led() if is_led and not each.has_chart else each for each in coverage]
 
 
 def _key(part: ConditionPart) -> Key:
@@ -306,7 +313,7 @@ def counted_charts(system: ProgramSystem) -> list[tuple[str, ChartProgram | Grap
 def _of_kind(system: ProgramSystem, kind: str) -> Iterator[tuple[Key, bool]]:
     """Yield all of a kind, each with True if it was reached."""
     if kind in _OF_TEXTS:
-        yield from _OF_TEXTS[kind](system)
+        yield from ((key, is_reached) for branch, is_reached in _branches(system) for key in _keys(branch, kind))
         return
     for name, chart in counted_charts(system):
         reached = chart.reached
@@ -337,39 +344,20 @@ def _is_own(system: ProgramSystem, owner: str) -> bool:
     return owner == own or owner.startswith((f"{own}.", f"{own} "))
 
 
-def _assignments(system: ProgramSystem) -> Iterator[tuple[Key, bool]]:
-    for branch, is_reached in _branches(system):
-        for text in branch.assignments:
-            yield _assignment_key(branch, text), is_reached
+_OF_TEXTS = (ASSIGNMENT, OUTCOME, DECISION)
 
 
-def _outcomes(system: ProgramSystem) -> Iterator[tuple[Key, bool]]:
-    for branch, is_reached in _branches(system):
-        if branch.outcome is not None:
-            yield _outcome_key(branch, *branch.outcome), is_reached
-
-
-def _decisions(system: ProgramSystem) -> Iterator[tuple[Key, bool]]:
-    for branch, is_reached in _branches(system):
-        if branch.decides is not None:
-            yield _decision_key(branch), is_reached
-
-
-_OF_TEXTS = {ASSIGNMENT: _assignments, OUTCOME: _outcomes, DECISION: _decisions}
-
-
-def _decision_key(branch: MarkedBranch) -> Key:
-    condition, part, value = branch.decides or ("", "", None)
-    label = f"{_quoted(condition)}: {_quoted(part)}" if part else _quoted(condition)
-    return branch.owner, label, -1 if value is None else int(value), branch.inside
-
-
-def _assignment_key(branch: MarkedBranch, text: str) -> Key:
-    return branch.owner, text, 0, branch.condition
-
-
-def _outcome_key(branch: MarkedBranch, text: str, value: bool) -> Key:
-    return branch.owner, text, int(value), branch.inside
+def _keys(branch: MarkedBranch, kind: str) -> Iterator[Key]:
+    """Yield what of a kind is reached where a branch is executed."""
+    if kind == ASSIGNMENT:
+        yield from ((branch.owner, text, 0, branch.condition) for text in branch.assignments)
+    elif kind == OUTCOME and branch.outcome is not None:
+        text, value = branch.outcome
+        yield branch.owner, text, int(value), branch.inside
+    elif kind == DECISION and branch.decides is not None:
+        condition, part, decided = branch.decides
+        label = f"{_quoted(condition)}: {_quoted(part)}" if part else _quoted(condition)
+        yield branch.owner, label, -1 if decided is None else int(decided), branch.inside
 
 
 def unreachable_in(
@@ -555,15 +543,8 @@ class _Reasons:
     @cached_property
     def _leading_to(self) -> Mapping[tuple[str, Key], list[MarkedBranch]]:
         """The branches in which an assignment is executed, or an outcome occurs."""
-        found: dict[tuple[str, Key], list[MarkedBranch]] = {}
-        for branch, _ in _branches(self._system):
-            if branch.outcome is not None:
-                found.setdefault((OUTCOME, _outcome_key(branch, *branch.outcome)), []).append(branch)
-            if branch.decides is not None:
-                found.setdefault((DECISION, _decision_key(branch)), []).append(branch)
-            for text in branch.assignments:
-                found.setdefault((ASSIGNMENT, _assignment_key(branch, text)), []).append(branch)
-        return found
+        branches = [branch for branch, _ in _branches(self._system)]
+        return grouped(((kind, key), each) for each in branches for kind in _OF_TEXTS for key in _keys(each, kind))
 
     @cached_property
     def _has_unentered(self) -> bool:

@@ -8,7 +8,7 @@ from enum import StrEnum
 from html import escape
 from typing import Any, NamedTuple
 
-from plcopen_sfc.analysis.coverage import Coverage, any_untested, listed
+from plcopen_sfc.analysis.coverage import Coverage, any_untested, led_by_chart, listed
 from plcopen_sfc.analysis.pairing import NO_DELAY, Delay
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st.literals import time_literal
@@ -274,19 +274,13 @@ class Verdict:
         if self.unknown:
             yield f"unknown, taken as functions of what they are given: {', '.join(self.unknown)}"
 
-    @property
-    def _told(self) -> list[Coverage]:
-        """Both sides; of code beside a chart only what that does not tell."""
-        is_led = any(each.has_chart for each in self.coverage)
-        return [each.led() if is_led and not each.has_chart else each for each in self.coverage]
-
     def _missing(self) -> str:
-        found = "; ".join(dict.fromkeys(filter(None, (each.missing() for each in self._told))))
+        found = "; ".join(dict.fromkeys(filter(None, (each.missing() for each in led_by_chart(self.coverage)))))
         return f" ({found})" if found else ""
 
     def _covered(self) -> Iterator[str]:
         """Return the texts not executed, then how much was, in lines."""
-        yield from dict.fromkeys(line for each in self._told for line in each.lines())
+        yield from dict.fromkeys(line for each in led_by_chart(self.coverage) for line in each.lines())
         if self.coverage:
             told = list(dict.fromkeys(map(str, self.coverage)))
             yield (
