@@ -26,6 +26,8 @@ def check(
 ) -> list[Diagnostic]:
     """Return the findings in the charts of a project, of a POU, or in one chart; docs/checks.md has the rules.
 
+    Rules on names, types and values look at the code of POUs without charts too.
+
     `profile` is how the charts are executed (see `plcopen_sfc.semantics.profile`); without it that of the tool which
     the project is for. It decides which rules apply and how severe a breach is. `select` are the rules to apply, by
     their codes or by what their codes begin with (``STR``), and `ignore` those not to apply. Elements that are excluded

@@ -68,7 +68,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class Rule:
-    """A numbered rule on charts.
+    """A numbered rule on charts, and on POUs without charts where it is `on_code`.
 
     `why` tells what goes wrong with charts that break it, and its source; `hint` what to do. `severity` is
     that of a breach, but for the profiles in `severities`; None: the rule is not for them. `grafcet_hint` is the hint
@@ -85,6 +85,7 @@ class Rule:
     severity: Severity | None
     severities: Mapping[str, Severity | None] = field(default_factory=dict)
     grafcet_hint: str = ""
+    on_code: bool = False
 
     def severity_for(self, family: str) -> Severity | None:
         """Return how bad a breach is under a profile of `FAMILIES`; None: the rule does not apply."""
@@ -354,9 +355,13 @@ class CheckedProject:
         found += [i.name for r in resources for i in r.every_instance()]
         return frozenset(name.casefold() for name in found)
 
-    def is_first(self, chart: SfcNetwork, pou: Pou | None = None) -> bool:
-        """True for the first chart of a POU, or of the project, with which rules find what is in none."""
-        return next(self._charts() if pou is None else self.charts_of(pou), None) is chart
+    def is_first(self, checked: CheckedChart, pou: Pou | None = None) -> bool:
+        """True for the first chart of a POU, or of the project, with which rules find what is in none.
+
+        Where there is no chart, that is the POU itself, or the first POU of the project.
+        """
+        first = next(self._charts() if pou is None else self.charts_of(pou), None)
+        return first is checked.chart if first is not None else (pou or self.project.pous[0]) is checked.pou
 
     def charts_of(self, pou: Pou) -> Iterator[SfcNetwork]:
         """Yield the charts of a POU, those of macro-steps and partial charts too."""
@@ -412,6 +417,8 @@ class CheckedChart:
         self.chart = chart
         self.profile = profile
         self.family = family(profile)
+        self.is_code = chart is _NO_CHART
+        """True for a POU without charts, which has only code that rules look at."""
         self.root = CheckedSheet(chart, place)
         self._conditions: dict[int, NetworkExpression] = {}
         self._truths: dict[int, Truth] = {}
@@ -645,6 +652,14 @@ def is_plain(tree: n.Node) -> bool:
         elif not isinstance(node, n.Operation | n.Unary | n.Parenthesized | n.Member):
             return False
     return True
+
+
+_NO_CHART = SfcNetwork()
+
+
+def code_of(around: CheckedProject, pou: Pou, profile: Profile) -> CheckedChart:
+    """Return what rules on code look at in a POU without charts."""
+    return CheckedChart(around, pou, FindingPlace(pou.report_path, (pou,)), _NO_CHART, profile)
 
 
 def charts_of(around: CheckedProject, pou: Pou, profile: Profile) -> Iterator[CheckedChart]:

@@ -67,8 +67,8 @@ def _own(chart: CheckedChart, found: Iterable[_T]) -> Iterator[_T]:
     if chart.pou is None or not chart.pou.name:
         return
     charts = {id(sheet.chart) for sheet in chart.sheets}
-    is_first = chart.around.is_first(chart.chart, chart.pou)
-    of_project = chart.around.is_first(chart.chart)
+    is_first = chart.around.is_first(chart, chart.pou)
+    of_project = chart.around.is_first(chart)
     for each in found:
         site = each.text_site.site
         inside = [each for each in site.charts if id(each) in charts]
@@ -105,7 +105,9 @@ def _is_slip(name: str, like: str) -> bool:
 
 def _in_libraries(chart: CheckedChart) -> bool:
     """True if a type may be one of a library, which no file of the tool has."""
-    return chart.around.project.dialect in (Dialect.CODESYS, Dialect.TWINCAT) and not chart.around.externals
+    project = chart.around.project
+    has_libraries = project.dialect in (Dialect.CODESYS, Dialect.TWINCAT) or project.header.is_of_beremiz
+    return has_libraries and not chart.around.externals
 
 
 def _undeclared(chart: CheckedChart) -> Iterator[Finding]:
@@ -176,7 +178,7 @@ def _externals(chart: CheckedChart) -> Iterator[Finding]:
 
 def _unused(chart: CheckedChart) -> Iterator[Finding]:
     pou = chart.pou
-    if pou is None or not chart.around.is_first(chart.chart, pou):
+    if pou is None or not chart.around.is_first(chart, pou):
         return
     for each in chart.around.unused:
         if each.pou is pou:
@@ -187,7 +189,7 @@ def _unused(chart: CheckedChart) -> Iterator[Finding]:
 
 def _declared_twice(chart: CheckedChart) -> Iterator[Finding]:
     pou = chart.pou
-    if pou is None or not chart.around.is_first(chart.chart, pou):
+    if pou is None or not chart.around.is_first(chart, pou):
         return
     for word, thing, first in pou.declared_twice():
         kind = "" if isinstance(thing, Variable) else f"{word} "
@@ -196,14 +198,14 @@ def _declared_twice(chart: CheckedChart) -> Iterator[Finding]:
 
 
 def _endless(chart: CheckedChart) -> Iterator[Finding]:
-    if chart.around.is_first(chart.chart):
+    if chart.around.is_first(chart):
         for circle in chart.around.endless_types:
             yield Finding(FindingPlace(circle[0].report_path, (circle[0],)), circle_text(circle))
 
 
 def _unreadable_names(chart: CheckedChart) -> Iterator[Finding]:
     pou = chart.pou
-    if pou is None or not chart.around.is_first(chart.chart, pou):
+    if pou is None or not chart.around.is_first(chart, pou):
         return
     if pou.name.upper() in IEC_KEYWORDS:
         yield Finding(
@@ -235,7 +237,7 @@ VAR01 = Rule(
     code="VAR01",
     title="Names are declared",
     why="A name that nothing declares does not compile: a typing error, or the rest of what was renamed or deleted by "
-    "hand. Each name is found once, in the chart or in code of its POU (what is global, with the first chart); types, "
+    "hand. Each name is found once, in a chart or in other code (what is global, with the first chart); types, "
     "members of types and blocks, and parameters in calls too, but for what a library may declare: types by a path, "
     "what a block has that extends one. Names of a file that declares nothing global are VAR02, but for those that are "
     "nearly the same as a declared one. In a GRAFCET without tables of variables only the flags of steps are looked "
@@ -244,19 +246,21 @@ VAR01 = Rule(
     example="VAR_INPUT Start, b : BOOL; END_VAR" + ring(forth="Strat"),
     check=_undeclared,
     severity=Severity.WARNING,
+    on_code=True,
 )
 
 VAR02 = Rule(
     code="VAR02",
     title="Undeclared names of a partial export are declared elsewhere",
     why="An export of some blocks lacks the global variables, tags, data blocks and types that these name, and each "
-    "export of CODESYS and TwinCAT the blocks and types of libraries. One finding lists them for each chart: the names "
-    "that must be there where the file is imported.",
+    "export of CODESYS, TwinCAT and Beremiz the blocks and types of libraries. One finding lists them for each chart, "
+    "and each POU without charts: the names that must be there where the file is imported.",
     hint="Export them too, where names shall be checked and renamed with the chart.",
     example="a block in CODESYS that names GVL.Start, in an export without lists of global variables",
     check=_externals,
     severity=Severity.INFO,
     severities={"grafcet": None},
+    on_code=True,
 )
 
 VAR03 = Rule(
@@ -270,6 +274,7 @@ VAR03 = Rule(
     check=_unused,
     severity=Severity.INFO,
     severities={"grafcet": None},
+    on_code=True,
 )
 
 VAR04 = Rule(
@@ -287,6 +292,7 @@ VAR04 = Rule(
     check=_misfitting,
     severity=Severity.WARNING,
     severities={"grafcet": Severity.ERROR},
+    on_code=True,
 )
 
 VAR05 = Rule(
@@ -298,6 +304,7 @@ VAR05 = Rule(
     example="VAR_INPUT Start, b, start : BOOL; END_VAR" + ring(forth="Start"),
     check=_declared_twice,
     severity=Severity.ERROR,
+    on_code=True,
 )
 
 VAR06 = Rule(
@@ -331,4 +338,5 @@ VAR07 = Rule(
     example="a structure ST_Part with a member of type ST_Part",
     check=_endless,
     severity=Severity.ERROR,
+    on_code=True,
 )

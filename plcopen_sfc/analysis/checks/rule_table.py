@@ -27,6 +27,7 @@ from plcopen_sfc.analysis.checks.checked_chart import (
     FindingPlace,
     Rule,
     charts_of,
+    code_of,
 )
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location, ModelError, PluginError, listed_names, nearest
@@ -167,7 +168,7 @@ def findings(chart: CheckedChart, rules: Iterable[Rule]) -> Iterator[Diagnostic]
     """Return the findings in one chart, without those excluded from the program or allowed by comments."""
     for rule in rules:
         severity = rule.severity_for(chart.family)
-        if severity is None:
+        if severity is None or (chart.is_code and not rule.on_code):
             continue
         hint = rule.hint_for(chart.family)
         for finding in rule.check(chart):
@@ -183,7 +184,9 @@ def _charts(subject: Project | Pou | SfcNetwork, around: CheckedProject, profile
         yield next((chart for chart in everywhere if chart.chart is subject), alone)
         return
     for pou in [subject] if isinstance(subject, Pou) else around.project.pous:
-        yield from charts_of(around, pou, profile)
+        charts = charts_of(around, pou, profile)
+        yield next(charts, None) or code_of(around, pou, profile)
+        yield from charts
 
 
 def _home(subject: Pou | SfcNetwork) -> Project:
@@ -254,7 +257,8 @@ How severe a breach is depends on how the chart is executed: on the profile. Whe
 those are for the profiles that they name; a dash means that the rule is not for them. Findings of elements that are
 excluded from the program are left out, and so are those that a comment suppresses: `plcopen-sfc: ignore STR09` in the
 comment of a step, a transition, a chart or a POU. Reachability is that of the chart with all conditions free: what is
-found impossible is impossible, whatever the inputs do.
+found impossible is impossible, whatever the inputs do. Rules on
+names look at the code of POUs without charts too: {on_code}.
 
 """
 
@@ -277,7 +281,8 @@ def _shown(severity: Severity | None) -> str:
 def catalogue(rules: Iterable[Rule]) -> str:
     """Return the page in Markdown."""
     rules = list(rules)
-    lines = [_HEAD.rstrip("\n"), "", "| rule | what | severity |", "|---|---|---|"]
+    on_code = ", ".join(rule.code for rule in rules if rule.on_code)
+    lines = [_HEAD.format(on_code=on_code).rstrip("\n"), "", "| rule | what | severity |", "|---|---|---|"]
     lines += [f"| [{r.code}](#{r.code.lower()}) | {r.title} | {in_profiles(r)} |" for r in rules]
     group = ""
     for rule in rules:

@@ -43,7 +43,8 @@ EXPECTED: dict[str, dict[str, int]] = {
         "STR07": 1,
         "STR13": 1,
         "STR15": 10,
-        "VAR03": 80,
+        "VAR01": 1,
+        "VAR03": 106,
     },
     "simaticml": {"ACT10": 2, "CND02": 29, "EVO01": 4, "EVO02": 3, "LOW01": 3, "SEL03": 5, "STR11": 1, "VAR02": 5},
     "iectext": {

@@ -1200,3 +1200,52 @@ def test_findings_about_a_table_have_the_lines_of_its_variables(tmp_path: Path) 
     (tmp_path / "g.gct").write_text(text, encoding="utf-8")
     found = sfc.check(sfc.load(tmp_path / "g.gct"), select=["VAR"])
     assert [(each.code, each.location.line) for each in found] == [("VAR01", 6), ("VAR06", 7)]
+
+
+CODE = """TYPE State : (Off, On); END_TYPE
+PROGRAM Main
+VAR a : BOOL; s : State; n : INT; END_VAR
+%s
+END_PROGRAM
+FUNCTION Twice : INT
+VAR_INPUT x : INT; END_VAR
+Twice := 2 * x;
+END_FUNCTION
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "codes"),
+    [
+        ("a := s = State#On; n := Twice(x := n);", []),
+        ("a := aa;", ["VAR01"]),
+        ("a := Twice(y := n) > 0;", ["VAR01"]),
+        ("n := a;", ["VAR04"]),
+    ],
+)
+def test_rules_on_names_look_at_code_of_pous_without_charts(text: str, codes: list[str]) -> None:
+    project = sfc.loads((CODE % text).encode(), format="iec-text")
+    found = sfc.check(project, ignore=["VAR03"])
+    assert [each.code for each in found] == codes
+    assert {each.location.path for each in found} <= {"POU Main"}
+    assert [each.code for each in sfc.check(project.pou("Main"), ignore=["VAR03"])] == codes
+    assert not sfc.check(project.pou("Twice"))
+
+
+def test_a_name_is_found_once_in_charts_and_code() -> None:
+    text = CODE % "a := aa;"
+    chart = "PROGRAM Chart\nVAR b : BOOL; END_VAR\nINITIAL_STEP S: b(N); END_STEP\n"
+    chart += "TRANSITION FROM S TO S := aa; END_TRANSITION\nEND_PROGRAM\n"
+    project = sfc.loads((text + chart).encode(), format="iec-text")
+    assert [each.location.path for each in sfc.check(project, select=["VAR01"])] == ["POU Main"]
+    project.pou("Main").bodies.clear()
+    (finding,) = sfc.check(project, select=["VAR01"])
+    assert str(finding.location.path).startswith("POU Chart")
+
+
+def test_function_blocks_of_libraries_of_beremiz_are_declared_elsewhere() -> None:
+    project = sfc.loads((CODE % "").encode(), format="iec-text")
+    project.pou("Main").add_variable("Lamp", "Led")
+    assert [each.code for each in sfc.check(project, select=["VAR01", "VAR02"])] == ["VAR01"]
+    project.header.company = "Beremiz"
+    assert [each.code for each in sfc.check(project, select=["VAR01", "VAR02"])] == ["VAR02"]
