@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import count
 from typing import Any
 from uuid import NAMESPACE_URL, uuid5
 
 from plcopen_sfc.errors import ModelError
-from plcopen_sfc.languages.binding import Declaration, Kind, Names
+from plcopen_sfc.languages.binding import Declaration, Kind, Names, bind
 from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of, unique_declaration
 from plcopen_sfc.languages.binding.text_sites import Role, Site, SiteKind, TextSite, text_sites_in
 from plcopen_sfc.languages.executed_names import sharing
@@ -39,6 +39,7 @@ from plcopen_sfc.model.sfc import (
     Step,
     Transition,
 )
+from plcopen_sfc.model.variables import SectionKind, VariableSection
 from plcopen_sfc.refactor.chart_edits import refused
 from plcopen_sfc.refactor.journal import Journal
 from plcopen_sfc.refactor.queries import dialect_in, pou_of
@@ -78,6 +79,7 @@ def replace_variable(journal: Journal, project: Project, old: str, new: str) -> 
         else:
             site = use.text_site
             texts.setdefault((id(site.holder), site.key), []).append((site, edit))
+    problems = problems or [*_wrong_writes(names, was, will, [use for use in found if use.use not in inside])]
     if problems:
         raise refused(what, problems)
     changed: list[str] = []
@@ -86,6 +88,36 @@ def replace_variable(journal: Journal, project: Project, old: str, new: str) -> 
         changed.append(site.path)
         _edit_text(journal, site, [edit for _, edit in edits])
     return changed
+
+
+def _wrong_writes(names: Names, was: Declaration, will: Declaration, uses: Iterable[Occurrence]) -> Iterator[str]:
+    """Yield the bodies that write a variable, and could not write another in its place.
+
+    No code writes a constant, a POU none of its inputs, and others nothing of a program but these (IEC 61131-3 ed. 3,
+    6.6.1.2.2).
+    """
+    before, after = _section_of(names.project, was), _section_of(names.project, will)
+    is_input = after is not None and after.kind is SectionKind.INPUT
+    was_input = before is not None and before.kind is SectionKind.INPUT
+    concerned = {id(use.text_site.site.pou) for use in uses}
+    name = was.name.casefold()
+    for place, pou, body in names.project.bodies():
+        writes = bind(body, names.dialect).effects.writes if id(pou) in concerned else ()
+        if not any(name in path[:2] for path in writes):
+            continue
+        if after is not None and (after.constant or after.kind is SectionKind.CONSTANT):
+            yield f"{place} writes it, and {will.path} is a constant"
+        elif will.pou is not None and will.pou is not pou and not is_input:
+            yield f"{place} writes it, and {will.path} belongs to another program"
+        elif will.pou is pou and is_input and not was_input:
+            yield f"{place} writes it, and {will.path} is an input"
+
+
+def _section_of(project: Project, declaration: Declaration) -> VariableSection | None:
+    """Return the section that declares a variable; None for one of another kind, such as a tag."""
+    interface = declaration.pou.interface if declaration.pou is not None else None
+    sections = interface.sections if interface is not None else project.global_sections()
+    return next((each for each in sections if any(v is declaration.holder for v in each.variables)), None)
 
 
 def _edit_text(journal: Journal, site: TextSite, edits: list[Edit]) -> None:
@@ -129,8 +161,11 @@ def _named_there(names: Names, use: Occurrence, declaration: Declaration) -> Edi
         alone = replace(reference, name=declaration.name, base=None)
         if isinstance(bare, n.Member):
             owner = names.resolver.type_of(bare.base, use.text_site.site)
-            if isinstance(owner, Pou) and owner.kind is PouKind.FUNCTION_BLOCK:
-                continue  # only its instances have the variable
+            outside = isinstance(owner, Pou) and owner is not use.text_site.site.pou
+            if isinstance(owner, Pou) and (
+                owner.kind is PouKind.FUNCTION_BLOCK or (outside and family(dialect) is not Dialect.CODESYS)
+            ):
+                continue  # its instances have the variable; only CODESYS and TwinCAT read one of another program
             meaning = names.resolver.member(owner, declaration.name)
         else:
             meaning = names.resolver.lookup(alone, use.text_site.site)

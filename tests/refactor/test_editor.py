@@ -566,6 +566,43 @@ def test_a_variable_is_replaced_in_all_bodies() -> None:
         edit.replace_variable("GVL.Go", "Block.Inner")
 
 
+TWO_PROGRAMS = """PROGRAM Main
+VAR a, b : BOOL; END_VAR
+VAR_INPUT i : BOOL; END_VAR
+VAR CONSTANT k : BOOL := TRUE; END_VAR
+a := NOT a OR b;
+END_PROGRAM
+PROGRAM Other
+VAR x : BOOL; END_VAR
+VAR_INPUT xi : BOOL; END_VAR
+END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize(
+    ("dialect", "old", "new", "reason"),
+    [
+        (Dialect.IEC, "Main.a", "Main.k", "Main writes it, and Main.k is a constant"),
+        (Dialect.IEC, "Main.a", "Main.i", "Main writes it, and Main.i is an input"),
+        (Dialect.CODESYS, "Main.a", "Other.x", "Main writes it, and Other.x belongs to another program"),
+        (Dialect.IEC, "Main.b", "Other.x", "does not see Other.x"),
+        (Dialect.IEC, "Main.b", "Main.k", "a := NOT a OR k;"),
+        (Dialect.IEC, "Main.b", "Main.i", "a := NOT a OR i;"),
+        (Dialect.CODESYS, "Main.b", "Other.x", "a := NOT a OR Other.x;"),
+        (Dialect.CODESYS, "Main.a", "Other.xi", "Other.xi := NOT Other.xi OR b;"),
+    ],
+)
+def test_a_variable_is_replaced_by_what_code_may_write_there(dialect: Dialect, old: str, new: str, reason: str) -> None:
+    project = sfc.loads(TWO_PROGRAMS.encode(), format="iec-text")
+    project.dialect = dialect
+    if reason.endswith(";"):
+        project.edit().replace_variable(old, new)
+        assert project.pou("Main").body.text.strip() == reason  # type: ignore[union-attr]
+    else:
+        with pytest.raises(ModelError, match=reason):
+            project.edit().replace_variable(old, new)
+
+
 def test_a_pou_is_copied_into_another_project() -> None:
     target = sfc.Project(name="Other")
     edit = target.edit()
