@@ -65,6 +65,7 @@ _PROVIDERS = {
     "body_svg": "drawing.pictures",
     "trace_svg": "pages.timing_diagram",
     "project_table": "pages.project_page",
+    "pou_table": "pages.project_page",
 }
 """The modules of the operations that the model offers: they bring the parser or the formats with them."""
 

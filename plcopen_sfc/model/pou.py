@@ -17,6 +17,7 @@ from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
 from plcopen_sfc.model.text import Text, local_name
 from plcopen_sfc.model.types import DataType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.operations import provided
 
 
 class PouKind(StrEnum):
@@ -190,6 +191,11 @@ class Pou(ProjectObject):
         """Return the action of this name, or None; case does not matter, nor do the signs of S7."""
         wanted = local_name(name).casefold()
         return next((a for a in self.actions if a.name.casefold() == wanted), None)
+
+    def _repr_html_(self) -> str:
+        """Show the variables and the bodies in Jupyter."""
+        table: str = provided("pou_table")(self)
+        return table
 
     def named_bodies(self) -> Iterator[NamedBody]:
         """Yield every body of the POU with the name of what it belongs to: ``Main``, ``Main.Fill`` (of an action)."""

@@ -13,6 +13,7 @@ from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.drawing.pictures import chart_figure
 from plcopen_sfc.errors import check_argument
 from plcopen_sfc.languages.declarations.declaration_writing import write_data_type, write_type, write_value
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project, Task
 from plcopen_sfc.model.sfc import Body, SfcBody, Step
@@ -62,22 +63,44 @@ def page(
 
 def project_table(project: Project) -> str:
     """Return a table of the objects of a project, for notebooks: kinds, languages, and how large charts are."""
-
-    def size(thing: object) -> str:
-        own = (body.chart for body in getattr(thing, "bodies", ()) if isinstance(body, SfcBody))
-        return ", ".join(f"{len(chart.steps)} steps, {len(chart.transitions)} transitions" for chart in own)
-
     rows = [
         element(
             "tr",
             element("td", thing.name),
             element("td", str(getattr(thing, "kind", "") or type(thing).__name__)),
             element("td", ", ".join(body.language for body in getattr(thing, "bodies", ()))),
-            element("td", size(thing)),
+            element("td", _size_of(getattr(thing, "bodies", ()))),
         )
         for thing in project.objects()
     ]
     return joined(element("p", title_of(project)), _table(("name", "kind", "languages", "charts"), rows, "objects"))
+
+
+def pou_table(pou: Pou) -> str:
+    """Return tables of the variables and the bodies of a POU, for notebooks."""
+    dialect = pou.project.dialect if pou.project is not None else Dialect.IEC
+    sections = pou.interface.sections if pou.interface is not None else []
+    variables = [
+        (section.kind, each.name, write_type(each.type, dialect), each.address or "", plain(each.comment))
+        for section in sections
+        for each in section.variables
+    ]
+    bodies = [(each.name, each.body.language, _size_of([each.body])) for each in pou.named_bodies()]
+
+    def rows(cells: Iterable[tuple[str, ...]]) -> list[Html]:
+        return [element("tr", *(element("td", cell) for cell in row)) for row in cells]
+
+    return joined(
+        element("p", f"{pou.kind} {pou.name}"),
+        _table(("section", "name", "type", "address", "comment"), rows(variables), "variables"),
+        _table(("body", "language", "charts"), rows(bodies), "bodies"),
+    )
+
+
+def _size_of(bodies: Iterable[Body]) -> str:
+    """Return how many steps and transitions the charts among `bodies` have, in words."""
+    own = (body.chart for body in bodies if isinstance(body, SfcBody))
+    return ", ".join(f"{len(chart.steps)} steps, {len(chart.transitions)} transitions" for chart in own)
 
 
 def title_of(project: Project) -> str:

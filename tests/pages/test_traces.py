@@ -126,9 +126,15 @@ def test_notebooks_show_projects_and_verdicts(project: sfc.Project) -> None:
     texts = [[cell.text_content() for cell in row] for row in rows]
     assert len(texts) == len(list(project.objects()))
     assert any(row[2] == "SFC" and f"{len(project.steps())} steps" in row[3] for row in texts)
+    pou = next(each for each in project.pous if each.chart is not None)
+    shown = html.fromstring(pou._repr_html_())
+    names = [row[1].text_content() for row in shown.xpath("//table[@class='variables']/tbody/tr")]
+    assert names == [variable.name for variable in pou.variables()]
+    bodies = [row[0].text_content() for row in shown.xpath("//table[@class='bodies']/tbody/tr")]
+    assert bodies == [body.name for body in pou.named_bodies()]
     other = sfc.loads(PLANT.replace("Valve", "Value").encode(), format="iec-text")
     other.pous[0].name += "<b>"
-    assert "<b>" not in other._repr_html_()
+    assert "<b>" not in other._repr_html_() + other.pous[0]._repr_html_()
     changed = sfc.loads(PLANT.encode(), format="iec-text")
     link = next(iter(changed.charts())).chart.transitions[0]
     link.condition = "NOT Start"
