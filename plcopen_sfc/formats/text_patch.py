@@ -229,7 +229,7 @@ class _Patch:
         return self._children(around, before, after)
 
     def _children(self, around: BlockSpan, before: WrittenBlock, after: WrittenBlock) -> list[Edit]:
-        pairs = _pairs(before.blocks, after.blocks)
+        pairs = _pairs(before.blocks, _in_order_of(before.blocks, after.blocks))
         old_blocks = {block.key: block for block in before.blocks}
         edits: list[Edit] = []
         following: dict[int, list[WrittenBlock]] = {}  # new blocks by the number of the span that they follow
@@ -357,6 +357,31 @@ _LONG = 200
 """Texts of more lines are not merged word by word, which takes the square of their length."""
 
 
+def _in_order_of(before: Sequence[WrittenBlock], after: Sequence[WrittenBlock]) -> Sequence[WrittenBlock]:
+    """Return the blocks `after` as those `before` are ordered, if only blocks of different kinds changed places.
+
+    A writer puts the transitions of a chart between its steps as it flows, which one new step can change all along.
+    """
+    known = {block.key for block in before}
+    number = {block.key: at for at, block in enumerate(before)}
+    common = [block.key for block in after if block.key in known]
+    as_before = sorted(common, key=number.__getitem__)
+    if common == as_before or _by_kind(common) != _by_kind(as_before):
+        return after
+    places: dict[Key, int] = {}
+    latest: dict[str, int] = {}
+    last = -1
+    for block in after:
+        kind = block.key[0]
+        last = places[block.key] = number.get(block.key, latest.get(kind, last))
+        latest[kind] = last
+    return sorted(after, key=lambda block: places[block.key])
+
+
+def _by_kind(keys: Iterable[Key]) -> list[Key]:
+    return sorted(keys, key=lambda key: key[0])
+
+
 def _pairs(
     before: Sequence[WrittenBlock], after: Sequence[WrittenBlock]
 ) -> Iterator[tuple[WrittenBlock | None, WrittenBlock | None]]:
@@ -412,11 +437,14 @@ def _merged(source: str, old: str, new: str) -> str | None:
     words, old_words, new_words = (list(_WORDS.finditer(text)) for text in (source, old, new))
     marks, old_marks, new_marks = ([_mark(word.group()) for word in found] for found in (words, old_words, new_words))
     place = _places(old_marks, marks)
+    exact = [
+        [word.group() for word in found] for found in (old_words, new_words)
+    ]  # a new name may be the old in capitals
     indents = _indents(source, old, [(words[there], old_words[here]) for here, there in place.items()])
     edits: list[Edit] = []
     words_after, position = [], 0  # the words of the source after the edits
     for operation, low, high, new_low, new_high in SequenceMatcher(
-        a=old_marks, b=new_marks, autojunk=False
+        a=exact[0], b=exact[1], autojunk=False
     ).get_opcodes():
         if operation == "equal":
             continue

@@ -186,3 +186,50 @@ def test_what_a_conversion_could_not_say_refuses_no_later_edit(target: str) -> N
     project = sfc.loads(data)
     project.rename("FB_Drill.Ready", "Rest")
     assert b'"Rest"' in sfc.dumps(project)
+
+
+MIXED = """PROGRAM Main
+VAR a, b : BOOL; END_VAR
+
+(* the start *)
+INITIAL_STEP Start:   // line
+\ta(N);
+END_STEP
+
+STEP Second: (* inside *)
+\tb(R);  // set
+END_STEP
+
+ACTION Act:
+\ta := b;
+END_ACTION
+
+STEP Third: END_STEP
+
+TRANSITION FROM Start TO Second := a; END_TRANSITION
+TRANSITION FROM Second TO Third := b; END_TRANSITION
+TRANSITION FROM Third TO Start := a AND b; END_TRANSITION
+END_PROGRAM
+"""
+
+
+def test_a_new_step_leaves_steps_actions_and_transitions_in_their_order() -> None:
+    project = sfc.loads(MIXED.encode(), format="iec-text")
+    project.edit().insert_step("New", chart_of(project).transitions[0], "TRUE")
+    lines = edited(project, MIXED.encode())
+    assert [line for line in lines if line.startswith("-")] == ["-TRANSITION FROM Start TO Second := a; END_TRANSITION"]
+    assert "+TRANSITION FROM Start TO New := a; END_TRANSITION" in lines
+    assert len(lines) < 12
+
+
+def test_a_name_in_other_letters_is_all_that_changes() -> None:
+    project = sfc.loads(MIXED.encode(), format="iec-text")
+    project.rename("Main.Second", "SECOND")
+    assert edited(project, MIXED.encode()) == [
+        "-STEP Second: (* inside *)",
+        "+STEP SECOND: (* inside *)",
+        "-TRANSITION FROM Start TO Second := a; END_TRANSITION",
+        "-TRANSITION FROM Second TO Third := b; END_TRANSITION",
+        "+TRANSITION FROM Start TO SECOND := a; END_TRANSITION",
+        "+TRANSITION FROM SECOND TO Third := b; END_TRANSITION",
+    ]
