@@ -10,8 +10,10 @@ from uuid import NAMESPACE_URL, uuid5
 
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.binding import Declaration, Kind, Names, bind
+from plcopen_sfc.languages.binding.name_resolution import Untyped
 from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of, unique_declaration
 from plcopen_sfc.languages.binding.text_sites import Role, Site, SiteKind, TextSite, text_sites_in
+from plcopen_sfc.languages.declarations import write_type
 from plcopen_sfc.languages.executed_names import sharing
 from plcopen_sfc.languages.networks import condition_reader
 from plcopen_sfc.languages.st import nodes as n
@@ -65,9 +67,10 @@ def replace_variable(journal: Journal, project: Project, old: str, new: str) -> 
         if each.kind is not Kind.VARIABLE:
             raise refused(what, f"{each} is no variable")
     types = [names.resolver.type_of_declaration(each) for each in (was, will)]
-    if types[0] != types[1]:
-        shown = " and ".join(str(getattr(each.holder, "type", "?")) for each in (was, will))
-        raise refused(what, f"their types differ: {shown}")
+    written = [_written_type(each, names.dialect) for each in (was, will)]
+    is_unknown = isinstance(types[0], Untyped)  # blocks of libraries are known by their names only
+    if types[0] != types[1] or (is_unknown and written[0].casefold() != written[1].casefold()):
+        raise refused(what, f"their types differ: {' and '.join(written)}")
     found = names.uses(was)
     inside = [use.use for use in found if use.reference.declares or use.reference.role in (Role.HEAD, Role.OBJECT)]
     texts: dict[tuple[int, str | int], list[tuple[TextSite, Edit]]] = {}
@@ -118,6 +121,12 @@ def _section_of(project: Project, declaration: Declaration) -> VariableSection |
     interface = declaration.pou.interface if declaration.pou is not None else None
     sections = interface.sections if interface is not None else project.global_sections()
     return next((each for each in sections if any(v is declaration.holder for v in each.variables)), None)
+
+
+def _written_type(declaration: Declaration, dialect: Dialect) -> str:
+    """Return the type of a variable or a tag as it is declared."""
+    kind = getattr(declaration.holder, "type", "")
+    return kind if isinstance(kind, str) else write_type(kind, dialect)
 
 
 def _edit_text(journal: Journal, site: TextSite, edits: list[Edit]) -> None:

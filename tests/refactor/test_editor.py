@@ -566,6 +566,18 @@ def test_a_variable_is_replaced_in_all_bodies() -> None:
         edit.replace_variable("GVL.Go", "Block.Inner")
 
 
+@pytest.mark.parametrize(("new", "types"), [("e", "TON and R_TRIG"), ("f", "TON and Blk"), ("a", "TON and BOOL")])
+def test_an_instance_is_replaced_by_one_of_the_same_block(new: str, types: str) -> None:
+    text = (
+        "PROGRAM Main\nVAR t1, t2 : TON; e : R_TRIG; f : Blk; a : BOOL; END_VAR\nt1(IN := a, PT := T#5s);\nEND_PROGRAM"
+    )
+    project = sfc.loads(text.encode(), format="iec-text")
+    with pytest.raises(ModelError, match=f"their types differ: {types}$"):
+        project.edit().replace_variable("Main.t1", f"Main.{new}")
+    project.edit().replace_variable("Main.t1", "Main.t2")
+    assert project.pou("Main").body.text.strip() == "t2(IN := a, PT := T#5s);"  # type: ignore[union-attr]
+
+
 TWO_PROGRAMS = """PROGRAM Main
 VAR a, b : BOOL; END_VAR
 VAR_INPUT i : BOOL; END_VAR
