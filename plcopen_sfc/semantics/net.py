@@ -171,6 +171,22 @@ class Net:
         return steps, transitions
 
     @cached_property
+    def flags(self) -> dict[str, int]:
+        """The steps (bits) that the flags of IEC 60848 tell of: ``X12``, ``XM1`` of a macro-step, ``XG1`` of a chart.
+
+        The first one with a name or number has it (IEC 60848:2013, 4.3, 7.1 and 7.4).
+        """
+        named = [(name, step.bit) for step in self.steps for name in (step.step.name, step.step.number)]
+        named += [(name, macro.steps) for macro in self.macros for name in (macro.step.name, macro.step.number)]
+        for partial in self.chart.partial_charts:
+            named.append((partial.name, sum(step.bit for step in self.steps if step.chart is partial.chart)))
+        found: dict[str, tuple[str, int]] = {}
+        for name, bits in named:
+            if str(name).isalnum() and name is not None:
+                found.setdefault(str(name).casefold(), (f"X{name}", bits))
+        return dict(found.values())
+
+    @cached_property
     def leaving(self) -> tuple[tuple[int, ...], ...]:
         """For each step the transitions that leave it, in the order in which they are tried."""
         return self._beside([t.sources for t in self.transitions])

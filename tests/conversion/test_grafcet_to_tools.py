@@ -193,6 +193,16 @@ def test_flags_of_steps_are_those_of_the_tool_in_what_actions_store(form: str) -
     assert not re.search(rb"\bX[12]\b", data)
 
 
+@pytest.mark.parametrize("form", TOOLS)
+def test_the_flag_of_a_partial_chart_is_that_of_its_steps_in_a_tool(form: str) -> None:
+    head = "GRAFCET C\nINPUTS\n    a\n    b\nOUTPUTS\n    Q\nCHART G1\n    INITIAL STEP 1\n    1 -> 2 : a * /b\n"
+    tail = "    STEP 2\n    2 -> 1 : b\nCHART G2\n    INITIAL STEP 10\n        Q IF XG1\n    10 -> 11 : a * b * XG1\n"
+    source = sfc.loads(f"{head}{tail}    STEP 11\n    11 -> 10 : /a * /b".encode(), format="grafcet-text")
+    data, report = sfc.convert(source, form, partial=True, limit=20)
+    assert b"XG1" not in re.sub(rb"XG1 =|<comment.*?</comment>", b"", data)
+    assert "undeclared name" not in losses(report)
+
+
 DIGITS = TEXT.replace("B1", "1B1").replace("Q1", "1M1")
 
 

@@ -16,7 +16,6 @@ from plcopen_sfc.analysis.marking import MarkingGraph, marking_graph
 from plcopen_sfc.analysis.ruled_situations import RuledSituations
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.binding import Declaration, Names, bind, texts_in
 from plcopen_sfc.languages.binding.compile_mistakes import type_mistakes, value_mistake
 from plcopen_sfc.languages.binding.name_scopes import charts_inside
@@ -502,16 +501,14 @@ class CheckedChart:
 
     @cached_property
     def flags(self) -> frozenset[str]:
-        """The names of the flags of steps in a GRAFCET (``X12``, ``XM1``), in lower case; none in other charts."""
-        steps = self.steps() if self.family == "grafcet" else ()
-        names = (name for _, step in steps for name in (step.name, step.number) if name is not None)
-        return frozenset(f"x{name}".casefold() for name in names)
+        """The names of the flags of a GRAFCET (``X12``, ``XM1``, ``XG1``), in lower case; none in other charts."""
+        return frozenset(map(str.casefold, self.net.flags)) if self.family == "grafcet" else frozenset()
 
     @cached_property
     def _steps_of_flags(self) -> dict[str, NetStep]:
-        """The steps by their flags; without a flag that a variable hides, or that two charts have."""
-        found = grouped((f"x{each.step.name}".casefold(), each) for each in self.net.steps)
-        return {flag: steps[0] for flag, steps in found.items() if len(steps) == 1 and flag not in self.types}
+        """The steps by their flags; without a flag that a variable hides."""
+        found = {name.casefold(): bits for name, bits in self.net.flags.items() if bits and bits & (bits - 1) == 0}
+        return {name: self.net.steps[bits.bit_length() - 1] for name, bits in found.items() if name not in self.types}
 
     @cached_property
     def steps_of_pou(self) -> frozenset[str]:
@@ -549,8 +546,10 @@ class CheckedChart:
         others = {flag: self._steps_of_flags[flag] for flag in names_of(tree) - flags if flag in self._steps_of_flags}
         never = {flag for flag, step in others.items() if any(self.apart(source, step) for source in sources)}
 
+        inner = {id(each.name) for each in walk(tree) if isinstance(each, n.Member)}
+
         def known(node: n.Node) -> n.Node:
-            if isinstance(node, n.Name):
+            if isinstance(node, n.Name) and id(node) not in inner:
                 flag = node.identifier.casefold()
                 return _TRUE if flag in flags else _FALSE if flag in never else node
             return node

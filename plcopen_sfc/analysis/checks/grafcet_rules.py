@@ -280,6 +280,8 @@ def _forced(chart: CheckedChart) -> Iterator[Finding]:
             if order.chart or sheet.partial is None:  # an order without a name forces the chart around a partial one
                 yield Finding(place, f"the order forces {order.chart!r}, and there is no such chart")
             continue
+        if partial.kind is PartialChartKind.EXPANSION:
+            yield Finding(place, f"{order.chart} is the expansion of a macro-step, which alone activates it")
         steps = {inner.name.casefold() for inner in partial.chart.steps}
         for name in order.steps:
             if name.casefold() not in steps:
@@ -397,7 +399,8 @@ ENCLOSED G2
 HIE04 = Rule(
     code="HIE04",
     title="Forcing orders force what is there",
-    why="The forced steps belong to the forced chart, and {INIT} needs an initial step (IEC 60848:2013, 7.1).",
+    why="The forced steps belong to the forced chart, and {INIT} needs an initial step (IEC 60848:2013, 7.1). The "
+    "expansion of a macro-step is active through its macro-step only (7.4): an order would put a second token into it.",
     hint="Correct the name of the chart or the list of steps.",
     example="""
 GRAFCET Example

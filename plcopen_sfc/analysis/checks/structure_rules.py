@@ -355,6 +355,8 @@ def _start_by_themselves(chart: CheckedChart) -> Iterator[CheckedSheet]:
 def _none(chart: CheckedChart) -> Iterator[Finding]:
     for sheet in _start_by_themselves(chart):
         if not any(step.initial for step in sheet.steps):
+            if any(not transition.sources for transition in sheet.transitions):
+                continue  # a source transition is always enabled (IEC 60848:2013, 4.5)
             starts = "it starts with its first step" if chart.family == "s7graph" else "the chart never starts"
             yield Finding(sheet.place, f"no step is initial: {starts}")
             continue

@@ -213,7 +213,7 @@ class _Chart:
         flat = FlatChart(self._chart, self._pou.name)
         names = [partial.name for partial in self._chart.partial_charts]
         flat.put_into(self._chart)
-        self._terms.macros = {name: [flat.steps[i] for i in steps] for name, steps in flat.macros.items()}
+        self._terms.groups = {name: [flat.steps[i] for i in steps] for name, steps in flat.groups.items()}
         for name in names:
             self._note(Outcome.TRANSLATED, "partial chart", f"{path} / {name}", "its steps are in the one chart")
         return flat

@@ -39,7 +39,7 @@ class HierarchyError(ValueError):
 class FlatChart:
     """A GRAFCET with all its steps and transitions on one level, the conditions and actions as they were.
 
-    `macros` are the steps of each macro-step by its name in lower case. `rule` must still be called.
+    `groups` are the steps of each macro-step and partial chart by its name in lower case. `rule` must still be called.
     """
 
     def __init__(self, source: SfcNetwork, path: str) -> None:
@@ -57,7 +57,8 @@ class FlatChart:
         hierarchy = Hierarchy(net, owned, path)
         self.ruled = hierarchy.charts
         self._initial = hierarchy.start(net.initial)
-        self.macros = {macro.step.name.casefold(): list(indexes(macro.steps)) for macro in net.macros}
+        flags = ((name.removeprefix("X").casefold(), bits) for name, bits in net.flags.items())
+        self.groups = {name: list(indexes(bits)) for name, bits in flags if bits and name not in names}
         self.steps = [
             step.step.model_copy(
                 update={

@@ -86,10 +86,10 @@ class TextTerms:
 class GrafcetTexts:
     """The texts of one chart: its names, and the variables that they need besides.
 
-    `steps` by their names in lower case and `macros`, the steps of macro-steps, are for the caller to give. `memories`:
-    statements that every scan executes behind the conditions; `edges`: what is read for an edge; `over`: what edges
-    of inputs are when nothing changes any more; `was_active`: by the id of a step the variable with its last flag;
-    `numbers`: tags that are not Boolean.
+    `steps` by their names in lower case and `groups`, the steps of macro-steps and charts, are for the caller to give.
+    `memories`: statements that every scan executes behind the conditions; `edges`: what is read for an edge; `over`:
+    what edges of inputs are when nothing changes any more; `was_active`: by the id of a step the variable with its last
+    flag; `numbers`: tags that are not Boolean.
     """
 
     def __init__(self, project: Project, pou: Pou, chart: SfcNetwork, note: Note, target: Profile) -> None:
@@ -102,7 +102,7 @@ class GrafcetTexts:
         self._globals = {name.casefold() for section in project.global_sections() for name in _named_by(section)}
         self._taken = taken_names(project, Chart(pou.name, pou, chart))
         self.steps: dict[str, Step] = {}
-        self.macros: dict[str, list[Step]] = {}
+        self.groups: dict[str, list[Step]] = {}
         self.edges: dict[tuple[str, bool], str] = {}
         self.memories: list[str] = []
         self.over: dict[str, n.Expression] = {}
@@ -274,14 +274,14 @@ class GrafcetTexts:
         return self._declares(name) or name.casefold() in self._globals
 
     def flag(self, node: n.Node) -> n.Node:
-        """Return for ``X3`` the flag of step 3, or those of the steps of a macro-step; any other node as it is."""
+        """Return for ``X3`` the flag of step 3, for ``XM1`` and ``XG1`` those inside; any other node as it is."""
         if isinstance(node, n.Name) and node.identifier[:1] in "Xx":
             name = node.identifier[1:].casefold()
             step = self.steps.get(name)
             if step is not None and not self._declares(node.identifier):
                 return step_flag(step)
-            if name in self.macros and not self._declares(node.identifier):
-                return n.Parenthesized(disjunction(map(step_flag, self.macros[name])))
+            if name in self.groups and not self._declares(node.identifier):
+                return n.Parenthesized(disjunction(map(step_flag, self.groups[name])))
         return node
 
     def flag_before(self, node: n.Node) -> n.Node:

@@ -496,6 +496,7 @@ class _Reader:
         """Put blanks beside the dots between variables and flags, which are AND: ``a.b`` alone is a member of ``a``."""
         charts = [network, *(partial.chart for partial in network.partial_charts)]
         known = {f"x{step.name.casefold()}" for chart in charts for step in chart.steps}
+        known |= {f"x{partial.name.casefold()}" for partial in network.partial_charts}
         for variable in self._variables():
             if variable.type == ElementaryType(name=Elementary.BOOL):
                 known.add(variable.name.casefold())

@@ -23,7 +23,6 @@ from plcopen_sfc.lowering.reading.chart_source import (
     GrafcetSource,
     StoredAction,
 )
-from plcopen_sfc.lowering.reading.step_variables import bits_by_number
 from plcopen_sfc.lowering.reading.text_reading import ActionTargets, TextReader
 from plcopen_sfc.lowering.schedule.scan_schedule import refuse_classic
 from plcopen_sfc.model.actions import ActionKind, ForcedSituation, ForcingOrder, Qualifier
@@ -95,7 +94,7 @@ class _Reader(TextReader):
         net = self._net = Net.of(chart)
         self._owned = _owned(net)
         self._terms = TermTexts()
-        self._flags = frozenset(map(str.casefold, bits_by_number(net)))
+        self._flags = frozenset(map(str.casefold, net.flags))
         if profile.order is ScanOrder.ACTIONS_FIRST:
             self.refuse(
                 f"it has something of GRAFCET, which the profile {profile.name} does not have",
@@ -120,7 +119,7 @@ class _Reader(TextReader):
         edges = [self._edge(term) for term in self._terms.edges]
         delays = [self._delay(term) for term in self._terms.timers]
         known = self._profile.step_variables is StepVariables.GRAFCET
-        names = frozenset(bits_by_number(self._net) if known else ())
+        names = frozenset(map(str.casefold, self._net.flags) if known else ())
         return GrafcetSource(tuple(edges), tuple(delays), stored, continuous, self.hierarchy.charts, names)
 
     def _edge(self, term: EdgeTerm) -> EdgeInCondition:
@@ -305,8 +304,10 @@ def without_emergency_stop(chart: Subject, profile: Profile) -> tuple[Subject, s
         forced = _forced(partial.chart, {each.name.casefold(): each.chart for each in others})
         if pressed is None or whole.steps or forced != {each.name.casefold() for each in others}:
             continue
-        left = [each for each in source.names_in_texts() if each.upper() in {f"X{s.name}" for s in partial.chart.steps}]
-        if left:  # something asks for the steps that would be gone
+        flags = {f"x{name}".casefold() for name in (partial.name, *(step.name for step in partial.chart.steps))}
+        if not flags.isdisjoint(
+            map(str.casefold, source.names_in_texts())
+        ):  # something asks for the steps that would be gone
             continue
         alone = others[0].chart if len(others) == 1 else None
         reduced = alone or whole.model_copy(update={"partial_charts": others})

@@ -239,7 +239,9 @@ class _StepVariables:
         simple = profile.step_variables is StepVariables.FLAG and not any(s.step.actions for s in source.net.steps)
         self._flags = self._steps if simple else {}
         if profile.step_variables is StepVariables.GRAFCET:
-            self._flags = {name: bits for name, bits in bits_by_number(source.net).items() if name not in declared}
+            self._flags = {
+                name.casefold(): bits for name, bits in source.net.flags.items() if name.casefold() not in declared
+            }
 
     def timed(self, node: Node) -> int | None:
         """Return the step whose time a node is; None for anything else."""
@@ -325,16 +327,6 @@ def asked_by_contacts(pou: Pou, net: Net) -> frozenset[int]:
             yield from (step for each in thing for step in asked(each))
 
     return frozenset(step for _, _, body in pou.named_bodies() if isinstance(body, LdBody) for step in asked(body))
-
-
-def bits_by_number(net: Net) -> dict[str, int]:
-    """Return the steps that ``X12`` means, and ``XM1`` of a macro-step: the first one with this name or number."""
-    found: dict[str, int] = {}
-    for owner, bits in [*((s.step, s.bit) for s in net.steps), *((m.step, m.steps) for m in net.macros)]:
-        for text in (owner.name, "" if owner.number is None else str(owner.number)):
-            if text.isalnum():
-                found.setdefault(f"x{text}".casefold(), bits)
-    return found
 
 
 def _bits_by_name(net: Net) -> dict[str, int]:

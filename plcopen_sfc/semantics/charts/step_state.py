@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -99,7 +99,7 @@ class Steps:
         structure = None if simple else scope.structure(_STRUCTURE, members)
         self.names = tuple(self._declare(scope, name, bits, structure) for name, bits in named.values())
         if profile.step_variables is StepVariables.GRAFCET:
-            self.names += self._numbered(scope)
+            self.names += tuple(self._flags(scope))
         self._by_step: list[list[StepName]] = [[] for _ in net.steps]
         for variable in self.names:
             for index in indexes(variable.steps):
@@ -123,18 +123,11 @@ class Steps:
             return self.since[bits.bit_length() - 1]
         return scope.declare(f"{self._path} {name}.since", INSTANT, hidden=True)
 
-    def _numbered(self, scope: Scope) -> tuple[StepName, ...]:
-        """``X12`` for step 12, ``XM1`` for macro-step M1 (IEC 60848:2013, 4.3 and 7.4)."""
-        found: dict[str, StepName] = {}
-        owners = [(step.step, step.bit) for step in self.net.steps]
-        owners += [(macro.step, macro.steps) for macro in self.net.macros]
-        for step, bits in owners:
-            for text in (step.name, "" if step.number is None else str(step.number)):
-                name = f"X{text}"
-                if text.isalnum() and name.casefold() not in found and scope.lookup(name) is None:
-                    start = self._start_of(scope, step.name, bits)
-                    found[name.casefold()] = StepName(name, bits, scope.declare(name, BOOL), start, flag=True)
-        return tuple(found.values())
+    def _flags(self, scope: Scope) -> Iterator[StepName]:
+        for name, bits in self.net.flags.items():
+            if scope.lookup(name) is None:
+                start = self._start_of(scope, name, bits)
+                yield StepName(name, bits, scope.declare(name, BOOL), start, flag=True)
 
     @property
     def slots(self) -> tuple[int, ...]:

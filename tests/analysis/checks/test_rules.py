@@ -779,6 +779,26 @@ def of_text(text: str) -> Callable[[], Subject]:
     return lambda: sfc.loads(f"GRAFCET G\n{text}".encode())
 
 
+ORDERING = """CHART G1
+INITIAL STEP 1
+1 -> M2 : a
+MACRO M2
+M2 -> 1 : a
+EXPANSION M2 FROM E2 TO S2
+STEP E2
+E2 -> S2 : a
+STEP S2
+CHART G3
+INITIAL STEP 30
+30 -> 31 : a
+STEP 31
+    FORCE {}
+31 -> 30 : /a"""
+case("HIE04", of_text(ORDERING.format("M2{E2}")), of_text(ORDERING.format("G1{1}")), "is the expansion", "grafcet")
+BEGUN = "CHART G1\n{}1 -> 2 : a\nSTEP 1\nSTEP 2\n2 -> : b"
+case("STR02", of_text(BEGUN.format("")), of_text(BEGUN.format("-> 1 : ↑c\n")), "no step is initial", "grafcet")
+MEMBER = "INPUTS\n    a\nCHART G1\nINITIAL STEP 1\n1 -> 2 : %s\nSTEP 2\n2 -> 1 : a"
+case("VAR01", of_text(MEMBER % "G1.X1"), of_text(MEMBER % "XG1 * X1"), "names nothing", "grafcet")
 COUNTED = "INPUTS\n    a\n    C1 : INT\nCHART G1\nINITIAL STEP 1\n1 -> 1 : {}\n"
 case("CND10", of_text(COUNTED.format("C1 * a")), of_text(COUNTED.format("[C1>2] * a")), "C1 is of type INT", "grafcet")
 case("CND10", of_text(COUNTED.format("/C1")), of_text(COUNTED.format("/a")), "C1 is of type INT", "grafcet")

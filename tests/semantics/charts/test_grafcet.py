@@ -415,6 +415,34 @@ def test_macro_steps_of_expansions() -> None:
     assert (bench["Q"], bench["XM1"]) == (False, False)
 
 
+def test_a_partial_chart_has_a_flag_that_tells_if_a_step_in_it_is_active() -> None:
+    text = """GRAFCET C
+INPUTS
+    a
+    b
+OUTPUTS
+    Q
+CHART G1
+    INITIAL STEP 1
+    1 -> 2 : a
+    STEP 2
+    2 -> : /a * b
+CHART G2
+    INITIAL STEP 10
+        Q IF XG1
+    10 -> 11 : /XG1
+    STEP 11
+    11 -> 10 : XG1 * b
+"""
+    project = sfc.loads(text.encode(), format="grafcet-text")
+    assert not [found for found in sfc.check(project) if found.code == "VAR01"]
+    given = sfc.simulate(project, inputs=lambda scan, values: {"a": scan == 1, "b": scan == 3}, scans=4)
+    assert [row["Q"] for row in given.to_records()] == [True, True, True, False]
+    assert [row["XG1"] for row in given.to_records()] == [True, True, True, False]
+    lowered = sfc.lower(project.pou("C"))
+    assert sfc.equivalent(project.pou("C"), lowered).proven
+
+
 def test_steps_have_their_number_as_a_variable() -> None:
     chart = chain("Start", "2", conditions="X5 FALSE")
     chart.step("Start").number = 5
