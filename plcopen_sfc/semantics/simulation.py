@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from datetime import timedelta
 from typing import Any
 
@@ -189,10 +190,6 @@ class Simulation:
                 instance[name] = value
             self.scan()
 
-    def function_source(self, function: InputFunction) -> InputSource:
-        """Return a Python function as a source of inputs."""
-        return _FunctionInputs(function, self)
-
     def accepted(self, values: Mapping[str, object]) -> dict[str, Value]:
         """Return values that a function gave, by the names of variables as they are declared. Raises `InputError`."""
         found: dict[str, Value] = {}
@@ -232,19 +229,19 @@ class Simulation:
         return signal
 
 
+@dataclass(frozen=True)
 class _FunctionInputs:
-    def __init__(self, function: InputFunction, run: Simulation) -> None:
-        self._function = function
-        self._run = run
+    function: InputFunction
+    run: Simulation
 
     def scans(self, scan_time: int) -> int | None:  # noqa: ARG002  # of the protocol
         return None
 
     def bind(self, variables: Variables, scan_time: int) -> BoundInputs:  # noqa: ARG002
         def given(scan: int) -> Mapping[str, Value]:
-            changed = self._function(scan, self._run.values())
+            changed = self.function(scan, self.run.values())
             check_argument(changed, (Mapping, type(None)), "the function for inputs returns a dictionary")
-            return self._run.accepted(changed or {})
+            return self.run.accepted(changed or {})
 
         return given
 
@@ -265,7 +262,7 @@ def _source(inputs: Inputs, run: Simulation) -> InputSource:
     if isinstance(inputs, Trace):
         return TraceInputs(inputs)
     if callable(inputs):
-        return run.function_source(inputs)
+        return _FunctionInputs(inputs, run)
     check_argument(
         inputs,
         InputSource,

@@ -76,7 +76,7 @@ class Graph:
         self.uses: Counter[Source] = Counter()
         for node in self.nodes.values():
             self._pins[node.id] = self._inputs(node)
-            resolved = [self._resolve(node, pin) for pin in self._pins[node.id]]
+            resolved = [self.resolve(node, pin) for pin in self._pins[node.id]]
             self._sources[node.id] = resolved
             # a wire to the right power rail does nothing, and that of a connector goes on at its continuation
             if not isinstance(node, Connector | RightPowerRail):
@@ -103,10 +103,7 @@ class Graph:
         return self._sources[node.id]
 
     def resolve(self, holder: Node | None, pin: InputPin) -> list[Source]:
-        """Return where the wires start at a pin that belongs to no element of the network: that of a transition."""
-        return self._resolve(holder, pin)
-
-    def _resolve(self, holder: Node | None, pin: InputPin) -> list[Source]:
+        """Return where the wires start at a pin of an element; None: it belongs to none, as that of a transition."""
         found = (self._source(holder.id if holder is not None else None, wire) for wire in pin.connections)
         return [source for source in found if source is not None]
 

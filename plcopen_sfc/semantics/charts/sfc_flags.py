@@ -207,38 +207,29 @@ def analysis(net: Net, step: int, scope: Scope, where: str) -> Analysis:
         if isinstance(condition, Expression):
             parsed = parse_expression(condition.text, scope.library.dialect)
             if not parsed.problems:
-                found.append(_Texts(scope, condition.text, where).of(parsed.tree, not condition.negated))
+                found.append(_reasons_in(scope, condition.text, where)(parsed.tree, not condition.negated))
     return _all_of(found)
 
 
-class _Texts:
-    def __init__(self, scope: Scope, text: str, where: str) -> None:
-        self._scope = scope
-        self._text = text
-        self._where = where
+def _reasons_in(scope: Scope, condition: str, where: str) -> Callable[[n.Expression, bool], Analysis]:
+    """Return what gives the operands of a condition that keep an expression in it from a value."""
 
-    def of(self, node: n.Expression, wanted: bool) -> Analysis:
-        """Operands that keep `node` from being `wanted`."""
+    def of(node: n.Expression, wanted: bool) -> Analysis:
         match node:
             case n.Parenthesized():
-                return self.of(node.inner, wanted)
+                return of(node.inner, wanted)
             case n.Unary(operator=n.Operator.NOT):
-                return self.of(node.operand, not wanted)
+                return of(node.operand, not wanted)
             case n.Operation(operator=n.Operator.AND | n.Operator.AND_THEN | n.Operator.OR | n.Operator.OR_ELSE):
                 conjunction = node.operator in (n.Operator.AND, n.Operator.AND_THEN)
-                operands = [self.of(operand, wanted) for operand in node.operands]
+                operands = [of(operand, wanted) for operand in node.operands]
                 return _all_of(operands) if conjunction is wanted else _any_of(operands)
-        return self._leaf(node, wanted)
+        start, end = node.span or (0, len(condition))
+        text = condition[start:end]
+        value = Routines(scope).condition(Expression(text=text), where)
+        return lambda frame: [] if bool(value(frame)) is wanted else [Reason(text, not wanted)]
 
-    def _leaf(self, node: n.Expression, wanted: bool) -> Analysis:
-        start, end = node.span or (0, len(self._text))
-        text = self._text[start:end]
-        value = Routines(self._scope).condition(Expression(text=text), self._where)
-
-        def explain(frame: Frame) -> list[Reason]:
-            return [] if bool(value(frame)) is wanted else [Reason(text, not wanted)]
-
-        return explain
+    return of
 
 
 def _all_of(operands: list[Analysis]) -> Analysis:
