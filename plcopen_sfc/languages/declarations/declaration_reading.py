@@ -298,7 +298,7 @@ class _Reader:
                 case d.Section():
                     yield self._section(node)
                 case d.StructBody(type=struct):
-                    yield self._struct_body(node, struct)
+                    yield self._declared(node, struct.members, {"keyword": "STRUCT"})
                 case d.AccessSectionNode(paths):
                     yield self._list(AccessSection, node, paths, self._access_path)
                 case d.ConfigSectionNode(entries):
@@ -361,33 +361,23 @@ class _Reader:
     # -- sections
 
     def _section(self, node: d.Section) -> Found:
-        start, end = _span(node)
-        before = self._comments.take(0, start)
-        parts = tuple(self._members(node.variables, self._variable))
-        rest = self._comments.take(0, end)
         kind, extra = SECTIONS.get(node.keyword, (SectionKind.LOCAL, node.keyword))
-        texts = {"keyword": extra} if extra else {}
-        others = [word for word in node.qualifiers if word not in _FLAGS]
-        texts |= {"qualifiers": " ".join(others)} if others else {}
-        texts |= self._braces([*before, *rest]) | _unreadable(parts)
-        section = VariableSection(
-            kind=kind,
-            variables=[part.thing for part in parts if part.thing is not None],
-            comment=comment_text([*before, *rest]),
-            extension_data=keep(texts),
-            **{_FLAGS[word]: True for word in node.qualifiers if word in _FLAGS},
-        )
-        return Found(section, node, _with_comments((start, end), before), parts)
+        others = " ".join(word for word in node.qualifiers if word not in _FLAGS)
+        flags = {_FLAGS[word]: True for word in node.qualifiers if word in _FLAGS}
+        texts = _named("keyword", extra) | _named("qualifiers", others)
+        return self._declared(node, node.variables, texts, kind=kind, **flags)
 
-    def _struct_body(self, node: d.StructBody, struct: d.StructTypeNode) -> Found:
+    def _declared(self, node: Node, variables: Sequence[Node], texts: dict[str, str], **fields: Any) -> Found:
+        """Return a section of variables; `fields` are other ones of it."""
         start, end = _span(node)
         before = self._comments.take(0, start)
-        parts = tuple(self._members(struct.members, self._variable))
-        rest = self._comments.take(0, end)
-        texts = {"keyword": "STRUCT"} | self._braces([*before, *rest]) | _unreadable(parts)
-        variables = [part.thing for part in parts if part.thing is not None]
+        parts = tuple(self._members(variables, self._variable))
+        around = [*before, *self._comments.take(0, end)]
         section = VariableSection(
-            variables=variables, comment=comment_text([*before, *rest]), extension_data=keep(texts)
+            variables=[part.thing for part in parts if part.thing is not None],
+            comment=comment_text(around),
+            extension_data=keep(texts | self._braces(around) | _unreadable(parts)),
+            **fields,
         )
         return Found(section, node, _with_comments((start, end), before), parts)
 
