@@ -12,11 +12,10 @@ from typing import Any
 from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.languages.st.literals import (
     SECOND,
-    LiteralError,
     LiteralKind,
     date_and_time_literal,
     date_literal,
-    literal_value,
+    known_literal,
     time_literal,
     time_of_day_literal,
 )
@@ -278,9 +277,8 @@ def _real_text(value: float, type_: ScalarType) -> str:
 
 def of_text(text: str, type_: ScalarType) -> Any:
     """Return the number in a string; 0 where it has none (CODESYS, STRING_TO_INT)."""
-    try:
-        found = literal_value(text.strip())
-    except LiteralError:
+    found = known_literal(text.strip())
+    if found is None:
         return False if type_.family is Family.BOOL else 0.0 if type_.family is Family.REAL else 0
     value = found.value
     if found.kind is LiteralKind.DATE and isinstance(value, date):

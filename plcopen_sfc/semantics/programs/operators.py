@@ -24,13 +24,14 @@ _COMPARISONS = {
     Operator.GREATER_OR_EQUAL: (">=", operations.ge),
 }
 _LOGIC = {
-    Operator.AND: ("and", "&"),
-    Operator.AND_THEN: ("and", "&"),
-    Operator.OR: ("or", "|"),
-    Operator.OR_ELSE: ("or", "|"),
-    Operator.XOR: ("!=", "^"),
+    Operator.AND: ("and", "&", operations.and_),
+    Operator.AND_THEN: ("and", "&", operations.and_),
+    Operator.OR: ("or", "|", operations.or_),
+    Operator.OR_ELSE: ("or", "|", operations.or_),
+    Operator.XOR: ("!=", "^", operations.xor),
 }
 _ARITHMETIC = {Operator.ADD: "+", Operator.SUBTRACT: "-", Operator.MULTIPLY: "*"}
+_OF_REALS = {"+": operations.add, "-": operations.sub, "*": operations.mul, "/": operations.truediv}
 _LAZY = (Operator.AND_THEN, Operator.OR_ELSE)
 
 
@@ -119,7 +120,7 @@ class Operators:
 
     def logic(self, operator: Operator, codes: list[Code]) -> Code:
         """AND, OR, XOR of BOOLs and bit strings. Operands without calls are evaluated only while needed."""
-        word, sign = _LOGIC[operator]
+        word, sign, joined = _LOGIC[operator]
         acts = any(code.acts for code in codes)
         if all(_is_truth(code) for code in codes):
             if operator is Operator.XOR:
@@ -139,8 +140,7 @@ class Operators:
                 raise SimulationError(f"{operator} of {result.type.name} and {other.type.name}")
             left, right = (settled(self._converter.converted(c, type_)) for c in (result, code))
             if left.constant and right.constant:
-                number = {"&": left.value & right.value, "|": left.value | right.value, "^": left.value ^ right.value}
-                result = constant(number[sign], type_, loose=result.loose and code.loose)
+                result = constant(joined(left.value, right.value), type_, loose=result.loose and code.loose)
             else:
                 for each in (left, right):
                     if each.constant:
@@ -223,10 +223,7 @@ class Operators:
         text = f"({left.text} {sign} {right.text})"
         acts = left.acts or right.acts
         if left.constant and right.constant and not (sign == "/" and right.value == 0):
-            value = {"+": left.value + right.value, "-": left.value - right.value, "*": left.value * right.value}.get(
-                sign
-            )
-            value = left.value / right.value if value is None else value
+            value = _OF_REALS[sign](left.value, right.value)
             loose = left.loose and right.loose
             return constant(runtime.single(value) if type_.bits == 32 and not loose else value, type_, loose=loose)
         return Code(f"single({text})" if type_.bits == 32 else text, type_, acts=acts)

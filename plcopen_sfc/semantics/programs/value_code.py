@@ -11,7 +11,6 @@ from plcopen_sfc.semantics.programs import runtime
 from plcopen_sfc.semantics.programs.code_generation import Linker
 from plcopen_sfc.semantics.programs.runtime_types import (
     ANY,
-    BOOL,
     ArrayOf,
     Family,
     OpaqueType,
@@ -240,10 +239,7 @@ def _can_be_copied(source: Type, target: Type) -> bool:
 
 def truth(code: Code) -> Code:
     """Return a value as BOOL."""
-    if isinstance(code.type, StructureType | ArrayOf):
+    is_other = isinstance(code.type, ScalarType) and code.type.family not in (Family.BOOL, Family.SPECIAL)
+    if is_other or isinstance(code.type, StructureType | ArrayOf):
         raise SimulationError(f"a {code.type.name} is where a BOOL must be")
-    if code.type is BOOL or not isinstance(code.type, ScalarType) or code.type.family is Family.SPECIAL:
-        return code
-    if code.type.family is Family.BOOL:
-        return code
-    raise SimulationError(f"a {code.type.name} is where a BOOL must be")
+    return code
