@@ -9,10 +9,12 @@ from functools import cached_property
 from typing import Protocol
 
 from plcopen_sfc.conversion.executed_parts import (
+    ALONE,
     BOOLEAN_ACTIONS,
     PLAIN_VARIABLES,
     SHOWN_STATE,
     STORED,
+    TOGETHER,
     BooleanActions,
     Detail,
     Key,
@@ -227,7 +229,7 @@ class ExecutedChartReader:
         name, code = self._code_of(action)
         part = step.add("action", name, f"{step.path} / action {name}")
         when = {"S1": "on activation", "S0": "on deactivation", "": "while active"}[event]
-        part.tell("trigger", Meaning.of(event if self.is_written else (when, _ALONE), _STEP_ACTIONS[event]))
+        part.tell("trigger", Meaning.of(event if self.is_written else (when, ALONE), _STEP_ACTIONS[event]))
         part.tell("code", code)
 
     def _function(self, body: Body | None) -> Pou | None:
@@ -404,14 +406,14 @@ class ExecutedChartReader:
         matters = is_code or association.qualifier.needs_duration or association.qualifier is Qualifier.P
         function = self._function(association.body)
         if not matters or (self.used[name] if function is None else self.calls[function.name]) < 2:
-            return _ALONE
+            return ALONE
         if association.qualifier is Qualifier.P and not is_code and self._is_plain_but_for(association):
-            return _ALONE  # what is N in other steps neither begins nor hides its pulse
+            return ALONE  # what is N in other steps neither begins nor hides its pulse
         if function is None and name in self._apart:
-            return _ALONE
+            return ALONE
         profile = self.owner.profile
         alone = profile.graph_parameters and profile.action_control is not ActionControl.SEQUENTIAL
-        return _ALONE if alone else "one for all"
+        return ALONE if alone else TOGETHER
 
     @cached_property
     def _apart(self) -> frozenset[str]:
@@ -637,8 +639,6 @@ _NONE_WRITTEN = BooleanActions({}, frozenset(), frozenset(), {})
 _NO_MARKS = str.maketrans("", "", '#"')
 _COILS = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.D, Qualifier.L})
 _STORED = {Qualifier.S: "TRUE", Qualifier.R: "FALSE", Qualifier.R0: "FALSE"}
-_ALONE = ""
-"""Control of an action that acts for its step alone, as statements in place do too."""
 _STEP_ACTIONS = {"S1": "entry action", "": "main action", "S0": "exit action"}
 _GRAPH_SETTINGS = {
     "acknowledge_errors_required": "supervision",

@@ -6,12 +6,14 @@ from collections.abc import Iterable, Iterator, Set
 from dataclasses import dataclass
 
 from plcopen_sfc.conversion.executed_parts import (
+    ALONE,
     BOOLEAN_ACTIONS,
     OPERATING_KINDS,
     PLAIN_VARIABLES,
     PROGRAM_CALL,
     SHOWN_STATE,
     STORED,
+    TOGETHER,
     UNDECLARED,
     UNDECLARED_TYPE,
     BooleanActions,
@@ -91,7 +93,11 @@ def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Itera
             continue  # rows that are missing on one side are told as such
         if not same(mine, theirs) and not (mine is None and aspect in _MAY_BE_ADDED):
             name, stronger = _name(left, key), aspect == "condition" and is_stronger(theirs, mine)
-            yield ExecutionDifference(left.path, key.kind, name, aspect, _show(mine), _show(theirs), steps, stronger)
+            before, after = _show(mine), _show(theirs)
+            # both are executed then, but one control counts the steps together: words for them would tell no difference
+            if aspect == "trigger" and mine is not None and theirs is not None and _are_controlled(mine, theirs):
+                after = before
+            yield ExecutionDifference(left.path, key.kind, name, aspect, before, after, steps, stronger)
     if key.kind in ("chart", "partial chart"):
         _pass_added_steps(left, right)
         _settle_minimum_times(left, right)
@@ -119,6 +125,12 @@ def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Itera
             within = _steps(right, part, inner) or steps
             box = "a box" if inner.kind == UNDECLARED and inner.name in left.boxes else None
             yield ExecutionDifference(part.path, inner.kind, _name(part, inner), "", box, _trigger(part), within)
+
+
+def _are_controlled(mine: Meaning, theirs: Meaning) -> bool:
+    """True if actions are executed at the same time, one by a control of several steps and one by that of its own."""
+    (when, control), (other, by) = (each.raw if isinstance(each.raw, tuple) else ("", "") for each in (mine, theirs))
+    return when == other and {control, by} == {ALONE, TOGETHER}
 
 
 def _boolean_actions(

@@ -220,7 +220,22 @@ def test_the_pulse_of_a_variable_that_other_steps_have_as_n_is_executed() -> Non
     text = text.replace("r : BOOL", "q : BOOL")
     assert losses(sfc.loads(text.format("q(N)").encode(), format="iec-text"), "simaticml") == []
     (item,) = losses(sfc.loads(text.format("q(P)").encode(), format="iec-text"), "simaticml")[:1]
-    assert item.why == "action `q` runs as N event S1 in TIA Portal, not as P"
+    assert item.why == "action `q` is controlled otherwise in TIA Portal: it also belongs to other steps"
+
+
+def test_the_control_of_an_action_of_two_steps_is_told_as_such() -> None:
+    """The report had that it runs as entry action and not as P1, which is the same but for the other step."""
+    text = RING[: RING.index("STEP S1")] + "STEP S1: Count(P1); END_STEP\n"
+    text += "TRANSITION FROM S1 TO S2 := b; END_TRANSITION\n"
+    text += "STEP S2: Count(P1); END_STEP\nTRANSITION FROM S2 TO S0 := c; END_TRANSITION\n"
+    text += "ACTION Count: n := n + 1; END_ACTION\nEND_FUNCTION_BLOCK\n"
+
+    def told(text: str) -> set[str]:
+        found = losses(sfc.loads(text.encode(), format="iec-text"), "codesys")
+        return {item.why for item in found if item.what == "trigger"}
+
+    assert told(text) == {"action `Count` is controlled otherwise in CODESYS: it also belongs to other steps"}
+    assert told(text.replace("S2: Count(P1)", "S2: ")) == set()
 
 
 @pytest.mark.parametrize("target", ["codesys", "plcopen-2.01", "simaticml", "twincat"])
