@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Protocol
@@ -24,6 +24,7 @@ from plcopen_sfc.conversion.executed_parts import (
 )
 from plcopen_sfc.conversion.meaning import (
     Meaning,
+    Once,
     Renaming,
     condition_meaning,
     plain,
@@ -502,7 +503,7 @@ class ExecutedChartReader:
             trees = [tree for tree in (found.tree, *parsed) if tree is not None]
             return replace(found, tree=n.Operation(n.Operator.AND, tuple(trees)))
 
-        return condition_meaning(_once(read), (plain(condition), *times))
+        return condition_meaning(Once(read), (plain(condition), *times))
 
     def _priorities(self, chart: Part, keys: dict[int, Key]) -> None:
         """The order in which competing transitions of each step are tried."""
@@ -526,7 +527,7 @@ class ExecutedChartReader:
             condition.kind == "wired" and not condition.input.connections
         )
         raw = plain(condition) if is_whole else object()
-        read = _once(lambda: self.condition_of(condition))
+        read = Once(lambda: self.condition_of(condition))
         meaning = condition_meaning(read, raw)
         if not self.owner.detail or not isinstance(condition, BodyCondition) or not isinstance(condition.body, IlBody):
             return meaning
@@ -647,14 +648,3 @@ _GRAPH_SETTINGS = {
     "skip_steps": "",
 }
 """Settings of S7-GRAPH that change what is executed, and what a step must have for that."""
-
-
-def _once(read: Callable[[], NetworkExpression]) -> Callable[[], NetworkExpression]:
-    found: list[NetworkExpression] = []
-
-    def again() -> NetworkExpression:
-        if not found:
-            found.append(read())
-        return found[0]
-
-    return again

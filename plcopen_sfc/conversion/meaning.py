@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 from plcopen_sfc.languages.declarations.declaration_writing import write_type
 from plcopen_sfc.languages.networks import NetworkExpression, NetworkText, body_statements, normal_form
@@ -122,16 +122,20 @@ def _widths(tree: n.Node | None) -> set[bool]:
     return found
 
 
-class _Once:
+T = TypeVar("T")
+
+
+class Once(Generic[T]):
     """A form that is calculated when it is asked for first; to make a `functools.cache` takes as long as most forms."""
 
     __slots__ = ("_calculate", "_known")
+    _known: T
 
-    def __init__(self, calculate: Callable[[], Hashable]) -> None:
-        self._calculate: Callable[[], Hashable] | None = calculate
-        self._known: Hashable = None
+    def __init__(self, calculate: Callable[[], T]) -> None:
+        self._calculate: Callable[[], T] | None = calculate
 
-    def __call__(self) -> Hashable:
+    def __call__(self) -> T:
+        """Return the form."""
         if self._calculate is not None:
             self._known, self._calculate = self._calculate(), None
         return self._known
@@ -147,7 +151,7 @@ def condition_meaning(read: Callable[[], NetworkExpression], raw: Hashable) -> M
         named = _with_helpers(found, lambda node: node)
         return tuple(program_form(each, named) for each in (*found.before, found.tree))
 
-    return Meaning(lambda: _shown_condition(read), raw, _Once(form), read)
+    return Meaning(lambda: _shown_condition(read), raw, Once(form), read)
 
 
 def _shown_condition(read: Callable[[], NetworkExpression]) -> str:
@@ -214,7 +218,7 @@ def _text_meaning(text: str, dialect: Dialect, named: Renaming) -> Meaning:
             return " ".join(text.split())
         return program_form(parsed.tree, named)
 
-    return Meaning(lambda: " ".join(text.split()), text, _Once(form), text=lambda: text)
+    return Meaning(lambda: " ".join(text.split()), text, Once(form), text=lambda: text)
 
 
 UNREAD_NETWORK = "a network that cannot be executed: "

@@ -8,8 +8,8 @@ from itertools import product
 
 import pytest
 
-from plcopen_sfc.conversion.adaptation.decided_terms import reduced
 from plcopen_sfc.languages.st import parse_expression, print_node
+from plcopen_sfc.lowering.code.boolean_logic import reduced
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,6 @@
 `special_rows`        rows and step actions that not all tools execute alike
 `sequencer_rewriting` what a block of S7-GRAPH does beside its steps; `operating_inputs`: INIT_SQ and OFF_SQ
 `sequence_loops`      sequences that a chart of the target cannot hold, as a loop of each step
-`decided_terms`       conditions without terms that others in them decide
 `global_variables`    tags, data blocks and lists of global variables
 `called_methods`      methods as functions, before texts are translated; `called_programs`: programs that others call
 `extended_types`      structures that extend others

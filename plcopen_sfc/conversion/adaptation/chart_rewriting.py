@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import chain
@@ -166,7 +167,24 @@ def is_supervised(step: Step) -> bool:
 
 def as_term(text: str) -> str:
     """Return an expression as a part of another one."""
-    return text if text.replace(".", "").replace("_", "").isalnum() else f"({text})"
+    return text if re.fullmatch(r'#?[\w."]+', text) else f"({text})"
+
+
+def all_of(terms: Iterable[str]) -> str:
+    """Return the conjunction of expressions; empty ones do not count."""
+    found = [term for term in dict.fromkeys(terms) if term not in ("", "TRUE")]
+    if "FALSE" in found or "NOT TRUE" in found:
+        return "FALSE"
+    simple = [each if each == f"NOT {as_term(each.removeprefix('NOT '))}" else as_term(each) for each in found]
+    return " AND ".join(simple) if len(found) > 1 else (found or ["TRUE"])[0]
+
+
+def any_of(terms: Iterable[str]) -> str:
+    """Return the disjunction of expressions."""
+    found = [term for term in dict.fromkeys(terms) if term != "FALSE"]
+    if "TRUE" in found:
+        return "TRUE"
+    return " OR ".join(map(as_term, found)) if len(found) > 1 else (found or ["FALSE"])[0]
 
 
 def conjunction(text: str, *more: str) -> str:

@@ -11,7 +11,6 @@ time, one transition leaves all that are active together, for each situation. A 
 
 from __future__ import annotations
 
-import re
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Sequence
 
@@ -20,6 +19,7 @@ from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.conversion.adaptation.chart_rewriting import (
     GRAPH_CHARTS,
     ChartRewriting,
+    all_of,
     flags_in_use,
     names_around,
     taken_names,
@@ -475,13 +475,6 @@ class _GraphFlags(FlagRewriter):
         added.name = self._rewriting.new_name(f"{sources[0].name}_to_{target.name}")
         why = "it replaces an SFC flag, and is tried before the others"
         self._note(Outcome.TRANSLATED, "transition", f"transition {added.name}", why)
-
-
-def all_of(terms: Iterable[str]) -> str:
-    """Return the conjunction of expressions; empty ones do not count."""
-    found = [term for term in terms if term not in ("", "TRUE")]
-    simple = [term if re.fullmatch(r'(NOT )?#?[\w."]+', term) else f"({term})" for term in found]
-    return " AND ".join(simple) if len(found) > 1 else (found or ["TRUE"])[0]
 
 
 def is_code(chart: Chart, row: ActionAssociation) -> bool:

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
-from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, guarded
-from plcopen_sfc.conversion.adaptation.flag_transitions import FlagRewriter, all_of, is_code
+from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, all_of, guarded
+from plcopen_sfc.conversion.adaptation.flag_transitions import FlagRewriter, is_code
 from plcopen_sfc.conversion.adaptation.operating_inputs import AddedElements
 from plcopen_sfc.conversion.adaptation.sequencer_rewriting import PermanentRewriter
 from plcopen_sfc.conversion.adaptation.step_checks import StepChecks

@@ -120,16 +120,8 @@ def _has_foreign_lists(this: ProjectAdaptation) -> bool:
     return has_lists(this.project) and not (this.host.names_lists or this.options.same)
 
 
-def _lists(this: ProjectAdaptation) -> None:
-    declare_lists(this.project, this.host, this.report, this.marks)
-
-
 def _charts(this: ProjectAdaptation) -> None:
     rewrite_charts(this.project, this.source, this.host, options=this.options, report=this.report, marks=this.marks)
-
-
-def _globals(this: ProjectAdaptation) -> None:
-    add_globals(this.project, this.host, this.report, this.marks)
 
 
 def _libraries(this: ProjectAdaptation) -> None:
@@ -230,7 +222,7 @@ RULES = (
         "TC6, CoDeSys 2.3",
         "variables of the configuration, in CoDeSys 2.3 of the list, `x`",
         _has_foreign_lists,
-        _lists,
+        lambda this: declare_lists(this.project, this.host, this.report, this.marks),
         keeps_source=True,
     ),
     AdaptationRule(
@@ -249,7 +241,7 @@ RULES = (
         "all",
         "global variables at their addresses, lists or structures, programs of a task",
         lambda this: has_globals(this.project),
-        _globals,
+        lambda this: add_globals(this.project, this.host, this.report, this.marks),
         keeps_source=True,
     ),
     AdaptationRule(

@@ -20,8 +20,7 @@ from functools import cached_property
 
 from plcopen_sfc.analysis.marking import marking_graph
 from plcopen_sfc.analysis.search_limits import Answer
-from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term
-from plcopen_sfc.conversion.adaptation.decided_terms import reduced
+from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, all_of, any_of, as_term
 from plcopen_sfc.conversion.adaptation.operating_inputs import (
     INIT,
     OFF,
@@ -37,6 +36,7 @@ from plcopen_sfc.formats.format_interface import ChartHost, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import OF_BRANCHES, replaced_sequences
 from plcopen_sfc.formats.provenance import is_replaced
 from plcopen_sfc.languages.st import parse_expression, print_node
+from plcopen_sfc.lowering.code.boolean_logic import reduced
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition, connected_parts
 from plcopen_sfc.report import SEQUENCE, Outcome
 from plcopen_sfc.semantics.net import Net
@@ -165,9 +165,9 @@ class SequenceRewriter:
         entered = [self._fires(each) for each in self._order if step.id in each.targets and step.id not in each.sources]
         switched = self._checks.is_switched(step, "on")
         if switched is not None:
-            entered.append(_all([switched, *(f"NOT {as_term(each)}" for each in self._leaving(step))]))
+            entered.append(all_of([switched, *(f"NOT {as_term(each)}" for each in self._leaving(step))]))
         on, off = self._modes.switched(step)
-        begins = _all([_any([*entered, on]), f"NOT {as_term(off)}" if off != "FALSE" else "TRUE"])
+        begins = all_of([any_of([*entered, on]), f"NOT {as_term(off)}" if off != "FALSE" else "TRUE"])
         return self._operated(step, begins, edges, begins=True)
 
     def _ends(self, step: Step, edges: dict[str, str]) -> str:
@@ -176,20 +176,20 @@ class SequenceRewriter:
         off, on = self._checks.is_switched(step, "off"), self._checks.is_switched(step, "on")
         if off is not None:
             left.append(off if on is None else f"{off} AND NOT {on}")
-        found = _any(left)
+        found = any_of(left)
         entered = [self._fires(each) for each in self._order if step.id in each.targets and step.id not in each.sources]
         if entered and found != "FALSE" and self._is_crowded:
-            found = _all([found, f"NOT {as_term(_any(entered))}"])
-        return self._operated(step, _any([found, self._modes.switched(step)[1]]), edges, begins=False)
+            found = all_of([found, f"NOT {as_term(any_of(entered))}"])
+        return self._operated(step, any_of([found, self._modes.switched(step)[1]]), edges, begins=False)
 
     def _operated(self, step: Step, text: str, edges: dict[str, str], *, begins: bool) -> str:
         """Return a condition with what INIT_SQ and OFF_SQ do to the step."""
         is_initial = step.id in self._initial
         init, off = edges.get(INIT), edges.get(OFF)
         if init is not None:
-            text = _any([text, init]) if is_initial is begins else _all([text, f"NOT {as_term(init)}"])
+            text = any_of([text, init]) if is_initial is begins else all_of([text, f"NOT {as_term(init)}"])
         if off is not None:
-            text = _all([text, f"NOT {as_term(off)}"]) if begins else _any([text, off])
+            text = all_of([text, f"NOT {as_term(off)}"]) if begins else any_of([text, off])
         return text
 
     def _leaving(self, step: Step) -> list[str]:
@@ -206,15 +206,15 @@ class SequenceRewriter:
             if not set(other.sources).isdisjoint(transition.sources):
                 is_known = len(other.sources) == 1
                 terms.append(f"NOT {as_term((self._texts[other.id] or 'TRUE') if is_known else self._fires(other))}")
-        return _all(terms)
+        return all_of(terms)
 
     def _is_active(self, step: Step) -> str:
         """Return whether a step is active when transitions are tested, behind what actions have switched."""
         found = self._host.active(step)
         off, on = self._checks.is_switched(step, "off"), self._checks.is_switched(step, "on")
         if off is not None:
-            found = _all([found, f"NOT {off}"])
-        return _any([found, on]) if on is not None else found
+            found = all_of([found, f"NOT {off}"])
+        return any_of([found, on]) if on is not None else found
 
     # -- the start
 
@@ -231,7 +231,7 @@ class SequenceRewriter:
         if OFF in self._wanted:
             begins = f"NOT {self._checks.waits(start)}"
             if INIT in self._wanted:
-                begins = _any([begins, f"{self._checks.rising(INIT)} AND NOT {self._checks.rising(OFF)}"])
+                begins = any_of([begins, f"{self._checks.rising(INIT)} AND NOT {self._checks.rising(OFF)}"])
         added.transition(start, heads, self._readable(begins), "the sequences begin")
         return start
 
@@ -264,23 +264,3 @@ def steps_to_start(chart: SfcNetwork, host: ChartHost, options: WriteOptions) ->
         return initial
     parts = [[step for step in part if step.initial] for part in connected_parts(chart.steps, chart.transitions)]
     return next((part for part in parts if len(part) > 1), [])
-
-
-def _all(terms: Iterable[str]) -> str:
-    """Return the conjunction of expressions."""
-    found = [term for term in dict.fromkeys(terms) if term != "TRUE"]
-    if "FALSE" in found or "NOT TRUE" in found:
-        return "FALSE"
-    return " AND ".join(_in_conjunction(term) for term in found) if len(found) > 1 else (found or ["TRUE"])[0]
-
-
-def _in_conjunction(term: str) -> str:
-    return term if term.startswith("NOT ") and term[4:] == as_term(term[4:]) else as_term(term)
-
-
-def _any(terms: Iterable[str]) -> str:
-    """Return the disjunction of expressions."""
-    found = [term for term in dict.fromkeys(terms) if term != "FALSE"]
-    if "TRUE" in found:
-        return "TRUE"
-    return " OR ".join(map(as_term, found)) if len(found) > 1 else (found or ["FALSE"])[0]

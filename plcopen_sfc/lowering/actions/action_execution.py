@@ -224,58 +224,53 @@ class _Execution:
         idle: list[Statement] = []
         behind: list[Statement] = []
         for action in actions:
-            name = action.name
-            if action.target is not None and isinstance(self._control, SequentialControlCode):
+            name, target = action.name, action.target
+            # a variable is set by its action, and reset at its end
+            acted = action if target is None else replace(action, statements=(assignment(target, TRUE),))
+            rest = action.statements if target is None else (assignment(target, FALSE),)
+            if target is not None and isinstance(self._control, SequentialControlCode):
                 decision = self._control.decision(action, deciding)
                 off = self._memory.named(self._texts.with_suffix(name, "end"), decision.off, deciding)
                 driven = self._memory.named(f"{name}_Q", decision.on, deciding)
-                idle += self._memory.conditional("", off, [assignment(action.target, FALSE)])
-                acting.append((replace(action, statements=(assignment(action.target, TRUE),)), driven))
+                idle += self._memory.conditional("", off, rest)
+                acting.append((acted, driven))
                 continue
             plain = self._control.plain(action)
             if plain is not None:  # no memory: the steps of this scan and of the last one tell all
                 driven, before = plain
-                ended = conjunction([before, negation(driven)])
-                if action.target is None:
-                    if self._final_scan:
-                        ending += self._memory.conditional("", ended, action.statements)
-                    acting.append((action, driven))
-                    continue
-                rest, on = [assignment(action.target, FALSE)], assignment(action.target, TRUE)
-                if self._always:
+                acting.append((acted, driven))
+                if target is not None and self._always:
                     idle += self._memory.conditional("", not_all(driven), rest)
-                else:
-                    ending += self._memory.conditional("", ended, rest)
-                    self._memory.ends.append(when(before, *rest))
-                acting.append((replace(action, statements=(on,)), driven))
+                elif target is not None or self._final_scan:
+                    ending += self._memory.conditional("", conjunction([before, negation(driven)]), rest)
+                    self._memory.ends += [when(before, *rest)] if target is not None else []
                 continue
             stored = self._control.set_and_reset(action) if isinstance(self._control, ActionControlCode) else None
             if stored is not None and self._is_kept_while_on(action, *stored):
                 kept = self._code.declare(f"{name}_S")
                 begins = disjunction([conjunction([stored[0], negation(stored[1])]), kept])
-                ending.append(self._ended(action, kept, stored[1]))
-                acting.append((self._marked(action, kept), begins))
+                ending.append(self._ended(action, kept, stored[1], rest))
+                acting.append((_marked(acted, kept), begins))
                 continue
             lasting, single = self._control.outputs(action, deciding)
-            driven = disjunction([lasting, single]) if action.target is not None else lasting
-            alone = action.target is not None or is_constant(single, FALSE)
+            driven = disjunction([lasting, single]) if target is not None else lasting
+            alone = target is not None or is_constant(single, FALSE)
             if alone and not is_constant(driven, FALSE) and self._is_kept_while_on(action, driven):
                 kept = self._code.declare(f"{name}_Q")
-                ending.append(self._ended(action, kept, not_all(driven)))
-                acting.append((self._marked(action, kept), driven))
+                ending.append(self._ended(action, kept, not_all(driven), rest))
+                acting.append((_marked(acted, kept), driven))
                 continue
-            if action.target is not None:
+            if target is not None:
                 driven = self._decided(f"{name}_Q", driven, deciding)
-                rest, on = [assignment(action.target, FALSE)], assignment(action.target, TRUE)
                 if self._always:
                     idle += self._memory.conditional("", not_all(driven), rest)
                 elif self._control.never_ends(action):
-                    self._end_when_set_back(self._memory.remembered(name, driven, behind), action.target)
+                    self._end_when_set_back(self._memory.remembered(name, driven, behind), target)
                 else:
                     ended, was = self._memory.ended(name, driven, deciding, behind)
                     ending += self._memory.conditional("", ended, rest)
-                    self._end_when_set_back(was, action.target)
-                acting.append((replace(action, statements=(on,)), driven))
+                    self._end_when_set_back(was, target)
+                acting.append((acted, driven))
                 continue
             if not is_constant(single, FALSE):
                 single = self._decided(self._texts.with_suffix(name, "pulse"), single, deciding)
@@ -287,7 +282,7 @@ class _Execution:
                         self._memory.ends.append(assignment(was, FALSE))
                     # a pulse in the same scan executes the action anyway: once, not twice
                     last = conjunction([ended, negation(single)])
-                    ending += self._memory.conditional(self._texts.with_suffix(name, "last"), last, action.statements)
+                    ending += self._memory.conditional(self._texts.with_suffix(name, "last"), last, rest)
             acting.append((action, disjunction([lasting, single])))
         self._code.add(self._texts.control, deciding)
         self._code.add(self._texts.ended, [*idle, *ending, *behind])
@@ -306,19 +301,13 @@ class _Execution:
             and sum(len(print_node(each)) for each in asked) <= _SHOWN_TWICE
         )
 
-    def _marked(self, action: ActionSource, on: Expression) -> ActionSource:
-        """Return an action that also makes a variable TRUE."""
-        doing = action.statements if action.target is None else (assignment(action.target, TRUE),)
-        return replace(action, statements=(*doing, assignment(on, TRUE)))
-
-    def _ended(self, action: ActionSource, on: Expression, over: Expression) -> Statement:
-        """Return the end of an action that is `over` while it is `on`."""
+    def _ended(self, action: ActionSource, on: Expression, over: Expression, rest: Sequence[Statement]) -> Statement:
+        """Return the end of an action that is `over` while it is `on`: it executes `rest`."""
         if action.target is not None:
             self._end_when_set_back(on, action.target)
         else:
             self._memory.ends.append(assignment(on, FALSE))
-        ending = action.statements if action.target is None else (assignment(action.target, FALSE),)
-        return when(conjunction([on, over]), *ending, assignment(on, FALSE))
+        return when(conjunction([on, over]), *rest, assignment(on, FALSE))
 
     def _decided(self, wanted: str, value: Expression, deciding: list[Statement]) -> Expression:
         """Return the decision as a variable, unless it is short and stays the same while actions are executed."""
@@ -384,6 +373,11 @@ class _Execution:
             any_sees |= any(each < index for each in asking)
             any_sees |= any(self._final_scan or plain & {index, each} for each in using)
         return found if any_sees else set()
+
+
+def _marked(action: ActionSource, on: Expression) -> ActionSource:
+    """Return an action that also makes a variable TRUE."""
+    return replace(action, statements=(*action.statements, assignment(on, TRUE)))
 
 
 def _operands_of(expression: Expression) -> tuple[Expression, ...]:

@@ -63,7 +63,13 @@ class GraphCycle:
         self._signs = [StepNames(self._active(step), self._situation.name(step)) for step in steps]
         # actions ON and OFF act in the next cycle: the steps are kept in bits of their own until then
         switched = sorted({i for rows in source.rows for row in rows for i in row.switched})
-        self._wanted = {i: self._declare_wanted(i) for i in switched}
+        self._wanted: dict[int, n.Name] = {}
+        for i in switched:
+            name, comment = (
+                self._texts.with_suffix(self._signs[i].name, "next"),
+                self._texts.wanted_of(self._net.steps[i].path),
+            )
+            self._wanted[i] = self._code.declare(name, comment=comment)
         if not isinstance(encoding, RegionEncoding):
             encoding.held = self._wanted
         self._first = self._code.declare(self._texts.pulse, initial="TRUE", comment=self._texts.first_cycle)
@@ -77,10 +83,6 @@ class GraphCycle:
         self._only: tuple[StateVariables, RegionState] | None = None
         if isinstance(encoding, RegionEncoding) and len(encoding.machines) == 1:
             self._only = encoding.states, encoding.machines[0]
-
-    def _declare_wanted(self, step: int) -> n.Name:
-        name = self._texts.with_suffix(self._signs[step].name, "next")
-        return self._code.declare(name, comment=self._texts.wanted_of(self._net.steps[step].path))
 
     def append(self) -> None:
         """Append one cycle."""
@@ -343,10 +345,11 @@ class GraphCycle:
             # declared in the order of the steps, whatever text asks first
             for name in sorted(self._questions.of(step.index) & _STEP_EVENTS):
                 self._event(step.index, ActionEvent(name))
-        self._code.add(self._texts.times, [*self._clock.calls(ahead=False), *self._restarted()])
+        restarted = self._clock.restarted(lambda step: self._event(step, ActionEvent.S1))
+        self._code.add(self._texts.times, [*self._clock.calls(ahead=False), *restarted])
         self._add_checks_behind(self._alarms() if self._checked_late else "")
-        over, gone = self._clock.over, self._was_gone
-        signals = StepSignals(self._active, self._touched, self._event, self._released, over, gone)
+        over, gone, released = self._clock.over, self._was_gone, lambda step: self._checks[step].value("LS")
+        signals = StepSignals(self._active, self._touched, self._event, released, over, gone)
         actions = SequencerActions(self._with_resolved_rows(), self._code, signals)
         actions.add_coils()
         self._add_leaving(actions.leaving())
@@ -381,9 +384,6 @@ class GraphCycle:
             )
 
         return replace(self._source, rows=tuple(tuple(map(resolved, rows)) for rows in self._source.rows))
-
-    def _restarted(self) -> list[Statement]:
-        return self._clock.restarted(lambda step: self._event(step, ActionEvent.S1))
 
     def _add_checks_behind(self, alarms: str) -> None:
         """Append the checks behind the step change: what is left is forgotten before anything reads it."""
@@ -463,9 +463,6 @@ class GraphCycle:
                 if any(texts):
                     lines.append(f"{step.path}: {', '.join(filter(None, texts))}")
         return "\n".join(lines)
-
-    def _released(self, step: int) -> Expression:
-        return self._checks[step].value("LS")
 
 
 _SEVERAL = 2

@@ -160,11 +160,6 @@ def texts_of(source: GraphSource) -> Iterator[SequencerText]:
         yield SequencerText(n.Member(step_name, n.Name(quantity)), CyclePhase.ACT, (), "other blocks")
 
 
-def steps_by_name(source: GraphSource) -> dict[str, int]:
-    """Return the indexes of the steps by their names in lower case."""
-    return {step.step.name.casefold(): step.index for step in source.net.steps}
-
-
 def step_quantity(node: n.Node, steps: dict[str, int]) -> tuple[int, str] | None:
     """Return the step and the quantity (upper case) that a node asks for; None where it asks for none."""
     match node:
@@ -177,7 +172,7 @@ class AskedStepData:
     """Data of steps that texts ask for, and where."""
 
     def __init__(self, source: GraphSource) -> None:
-        self.steps = steps_by_name(source)
+        self.steps = {step.step.name.casefold(): step.index for step in source.net.steps}
         self._asked: dict[tuple[int, str], list[SequencerText]] = defaultdict(list)
         self._asking: set[int] = set()
         names = {*self.steps, *(t.transition.name.casefold() for t in source.net.transitions if t.transition.name)}
