@@ -15,7 +15,7 @@
 `grafcet_charts`      GRAFCETs in the words of sequential function charts; `grafcet_terms`: their flags, times, edges;
                       `grafcet_variables`: their declarations
 `grafcet_hierarchy`   partial charts, forcing orders, enclosing steps and macro-steps as one chart
-`scan_evolutions`     what several evolutions in a scan do; `stored_order`: in which order actions store
+`grafcet_scans`       what several evolutions in a scan do, and in which order actions store
 
 The abilities of the target are those of its record (`formats.format_interface.ChartHost`); what was written keeps the
 source beside it (`formats.plcopen.source_marks`).

@@ -88,12 +88,8 @@ class ChartRewriting:
     def declare(self, name: str, kind: DataType) -> None:
         """Declare a variable of the POU that the source does not have."""
         self.taken.add(name.casefold())
-        interface = self.chart.pou.interface
-        if interface is None:
-            interface = self.chart.pou.interface = Interface()
         if self._added is None:
-            interface.sections.append(VariableSection(kind=SectionKind.LOCAL))
-            self._added = interface.sections[-1]
+            self._added = local_section(self.chart.pou)
         self._added.variables.append(variable := Variable(name=name, type=kind))
         if self.host.is_s7:
             self.marks.setdefault(id(self.chart.pou), {}).setdefault("variables", []).append(variable)
@@ -129,6 +125,13 @@ def type_of_helper(helper: Helper) -> DataType:
     """Return the type of a variable that a drawing needs."""
     known = Elementary.__members__.get((helper.type_name or "BOOL").upper())
     return ElementaryType(name=known) if known is not None else DerivedType(name=helper.type_name or "")
+
+
+def local_section(pou: Pou) -> VariableSection:
+    """Add a section of local variables to a POU."""
+    pou.interface = pou.interface or Interface()
+    pou.interface.sections.append(VariableSection(kind=SectionKind.LOCAL))
+    return pou.interface.sections[-1]
 
 
 def names_around(pou: Pou) -> set[str]:
@@ -192,6 +195,16 @@ def conjunction(text: str, *more: str) -> str:
     for each in more:
         text = each if text == "TRUE" else f"{as_term(text)} AND {each}"
     return text
+
+
+def first_of(cases: Iterable[tuple[str, list[str]]]) -> list[str]:
+    """Return a statement for the first of the conditions that is TRUE; an empty condition is for what is left."""
+    lines: list[str] = []
+    for condition, statements in cases:
+        word = "ELSIF" if lines else "IF"
+        lines.append(f"{word} {condition} THEN" if condition else "ELSE")
+        lines += [f"    {line}" for line in statements]
+    return [*lines, "END_IF;"] if lines else []
 
 
 def guarded(condition: str, lines: list[str]) -> list[str]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
-from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, all_of, guarded
+from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, all_of, first_of, guarded
 from plcopen_sfc.conversion.adaptation.flag_transitions import FlagRewriter, is_code
 from plcopen_sfc.conversion.adaptation.operating_inputs import AddedElements
 from plcopen_sfc.conversion.adaptation.sequencer_rewriting import PermanentRewriter
@@ -303,8 +303,8 @@ class _Tc6Flags(FlagRewriter):
             self._watch_times(found, obeyed, halts, stopped)
         if SfcFlag.CURRENT_STEP in found:
             name = SfcFlag.CURRENT_STEP.variable
-            steps = [(self._host.active(step), f"{name} := '{step.name}';") for step in reversed(self._chart.steps)]
-            self._watching += guarded(_none(stopped), _first_of([*steps, ("", f"{name} := '';")]))
+            steps = [(self._host.active(step), [f"{name} := '{step.name}';"]) for step in reversed(self._chart.steps)]
+            self._watching += guarded(_none(stopped), first_of([*steps, ("", [f"{name} := '';"])]))
             self._watching += guarded(self._init, [f"{name} := '';"]) if SfcFlag.INIT in obeyed else []
         return frozenset(found)
 
@@ -323,19 +323,19 @@ class _Tc6Flags(FlagRewriter):
         forgotten = [f"{flag.variable} := {_FORGOTTEN[flag]};" for flag in known]
         self._watching += guarded(" OR ".join(causes), forgotten) if causes else []
         values = {SfcFlag.ERROR: "TRUE", SfcFlag.ERROR_POU: f"'{self._place.pou.name}'"}
-        late: list[tuple[str, str]] = []
+        late: list[tuple[str, list[str]]] = []
         for step in (step for step in self._chart.steps if step.max_time):
             elapsed = self._host.elapsed(step)
             if SfcFlag.QUIT_ERROR in obeyed:
                 elapsed = f"{elapsed} - {self._quitted(step, elapsed)}"
             told = values | {SfcFlag.ERROR_STEP: f"'{step.name}'"}
             lines = " ".join(f"{flag.variable} := {told[flag]};" for flag in known)
-            late.append((f"{self._host.active(step)} AND {elapsed} > {step.max_time}", lines))
+            late.append((f"{self._host.active(step)} AND {elapsed} > {step.max_time}", [lines]))
             why = "statements that every scan executes set SFCError"
             self._note(Outcome.TRANSLATED, "max time", f"step {step.name}", why)
         watches = [*stopped, SfcFlag.ERROR.variable]
         enabled = SfcFlag.ENABLE_LIMIT.variable if SfcFlag.ENABLE_LIMIT in found else ""
-        self._watching += guarded(all_of([enabled, _none(watches)]), _first_of(late)) if late else []
+        self._watching += guarded(all_of([enabled, _none(watches)]), first_of(late)) if late else []
         if SfcFlag.RESET in obeyed:
             self._watching.append(f"{before} := {self._reset};")
 
@@ -351,10 +351,10 @@ class _Tc6Flags(FlagRewriter):
         left = f"NOT {self._host.active(step)}"
         if any(step.id in each.sources and step.id in each.targets for each in self._chart.transitions):
             left += f" OR {elapsed} < {name}"  # it was left and entered at once
-        self._watching += _first_of(
+        self._watching += first_of(
             [
-                (left, f"{name} := T#0s;"),
-                (f"{quits} OR {self._quit_before}", f"{name} := {elapsed};"),
+                (left, [f"{name} := T#0s;"]),
+                (f"{quits} OR {self._quit_before}", [f"{name} := {elapsed};"]),
             ]
         )
         return name
@@ -396,15 +396,6 @@ class _Tc6Flags(FlagRewriter):
 def _none(terms: Iterable[str]) -> str:
     """Return an expression that is TRUE while none of the terms is."""
     return all_of(f"NOT {term}" for term in terms)
-
-
-def _first_of(cases: Iterable[tuple[str, str]]) -> list[str]:
-    """Return a statement for the first of the conditions that is TRUE; an empty condition is for what is left."""
-    lines: list[str] = []
-    for condition, statement in cases:
-        word = "ELSIF" if lines else "IF"
-        lines += [f"{word} {condition} THEN" if condition else "ELSE", f"    {statement}"]
-    return [*lines, "END_IF;"] if lines else []
 
 
 def _guarded(text: str, terms: list[str]) -> str:

@@ -17,6 +17,13 @@ from plcopen_sfc.conversion.adaptation.grafcet_hierarchy import (
     Rules,
     step_flag,
 )
+from plcopen_sfc.conversion.adaptation.grafcet_scans import (
+    Evolutions,
+    first_names,
+    in_one_action,
+    stored_names,
+    stored_text,
+)
 from plcopen_sfc.conversion.adaptation.grafcet_terms import (
     EventEvolution,
     GrafcetTexts,
@@ -25,8 +32,6 @@ from plcopen_sfc.conversion.adaptation.grafcet_terms import (
     TextTerms,
     shown_edge,
 )
-from plcopen_sfc.conversion.adaptation.scan_evolutions import Evolutions
-from plcopen_sfc.conversion.adaptation.stored_order import first_names, in_one_action, stored_names, stored_text
 from plcopen_sfc.conversion.executed_parts import FIRST_SCAN, SELECTION, STABILITY, START
 from plcopen_sfc.errors import ForcingConflictError, SfcError, UnknownBehaviourError
 from plcopen_sfc.languages.grafcet_conditions import ConditionError, to_structured_text

@@ -10,9 +10,9 @@ import re
 from collections.abc import Callable, Sequence
 from enum import Enum
 
-from plcopen_sfc.conversion.adaptation.chart_rewriting import taken_names
+from plcopen_sfc.conversion.adaptation.chart_rewriting import local_section, taken_names
 from plcopen_sfc.conversion.adaptation.grafcet_hierarchy import step_flag
-from plcopen_sfc.conversion.adaptation.stored_order import first_names
+from plcopen_sfc.conversion.adaptation.grafcet_scans import first_names
 from plcopen_sfc.languages.binding.name_sites import in_tree
 from plcopen_sfc.languages.expression_types import CALCULATING
 from plcopen_sfc.languages.grafcet_conditions import ConditionError, to_structured_text
@@ -25,7 +25,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import SfcNetwork, Step
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Variable
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import SectionKind, VariableSection
 from plcopen_sfc.report import Outcome
 from plcopen_sfc.semantics.profile import Profile, ScanOrder
 
@@ -227,12 +227,8 @@ class GrafcetTexts:
 
     def new_variable(self, wish: str, *, initial: str | None = None, block: str = "") -> str:
         """Declare a Boolean variable, or an instance of a function block; its name."""
-        interface = self._pou.interface
-        if interface is None:
-            interface = self._pou.interface = Interface()
         if self._section is None:
-            interface.sections.append(VariableSection(kind=SectionKind.LOCAL))
-            self._section = interface.sections[-1]
+            self._section = local_section(self._pou)
         name = self.new_name(wish)
         kind = DerivedType(name=block) if block else ElementaryType(name=Elementary.BOOL)
         self._section.variables.append(Variable(name=name, type=kind, initial=initial))

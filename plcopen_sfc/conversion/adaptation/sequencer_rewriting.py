@@ -5,21 +5,14 @@ them. An action that the initial step stores (qualifier S) is executed in every 
 more. What matters is its place among transitions and actions: S7-GRAPH executes the instructions before, then
 transitions and actions, then the instructions after the sequences.
 
-Outputs that show the state of the sequencer become statements, those of the automatic mode: what switches modes, or
-selects the step displayed, has no effect in other tools.
-
-INIT_SQ and OFF_SQ become transitions: from every step to the initial step, and to one that does nothing. A rising edge
-of OFF_SQ deactivates all steps, one of INIT_SQ activates the initial step instead of all others, and no transition
-counts in that cycle (`plcopen_sfc.semantics.charts.graph`, and the tests compare both). A chart of which one step is
-active at a time does that with transitions that are tried before all others. Where several may be active, nothing of
-the kind is right in tools with nested branches, and the inputs are left to the report.
+Outputs that show the state of the sequencer become statements of such actions.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term
+from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, first_of
 from plcopen_sfc.conversion.adaptation.operating_inputs import OperatingModes
 from plcopen_sfc.conversion.adaptation.step_checks import StepChecks
 from plcopen_sfc.conversion.adaptation.step_rewriting import StepRewriter
@@ -91,36 +84,25 @@ class ShownState:
         """Return conditions of which one is TRUE while the step displayed is active."""
         return [f"({self._host.active(step)} AND {shown} = {step.number or 0})" for step in self._steps]
 
-    def _number(self, shown: str) -> Iterator[str]:
-        """Yield the number of the step displayed: that of before while it is active, else the first active one."""
+    def _number(self, shown: str) -> list[str]:
+        """Return the number of the step displayed: that of before while it is active, else the first active one."""
         selected = self._modes.shows_selected()
         cases = [(selected, [f"{shown} := {self._modes.selected_shown};"])] if selected is not None else []
-        first = list(self._first_active(shown, self._steps, ["ELSE", f"    {shown} := 0;"]))
+        first = first_of([*self._active(shown, self._steps), ("", [f"{shown} := 0;"])])
         if self._is_one:
             cases.append(("", first))
         else:
             cases.append((f"NOT ({' OR '.join(self._kept(shown))})", first))
             for name, edge in self._modes.turns().items():
                 steps, sign = (self._steps, ">") if name == "S_NEXT" else (self._steps[::-1], "<")
-                onward = self._first_active(shown, steps, [], f" AND {{number}} {sign} {shown}")
-                again = self._first_active(shown, steps, [])
-                lines = [*[*onward][:-1], "ELSE", *(f"    {line}" for line in again), "END_IF;"]
-                cases.append((edge, lines))
-        if cases == [("", first)]:
-            yield from first
-            return
-        for at, (condition, lines) in enumerate(cases):
-            yield f"{'ELSIF' if at else 'IF'} {condition} THEN" if condition else "ELSE"
-            yield from (f"    {line}" for line in lines)
-        yield "END_IF;"
+                onward = self._active(shown, steps, f" AND {{number}} {sign} {shown}")
+                cases.append((edge, first_of([*onward, ("", first_of(self._active(shown, steps)))])))
+        return first if cases == [("", first)] else first_of(cases)
 
-    def _first_active(self, shown: str, steps: Iterable[Step], otherwise: list[str], needs: str = "") -> Iterator[str]:
-        """Yield a statement that shows the first of the steps that is active."""
-        for at, step in enumerate(steps):
-            condition = self._host.active(step) + needs.format(number=step.number or 0)
-            yield f"{'ELSIF' if at else 'IF'} {condition} THEN"
-            yield f"    {shown} := {step.number or 0};"
-        yield from (*otherwise, "END_IF;")
+    def _active(self, shown: str, steps: Iterable[Step], needs: str = "") -> list[tuple[str, list[str]]]:
+        """Return when each step is active, and the statement that shows it then."""
+        numbered = [(self._host.active(step), step.number or 0) for step in steps]
+        return [(flag + needs.format(number=number), [f"{shown} := {number};"]) for flag, number in numbered]
 
     def _disturbed(self, step: Step) -> str | None:
         """Return when an active step has an error: empty where it never has, None where that is no expression."""

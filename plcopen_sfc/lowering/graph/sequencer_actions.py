@@ -77,9 +77,6 @@ class S5Timer:
         return [begins, running, when(is_on, value, ends)]
 
 
-_LAST_COUNT = "999"
-
-
 @dataclass(frozen=True)
 class StepSignals:
     """Expressions about steps by their indexes: one is active, an event of one happens, its interlock is satisfied.
@@ -216,21 +213,20 @@ class SequencerActions:
         return self._timers[key]
 
     def _counted(self, row: ActionRow, counter: Expression) -> Statement:
-        one, none, last = n.Literal("1"), n.Literal("0"), n.Literal(_LAST_COUNT)
-        match row.qualifier:
-            case Qualifier.CU:
-                more = assignment(counter, n.Operation(n.Operator.ADD, (counter, one)))
-                return n.If(
-                    (n.Branch(n.Operation(n.Operator.LESS, (counter, last)), (more,)),), (assignment(counter, last),)
-                )
-            case Qualifier.CD:
-                less = assignment(counter, n.Operation(n.Operator.SUBTRACT, (counter, one)))
-                return n.If(
-                    (n.Branch(n.Operation(n.Operator.GREATER, (counter, none)), (less,)),), (assignment(counter, none),)
-                )
-            case Qualifier.CS if row.value is not None:
-                return assignment(counter, row.value)
-        return assignment(counter, none)
+        if row.qualifier in _COUNTS:
+            counts, before, end = _COUNTS[row.qualifier]
+            counted = assignment(counter, n.Operation(counts, (counter, n.Literal("1"))))
+            goes_on = n.Branch(n.Operation(before, (counter, end)), (counted,))
+            return n.If((goes_on,), (assignment(counter, end),))
+        return assignment(counter, row.value if row.qualifier is Qualifier.CS and row.value is not None else _ZERO)
+
+
+_ZERO = n.Literal("0")
+_COUNTS = {
+    Qualifier.CU: (Operator.ADD, Operator.LESS, n.Literal("999")),
+    Qualifier.CD: (Operator.SUBTRACT, Operator.GREATER, _ZERO),
+}
+"""How counters of S5 count, while they are so before their end, and that."""
 
 
 def _falls_off(row: ActionRow) -> bool:
