@@ -30,11 +30,11 @@ from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.pou import PouKind
-from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
+from plcopen_sfc.model.sfc import SfcBody, SfcNetwork, Step
 from plcopen_sfc.model.types import PointerType
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.net import Competing, Net, NetStep, NetTransition, indexes
-from plcopen_sfc.semantics.profile import Evolution, ScanOrder
+from plcopen_sfc.semantics.profile import ActionControl, Evolution, ScanOrder
 from plcopen_sfc.semantics.programs.marks import may_act
 
 _MARKINGS = 20_000
@@ -236,7 +236,7 @@ class Unreachable:
                 never[name] = {t.index for t in net.transitions if self._is_never(name, t, fixed)}
                 possible[name] = _entered(net, never[name])
                 for index in possible[name]:
-                    said |= self._changing_names(net.steps[index].step)
+                    said |= self._changing_names(self._acting(net.steps[index].step))
                 for macro in net.macros:
                     said |= self._changing_names(macro.step)
             for key in executed & texts.keys():
@@ -256,6 +256,16 @@ class Unreachable:
                 dead |= {step.index for step in self._graph(name).unreachable_steps or ()}
             self.steps[name] = dead
             self.transitions[name] = never[name] | {t.index for t in net.transitions if set(t.sources) & dead}
+
+    def _acting(self, step: Step) -> Step:
+        """Return a step without associations that never act, as their time is over at once."""
+        if self._system.profile.action_control is not ActionControl.PER_ACTION:
+            return step  # a time of zero never ends in the code of matiec
+        limited = [each for each in step.actions if each.qualifier in (Qualifier.L, Qualifier.SL) and not each.negated]
+        idle = [each for each in limited if each.duration and self.is_no_time(each.duration, None)]
+        if not idle:
+            return step
+        return step.model_copy(update={"actions": [each for each in step.actions if each not in idle]})
 
     def _always_said(self) -> set[str]:
         """The names in what every scan may execute: permanent instructions, and conditions that do something."""

@@ -85,3 +85,25 @@ END_FUNCTION_BLOCK
     assert lowered.proof is not None
     assert lowered.proof.proven
     assert sfc.equivalent(lowered.project, chart, profile="codesys").proven
+
+
+OVER_AT_ONCE = b"""PROGRAM Main VAR_INPUT x, y : BOOL; m : DINT; END_VAR VAR n, sum : DINT; END_VAR
+INITIAL_STEP A: END_STEP
+STEP B: Act(%s, T#0s); Sum(N); END_STEP
+TRANSITION FROM A TO B := x; END_TRANSITION
+TRANSITION FROM B TO A := y; END_TRANSITION
+ACTION Sum: sum := sum + m / 3; END_ACTION
+ACTION Act: n := n + 1; END_ACTION
+END_PROGRAM"""
+
+
+@pytest.mark.parametrize("qualifier", [b"L", b"SL"])
+def test_an_action_whose_time_is_over_at_once_has_no_code(qualifier: bytes) -> None:
+    """Its code was refused as not reached: a timer of no time kept it from being executed."""
+    lowered = lower(sfc.loads(OVER_AT_ONCE % qualifier, format="iec-text"), "bits", cap=200, runs=3, scans=40)
+    assert lowered.proof is not None
+    assert lowered.proof.equal
+    later = (OVER_AT_ONCE % qualifier).replace(b"T#0s", b"T#1s")
+    acting = lower(sfc.loads(later, format="iec-text"), "bits", verify=False)
+    bodies = [lowered.pou.body, acting.pou.body]
+    assert [isinstance(body, m.StBody) and "n := n + 1" in body.text for body in bodies] == [False, True]

@@ -138,6 +138,9 @@ class ActionControlCode:
         memory, name = self.memory, f"{action.name}_{qualifier}"
         if qualifier is Q.P:
             return self._edge(qualifier, action, value, into)
+        times = [use.duration for use in action.uses if use.qualifier is qualifier and use.duration is not None]
+        if qualifier in (Q.L, Q.SL) and all(is_constant(_is_positive(time), FALSE) for time in times):
+            return FALSE  # its time is over at once
         if qualifier in (Q.S, Q.SD, Q.SL):
             value = memory.latch(name, value, reset, into)
         if qualifier is Q.S:
