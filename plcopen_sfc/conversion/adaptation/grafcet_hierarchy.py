@@ -11,7 +11,7 @@ chart are divided into such sequences.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 from plcopen_sfc.analysis.exclusivity import exclusive
@@ -223,7 +223,6 @@ class Rules:
         self, own: list[Transition], fires: dict[int, Tree], parts: list[tuple[RuledChart, Step | None]]
     ) -> None:
         """Put a transition of each part in the place of those that lead through several."""
-        by_id = {step.id: step for step in self._chart.steps}
         for transition in own:
             made: list[Transition] = []
             for part, idle in parts:
@@ -232,7 +231,7 @@ class Rules:
                 if ends == [[], []]:
                     continue
                 (source, target) = (each[0] if each else idle.id if idle is not None else 0 for each in ends)
-                others = [step_flag(by_id[i]) for i in transition.sources if i != source]
+                others = self._flags(i for i in transition.sources if i != source)
                 text = print_node(conjunction([*others, fires[transition.id]]))
                 new = transition.model_copy(
                     update={
@@ -348,13 +347,11 @@ class Rules:
         return disjunction(self._will_be(step) for step in steps)
 
     def _will_be(self, step: Step) -> Tree:
-        by_id = {each.id: each for each in self._chart.steps}
-        stays = [negation(conjunction(self._enabled(each, step, by_id))) for each in self._leaving(step)]
+        stays = [negation(conjunction(self._enabled(each, step))) for each in self._leaving(step)]
         return self._entered(step, (conjunction(stays), step.id))
 
     def _entered(self, step: Step, *also: tuple[Tree, int]) -> Tree:
         """Return when transitions lead to a step. `also`: another condition, and the step that it needs."""
-        by_id = {each.id: each for each in self._chart.steps}
         leading: dict[Tree, set[int]] = {}
         parts: list[Tree] = []
         for transition in self._chart.transitions:
@@ -363,7 +360,7 @@ class Rules:
                 if len(transition.sources) == 1:
                     leading.setdefault(fires, set()).add(transition.sources[0])
                 else:
-                    parts.append(conjunction([*(step_flag(by_id[i]) for i in transition.sources), fires]))
+                    parts.append(conjunction([*self._flags(transition.sources), fires]))
         for condition, source in also:
             leading.setdefault(condition, set()).add(source)
         ring = self._ring(step)
@@ -371,13 +368,17 @@ class Rules:
             if ring is not None and ring <= sources:
                 parts.append(condition)  # one of them is always active
             else:
-                parts += [conjunction([step_flag(by_id[i]), condition]) for i in sorted(sources)]
+                parts += [conjunction([flag, condition]) for flag in self._flags(sorted(sources))]
         return disjunction(parts)
 
-    def _enabled(self, transition: Transition, step: Step, by_id: dict[int, Step]) -> Iterator[Tree]:
-        """Yield the conditions under which a transition fires while one of its sources, `step`, is active."""
-        yield from (step_flag(by_id[i]) for i in transition.sources if i != step.id)
-        yield self._condition(transition)
+    def _enabled(self, transition: Transition, step: Step) -> list[Tree]:
+        """Return the conditions under which a transition fires while one of its sources, `step`, is active."""
+        return [*self._flags(i for i in transition.sources if i != step.id), self._condition(transition)]
+
+    def _flags(self, ids: Iterable[int]) -> list[Tree]:
+        """Return the flags of steps, given by their ids."""
+        by_id = {each.id: each for each in self._chart.steps}
+        return [step_flag(by_id[i]) for i in ids]
 
     def _fires(self, transition: Transition) -> Tree:
         """Return when a transition fires whose sources are active: transitions of less priority wait for it."""
@@ -391,8 +392,7 @@ class Rules:
                 continue
             condition = self._condition(other)
             if not exclusive(print_node(own), print_node(condition)).answer:
-                by_id = {each.id: each for each in self._chart.steps}
-                more = [step_flag(by_id[i]) for i in other.sources if i not in transition.sources]
+                more = self._flags(i for i in other.sources if i not in transition.sources)
                 before.append(negation(conjunction([*more, condition])))
         return conjunction([own, *before])
 

@@ -82,7 +82,7 @@ class OperatingModes:
         """Return the change of the modes, behind the edges of the inputs."""
         found = [f"{self._variable(mode)} := {self._on(mode, edges=True)};" for mode in self._modes]
         if self._rewriting.host.is_codesys and (goes_on := self._goes_on()) != "TRUE":
-            found.append(f"{self._checks.quantity(*_GOES_ON)} := {goes_on};")
+            found.append(f"{self._checks.variable(*_GOES_ON)} := {goes_on};")
         shown = self.selected_shown
         return found if shown == self.selected else [*found, f"{shown} := {self.selected};"]
 
@@ -91,10 +91,10 @@ class OperatingModes:
         """The number of the step selected, in the scan that the outputs show."""
         if self.selected is None or not self._rewriting.host.is_codesys:
             return self.selected
-        return self._checks.quantity(_SELECTED, "before", ElementaryType(name=Elementary.INT))
+        return self._checks.variable(_SELECTED, "before", ElementaryType(name=Elementary.INT))
 
     def _variable(self, mode: str) -> str:
-        return self._checks.quantity(mode, "is_on")
+        return self._checks.variable(mode, "is_on")
 
     def _on(self, mode: str, *, edges: bool = False) -> str:
         """Return whether a mode is on behind the edges of this scan."""
@@ -122,7 +122,7 @@ class OperatingModes:
         goes_on = self._goes_on()
         if goes_on != "TRUE":
             # where actions come before transitions, one of them computes it for all conditions
-            own = self._checks.quantity(*_GOES_ON) if self._rewriting.host.is_codesys else as_term(goes_on)
+            own = self._checks.variable(*_GOES_ON) if self._rewriting.host.is_codesys else as_term(goes_on)
             text = conjunction(text, own)
         return text
 

@@ -68,12 +68,13 @@ class StepChecks:
             return self._rewriting.interlock(step) is not None
         return event not in _SUPERVISION or self.fault(step) is not None
 
-    def variable(self, step: Step, quantity: str) -> str:
-        """Return the variable of a step for a quantity, such as ``L1``."""
-        key = (step.id, quantity)
-        if key not in self._names:
-            self._names[key] = self._rewriting.new_variable(f"{step.name}_{quantity}")
-        return self._names[key]
+    def variable(self, owner: Step | str, quantity: str, kind: DataType | None = None) -> str:
+        """Return the variable of a step, of an input or of the block for a quantity, such as ``L1``."""
+        key: int | str = owner if isinstance(owner, str) else owner.id
+        name = owner if isinstance(owner, str) else owner.name
+        if (key, quantity) not in self._names:
+            self._names[key, quantity] = self._rewriting.new_variable(f"{name}_{quantity}", kind)
+        return self._names[key, quantity]
 
     def names(self, step: int) -> list[str]:
         """Return the variables that are computed for a step, by its id, and those of edges."""
@@ -86,18 +87,12 @@ class StepChecks:
     def edge(self, name: str) -> str:
         """Return the variable that is TRUE behind the computed edges in the scan in which an input rises."""
         self.operated.add(name)
-        return self._command(name, "edge")
-
-    def quantity(self, owner: str, quantity: str, kind: DataType | None = None) -> str:
-        """Return the variable of an input, or of the block, for a quantity."""
-        if (owner, quantity) not in self._names:
-            self._names[owner, quantity] = self._rewriting.new_variable(f"{owner}_{quantity}", kind)
-        return self._names[owner, quantity]
+        return self.variable(name, "edge")
 
     def rising(self, name: str) -> str:
         """Return an expression for transitions that is TRUE in the scan in which an input of the block rises."""
         self.operated.add(name)
-        edge, before = self._command(name, "edge"), self._command(name, "before")
+        edge, before = self.variable(name, "edge"), self.variable(name, "before")
         # elsewhere transitions come before the actions that compute the edge
         return edge if self._host.is_codesys else f"{self._inputs[name]} AND NOT {before}"
 
@@ -114,19 +109,19 @@ class StepChecks:
     def switch(self, step: Step, word: str) -> str:
         """Return the variable by which an action switches a step "on" or "off" before the next transitions."""
         self.switched.setdefault(step.id, set()).add(word)
-        return self._command(step.name, word)
+        return self.variable(step.name, word)
 
     def is_switched(self, step: Step, word: str) -> str | None:
         """Return the variable that is TRUE while transitions see that an action switches a step; None: none does."""
         if word not in self.switched.get(step.id, ()):
             return None
-        return self._command(step.name, f"switched_{word}" if self._host.is_codesys else word)
+        return self.variable(step.name, f"switched_{word}" if self._host.is_codesys else word)
 
     def switches(self) -> Iterator[str]:
         """Yield the end of the commands of actions: behind all actions in CODESYS, elsewhere before them."""
         for step in self._rewriting.chart.chart.steps:
             for word in sorted(self.switched.get(step.id, ())):
-                command, seen = self._command(step.name, word), self.is_switched(step, word)
+                command, seen = self.variable(step.name, word), self.is_switched(step, word)
                 if seen != command:
                     yield f"{seen} := {command};"
                 yield f"{command} := FALSE;"
@@ -161,15 +156,12 @@ class StepChecks:
         for name in _COMMANDS[event]:
             if name in self._inputs:
                 self.operated.add(name)
-                yield f"({self._inputs[name]} AND NOT {self._command(name, 'before')})"
-
-    def _command(self, name: str, quantity: str) -> str:
-        return self.quantity(name, quantity)
+                yield f"({self._inputs[name]} AND NOT {self.variable(name, 'before')})"
 
     def waits(self, start: Step) -> str:
         """Return the variable that is TRUE where OFF_SQ rises in the first scan, that of the step `start`."""
         self.start = start
-        return self._command(start.name, "waits")
+        return self.variable(start.name, "waits")
 
     # -- statements
 
@@ -177,18 +169,18 @@ class StepChecks:
         """Return the edges of inputs, for an action that is executed before those of the steps."""
         modes, found = self.modes(), list[str]()
         for name in sorted(self.operated):
-            own, before = self._inputs[name], self._command(name, "before")
-            found += [f"{self._command(name, 'edge')} := {own} AND NOT {before};", f"{before} := {own};"]
+            own, before = self._inputs[name], self.variable(name, "before")
+            found += [f"{self.variable(name, 'edge')} := {own} AND NOT {before};", f"{before} := {own};"]
         found += modes
         if self.start is not None:
-            rises = f"{self._host.active(self.start)} AND {self._command('OFF_SQ', 'edge')}"
+            rises = f"{self._host.active(self.start)} AND {self.variable('OFF_SQ', 'edge')}"
             found.append(f"{self.waits(self.start)} := {self.waits(self.start)} OR ({rises});")
         return found
 
     def _rising(self, event: ActionEvent) -> str:
         inputs = [name for name in _COMMANDS[event] if name in self._inputs]
         self.operated.update(inputs)
-        names = [self._command(name, "edge") for name in inputs]
+        names = [self.variable(name, "edge") for name in inputs]
         return " OR ".join(names) if names else "FALSE"
 
     def statements(self, step: Step) -> list[str]:

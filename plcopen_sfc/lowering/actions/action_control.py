@@ -251,10 +251,10 @@ class SequentialControlCode:
         times: StepTimers,
         *,
         active: StepValue,
-        ending: Expression = FALSE,
-        entered: bool = False,
-        reentered: frozenset[int] = frozenset(),
-        was_active: EarlierSteps = unknown_before,
+        ending: Expression,
+        entered: bool,
+        reentered: frozenset[int],
+        was_active: EarlierSteps,
     ) -> None:
         self._was_active, self._reentered = was_active, reentered
         self._net, self._code, self.memory, self._active = net, memory.code, memory, active

@@ -128,15 +128,14 @@ _NOT_KNOWN = frozenset(
 
 
 def read_sequencer(
-    pou: Pou, chart: SfcNetwork, dialect: Dialect, rules: LoweringRules, project: Project | None = None
+    pou: Pou, chart: SfcNetwork, dialect: Dialect, rules: LoweringRules, project: Project
 ) -> GraphSource:
     """Read a sequencer of `pou`, a part of `project`.
 
     Raises `LoweringError` for what has no meaning that could be lowered.
     """
     source = _at_rest(_Reader(pou, chart, dialect, rules.profile).source(), rules.at_rest)
-    shown = asked_outside(project, pou, source.net, rules.target) if project is not None else ()
-    return replace(source, shown=shown)
+    return replace(source, shown=asked_outside(project, pou, source.net, rules.target))
 
 
 def _at_rest(source: GraphSource, wanted: Collection[str]) -> GraphSource:
