@@ -12,6 +12,7 @@ from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.report import Outcome
 from plcopen_sfc.semantics.programs import Controller
+from tests.samples import FIXTURES
 
 BLOCK = """FUNCTION_BLOCK Main
 VAR_INPUT a, b : BOOL; END_VAR
@@ -190,3 +191,19 @@ def test_what_counters_have_counted_is_int_in_beremiz() -> None:
     body = result.pou("Main").body
     assert isinstance(body, m.StBody)
     assert body.text.split(";")[:2] == ["n := c.CV", " d := INT_TO_DINT(c.CV) + WORD_TO_DINT(w)"]
+
+
+@pytest.mark.parametrize("language", ["FBD", "LD"])
+@pytest.mark.parametrize("source", ["codesys.xml", "plcopen_2.01.xml"])
+def test_flip_flops_of_a_chart_go_to_tia_portal_at_once_and_by_way_of_another_tool(source: str, language: str) -> None:
+    project = sfc.load(FIXTURES / "training-chain" / source)
+    form = project.source.format
+    lowered = sfc.lower(project, "flipflop", language=language, target="simaticml")
+    in_tia = sfc.loads(sfc.dumps(lowered.project, format="simaticml"), as_tool=True)
+    assert sfc.equivalent(project.pou("Ablauf"), in_tia.pou("Ablauf")).equal
+    if (source, language) == ("codesys.xml", "LD"):
+        return  # ladders of CODESYS have elements of its own
+    boxes = sfc.lower(project, "flipflop", language=language, target=form)
+    moved = sfc.convert(boxes.project, "simaticml", limit=20)
+    assert not moved.report.losses
+    assert moved.data.count(b'Name="Sr"') >= 4

@@ -460,7 +460,8 @@ def _s7_pin(node: Node, pin: str | None) -> str:
     block = _standard(node)
     if block is None:
         return pin or "out"
-    return block.tool_pin(pin or block.result.name, Tool.S7)
+    pin = pin or block.result.name  # texts of CODESYS call those of flip-flops SET and RESET1
+    return block.pin_in(pin, Tool.S7) or pin
 
 
 def _inlet(name: str, pin: InputPin | None) -> _End:

@@ -21,6 +21,7 @@ from plcopen_sfc.formats.simaticml.added_elements import mark_added, seal_marks
 from plcopen_sfc.formats.simaticml.document_reader import IDS, PRODUCT, SCHEMA, find_version, read_project
 from plcopen_sfc.formats.simaticml.element_reader import local
 from plcopen_sfc.formats.simaticml.element_writer import ID, DocumentWriting, add_element, finish, sub
+from plcopen_sfc.formats.simaticml.network_boxes import put_operands, put_standard_blocks
 from plcopen_sfc.formats.simaticml.openness_objects import KINDS, Thing
 from plcopen_sfc.formats.simaticml.openness_schemas import fit_alarms, refuse_older
 from plcopen_sfc.formats.simaticml.tia_adaptation import adapt
@@ -377,9 +378,11 @@ class SimaticmlCodec(FolderCodec):
         return found
 
     def replace_missing(self, project: Project, report: ConversionReport) -> None:
-        """Put boxes back into `project`, a copy, where tools without them had something else."""
+        """Put boxes into `project`, a copy, where other tools have something else, or boxes with instances."""
         exchange_markup(project, markup_of(project), Markup.SIMATICML)
         put_boxes(project)
+        put_standard_blocks(project)
+        put_operands(project, report)
         exchange_markup(project, Markup.SIMATICML, markup_of(project))
 
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:

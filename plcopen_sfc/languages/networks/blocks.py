@@ -247,7 +247,9 @@ class BlockReader:
 
         One assignment each, so that all inputs are taken as they are before it (TIA Portal help: SR, RS, P_TRIG).
         """
-        inputs = {a.variable.name.upper().rstrip("1"): a.value for a in arguments}
+        block_of = standard_block(block.type_name)
+        named = (((block_of and block_of.input_name(a.variable.name)) or a.variable.name, a.value) for a in arguments)
+        inputs = {name.upper().rstrip("1"): value for name, value in named}
         result = memory
         if block.type_name.upper() in EDGES:
             clock = inputs.get("CLK") or n.Literal("FALSE")
