@@ -59,13 +59,7 @@ def patched(project: Project, source: FileSource, kind: Format, report: Conversi
     if merged is not None:
         data = merged.data
     else:
-        # rather a large diff than a lost edit
-        report.add(
-            Outcome.APPROXIMATED,
-            "file",
-            source.path or "",
-            "the edits did not fit into its text; written from the model",
-        )
+        report.add(Outcome.APPROXIMATED, "file", source.path or "", _UNFIT)  # rather a large diff than a lost edit
         before = _comparable(codec, source.content)
         options = WriteOptions(source.version, same=True, same_format=True, source=source.content, baseline=before)
         if is_other:
@@ -164,6 +158,9 @@ def _drawing_style(kind: Format) -> DrawingStyle:
     from plcopen_sfc.drawing import DrawingStyle  # noqa: PLC0415
 
     return DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
+
+
+_UNFIT = "the edits did not fit into its text; written from the model"
 
 
 @dataclass(frozen=True)
@@ -419,13 +416,7 @@ def patched_text(project: Project, source: FileSource, kind: Format, report: Con
         why = f"{text.encoding} does not have all of its characters; the file is in UTF-8 now"
         report.add(Outcome.TRANSLATED, "encoding", source.path or "", why)
     if back is None:
-        # rather a large diff than a lost edit
-        report.add(
-            Outcome.APPROXIMATED,
-            "file",
-            source.path or "",
-            "the edits did not fit into its text; written from the model",
-        )
+        report.add(Outcome.APPROXIMATED, "file", source.path or "", _UNFIT)  # rather a large diff than a lost edit
         report_reading_errors(project, report)
         data = codec.write(project, options, ConversionReport())
         back = read_back(data, kind, source.version)

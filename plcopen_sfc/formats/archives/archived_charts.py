@@ -56,6 +56,7 @@ from plcopen_sfc.formats.archives.object_archive import (
 from plcopen_sfc.formats.codesys.codesys_codec import LACKS
 from plcopen_sfc.formats.plcopen.tc6_chart_meaning import DrawnChart, Line
 from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext, extension_data
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.chart_settings import RuntimeLibrary, SfcFlag, SfcSettings
 from plcopen_sfc.model.conditions import Expression, NamedCondition
@@ -110,10 +111,7 @@ class ChartReader:
 
     def _tell_numbers(self, root: etree._Element) -> None:
         """Report attributes with the number of an element or of another attribute; `_symbol` reports elements."""
-        found: dict[str, list[etree._Element]] = {}
-        for value in root.iter("v"):
-            if value.get("n") == "Id":
-                found.setdefault(value.text or "", []).append(value)
+        found = grouped((value.text or "", value) for value in root.iter("v") if value.get("n") == "Id")
         for text, values in found.items():
             holders = [(each, each.getparent()) for each in values]
             own = [each for each, holder in holders if holder is not None and type_of(holder) == "SFCAttribute"]
@@ -398,11 +396,10 @@ class ChartWriter:
         self._steps = {step.id: step for step in chart.steps}
         self._transitions = {transition.id: transition for transition in chart.transitions}
         self._symbols = {symbol.id: symbol for symbol in chart.drawing.symbols} if chart.drawing is not None else {}
-        self._followers: dict[int, list[int]] = {}
-        for symbol in self._symbols.values():
-            for pin in symbol.inputs if symbol.kind in _FLOW else ():
-                for connection in pin.connections:
-                    self._followers.setdefault(connection.source, []).append(symbol.id)
+        flow = [symbol for symbol in self._symbols.values() if symbol.kind in _FLOW]
+        self._followers = grouped(
+            (connection.source, symbol.id) for symbol in flow for pin in symbol.inputs for connection in pin.connections
+        )
         self._placed: set[int] = set()
 
     def write(self) -> etree._Element:

@@ -274,6 +274,17 @@ def _only_declared(project: Project) -> Project:
     return Project(data_types=types, global_variables=lists, dialect=Dialect.CODESYS)
 
 
+def take_out_others(project: Project) -> None:
+    """Take out of `project` all but its POUs, types and lists of global variables, which are in one place then."""
+    project.global_variables = list(project.global_sections())
+    for section in project.global_variables:
+        section.name = section.name or "GVL"
+    plain = Project(dialect=Dialect.CODESYS)
+    for name in Project.model_fields:
+        if name not in ("pous", "data_types", "global_variables"):
+            setattr(project, name, getattr(plain, name))
+
+
 def path_of(project: Project) -> str:
     """Return the path in reports of a type or a list of variables."""
     if project.data_types:

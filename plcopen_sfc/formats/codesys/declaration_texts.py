@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.iectext.object_declarations import METHOD, declaration_of, read, unit_of
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.declarations import write_type, write_value
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.dialect import Dialect
@@ -44,7 +45,8 @@ def declaration_texts(project: Project, baseline: Project, report: ConversionRep
 
     `baseline` is the project as it was read. None for a text into which an edit does not go: it is in the report.
     """
-    before, after = _by_path(baseline), _by_path(project)
+    # a list of global variables may have several sections, and its text at the first
+    before, after = grouped(_declared(baseline)), grouped(_declared(project))
     gone, new = ([path for path in one if path not in other] for one, other in ((before, after), (after, before)))
     if len(gone) == len(new):  # renamed
         before |= {path: before[was] for was, path in zip(gone, new, strict=True)}
@@ -63,14 +65,6 @@ def declaration_texts(project: Project, baseline: Project, report: ConversionRep
         if found != text:
             texts[id(things[0])] = found
     return texts
-
-
-def _by_path(project: Project) -> dict[str, list[Declared]]:
-    """Return declarations by path; a list of global variables may have several sections, and its text at the first."""
-    found: dict[str, list[Declared]] = {}
-    for path, thing in _declared(project):
-        found.setdefault(path, []).append(thing)
-    return found
 
 
 def _declared(project: Project) -> Iterator[tuple[str, Declared]]:

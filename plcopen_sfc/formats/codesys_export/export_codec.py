@@ -23,6 +23,7 @@ from plcopen_sfc.formats.archives.object_elements import (
     identity_of,
     path_of,
     read_element,
+    take_out_others,
     write_declared,
     write_pou,
 )
@@ -52,7 +53,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import PLACELESS, Tc6ReadContext
 from plcopen_sfc.formats.plcopen.tc6_versions import V2_0
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle, write_xml
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, line_of, parse_xml
-from plcopen_sfc.languages.s7_boxes import put_logic
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.model.checked import first_misfit
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import PouInstance, Project, Resource, Task, TaskSettings, TaskWatchdog
@@ -149,24 +150,14 @@ class ExportCodec(XmlCodec):
             )
         return _Reader(root, data, file).read()
 
-    def replace_missing(self, project: Project, report: ConversionReport) -> None:
-        """Replace flip-flop boxes with an operand, which only TIA Portal has, by logic."""
-        put_logic(project, report)
-
     def adapt(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
         """Take out of `project`, a copy, what a new file does not hold."""
         if options.same:
             return
-        project.global_variables = list(project.global_sections())
-        for section in project.global_variables:
-            section.name = section.name or "GVL"
         for task in (task for resource in project.resources() for task in resource.tasks):
             why = "the task configuration belongs to the device: make it in CODESYS"
             report.add(Outcome.NOT_EXECUTED, "task", f"task {task.name}", why)
-        plain = Project(dialect=Dialect.CODESYS)
-        for name in Project.model_fields:
-            if name not in ("pous", "data_types", "global_variables"):
-                setattr(project, name, getattr(plain, name))
+        take_out_others(project)
 
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
         """Return the tree of the file for `project`: where it is patched, the one that it has, with the edits."""
@@ -266,11 +257,7 @@ class _Reader:
 
 def _inner(found: list[Entry]) -> dict[str, list[Entry]]:
     """Return the entries of objects in others, by the identity of these."""
-    inner: dict[str, list[Entry]] = {}
-    for entry in found:
-        if entry.kind in INNER:
-            inner.setdefault(entry.parent, []).append(entry)
-    return inner
+    return grouped((entry.parent, entry) for entry in found if entry.kind in INNER)
 
 
 class _Writer:
@@ -306,10 +293,7 @@ class _Writer:
                 move_inside(each, entry)
         for declared in project.data_types:
             self._declared(TYPE, Project(data_types=[declared]))
-        lists: dict[str, list[VariableSection]] = {}
-        for section in project.global_variables:
-            lists.setdefault(section.name or "", []).append(section)
-        for sections in lists.values():
+        for sections in grouped((section.name or "", section) for section in project.global_variables).values():
             self._declared(LIST, Project(global_variables=sections))
         for task in (task for resource in project.applications for task in resource.tasks):
             self._task(task)

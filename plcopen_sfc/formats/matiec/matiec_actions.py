@@ -27,13 +27,13 @@ from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step
 from plcopen_sfc.report import Outcome
 
 STEP_ACTIONS = (("entry", Qualifier.P1), ("main", Qualifier.N), ("exit", Qualifier.P0))
-_WHENEVER = frozenset({Qualifier.N, Qualifier.NONE})
+WHENEVER = frozenset({Qualifier.N, Qualifier.NONE})
 _RESETS = frozenset({Qualifier.R, Qualifier.R0})
 _RISING = frozenset({Qualifier.P, Qualifier.P1})
 _PULSES = frozenset({Qualifier.P1, Qualifier.P0})
 _EDGES = _RISING | _PULSES
 _DELAYED = frozenset({Qualifier.SD, Qualifier.DS, Qualifier.SL})
-_ALONE = frozenset({*_WHENEVER, *_RISING, Qualifier.P0, Qualifier.L, Qualifier.D})
+_ALONE = frozenset({*WHENEVER, *_RISING, Qualifier.P0, Qualifier.L, Qualifier.D})
 """Those of which matiec takes the last of several that drive one thing, instead of one that is active."""
 _LONG = "T#1000d"
 """The preset of timers of which only the elapsed time is read."""
@@ -213,7 +213,7 @@ class ActionFitter:
         by_qualifier: dict[Qualifier, list[_User]] = {}
         for step, line in item.users:
             step.actions.remove(line)
-            qualifier = Qualifier.N if line.qualifier in _WHENEVER else line.qualifier
+            qualifier = Qualifier.N if line.qualifier in WHENEVER else line.qualifier
             by_qualifier.setdefault(Qualifier.R if qualifier in _RESETS else qualifier, []).append((step, line))
         reset = _any(by_qualifier.pop(Qualifier.R, []))
         item.ends = bool(reset) or not by_qualifier.keys() <= {*_PULSES, Qualifier.S}

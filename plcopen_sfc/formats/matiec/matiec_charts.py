@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import count
 
-from plcopen_sfc.formats.matiec.matiec_actions import STEP_ACTIONS, ActionFitter, StepFlagVariables
+from plcopen_sfc.formats.matiec.matiec_actions import STEP_ACTIONS, WHENEVER, ActionFitter, StepFlagVariables
 from plcopen_sfc.formats.matiec.matiec_pou import FittedPou, is_taken, write_negations_out
 from plcopen_sfc.formats.matiec.matiec_statements import compilable_comments
 from plcopen_sfc.languages.networks import (
@@ -40,7 +40,6 @@ _QUALIFIERS = frozenset(
     {Qualifier.N, Qualifier.NONE, Qualifier.S, Qualifier.R, Qualifier.P, Qualifier.P0, Qualifier.P1}
     | {Qualifier.L, Qualifier.D, Qualifier.SD, Qualifier.DS, Qualifier.SL}
 )
-_WHENEVER = frozenset({Qualifier.N, Qualifier.NONE})
 
 
 @dataclass(slots=True)
@@ -381,7 +380,7 @@ class ChartFitter:
             wrong.append("matiec has no actions of GRAFCET")
         if found.target is None and found.body is None:
             wrong.append("it has no action")
-        if found.value is not None and found.qualifier not in _WHENEVER:
+        if found.value is not None and found.qualifier not in WHENEVER:
             wrong.append(f"a value with the qualifier {found.qualifier}")
         target = found.target or ""
         if self.unit.pou.find_action(target) is None and found.value is None:

@@ -60,7 +60,6 @@ from plcopen_sfc.formats.plcopen.tc6_writing import (
 from plcopen_sfc.formats.xml.extension_data import misfit
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, line_of, parse_xml
-from plcopen_sfc.languages.s7_boxes import put_logic
 from plcopen_sfc.model.project import Configuration, Project, Scaling
 from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
 from plcopen_sfc.report import ConversionReport
@@ -345,10 +344,6 @@ class Tc6Codec(XmlCodec):
 
     def lines(self, content: bytes, project: Project) -> dict[str, int]:
         return source_lines(content, project)
-
-    def replace_missing(self, project: Project, report: ConversionReport) -> None:
-        """Replace flip-flop boxes with an operand, which only TIA Portal has, by logic."""
-        put_logic(project, report)
 
     def fit(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
         """Change `project`, a copy, into what Beremiz and OpenPLC execute."""

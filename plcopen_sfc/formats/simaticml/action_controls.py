@@ -32,6 +32,7 @@ from plcopen_sfc.formats.simaticml.graph_reader import CONTROLLED, control_label
 from plcopen_sfc.formats.simaticml.network_boxes import mark_call
 from plcopen_sfc.formats.simaticml.network_operands import parse_operand
 from plcopen_sfc.formats.simaticml.row_tokens import AS_EVENTS, GRAPH_QUALIFIERS
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.binding import STORING, Effects, Row, SharedScans, bind, told_orders
 from plcopen_sfc.languages.effects import ANYTHING, Path, may_change, path_of
 from plcopen_sfc.languages.networks import condition_reader, draw_ld, draw_ld_expression
@@ -258,12 +259,9 @@ class _Planner:
 
     def _actions(self) -> Iterator[list[tuple[Step, ActionAssociation]]]:
         """Yield the associations of each action that needs a control."""
-        found: dict[str, list[tuple[Step, ActionAssociation]]] = {}
-        for step in self._chart.steps:
-            for row in step.actions if not step.exclude else ():
-                if not row.exclude:
-                    key = (row.target or f" {step.id} {row.id}").casefold()
-                    found.setdefault(key, []).append((step, row))
+        steps = [step for step in self._chart.steps if not step.exclude]
+        executed = [(step, row) for step in steps for row in step.actions if not row.exclude]
+        found = grouped(((row.target or f" {step.id} {row.id}").casefold(), (step, row)) for step, row in executed)
         for rows in found.values():
             if all(map(_is_of_iec, (row for _, row in rows))) and self._needs_control(rows):
                 yield rows

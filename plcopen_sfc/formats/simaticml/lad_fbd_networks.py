@@ -65,6 +65,7 @@ from plcopen_sfc.formats.simaticml.program_comparison import (
     shortened,
 )
 from plcopen_sfc.formats.xml.extension_data import attributes_of
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.standard_blocks import S7_CONVERTED, S7_VERSION, StandardBlock, Tool, standard_block
 from plcopen_sfc.model.body import FbdBody, LdBody, OpaqueBody
 from plcopen_sfc.model.network import (
@@ -162,12 +163,12 @@ class _Writer:
         self._outputs(network)
         self._join()
         self._wired_outputs()  # last: it needs the sources as the others leave them
-        self.consumers: dict[tuple[int, str | None], list[tuple[_Draft, _End]]] = {}
-        for draft in self.drafts:
-            for end in draft.ends:
-                for source, pin in end.sources:
-                    key = (RAIL_KEY, None) if source in self.rails else (source, pin)
-                    self.consumers.setdefault(key, []).append((draft, end))
+        self.consumers = grouped(
+            ((RAIL_KEY, None) if source in self.rails else (source, pin), (draft, end))
+            for draft in self.drafts
+            for end in draft.ends
+            for source, pin in end.sources
+        )
         self.next = FIRST
         self.access: dict[tuple[int, str], str] = {}
 

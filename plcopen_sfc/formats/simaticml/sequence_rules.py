@@ -13,6 +13,7 @@ from lxml import etree
 
 from plcopen_sfc.formats.simaticml.element_reader import NotUnderstoodError, children, local
 from plcopen_sfc.formats.simaticml.element_writer import sub
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.whole_numbers import whole_number
 
 _LETTERS = {"StepRef": "S", "TransitionRef": "T", "BranchRef": "B"}
@@ -215,10 +216,11 @@ def with_competing_transitions_joined(links: list[SequenceLink], types: Mapping[
     Drawings may part at each of the steps instead, and join once for each transition, which S7-GRAPH cannot express.
     """
     entering = {_key(link.target): link for link in links if link.target is not None and not link.is_jump}
-    joins: dict[int, list[SequenceLink]] = {}
-    for link in links:
-        if link.target is not None and kind_of(link.target, types) == "SimEnd":
-            joins.setdefault(link.target.number, []).append(link)
+    joins = grouped(
+        (link.target.number, link)
+        for link in links
+        if link.target is not None and kind_of(link.target, types) == "SimEnd"
+    )
     groups: dict[tuple[ElementRef, ...], list[int]] = {}
     for number, inputs in joins.items():
         begins = [link.source.number for link in inputs if kind_of(link.source, types) == "AltBegin"]

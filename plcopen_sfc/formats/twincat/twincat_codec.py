@@ -21,6 +21,7 @@ from plcopen_sfc.formats.archives.object_elements import (
     identity_of,
     path_of,
     read_element,
+    take_out_others,
     write_declared,
     write_pou,
 )
@@ -30,14 +31,13 @@ from plcopen_sfc.formats.plcopen.tc6_versions import V2_0
 from plcopen_sfc.formats.xml.source_patch import patch_xml
 from plcopen_sfc.formats.xml.xml_codec import FolderCodec, ProjectPart, XmlStyle, write_xml
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, line_of, parse_xml
-from plcopen_sfc.languages.s7_boxes import put_logic
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.task_schedules import FREEWHEELING, cycle_literal, nanoseconds, schedule_of
 from plcopen_sfc.model.checked import first_misfit
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.project import PouInstance, Project, Resource, Task
 from plcopen_sfc.model.types import DataTypeDeclaration
-from plcopen_sfc.model.variables import VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.whole_numbers import whole_number
 
@@ -171,10 +171,6 @@ class TwincatCodec(FolderCodec):
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         return read_object(data, file=file)
 
-    def replace_missing(self, project: Project, report: ConversionReport) -> None:
-        """Replace flip-flop boxes with an operand, which only TIA Portal has, by logic."""
-        put_logic(project, report)
-
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
         return write_object(project, options, report)
 
@@ -224,9 +220,7 @@ class TwincatCodec(FolderCodec):
 
     def parts(self, project: Project) -> list[ProjectPart]:
         """Return the lists of global variables and the tasks of `project`."""
-        lists: dict[str, list[VariableSection]] = {}
-        for section in project.global_variables:
-            lists.setdefault(section.name or "", []).append(section)
+        lists = grouped((section.name or "", section) for section in project.global_variables)
         found = [
             ProjectPart(name, "GVLs", Project(global_variables=sections, dialect=Dialect.CODESYS))
             for name, sections in lists.items()
@@ -251,15 +245,9 @@ class TwincatCodec(FolderCodec):
         """Take out of `project`, a copy, what files of objects do not hold, such as how the project is filed."""
         if options.same:
             return
-        project.global_variables = list(project.global_sections())
         tasks = [adapted_task(task, report) for resource in project.resources() for task in resource.tasks]
+        take_out_others(project)
         project.applications = task_document(*(task for task in tasks if task is not None)).applications
-        for section in project.global_variables:
-            section.name = section.name or "GVL"
-        plain = self.new_document("")
-        for name in Project.model_fields:
-            if name not in ("pous", "data_types", "global_variables", "applications"):
-                setattr(project, name, getattr(plain, name))
 
 
 def _path_in(element: etree._Element) -> str:

@@ -21,6 +21,7 @@ from plcopen_sfc.formats.xml.escaping import encode_text
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, OWN_DATA, canonical_form
 from plcopen_sfc.formats.xml.source_tree import COMMENT, SourceNode, SourceTree
 from plcopen_sfc.formats.xml.xml_parsing import decode_xml, parse_xml
+from plcopen_sfc.languages.s7_boxes import put_logic
 from plcopen_sfc.languages.text_edits import without
 from plcopen_sfc.model.late import ProjectObject
 from plcopen_sfc.model.project import Project
@@ -51,6 +52,10 @@ class XmlCodec(Codec):
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
         """Write a file from the model alone."""
         return write_xml(self.to_tree(project, options, report), self.style())
+
+    def replace_missing(self, project: Project, report: ConversionReport) -> None:
+        """Replace flip-flop boxes with an operand, which only TIA Portal has, by logic."""
+        put_logic(project, report)
 
     def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
         """Return the file without data and comments of this package."""
