@@ -299,7 +299,7 @@ class _Merging:
                 )
             else:
                 self._changes += _put(_Versions(mine, old[key][1], now, then), _VARIABLE_FIELDS, columns, where)
-        for key in old.keys() - new.keys():
+        for key in (key for key in old if key not in new):
             found = own.get(self._own_key(program, key))
             if found is not None:
                 _content(found[0]).remove(found[1])

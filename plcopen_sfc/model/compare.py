@@ -98,7 +98,7 @@ def differences(
             for index, (a, b) in enumerate(zip(left, right, strict=True)):
                 yield from differences(a, b, ignore=ignore, path=_joined(path, _label(a, index)))
     elif isinstance(left, dict):
-        for key in left.keys() | right.keys():
+        for key in {**left, **right}:  # in their order, and not in that of a set
             yield from differences(left.get(key), right.get(key), ignore=ignore, path=_joined(path, str(key)))
     elif left != right:
         yield ModelDifference(path, left, right)

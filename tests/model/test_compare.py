@@ -68,6 +68,11 @@ def test_differences_are_named_as_in_reports(number: int, path: str) -> None:
     assert [found.path for found in differences(sfc.loads(SOURCE.encode()), _edited(number))] == [path]
 
 
+def test_differences_of_keys_are_in_the_order_of_the_keys() -> None:
+    left, right = dict.fromkeys("qwertzuiop", "before"), dict.fromkeys("asdfqwert", "after")
+    assert "".join(each.path for each in differences(left, right)) == "qwertzuiopasdf"
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("target", ["simaticml", "scl", "iec-text", "codesys"])
 def test_no_report_names_a_place_by_the_fields_of_the_model(target: str) -> None:
