@@ -270,3 +270,28 @@ def test_functions_that_codesys_alone_writes_so_are_put_into_the_words_of_the_st
     seen = sfc.loads(sfc.convert(project, "plcopen-2.01")[0], as_tool=True).pou("Main").body
     assert isinstance(seen, m.StBody)
     assert seen.text.strip() == written
+
+
+@pytest.mark.parametrize(
+    ("target", "written"),
+    [
+        ("codesys23", "Clamp(x := r, hi := 2.0, lo := -1.0)"),
+        ("iec-text for matiec", "Clamp(x := r, hi := 2.0)"),
+        ("scl", 'Clamp"(x := #r, hi := 2.0)'),
+    ],
+)
+def test_a_call_with_arguments_by_position_and_by_name_is_one_of_codesys_alone(target: str, written: str) -> None:
+    text = """FUNCTION Clamp : REAL
+VAR_INPUT x : REAL; lo : REAL := -1.0; hi : REAL := 1.0; END_VAR
+Clamp := LIMIT(lo, x, hi);
+END_FUNCTION
+PROGRAM Main
+VAR r : REAL; END_VAR
+r := Clamp(r, hi := 2.0);
+END_PROGRAM
+"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    project.dialect = m.Dialect.CODESYS
+    form, _, flavour = target.partition(" for ")
+    data, _ = sfc.convert(project, form, flavour=flavour, partial=True)
+    assert written in data.decode()

@@ -55,6 +55,7 @@ from plcopen_sfc.languages.st import parse_expression, print_node, transform, wa
 from plcopen_sfc.languages.st.lexer import CommentKind, Token, tokenize
 from plcopen_sfc.languages.st.printing import render
 from plcopen_sfc.languages.text_edits import Edit, apply_edits, without
+from plcopen_sfc.languages.translation.call_translation import is_mixed
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
@@ -531,11 +532,18 @@ def _plain(unique: Collection[tuple[str, str]], node: n.Node) -> n.Node:
 
 
 def _with_all_inputs(functions: Mapping[str, Pou], node: n.Node) -> n.Node:
-    """Return the call of a function of the project with the start values of inputs that it leaves out."""
+    """Return the call of a function of the project with the start values of inputs that it leaves out.
+
+    Inputs by position get names where others have some: only CODESYS V3 takes both in one call.
+    """
     if not isinstance(node, n.Call) or not isinstance(node.callee, n.Name):
         return node
     function = functions.get(node.callee.identifier.casefold())
     inputs = function.variables(SectionKind.INPUT) if function is not None else []
+    if is_mixed(node) and sum(argument.name is None for argument in node.arguments) <= len(inputs):
+        names_of_inputs = (n.Name(variable.name) for variable in inputs)
+        named = (a if a.name is not None else replace(a, name=next(names_of_inputs)) for a in node.arguments)
+        node = replace(node, arguments=tuple(named))
     given = [argument for argument in node.arguments if not argument.output]
     if any(argument.name is None for argument in given):
         left = inputs[len(given) :]

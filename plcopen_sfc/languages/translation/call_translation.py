@@ -149,6 +149,11 @@ HALVES = _HALVES.format(tool="S7")
 """Difference where a number with decimals becomes one without."""
 
 
+def is_mixed(node: n.Call) -> bool:
+    """True for a call with inputs by position and others, or outputs, by name: only CODESYS V3 takes one."""
+    return len({argument.name is None for argument in node.arguments}) > 1
+
+
 class CallTranslator:
     """Translates calls. `translated` does so with the expressions inside them."""
 
@@ -177,6 +182,10 @@ class CallTranslator:
                 return self._with(node, self._names.function(callee), self._by_name(node, inputs))
             if self._names.is_action(callee) and not self._names.is_instance(callee):
                 self._notes.add(Severity.ERROR, f"S7 has no actions and methods to call: {callee.identifier}", callee)
+        if self._target is Dialect.IEC is not self._source and isinstance(callee, n.Name) and is_mixed(node):
+            inputs = self._names.inputs_of(callee)
+            if inputs is not None:
+                return self._with(node, callee, self._by_name(node, inputs))
         if isinstance(callee, n.Name) and self._is_function(callee):
             return self._function(node, callee)
         if isinstance(callee, n.Member) and self._names_timer(callee.name):
@@ -251,15 +260,17 @@ class CallTranslator:
         return name if new.casefold() == name.identifier.casefold() else n.Name(new, span=name.span)
 
     def _by_name(self, node: n.Call, inputs: Sequence[str]) -> tuple[Argument, ...]:
-        """Return the arguments of a function of the project with the names of its inputs, as S7 wants them."""
+        """Return the arguments of a function of the project with the names of its inputs, those by position first."""
         arguments = self._arguments(node.arguments, self._names.member)
-        if any(argument.name is not None for argument in arguments):
-            return arguments
-        if len(arguments) > len(inputs):
+        by_position = [argument for argument in arguments if argument.name is None]
+        if len(by_position) > len(inputs):
             self._notes.add(Severity.ERROR, "there are more arguments than inputs; left as they stand", node)
             return arguments
-        pairs = zip(arguments, inputs, strict=False)
-        return tuple(replace(argument, name=self._names.member(n.Name(name))) for argument, name in pairs)
+        names = iter(inputs)
+        return tuple(
+            argument if argument.name is not None else replace(argument, name=self._names.member(n.Name(next(names))))
+            for argument in arguments
+        )
 
     # -- functions ----------------------------------------------------------------------------------------------------
 
