@@ -479,7 +479,8 @@ class _Reader:
             self._variable(part, "member", member, VariableSection(), "")
         if not is_listed or variable.initial is not None:
             part.tell("initial value", self.starts.meaning(variable))
-        unread = [each for each in _kept_elements(variable) if "<StartValue" in each]
+        elements = variable.extension_data.elements if variable.extension_data is not None else []
+        unread = [each for each in elements if "<StartValue" in each]
         if unread and variable.initial is None:
             part.tell("start values", Meaning.of(tuple(unread), "in a form that is not read"))
         tell_type(part, variable.type)
@@ -603,10 +604,6 @@ class _Reader:
             if self.detail is Detail.WRITTEN and meaning is not None:
                 part.tell(f"language {number + 1}" if number else "language", Meaning.of(body.language))
             self.tell_networks(part, body, number=number)
-
-
-def _kept_elements(variable: Variable) -> list[str]:
-    return variable.extension_data.elements if variable.extension_data is not None else []
 
 
 def _in_languages(text: Text | None) -> Iterator[tuple[str, str]]:

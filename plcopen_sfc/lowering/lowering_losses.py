@@ -117,10 +117,8 @@ class CodeCaptions:
 
     def has(self, text: str) -> bool:
         """Return True if it has all lines of a text, as words of their own."""
-        return all(line in self._lines or self._contains(line) for line in map(_bare, text.splitlines()))
-
-    def _contains(self, line: str) -> bool:
-        return re.search(rf"(?<!\w){re.escape(line)}(?!\w)", self._all) is not None
+        lines = (line for line in map(_bare, text.splitlines()) if line not in self._lines)
+        return all(re.search(rf"(?<!\w){re.escape(line)}(?!\w)", self._all) for line in lines)
 
 
 def _bare(text: str) -> str:

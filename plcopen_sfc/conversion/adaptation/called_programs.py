@@ -29,7 +29,9 @@ def make_blocks_of_programs(project: Project, tool: str, report: ConversionRepor
     users = _users(project, programs)
     taken = {thing.name.casefold() for thing in project.objects()}
     made: list[tuple[str, str, str]] = []
-    for key in [key for key in programs if key in users and not _is_its_own_user(key, users)]:
+    # programs that use each other in a circle stay: their blocks would need each other's declaration first
+    used = [key for key in programs if key in users]
+    for key in [key for key in used if key not in reached(users[key], lambda user: users.get(user, ()))]:
         program, name = programs[key], programs[key].name
         reads, writes = _named_outside(project, program, key)
         if any(each.address is not None or _is_constant(program, each.name, reads) for each in program.variables()):
@@ -94,11 +96,6 @@ def _users(project: Project, programs: Mapping[str, Pou]) -> dict[str, set[str]]
         if is_it and user not in (None, program) and not isinstance(occurrence.text_site.holder, ForeignData):
             found.setdefault(program.name.casefold(), set()).add(user.name.casefold() if user is not None else "")
     return found
-
-
-def _is_its_own_user(program: str, users: Mapping[str, set[str]]) -> bool:
-    """True if programs use each other in a circle: their blocks would need each other's declaration first."""
-    return program in reached(users.get(program, ()), lambda user: users.get(user, ()))
 
 
 def _named_outside(project: Project, program: Pou, key: str) -> tuple[set[str], set[str]]:

@@ -446,7 +446,8 @@ class _DrawnBoxes:
         dialect = self._rewriting.host.dialect
         if self._kept is None:
             objects, taken = self._rewriting.chart.pou.transitions, self._rewriting.taken
-            needed = [each for each in self._rewriting.source.transitions if self._needs_boxes(each)]
+            wired = (t for t in self._rewriting.source.transitions if isinstance(t.condition, WiredCondition))
+            needed = [each for each in wired if self._rewriting.text(each.condition) is None]
             chart = self._rewriting.source.model_copy(update={"transitions": needed})
             found, self._kept = kept_conditions(chart, dialect, transitions=objects, taken=taken)
             self._added += self._rewriting.declare_helpers(found.helpers)
@@ -458,9 +459,6 @@ class _DrawnBoxes:
         text = print_node(transform(tree, self._as_before))
         self.uses[transition.id] = [*self._added, *self._before.values()]
         return text
-
-    def _needs_boxes(self, transition: Transition) -> bool:
-        return isinstance(transition.condition, WiredCondition) and self._rewriting.text(transition.condition) is None
 
     def _as_before(self, node: n.Node) -> n.Node:
         """Return the variable with the value that a box gave in the scan before."""

@@ -276,7 +276,8 @@ class _Tc6Flags(FlagRewriter):
     def watch(self, used: Collection[SfcFlag], obeyed: Collection[SfcFlag]) -> frozenset[SfcFlag]:
         """Let statements set the flags that report on the chart, of which `obeyed` operate it. Returns those."""
         inputs = {each.name.casefold() for each in self._place.pou.variables(SectionKind.INPUT)}
-        found = [flag for flag in sorted(_REPORTS & set(used)) if self._can_tell(flag)]
+        is_own = self._chart is self._place.pou.chart
+        found = [flag for flag in sorted(_REPORTS & set(used)) if is_own or self._is_declared(flag)]
         found = [flag for flag in found if flag is SfcFlag.ENABLE_LIMIT or flag.variable.casefold() not in inputs]
         # the other flags tell of errors, and work only together with SFCError
         if not any(step.initial for step in self._chart.steps) or (
@@ -307,9 +308,6 @@ class _Tc6Flags(FlagRewriter):
             self._watching += guarded(_none(stopped), first_of([*steps, ("", [f"{name} := '';"])]))
             self._watching += guarded(self._init, [f"{name} := '';"]) if SfcFlag.INIT in obeyed else []
         return frozenset(found)
-
-    def _can_tell(self, flag: SfcFlag) -> bool:
-        return self._is_declared(flag) or self._chart is self._place.pou.chart
 
     def _watch_times(
         self, found: Collection[SfcFlag], obeyed: Collection[SfcFlag], halts: list[str], stopped: list[str]

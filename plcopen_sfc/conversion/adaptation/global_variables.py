@@ -170,7 +170,8 @@ class _Globals:
         instances: list[Variable] = []
         retained: list[Variable] = []
         for block in self.project.data_blocks:
-            found += self._block(block, retained if _is_all_retained(block) else instances)
+            kept = _retained(block)
+            found += self._block(block, retained if kept and all(kept) else instances)
         for variables in (instances, retained):
             if variables:
                 found.append(self._list("Instances", variables))
@@ -298,11 +299,6 @@ def _retained(block: DataBlock) -> list[bool]:
     """For each variable of a data block, whether it is retained."""
     sections = block.interface.sections if block.interface is not None else []
     return [is_retained(section, variable) for section in sections for variable in section.variables]
-
-
-def _is_all_retained(block: DataBlock) -> bool:
-    retained = _retained(block)
-    return bool(retained) and all(retained)
 
 
 def has_lists(project: Project) -> bool:

@@ -99,7 +99,9 @@ class GrafcetTexts:
         tags = [tag for table in project.tag_tables for tag in table.tags]
         self._tags = {tag.name.casefold() for tag in tags}
         self.numbers = {tag.name.casefold() for tag in tags if tag.type.casefold() != "bool"}
-        self._globals = {name.casefold() for section in project.global_sections() for name in _named_by(section)}
+        lists = [*project.global_sections()]
+        self._globals = {v.name.casefold() for section in lists for v in section.variables}
+        self._globals |= {section.name.casefold() for section in lists if section.name}
         self._taken = taken_names(project, Chart(pou.name, pou, chart))
         self.steps: dict[str, Step] = {}
         self.groups: dict[str, list[Step]] = {}
@@ -309,11 +311,6 @@ class GrafcetTexts:
         if found is None:
             return wanted[:1] == "x" and wanted[1:] in self.steps and wanted not in self._globals
         return isinstance(found.type, ElementaryType) and found.type.name is Elementary.BOOL
-
-
-def _named_by(section: VariableSection) -> list[str]:
-    """Return the names by which texts find a list of global variables: its own, and those of the variables."""
-    return [*filter(None, [section.name]), *(variable.name for variable in section.variables)]
 
 
 def _as_name(operand: str) -> str:

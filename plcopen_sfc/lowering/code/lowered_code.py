@@ -334,7 +334,7 @@ class LoweredCode:
 
     def keep_text(self, statements: tuple[n.Statement, ...], text: str) -> None:
         """Keep the text of statements, whose comments a tree does not have: it is written while they stay the same."""
-        if statements and has_comments(text):
+        if statements and any(start in text for start in ("//", "(*", "/*")):
             self._written[id(statements[0])] = statements, dedent(text).strip("\n")
 
     def text_of(self, statements: Sequence[n.Statement]) -> tuple[int, str]:
@@ -451,11 +451,6 @@ class LoweredCode:
             return
         remarked = (((n.Remark(part.comment),) if part.comment else ()) + part.statements for part in parts)
         self.add(title, [*chain.from_iterable(remarked)])
-
-
-def has_comments(text: str) -> bool:
-    """Return True if there may be comments in structured text."""
-    return any(start in text for start in ("//", "(*", "/*"))
 
 
 _MARKS = re.compile(r"^\s*//+|\(\*+|\*+\)|/\*+|\*+/", re.MULTILINE)

@@ -129,7 +129,10 @@ class Concurrency:
     def __init__(self, source: ChartSource, profile: Profile) -> None:
         # competing transitions whose conditions exclude each other never fire together: then the situations under
         # priority are all, and they are fewer
-        together = profile.competing is Competing.ALL and not _competing_exclude_each_other(source)
+        conditions = source.conditions
+        pairs = ((conditions[t.index], conditions[other]) for t in source.net.transitions for other in t.competing)
+        apart = (exclude(one, other, source.dialect) for one, other in pairs)
+        together = profile.competing is Competing.ALL and not all(apart)
         self._competing = Competing.ALL if together else Competing.PRIORITY
         ruled = source.grafcet.ruled if source.grafcet is not None else ()
         self._parts = [_Part(source.net, steps, ruled, self._competing) for steps in _parts(source.net)]
@@ -174,11 +177,6 @@ class _Part:
 def leaving_and_entering(net: Net, step: int) -> tuple[list[NetTransition], list[NetTransition]]:
     """Return the transitions that leave a step, and those that enter it."""
     return [net.transitions[i] for i in net.leaving[step]], [net.transitions[i] for i in net.entering[step]]
-
-
-def _competing_exclude_each_other(source: ChartSource) -> bool:
-    pairs = ((t.index, other) for t in source.net.transitions for other in t.competing)
-    return all(exclude(source.conditions[a], source.conditions[b], source.dialect) for a, b in pairs)
 
 
 def _parts(net: Net) -> list[int]:
