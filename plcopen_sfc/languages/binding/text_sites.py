@@ -187,6 +187,7 @@ NAMING: dict[type[Model], dict[str, tuple[SiteKind, Role]]] = {
     n.Contact: {"variable": _EXPRESSION},
     n.Coil: {"variable": _EXPRESSION},
     t.DerivedType: {"name": _TYPE},
+    t.Variable: {"address": (SiteKind.NAME, Role.VALUE)},
     t.Dimension: {"lower": _EXPRESSION, "upper": _EXPRESSION},
     t.StringType: {"length": _EXPRESSION},
     t.EnumValue: {"value": _EXPRESSION},
@@ -246,7 +247,7 @@ NAMELESS: dict[str, frozenset[str]] = {
         DataBlock.folder DataTypeDeclaration.folder Pou.folder TagTable.folder
         """.split()
     ),
-    "addresses": frozenset({"ConfigVariable.address", "Tag.address", "Variable.address"}),
+    "addresses": frozenset({"ConfigVariable.address", "Tag.address"}),
 }
 """The fields that hold texts without names that a rename concerns, by reason. ``object_id`` and the like go without."""
 
@@ -321,12 +322,17 @@ def _is_without(thing: Any, where: _Where) -> bool:
         return thing.is_unread and not thing.may_mention(where.words)
     if isinstance(thing, t.Variable):
         others = (value for key, value in thing.__dict__.items() if key not in _PLAIN_FIELDS)
-        return type(thing.type) is t.ElementaryType and not any(others)
+        return type(thing.type) is t.ElementaryType and not any(others) and not _overlays(thing)
     return False
 
 
 _PLAIN_FIELDS = frozenset({"name", "type", "address", "attributes"})
-"""The fields of a variable of an elementary type that name nothing."""
+"""The fields of a variable of an elementary type that name nothing, but for the address of an overlay."""
+
+
+def _overlays(variable: t.Variable) -> bool:
+    """True if a variable is at the address of another one, as S7 has it: ``bits AT word : ARRAY[0..15] OF BOOL``."""
+    return bool(variable.address) and not str(variable.address).lstrip().startswith("%")
 
 
 @cache
@@ -394,6 +400,8 @@ def _add_named(holder: Any, key: str | int, how: tuple[SiteKind, Role], where: _
         reading = SiteKind.NETWORKS
     elif isinstance(holder, PouInstance) and key == "name" and holder.type_name:
         return  # a name of its own
+    elif isinstance(holder, t.Variable) and not _overlays(holder):
+        return  # a direct address
     elif isinstance(holder, TreeNode):
         if holder.folder:
             return  # the name of a folder, which is no declaration

@@ -553,3 +553,36 @@ def test_a_type_that_leads_to_itself_has_no_members_and_ends(type_: m.PointerTyp
     assert main.bodies[0].text == "x.y := z;"
     for format in ("iec-text", "plcopen"):
         assert b"T_Link" in plcopen_sfc.dumps(project, format=format, partial=True)
+
+
+OVERLAY = b"""FUNCTION_BLOCK FB1
+VAR_INPUT go : BOOL; END_VAR
+VAR_OUTPUT q : BOOL; END_VAR
+VAR
+  w : WORD;  // filled by the bus
+  bits AT w : ARRAY[0..15] OF BOOL;
+  z : INT;
+END_VAR
+BEGIN
+  q := bits[3] AND go;
+END_FUNCTION_BLOCK
+"""
+
+
+def test_an_overlay_uses_the_variable_at_whose_address_it_is() -> None:
+    """It was taken for a direct address: a rename left `AT w`, and the unused `w` was removed under it."""
+    made = plcopen_sfc.loads(OVERLAY)
+    assert places(made, "FB1.w") == ["FB1 / bits / address:1:1"]
+    assert made.edit().remove_unused() == ["FB1.z"]
+    assert plcopen_sfc.dumps(made) == OVERLAY.replace(b"  z : INT;\n", b"")
+    made = plcopen_sfc.loads(OVERLAY)
+    made.rename("FB1.w", "status word")
+    assert plcopen_sfc.dumps(made) == OVERLAY.replace(b"  w :", b'  "status word" :').replace(
+        b"AT w", b'AT "status word"'
+    )
+
+
+def test_a_direct_address_names_nothing() -> None:
+    made = plcopen_sfc.loads(b"PROGRAM P\nVAR IX0 : INT; x AT %IX0.0 : BOOL; END_VAR\nEND_PROGRAM\n")
+    assert places(made, "P.IX0") == []
+    assert [each.text_site.text for each in Names(made).everything if "address" in each.text_site.path] == []
