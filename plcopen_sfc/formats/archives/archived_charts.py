@@ -55,7 +55,8 @@ from plcopen_sfc.formats.archives.object_archive import (
 )
 from plcopen_sfc.formats.codesys.codesys_codec import LACKS
 from plcopen_sfc.formats.plcopen.tc6_chart_meaning import DrawnChart, Line
-from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext, extension_data
+from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext
+from plcopen_sfc.formats.xml.extension_data import extension_data
 from plcopen_sfc.grouping import grouped
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.chart_settings import RuntimeLibrary, SfcFlag, SfcSettings

@@ -15,9 +15,9 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.formats.codesys import codesys_names as names
-from plcopen_sfc.formats.plcopen.tc6_reading import DataReader, Fields, Tc6ReadContext, extension_data
+from plcopen_sfc.formats.plcopen.tc6_reading import DataReader, Fields, Tc6ReadContext
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, Written, tool_element
-from plcopen_sfc.formats.xml.extension_data import legal_text, markup, parsed_markup
+from plcopen_sfc.formats.xml.extension_data import extension_data, legal_text, markup, parsed_markup
 from plcopen_sfc.model.actions import Monitoring, SymbolAccess
 from plcopen_sfc.model.base import ExtensionData, Model, UnknownDataRule
 from plcopen_sfc.model.chart_settings import SfcFlag, SfcSettings

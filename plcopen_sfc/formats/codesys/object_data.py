@@ -34,10 +34,10 @@ from plcopen_sfc.formats.plcopen.tc6_declarations import (
     write_lists,
     write_section,
 )
-from plcopen_sfc.formats.plcopen.tc6_reading import Fields, Tc6ReadContext, attributes, extension_data, read_common
+from plcopen_sfc.formats.plcopen.tc6_reading import Fields, Tc6ReadContext, read_common
 from plcopen_sfc.formats.plcopen.tc6_versions import XHTML
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, Written, finish_element, given, tool_element
-from plcopen_sfc.formats.xml.extension_data import legal_text
+from plcopen_sfc.formats.xml.extension_data import attributes, extension_data, legal_text
 from plcopen_sfc.languages.declarations.attributes import attribute_pragmas, pragma_attributes
 from plcopen_sfc.languages.declarations.kept_texts import (
     Inheritance,

@@ -24,7 +24,6 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     Fields,
     Tc6ReadContext,
     UnreadChart,
-    attributes,
     keep_attributes,
     keep_element,
     merge_fields,
@@ -42,7 +41,7 @@ from plcopen_sfc.formats.plcopen.tc6_writing import (
     xhtml_child,
 )
 from plcopen_sfc.formats.provenance import read_later
-from plcopen_sfc.formats.xml.extension_data import add_markup, fields_left, misfit
+from plcopen_sfc.formats.xml.extension_data import add_markup, attributes, fields_left, misfit
 from plcopen_sfc.languages.networks.element_places import on_one_sheet
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.drawing import Drawing, Places

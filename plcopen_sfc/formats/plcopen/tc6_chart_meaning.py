@@ -16,10 +16,9 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     STEP_ACTION_QUALIFIERS,
     Fields,
     Tc6ReadContext,
-    extension_data,
     neutral,
 )
-from plcopen_sfc.formats.xml.extension_data import markup
+from plcopen_sfc.formats.xml.extension_data import extension_data, markup
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.drawing import Places, StepActionKind, SymbolKind
 from plcopen_sfc.model.wiring import trace

@@ -21,7 +21,6 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     SHARED_FIELD,
     Fields,
     Tc6ReadContext,
-    attributes,
     keep_attributes,
     keep_element,
     read_common,
@@ -31,6 +30,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     take_integer,
     take_required,
 )
+from plcopen_sfc.formats.xml.extension_data import attributes
 from plcopen_sfc.model.drawing import Places, SymbolKind
 from plcopen_sfc.model.text import is_direct
 from plcopen_sfc.whole_numbers import xml_number

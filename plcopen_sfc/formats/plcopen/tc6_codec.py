@@ -32,9 +32,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     Fields,
     Tc6ReadContext,
     ToolData,
-    attributes,
     decimal_or_none,
-    extension_data,
     keep_attributes,
     keep_element,
     read_common,
@@ -57,7 +55,7 @@ from plcopen_sfc.formats.plcopen.tc6_writing import (
     finish_element,
     write_text,
 )
-from plcopen_sfc.formats.xml.extension_data import misfit
+from plcopen_sfc.formats.xml.extension_data import attributes, extension_data, misfit
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, line_of, parse_xml
 from plcopen_sfc.model.project import Configuration, Project, Scaling

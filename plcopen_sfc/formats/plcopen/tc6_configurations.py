@@ -19,13 +19,13 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     SCHEDULE_FIELD,
     Fields,
     Tc6ReadContext,
-    attributes,
     keep_attributes,
     read_common,
     take_integer,
     take_required,
 )
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, add_child, finish_element
+from plcopen_sfc.formats.xml.extension_data import attributes
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.languages.task_schedules import SCHEDULE_FIELDS, clock_time, codesys_form, iec_form, schedule_fields
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Task

@@ -12,7 +12,6 @@ from plcopen_sfc.formats.plcopen.source_marks import restore_no_result, restore_
 from plcopen_sfc.formats.plcopen.tc6_reading import (
     Fields,
     Tc6ReadContext,
-    attributes,
     keep_attributes,
     keep_element,
     read_comment,
@@ -23,7 +22,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     take_required,
 )
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, add_child, finish_element
-from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK
+from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, attributes
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.model.types import (
     ArrayType,

@@ -20,7 +20,6 @@ from plcopen_sfc.formats.plcopen.tc6_pins import (
 from plcopen_sfc.formats.plcopen.tc6_reading import (
     Fields,
     Tc6ReadContext,
-    attributes,
     keep_attributes,
     keep_element,
     read_common,
@@ -34,11 +33,11 @@ from plcopen_sfc.formats.plcopen.tc6_writing import (
     Tc6WriteContext,
     add_child,
     add_unknown,
-    boolean,
     finish_element,
     write_point,
     write_text,
 )
+from plcopen_sfc.formats.xml.extension_data import attributes, boolean
 from plcopen_sfc.model import network as logic
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.network import (

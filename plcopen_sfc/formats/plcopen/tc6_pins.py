@@ -7,7 +7,6 @@ from lxml import etree
 from plcopen_sfc.formats.plcopen.tc6_reading import (
     Fields,
     Tc6ReadContext,
-    attributes,
     keep_attributes,
     keep_element,
     read_foreign_data,
@@ -16,6 +15,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     take_number,
 )
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, add_child, decimal, finish_element, write_point
+from plcopen_sfc.formats.xml.extension_data import attributes
 from plcopen_sfc.model.network import Connection, InputPin, OutputPin
 from plcopen_sfc.whole_numbers import xml_number
 

@@ -21,7 +21,7 @@ from typing import Any, TypeVar
 from lxml import etree
 
 from plcopen_sfc.formats.plcopen.tc6_versions import XHTML, Tc6Version
-from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, inner_markup, markup
+from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, extension_data, inner_markup, markup
 from plcopen_sfc.formats.xml.xml_parsing import ElementReading, SourceLines
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.drawing import StepActionKind
@@ -139,19 +139,6 @@ class Tc6ReadContext(ElementReading):
         if found is None:
             found = self._mentions[mention] = self.lines is None or self.lines.may_have(mention.is_in)
         return found
-
-
-def attributes(element: etree._Element) -> dict[str, str]:
-    """Return the attributes of `element`, to take from."""
-    return dict(element.items())  # type: ignore[arg-type]  # lxml types keys and values as str or bytes
-
-
-def extension_data(fields: Fields) -> Fields:
-    """Return the extension data of an object being read, created when it is needed."""
-    found: Fields | None = fields.get("extension_data")
-    if found is None:
-        found = fields["extension_data"] = {"data": [], "attributes": {}, "elements": []}
-    return found
 
 
 def keep_attributes(fields: Fields, left: dict[str, str]) -> None:

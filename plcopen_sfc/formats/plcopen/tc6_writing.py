@@ -187,11 +187,6 @@ def write_point(ctx: Tc6WriteContext, parent: etree._Element, name: str, point: 
     add_child(ctx, parent, name, {"x": decimal(point[0]), "y": decimal(point[1])})
 
 
-def boolean(value: bool) -> str:
-    """Return a truth as ``xsd:boolean``."""
-    return "true" if value else "false"
-
-
 def add_unknown(ctx: Tc6WriteContext, element: etree._Element, extension_data: ExtensionData | None) -> None:
     """Write back the attributes and child elements that the reader did not know. Before ``addData``."""
     if extension_data is None:

@@ -19,9 +19,9 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.declaration_spelling import write_type
-from plcopen_sfc.formats.simaticml.element_reader import ADDED, Fields, attributes, children, local
+from plcopen_sfc.formats.simaticml.element_reader import ADDED, Fields, children, local
 from plcopen_sfc.formats.simaticml.element_writer import DocumentWriting, keep_fields, sub
-from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK
+from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, attributes
 from plcopen_sfc.languages.s7_programs import OPERANDS, RESULT, rename_local, renamed_local
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.pou import Pou

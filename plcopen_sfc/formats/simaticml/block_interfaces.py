@@ -23,9 +23,7 @@ from plcopen_sfc.formats.simaticml.declaration_spelling import (
 from plcopen_sfc.formats.simaticml.element_reader import (
     DocumentReading,
     Fields,
-    attributes,
     children,
-    extension_data,
     keep_attribute,
     keep_element,
     local,
@@ -42,7 +40,7 @@ from plcopen_sfc.formats.simaticml.nested_start_values import (
     write_nested,
 )
 from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, counting_fields, member_digests, warn_of_edit
-from plcopen_sfc.formats.xml.extension_data import attributes_of, elements_of, legal_text
+from plcopen_sfc.formats.xml.extension_data import attributes, attributes_of, elements_of, extension_data, legal_text
 from plcopen_sfc.languages.s7_globals import open_address
 from plcopen_sfc.languages.s7_types import NO_START
 from plcopen_sfc.model.types import (

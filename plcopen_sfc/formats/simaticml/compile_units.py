@@ -16,7 +16,6 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     DocumentReading,
     Fields,
     NotUnderstoodError,
-    attributes,
     child_named,
     children,
     keep_attribute,
@@ -44,7 +43,7 @@ from plcopen_sfc.formats.simaticml.graph_writer import write_graph
 from plcopen_sfc.formats.simaticml.lad_fbd_networks import read_network, report_network, write_network
 from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, code_digest, warn_of_edit
 from plcopen_sfc.formats.simaticml.scl_tokens import InterfaceNames, read_code, write_code
-from plcopen_sfc.formats.xml.extension_data import Markup, attributes_of, exchange_markup
+from plcopen_sfc.formats.xml.extension_data import Markup, attributes, attributes_of, exchange_markup
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.network import LogicNetwork, OutputVariable

@@ -18,7 +18,6 @@ from plcopen_sfc.formats.simaticml.added_elements import AddedMark, forget_mark,
 from plcopen_sfc.formats.simaticml.element_reader import (
     DocumentReading,
     Fields,
-    attributes,
     child_named,
     children,
     keep_attribute,
@@ -37,7 +36,7 @@ from plcopen_sfc.formats.simaticml.tia_versions import (
     version_like,
     version_named,
 )
-from plcopen_sfc.formats.xml.extension_data import Markup, exchange_markup
+from plcopen_sfc.formats.xml.extension_data import Markup, attributes, exchange_markup
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse_xml
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.late import ProjectObject

@@ -15,7 +15,7 @@ from lxml import etree
 from pydantic import ValidationError
 
 from plcopen_sfc.formats.simaticml.tia_versions import TiaVersion, neutral, schema_of
-from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, markup, misfit
+from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, attributes, extension_data, markup, misfit
 from plcopen_sfc.formats.xml.xml_parsing import ElementReading, SourceLines
 from plcopen_sfc.model.base import ExtensionData, Model
 from plcopen_sfc.model.checked import first_misfit
@@ -109,19 +109,6 @@ def child_named(element: N, name: str) -> N | None:
         if local(child) == name:
             return child  # type: ignore[return-value]
     return None
-
-
-def attributes(element: XmlNode) -> dict[str, str]:
-    """Return a copy of the attributes of `element`, from which a reader takes them one by one."""
-    return dict(element.items())  # type: ignore[arg-type]  # lxml types keys and values as str or bytes
-
-
-def extension_data(fields: Fields) -> Fields:
-    """Return the extension data of an object being read, created when it is needed."""
-    found: Fields | None = fields.get("extension_data")
-    if found is None:
-        found = fields["extension_data"] = {"data": [], "attributes": {}, "elements": []}
-    return found
 
 
 def keep_element(fields: Fields, element: etree._Element) -> None:

@@ -136,11 +136,6 @@ def _tag_beside(tag: str, name: str) -> str:
     return head + brace + name
 
 
-def flag(value: bool) -> str:
-    """Return a truth as SimaticML writes it."""
-    return "true" if value else "false"
-
-
 def languages(ctx: DocumentWriting, text: Text) -> dict[str, str]:
     """Return a text by language."""
     return text.texts if isinstance(text, MultilingualText) else {ctx.culture: plain(text)}

@@ -8,14 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from plcopen_sfc.formats.simaticml.element_reader import (
-    Fields,
-    NotUnderstoodError,
-    XmlNode,
-    attributes,
-    children,
-    local,
-)
+from plcopen_sfc.formats.simaticml.element_reader import Fields, NotUnderstoodError, XmlNode, children, local
 from plcopen_sfc.formats.simaticml.network_boxes import (
     CALL_MARKS,
     CALLS,
@@ -33,6 +26,7 @@ from plcopen_sfc.formats.simaticml.network_boxes import (
     template_type,
 )
 from plcopen_sfc.formats.simaticml.network_operands import read_operand, read_path
+from plcopen_sfc.formats.xml.extension_data import attributes
 from plcopen_sfc.languages.standard_blocks import StandardBlock, standard_block
 from plcopen_sfc.whole_numbers import whole_number
 

@@ -15,7 +15,6 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     DocumentReading,
     Fields,
     NotUnderstoodError,
-    attributes,
     child_named,
     children,
     comment_fields,
@@ -41,6 +40,7 @@ from plcopen_sfc.formats.simaticml.replaced_elements import (
 from plcopen_sfc.formats.simaticml.row_tokens import read_action
 from plcopen_sfc.formats.simaticml.sequence_rules import ElementRef
 from plcopen_sfc.formats.simaticml.sequence_topology import TopologyReader, added_in, usual_order
+from plcopen_sfc.formats.xml.extension_data import attributes
 from plcopen_sfc.model.drawing import SymbolKind
 from plcopen_sfc.whole_numbers import canonical_number
 

@@ -17,7 +17,6 @@ from plcopen_sfc.formats.simaticml.element_writer import (
     DocumentWriting,
     add_element,
     finish,
-    flag,
     keep_fields,
     sub,
     write_languages,
@@ -48,7 +47,7 @@ from plcopen_sfc.formats.simaticml.sequence_rules import (
     write_link,
 )
 from plcopen_sfc.formats.simaticml.sequence_topology import TopologyWriter, usual_order
-from plcopen_sfc.formats.xml.extension_data import Markup, attributes_of, elements_of, markup_of
+from plcopen_sfc.formats.xml.extension_data import Markup, attributes_of, boolean, elements_of, markup_of
 from plcopen_sfc.languages.networks import chart_statements, condition_reader
 from plcopen_sfc.languages.sfc_flag_uses import WATCHING_FLAGS
 from plcopen_sfc.model.base import ExtensionData
@@ -337,7 +336,7 @@ class _ChartWriter:
 
     def _step(self, parent: etree._Element, step: Step) -> None:
         ctx = self.ctx
-        attributes = {"Number": str(self.step_numbers[step.id]), "Init": flag(step.initial), "Name": step.name}
+        attributes = {"Number": str(self.step_numbers[step.id]), "Init": boolean(step.initial), "Name": step.name}
         # the attribute takes a literal; what is calculated goes into the fields that are kept beside it
         if step.max_time is not None and not step.max_time.startswith(("#", '"')):
             attributes["MaximumStepTime"] = step.max_time

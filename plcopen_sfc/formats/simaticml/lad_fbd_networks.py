@@ -22,7 +22,6 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     NotUnderstoodError,
     XmlNode,
     child_named,
-    extension_data,
     keep_attribute,
     keep_verbatim,
     merge_fields,
@@ -64,7 +63,7 @@ from plcopen_sfc.formats.simaticml.program_comparison import (
     renumber,
     shortened,
 )
-from plcopen_sfc.formats.xml.extension_data import attributes_of
+from plcopen_sfc.formats.xml.extension_data import attributes_of, extension_data
 from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.standard_blocks import S7_CONVERTED, S7_VERSION, StandardBlock, Tool, standard_block
 from plcopen_sfc.model.body import FbdBody, LdBody, OpaqueBody

@@ -13,17 +13,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
-from plcopen_sfc.formats.simaticml.element_reader import (
-    NotUnderstoodError,
-    XmlNode,
-    attributes,
-    child_named,
-    children,
-    local,
-)
+from plcopen_sfc.formats.simaticml.element_reader import NotUnderstoodError, XmlNode, child_named, children, local
 from plcopen_sfc.formats.simaticml.element_writer import sub
 from plcopen_sfc.formats.simaticml.tia_versions import schema_of
-from plcopen_sfc.formats.xml.extension_data import legal_text
+from plcopen_sfc.formats.xml.extension_data import attributes, legal_text
 from plcopen_sfc.whole_numbers import whole_number
 
 _PLAIN = re.compile(r"[^\W\d]\w*")

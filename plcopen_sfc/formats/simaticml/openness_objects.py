@@ -28,7 +28,6 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     TRUTHS,
     DocumentReading,
     Fields,
-    attributes,
     child_named,
     children,
     keep_attribute,
@@ -40,18 +39,10 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     read_comments,
     read_objects,
 )
-from plcopen_sfc.formats.simaticml.element_writer import (
-    ID,
-    DocumentWriting,
-    finish,
-    flag,
-    kept_parts,
-    sub,
-    write_object_text,
-)
+from plcopen_sfc.formats.simaticml.element_writer import ID, DocumentWriting, finish, kept_parts, sub, write_object_text
 from plcopen_sfc.formats.simaticml.graph_reader import CONTROLLED, are_controls_edited
 from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, counting_fields, interface_digest
-from plcopen_sfc.formats.xml.extension_data import attributes_of, elements_of
+from plcopen_sfc.formats.xml.extension_data import attributes, attributes_of, boolean, elements_of
 from plcopen_sfc.languages.s7_globals import UNCALLED, local_tags
 from plcopen_sfc.languages.s7_programs import report_program
 from plcopen_sfc.languages.st.lexer import tokenize
@@ -314,7 +305,7 @@ def _write_settings(writer: _Object, settings: GraphSettings | None) -> None:
     for name, field in SETTINGS.items():
         truth = getattr(settings, field)
         if truth is not None:
-            writer.set(name, flag(truth))
+            writer.set(name, boolean(truth))
     for name, field in SETTING_TEXTS.items():
         text = getattr(settings, field)
         if text is not None:

@@ -18,8 +18,8 @@ from xml.etree import ElementTree as ET
 
 from lxml import etree
 
-from plcopen_sfc.formats.simaticml.element_reader import NotUnderstoodError, XmlNode, attributes, children, local
-from plcopen_sfc.formats.xml.extension_data import canonical_form
+from plcopen_sfc.formats.simaticml.element_reader import NotUnderstoodError, XmlNode, children, local
+from plcopen_sfc.formats.xml.extension_data import attributes, canonical_form
 
 
 def program_text(element: etree._Element) -> bytes:

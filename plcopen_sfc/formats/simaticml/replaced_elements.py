@@ -20,7 +20,6 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     Fields,
     NotUnderstoodError,
     XmlNode,
-    attributes,
     child_named,
     children,
     local,
@@ -28,6 +27,7 @@ from plcopen_sfc.formats.simaticml.element_reader import (
 from plcopen_sfc.formats.simaticml.flgnet_reader import read_flgnet
 from plcopen_sfc.formats.simaticml.program_comparison import UID
 from plcopen_sfc.formats.simaticml.row_tokens import row_fields
+from plcopen_sfc.formats.xml.extension_data import attributes
 from plcopen_sfc.languages.networks import condition_reader
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.model.body import FbdBody, LdBody

@@ -10,7 +10,6 @@ from lxml import etree
 from plcopen_sfc.formats.simaticml.element_reader import (
     TRUTHS,
     Fields,
-    attributes,
     children,
     keep_attribute,
     keep_verbatim,
@@ -20,7 +19,7 @@ from plcopen_sfc.formats.simaticml.element_reader import (
 )
 from plcopen_sfc.formats.simaticml.element_writer import sub
 from plcopen_sfc.formats.simaticml.network_operands import parse_operand
-from plcopen_sfc.formats.xml.extension_data import attributes_of, legal_text
+from plcopen_sfc.formats.xml.extension_data import attributes, attributes_of, legal_text
 from plcopen_sfc.languages.st.parsing import parse_expression
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.body import StBody

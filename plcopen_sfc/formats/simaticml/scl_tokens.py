@@ -16,7 +16,6 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     Fields,
     NotUnderstoodError,
     XmlNode,
-    attributes,
     child_named,
     children,
     keep_attribute,
@@ -37,7 +36,7 @@ from plcopen_sfc.formats.simaticml.program_comparison import (
     shortened,
 )
 from plcopen_sfc.formats.simaticml.tia_versions import concrete, neutral
-from plcopen_sfc.formats.xml.extension_data import attributes_of, legal_text, markup, parsed_markup
+from plcopen_sfc.formats.xml.extension_data import attributes, attributes_of, legal_text, markup, parsed_markup
 from plcopen_sfc.languages.st.lexer import Comment, Token, tokenize
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect

@@ -14,6 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from enum import StrEnum
 from functools import cache
 from typing import Any, cast
+from xml.etree import ElementTree as ET
 from xml.sax.saxutils import escape
 
 from lxml import etree
@@ -49,6 +50,24 @@ def canonical_form(
     except etree.C14NError:
         return etree.tostring(element, encoding="utf-8", with_tail=False)
     return form
+
+
+def attributes(element: etree._Element | ET.Element) -> dict[str, str]:
+    """Return a copy of the attributes of `element`, from which a reader takes them one by one."""
+    return dict(element.items())  # type: ignore[arg-type]  # lxml types keys and values as str or bytes
+
+
+def extension_data(fields: dict[str, Any]) -> dict[str, Any]:
+    """Return the extension data of an object being read, created when it is needed."""
+    found: dict[str, Any] | None = fields.get("extension_data")
+    if found is None:
+        found = fields["extension_data"] = {"data": [], "attributes": {}, "elements": []}
+    return found
+
+
+def boolean(value: bool) -> str:
+    """Return a truth as ``xsd:boolean``."""
+    return "true" if value else "false"
 
 
 def misfit(
