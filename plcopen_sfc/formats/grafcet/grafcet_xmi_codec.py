@@ -55,7 +55,8 @@ class XmiWriter:
         self._pou = pou
         self._order = order
         self._report = report
-        self._root = etree.Element(f"{{{_NAMESPACES['grafcet']}}}Grafcet", nsmap=_NAMESPACES)
+        namespaces = _NAMESPACES | order.namespaces
+        self._root = etree.Element(f"{{{namespaces['grafcet']}}}Grafcet", nsmap=namespaces)
         self._root.set(f"{{{_XMI}}}version", "2.0")
         self._charts: dict[str, str] = {}
         self._steps: dict[str, str] = {}

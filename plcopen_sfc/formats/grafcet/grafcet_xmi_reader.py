@@ -60,11 +60,15 @@ _CODES = {DAMAGED: "GRF202", OUTDATED: "GRF203"}
 
 @dataclass
 class XmiOrder:
-    """The order in a file of what is referred to by position; bars and actions by the path of their chart."""
+    """The order in a file of what is referred to by position; bars and actions by the path of their chart.
+
+    `namespaces` are those of the file by their prefixes: the program has written two spellings of them.
+    """
 
     variables: list[str] = field(default_factory=list)
     bars: dict[str, list[Hashable]] = field(default_factory=dict)
     actions: dict[str, list[Hashable]] = field(default_factory=dict)
+    namespaces: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass
@@ -88,7 +92,7 @@ class XmiReader:
         self._names: dict[etree._Element, str] = {}
         self._diagnostics: list[Diagnostic] = []
         self.lines: dict[str, int] = {}
-        self.order = XmiOrder()
+        self.order = XmiOrder(namespaces={str(prefix): uri for prefix, uri in root.nsmap.items() if prefix})
 
     def run(self) -> ReadResult:
         """Return the project in the file. Raises `StructureError` where a reference leads nowhere."""

@@ -110,8 +110,13 @@ def test_start_values_that_files_do_not_have_are_told(start: str, told: list[str
     assert [item.path for item in report.with_outcome(Outcome.NOT_EXECUTED)] == told
 
 
-def test_an_edit_is_put_into_the_file_with_its_references() -> None:
+@pytest.mark.parametrize(
+    "place", ["http://www.example.org/%s", "platform:/plugin/org.eclipse.gmf.grafcet/model/%s.ecore"]
+)
+def test_an_edit_is_put_into_the_file_with_its_references(place: str) -> None:
     data = fresh(sfc.load("fixtures/grafcet/two_cylinders.gct"))
+    for name in ("grafcet", "terms"):
+        data = data.replace(f"http://www.example.org/{name}".encode(), (place % name).encode())
     project = sfc.loads(data)
     project.rename("Zylinder.2M1", "Vor")
     text = sfc.dumps(project, format="grafcet").decode()
@@ -124,6 +129,7 @@ def test_an_edit_is_put_into_the_file_with_its_references() -> None:
     condition = chart.transitions[0].condition
     assert isinstance(condition, Expression)
     condition.text = "NOT 1B2"
+    assert (place % "terms").encode() in sfc.dumps(project, format="grafcet")
     edited = sfc.loads(sfc.dumps(project, format="grafcet"))
     assert numbered_in_order(edited).pous == numbered_in_order(project).pous
     chart.transitions = [t for t in chart.transitions if chart.step("3").id not in (*t.sources, *t.targets)]
