@@ -322,7 +322,7 @@ def add_kept(whole: Part, project: Project, text_sites: Iterable[TextSite], tool
             if place == "property" and (named := _PROPERTY.search(text)):
                 name = named.group(1)
                 part = whole.add("property", f"{pou.name}.{name}", f"{pou.report_path} / property {name}")
-                part.tell("code", Meaning.of(" ".join(text.split()).casefold(), "its text"))
+                part.tell("code", Meaning.of(" ".join(text.split()).casefold(), text))
     types: dict[str, TextSite] = {}
     for text_site in text_sites:
         if isinstance(text_site.holder, ForeignData):

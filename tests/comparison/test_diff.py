@@ -885,3 +885,22 @@ def test_attributes_in_the_text_of_a_declaration_are_compared(new: str) -> None:
     listed = next(section for section in after.global_sections() if "{attribute" in (section.declaration or ""))
     listed.declaration = (listed.declaration or "").replace("{attribute 'qualified_only'}\n", new)
     assert any("attributes {attribute 'qualified_only'}" in line for line in told(sfc.diff(before, after))) is bool(new)
+
+
+def test_the_text_of_a_property_is_shown() -> None:
+    text = """FUNCTION_BLOCK Mix
+VAR _x : INT; END_VAR
+PROPERTY Level : INT
+GET
+Level := _x;
+END_GET
+END_PROPERTY
+END_FUNCTION_BLOCK
+"""
+    old, new = (sfc.loads(each.encode(), format="iec-text") for each in (text, text.replace(":= _x", ":= _x + 1")))
+    (change,) = sfc.diff(old, new).changes
+    assert (change.path, change.aspect) == ("POU Mix / property Level", "code")
+    assert {line for line in change.lines if line[0] in "+-"} == {"-Level := _x;", "+Level := _x + 1;"}
+    assert not sfc.diff(
+        old, sfc.loads(text.replace("Level := _x", "Level  :=  _x").encode(), format="iec-text")
+    ).changes
