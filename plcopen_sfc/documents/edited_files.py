@@ -13,7 +13,7 @@ from plcopen_sfc.documents.reading_back import read_back, report_reading_errors,
 from plcopen_sfc.documents.sources import FileSource
 from plcopen_sfc.errors import FormatError
 from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, WriteOptions
-from plcopen_sfc.formats.provenance import compared_only, is_as_read, is_from
+from plcopen_sfc.formats.provenance import compared_only, is_as_read, is_from, is_of_file
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.numbering import number_in_order, numbered_in_order
@@ -264,7 +264,8 @@ def _merged(
         else:
             touched.add(name)
             if not is_other:  # what is written has another drawing
-                prepare_body(body, style, positions=False)
+                foreign = isinstance(body, SfcBody) and not is_of_file(body.chart, source.content)
+                prepare_body(body, style, positions=False, foreign=foreign)
     before = _comparable(codec, content) if excerpt is None else excerpt.before
     options = WriteOptions(
         source.version,

@@ -256,6 +256,12 @@ def is_from(thing: ProjectObject | SfcNetwork, name: str | int, content: bytes) 
     return origin is not None and origin.name == name and origin.content is content and is_untouched(thing)
 
 
+def is_of_file(thing: ProjectObject | SfcNetwork, content: bytes) -> bool:
+    """True if a chart or an object was read from this very `content`, whatever was edited since."""
+    origin = _provenance(thing).origin
+    return origin is not None and origin.content is content
+
+
 def put_in_folder(thing: ProjectObject, document: str, place: int, folder: str | None) -> None:
     """Remember that an object was read from a document of a folder: its `place` in it, and the `folder` around it.
 

@@ -337,3 +337,9 @@ def test_a_type_may_have_the_name_of_a_pou() -> None:
     project = sfc.loads(data)
     assert not project.diagnostics
     assert sfc.dumps(project, format="codesys-export", fresh=True) == data
+
+
+def test_a_pou_of_a_file_that_draws_loops_as_wires_is_copied() -> None:
+    project = sfc.load(FIXTURES / "codesys-export" / "mixer.export")
+    project.edit().copy_pou(sfc.load(FIXTURES / "plcopen" / "filling_station_2.01.xml"), "CapStation")
+    assert not sfc.diff(project, sfc.loads(sfc.dumps(project))).changes
