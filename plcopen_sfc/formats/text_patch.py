@@ -361,8 +361,12 @@ def _in_order_of(before: Sequence[WrittenBlock], after: Sequence[WrittenBlock]) 
     """Return the blocks `after` as those `before` are ordered, if only blocks of different kinds changed places.
 
     A writer puts the transitions of a chart between its steps as it flows, which one new step can change all along.
+    Where some are gone and others new, these may be the same with other names, in their places.
     """
     known = {block.key for block in before}
+    new = {block.key for block in after}
+    if known - new and new - known:
+        return after
     number = {block.key: at for at, block in enumerate(before)}
     common = [block.key for block in after if block.key in known]
     as_before = sorted(common, key=number.__getitem__)
