@@ -77,8 +77,9 @@ def save(
     Given what `lower` returned, the file is read back as its tool reads it and compared with the chart before it is put
     in place; `compared` of the report has the verdict. Code that was not to be verified is saved without that.
 
-    With a `limit` (seconds, or ``2m30s``) the charts of a conversion are also run in both tools, as `equivalent` does;
-    a difference is an approximated item, and `compared` of the report has what was found of each chart.
+    With a `limit` (seconds, ``2m30s``, or ``auto``: a tenth of a second a step, at least five seconds) the charts of a
+    conversion are also run in both tools, as `equivalent` does; a difference is an approximated item, and `compared`
+    of the report has what was found of each chart.
 
     `at_rest` names inactive inputs of S7-GRAPH (``INIT_SQ``; ``all``): it is no loss that they have
     no effect in the target.

@@ -93,6 +93,7 @@ class _State:
     row: Row
     key: Any
     distance: float
+    reached: int
     rounds: int = 0
 
     @property
@@ -175,7 +176,7 @@ class DirectedSearch:
         self._moved = [name for name in signals if name.casefold().rpartition(".")[2] not in _FLAGS]
         self._states: list[_State] = []
         self._by_key: dict[Any, int] = {}
-        self._waiting: list[tuple[int, int, float, int, int]] = []
+        self._waiting: list[tuple[int, bool, int, float, int, int]] = []
         self._visits: Counter[Any] = Counter()
         self._frontier: list[Goal] = []
         self._reached = -1
@@ -304,7 +305,8 @@ class DirectedSearch:
                 self._looks_aside ^= is_stuck
             self._frontier = self._open()
         distances = [goal.distance() for goal in self._frontier]
-        key = (markings, tuple(map(_bucket, distances)), len(self._frontier), self._others.markings())
+        far = tuple((goal, _bucket(each)) for goal, each in zip(self._frontier, distances, strict=True) if each)
+        key = (markings, far, len(self._frontier), self._others.markings())
         number = self._by_key.get(key)
         distance = total(distances)
         if number is not None and distance >= self._states[number].distance:
@@ -319,7 +321,7 @@ class DirectedSearch:
     def _keep(self, row: Row, parent: int, way: list[Step], key: Any = None, distance: float = float("inf")) -> None:
         number = len(self._states)
         before = tuple(side.snapshot() for side in self._sides)
-        self._states.append(_State(before, parent, list(way), row, key, distance))
+        self._states.append(_State(before, parent, list(way), row, key, distance, self._reached))
         self._by_key[key] = number
         self._push(number)
         # the run goes on from the kept state, so that ways are not told twice
@@ -353,11 +355,14 @@ class DirectedSearch:
     def _push(self, number: int) -> None:
         heapq.heappush(self._waiting, self._turn(number))
 
-    def _turn(self, number: int) -> tuple[int, bool, float, int, int]:
-        """Return the turn of a state: near ones first, of them those of which few were looked at."""
+    def _turn(self, number: int) -> tuple[int, bool, int, float, int, int]:
+        """Return the turn of a state: near ones first, of them those of which few were looked at.
+
+        Of the others those first that were kept last: how far older ones are was told of what was wanted then.
+        """
         state = self._states[number]
         is_near = self._is_near(state)
-        order = (float(self._visits[state.situation]), -number) if is_near else (state.distance, number)
+        order = (self._visits[state.situation], 0.0, -number) if is_near else (-state.reached, state.distance, number)
         return state.rounds, not is_near, *order, number
 
     def _is_near(self, state: _State) -> bool:
@@ -378,7 +383,7 @@ class DirectedSearch:
             self._waiting = [self._turn(number) for *_, number in self._waiting]
             heapq.heapify(self._waiting)
         while True:
-            _, was_far, visits, _, number = heapq.heappop(self._waiting)
+            _, was_far, visits, _, _, number = heapq.heappop(self._waiting)
             state = self._states[number]
             if not was_far and not (self._is_near(state) and visits == self._visits[state.situation]):
                 self._push(

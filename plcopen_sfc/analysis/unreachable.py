@@ -221,7 +221,7 @@ class Unreachable:
         others = [each for each in self._system.subject.project.pous if each.name != pou.name]
         calling |= self._names(*others) if methods else set()
         possible: dict[str, set[int]] = {name: set() for name in self._nets}
-        never: dict[str, set[int]] = {name: set() for name in self._nets}
+        never: dict[str, set[int]] = {}
         executed = {""}
         said = self._always_said()
         # Each round only adds: an action that is executed names further ones and writes further variables, so fewer are
@@ -233,7 +233,8 @@ class Unreachable:
             for key in executed & charts.keys():
                 name = charts[key]
                 net = self._nets[name]
-                never[name] = {t.index for t in net.transitions if self._is_never(name, t, fixed)}
+                asked = net.transitions if name not in never else [net.transitions[i] for i in sorted(never[name])]
+                never[name] = {t.index for t in asked if self._is_never(name, t, fixed)}
                 possible[name] = _entered(net, never[name])
                 for index in possible[name]:
                     said |= self._changing_names(self._acting(net.steps[index].step))
@@ -255,7 +256,9 @@ class Unreachable:
             if name in {charts[key] for key in executed & charts.keys()} and len(dead) < len(net.steps):
                 dead |= {step.index for step in self._graph(name).unreachable_steps or ()}
             self.steps[name] = dead
-            self.transitions[name] = never[name] | {t.index for t in net.transitions if set(t.sources) & dead}
+            self.transitions[name] = never.get(name, set()) | {
+                t.index for t in net.transitions if set(t.sources) & dead
+            }
 
     def _acting(self, step: Step) -> Step:
         """Return a step without associations that never act, as their time is over at once."""

@@ -196,7 +196,7 @@ def _convert(
     fresh: o.Fresh = False,
     normalize: o.Normalize = False,
     verify: o.ConvertVerify = True,
-    limit: o.ConvertLimit = "5",
+    limit: o.ConvertLimit = "auto",
     at_rest: o.ConvertAtRest = None,
     as_tool: o.AsTool = False,
     accept_errors: o.AcceptErrors = False,

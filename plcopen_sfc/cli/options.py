@@ -139,7 +139,9 @@ ConvertReport = Annotated[
     Path | None, _option("--report", "Also write the result as JSON, or as a page with both charts.", "FILE.json|.html")
 ]
 ConvertVerify = Annotated[bool, _option("--verify/--no-verify", "Run the charts in both tools, or do not.")]
-ConvertLimit = Annotated[str, _option("--limit", "Run the charts in both tools for so long; 0 leaves it out.", "TIME")]
+ConvertLimit = Annotated[
+    str, _option("--limit", "Run the charts in both tools for so long; auto: 0.1 s a step, at least 5 s.", "TIME")
+]
 Charts = Annotated[
     bool | None, _option("--charts/--no-charts", "Outline each chart. The default is to do so for few charts.")
 ]

@@ -259,6 +259,15 @@ def _format_of_list(path: str) -> Format | None:
     return next((kind for kind in all_formats() if kind.list_extension and kind.list_extension == extension), None)
 
 
+_LEAST_LIMIT, _LIMIT_OF_STEP = 5.0, 0.1
+"""Seconds for which charts are run in both tools if no limit is given: 300 steps are entered and compared in 20."""
+
+
+def _usual_limit(project: Project) -> float:
+    """Return the seconds that suffice for the charts of a project, as far as their sizes tell."""
+    return max(_LEAST_LIMIT, _LIMIT_OF_STEP * sum(len(place.chart.steps) for place in project.charts()))
+
+
 @collecting_rarely()
 @without_edits()
 def save_project(
@@ -285,7 +294,8 @@ def save_project(
     if isinstance(limit, str):
         from plcopen_sfc.analysis.search_limits import seconds  # noqa: PLC0415  # brings the interpreter
 
-        limit = 0 if limit.strip() == "0" else seconds(limit) or 0
+        is_auto = limit.strip().casefold() == "auto"
+        limit = _usual_limit(project) if is_auto else 0 if limit.strip() == "0" else seconds(limit) or 0
     if at_rest:
         from plcopen_sfc.semantics.charts.graph.graph_parameters import operating_inputs  # noqa: PLC0415  # interpreter
 

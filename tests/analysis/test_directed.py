@@ -427,3 +427,55 @@ END_PROGRAM
     verdict = equivalent(ring, ring, cap=cap, runs=5, scans=100)
     assert verdict.kind is VerdictKind.TESTED, str(verdict)
     assert verdict.coverage[0].counts["part of condition"] == (4 * count, 4 * count)
+
+
+def line_of_stations(stations: int) -> Project:
+    """Return a chart of ten steps a station, of which each fifth counts rounds, the first to 10 and others further."""
+    inputs = "".join(f"go{k}, a{k}, b{k}, c{k} : BOOL; " for k in range(stations))
+    outputs = "".join(f"v{k}, l{k}, m{k}, h{k} : BOOL; " for k in range(stations))
+    lines = [f"PROGRAM Main VAR_INPUT {inputs}END_VAR VAR {outputs}n : INT; END_VAR"]
+    for k in range(stations):
+        counts = k % 5 == 0
+        held = (
+            f"v{k}(N);",
+            f"l{k}(S);",
+            f"m{k}(D, T#2s);",
+            "",
+            f"h{k}(N);",
+            "",
+            "",
+            "Count(P);" * counts,
+            f"l{k}(R);",
+            "",
+        )
+        for number, action in enumerate(held):
+            lines.append(f"{'INITIAL_' * (k + number == 0)}STEP S{k}_{number}: {action} END_STEP")
+        done, again = (f"n >= {10 + k}", f"n < {10 + k}") if counts else (f"c{k}", f"a{k} AND NOT c{k}")
+        following = f"S{(k + 1) % stations}_0"
+        conditions = {
+            ("0", "1, 4"): f"go{k}",
+            ("1", "2"): f"a{k}",
+            ("2", "3"): f"m{k}",
+            ("4", "5"): f"b{k}",
+            ("5", "6"): f"S{k}_5.T >= T#5s",
+            ("3, 6", "7"): "TRUE",
+            ("7", "8"): f"{done} AND c{k}" if counts else done,
+            ("7", "9"): f"{again} AND c{k}" if counts else again,
+            ("8", following): f"NOT go{k}",
+            ("9", f"S{k}_0" if counts else following): f"NOT go{k}",
+        }
+        for (sources, targets), condition in conditions.items():
+            ends = [
+                ", ".join(each if each[0] == "S" else f"S{k}_{each}" for each in end.split(", "))
+                for end in (sources, targets)
+            ]
+            lines.append(f"TRANSITION FROM ({ends[0]}) TO ({ends[1]}) := {condition}; END_TRANSITION")
+    return sfc.loads(
+        "\n".join([*lines, "ACTION Count: n := n + 1; END_ACTION END_PROGRAM"]).encode(), format="iec-text"
+    )
+
+
+def test_a_long_chart_is_entered_to_its_end_though_counters_hold_it() -> None:
+    """What was near to an old aim is not looked at again before what is near to the present one."""
+    chart = line_of_stations(6)
+    assert equivalent(chart, chart, cap=1, runs=25, scans=100).kind is VerdictKind.TESTED

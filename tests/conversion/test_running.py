@@ -392,6 +392,22 @@ def test_a_large_chart_leaves_time_for_the_others(monkeypatch: pytest.MonkeyPatc
     assert [20 / (4 - number) + 0.001 > limit for number, limit in enumerate(limits)] == [True] * 4
 
 
+@pytest.mark.parametrize(("steps", "limit"), [(2, 5.0), (300, 30.0)])
+def test_an_automatic_limit_grows_with_the_charts(monkeypatch: pytest.MonkeyPatch, steps: int, limit: float) -> None:
+    limits: list[float] = []
+
+    def noted(*_: Any, limit: float, **__: Any) -> None:
+        limits.append(limit)
+        raise SfcError("not run here")
+
+    monkeypatch.setattr("plcopen_sfc.analysis.equivalence.equivalent", noted)
+    lines = ["PROGRAM Main VAR a : BOOL; END_VAR INITIAL_STEP S0: END_STEP"]
+    lines += [f"STEP S{n}: END_STEP TRANSITION FROM S{n - 1} TO S{n} := a; END_TRANSITION" for n in range(1, steps)]
+    project = sfc.loads("\n".join([*lines, "END_PROGRAM"]).encode(), format="iec-text")
+    sfc.save(project, io.BytesIO(), format="codesys", limit="auto")
+    assert limits == [pytest.approx(limit, abs=0.2)]
+
+
 @pytest.mark.parametrize("target", ["csv", "xlsx"])
 def test_a_target_that_nothing_executes_is_not_compared(target: str) -> None:
     report = saved(chart("q(N);"), target, partial=True)
