@@ -12,6 +12,7 @@ from plcopen_sfc.drawing.pictures import PairedChart, chart_figure, paired_figur
 from plcopen_sfc.errors import check_argument
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import Step
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.pages.conversion_items import ItemLists
 from plcopen_sfc.pages.conversion_overview import counts, provenance, tasks, tool_of, verdicts
@@ -42,11 +43,11 @@ def diff_page(a: Project, b: Project, changes: ProjectDiff, *, lang: str = "en")
         check_argument(project, Project, "diff_page needs two projects", "Load the files first.")
     check_argument(changes, ProjectDiff, "diff_page needs the changes that diff gave", "diff(a, b)")
     words = Words(lang)
-    first = PageIndex(a, "a-", called=_called(changes), references=False)
+    first = PageIndex(a, "a-", called=_called(changes), references=False, told=words)
     captions = [
         f"{name}: {file_name_of(project) or title_of(project)}" for name, project in zip("AB", (a, b), strict=True)
     ]
-    sides = _Side(first, captions[0]), _Side(_index(b, "b-"), captions[1])
+    sides = _Side(first, captions[0]), _Side(_index(b, "b-", words), captions[1])
     for change in changes.changes:
         paths = _paths(change)
         there = 1 if change.kind is ChangeKind.ADDED else 0
@@ -92,12 +93,12 @@ def conversion_page(
     check_argument(source, Project, "conversion_page needs a project", "Load the file first.")
     check_argument(report, ConversionReport, "conversion_page needs the report that save or convert returned")
     words = Words(lang)
-    left = _Side(_index(source, "a-"), _caption("Source", source, report.source_format, words))
+    left = _Side(_index(source, "a-", words), _caption("Source", source, report.source_format, words))
     for outcome, mark in _MARKS.items():
         for item in report.with_outcome(outcome):
             left.marks.setdefault(left.index.anchor_at(item.path), {mark: None})
     is_written = target is not None
-    right = _Side(_index(target if target is not None else Project(), "b-"), "")
+    right = _Side(_index(target if target is not None else Project(), "b-", words), "")
     if target is not None:
         right.caption = _caption("Target", None if report.written == ["-"] else target, report.target_format, words)
     pairs = list(_pairs(left, right))
@@ -160,8 +161,8 @@ _Pair = tuple[tuple[_Side, str], tuple[_Side, str]]
 """The charts that are beside each other, each with its side and prefix; an empty prefix: there is none."""
 
 
-def _index(project: Project, prefix: str) -> PageIndex:
-    return PageIndex(project, prefix, references=False)
+def _index(project: Project, prefix: str, words: Words) -> PageIndex:
+    return PageIndex(project, prefix, references=False, told=words)
 
 
 def _called(changes: ProjectDiff) -> dict[str, str]:
@@ -205,16 +206,24 @@ def _charts(pairs: Iterable[_Pair], words: Words, *, converted: bool = False) ->
         parts = [element("h2", path), element("div", *_figures(pair, words, fresh=converted), class_="pair")]
         if converted and all(prefix for _, prefix in pair):
             one, other = (
-                StepCells(
-                    side.index.parts[prefix][0].chart, side.index, bodies[id(side)], words, pou=_pou_of(side, prefix)
-                )
+                [
+                    StepCells(
+                        part.chart,
+                        side.index,
+                        bodies[id(side)],
+                        words,
+                        pou=_pou_of(side, prefix),
+                        heading=part.drawn.heading,
+                    )
+                    for part in side.index.parts[prefix]
+                ]
                 for side, prefix in pair
             )
             captions = [side.caption for side, _ in pair]
             parts.insert(1, _legend(pair[0], words))
             parts += [
                 element("h3", words("Step by step")),
-                steps_side_by_side(one, other, dict(_same_steps(pair)), captions),
+                steps_side_by_side(one, other, _same_steps(pair), captions),
             ]
         yield element("section", *parts, id=f"chart-{number}", data_name=path)
 
@@ -247,7 +256,11 @@ def _figures(pair: _Pair, words: Words, *, fresh: bool) -> Iterator[Html]:
     drawn = [_paired(side, prefix) for side, prefix in pair if prefix]
     if len(drawn) == len(pair):
         one, other = drawn
-        pictures = list(paired_figures((one, other), _same_steps(pair), words, fresh=fresh))
+        same = _same_steps(pair)
+        there = {id(step): step.id for step in other.chart.steps}
+        pairs = [(step.id, id(same[id(step)])) for step in one.chart.steps if id(step) in same]
+        pairs = [(number, there[step]) for number, step in pairs if step in there]
+        pictures = list(paired_figures((one, other), pairs, words, fresh=fresh))
     else:
         pictures = [chart_figure(each.chart, each.prefix, each.marks, told=words) for each in drawn]
     for side, prefix in pair:
@@ -263,17 +276,31 @@ def _paired(side: _Side, prefix: str) -> PairedChart:
     return PairedChart(side.index.parts[prefix][0].chart, prefix, marks)
 
 
-def _same_steps(pair: _Pair) -> list[tuple[int, int]]:
-    """Return the ids of the steps of one name; tools write other letters in the place of blanks and the like."""
-    one, other = (side.index.parts[prefix][0] for side, prefix in pair)
-    index = pair[0][0].index
-    names = (
-        (step.id, index.as_called(f"{one.path} / step {step.name}").rpartition(" / step ")[2])
-        for step in one.chart.steps
-    )
-    found = {_NO_LETTERS.sub("_", step.name).casefold(): step.id for step in other.chart.steps}
-    keys = ((number, _NO_LETTERS.sub("_", name).casefold()) for number, name in names)
-    return [(number, found[key]) for number, key in keys if key in found]
+def _same_steps(pair: _Pair) -> dict[int, Step]:
+    """Return the steps of the second picture for those of one name in the first, by their `id`.
+
+    Tools write other letters in the place of blanks and the like, and `Step1` for the step 1 of a GRAFCET. One chart
+    may have the steps of all partial charts.
+    """
+    (one, first), (other, second) = pair
+    found: dict[tuple[str, str], Step] = {}
+    for part in other.index.parts[second]:
+        for step in part.chart.steps:
+            for place in (str(part.drawn.place), ""):
+                found.setdefault((place, _plain(step.name)), step)
+    same: dict[int, Step] = {}
+    for part in one.index.parts[first]:
+        place = str(part.drawn.place)
+        for step in part.chart.steps:
+            path = one.index.as_called(f"{ObjectPath(part.path, *part.drawn.place.parts)} / step {step.name}")
+            name = _plain(path.rpartition(" / step ")[2])
+            keys = [(place, name), ("", name), *([("", f"step{name}")] if name.isdecimal() else [])]
+            same |= {id(step): found[key] for key in keys[::-1] if key in found}
+    return same
+
+
+def _plain(name: str) -> str:
+    return _NO_LETTERS.sub("_", name).casefold()
 
 
 _NO_LETTERS = re.compile(r"\W")

@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from plcopen_sfc.drawing.pictures import ChartPart, charts_in, part_prefix
+from plcopen_sfc.drawing.wording import Told, english
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.binding.text_sites import SiteKind
 from plcopen_sfc.model.pou import Action, Method, NamedBody, NamedTransition, Pou
@@ -49,7 +50,8 @@ _TEXTS = ("text", "name", "target", "value", "duration", "indicator", "entry_act
 class PageIndex:
     """Anchors of the objects of a project. `prefix` begins them where a page has several projects.
 
-    `called`: paths of objects that are looked for under another one, as they have been renamed.
+    `called`: paths of objects that are looked for under another one, as they have been renamed. `told` gives the words
+    of headings.
     """
 
     def __init__(
@@ -59,11 +61,12 @@ class PageIndex:
         *,
         called: Mapping[str, str] = MappingProxyType({}),
         references: bool = True,
+        told: Told = english,
     ) -> None:
         project.read_all()
         self.project = project
         self.prefix = prefix
-        self._called = called
+        self._called, self._told = called, told
         self.bodies: dict[int, list[PlacedBody]] = {}
         self.parts: dict[str, list[DrawnPart]] = {}
         self._executed: dict[str, dict[tuple[str, str], list[str]]] = {}
@@ -179,7 +182,7 @@ class PageIndex:
 
     def _place_chart(self, chart: SfcNetwork, prefix: str, path: str) -> None:
         drawn = self.parts.setdefault(prefix, [])
-        for number, part in enumerate(charts_in(chart)):
+        for number, part in enumerate(charts_in(chart, self._told)):
             begin = prefix + part_prefix(number)
             anchor, around = (begin.removesuffix("-") if number else ""), ObjectPath(path, *part.place.parts)
             drawn.append(DrawnPart(part.chart, begin, path, anchor, part))

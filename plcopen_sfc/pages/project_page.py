@@ -47,7 +47,7 @@ def page(
     """
     check_argument(project, Project, "page needs a project", "Load the file first.")
     words = Words(lang)
-    index, coverage = PageIndex(project), None
+    index, coverage = PageIndex(project, told=words), None
     if verdict is not None:
         check_argument(verdict, Verdict, "the verdict of a page is what equivalent returned")
         coverage = verdict.coverage[side] if side in range(len(verdict.coverage)) else None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from plcopen_sfc.drawing.pictures import body_figure
 from plcopen_sfc.drawing.wording import Wording
@@ -57,7 +57,7 @@ class Bodies:
 
 
 class StepCells:
-    """The steps of one chart.
+    """The steps of one chart; `heading` is that of its frame, empty for a whole chart.
 
     `told` is what is told about the element at an anchor, such as findings. `pou`: the table is beside another one, and
     all that can be compared is text: drawn conditions too, and the actions of this POU at the steps that name them.
@@ -72,8 +72,9 @@ class StepCells:
         *,
         told: Callable[[str], Html] = lambda _: Html(""),
         pou: Pou | None = None,
+        heading: str = "",
     ) -> None:
-        self.chart, self.words = chart, words
+        self.chart, self.words, self.heading = chart, words, heading
         self._index, self._bodies, self._told, self._pou = index, bodies, told, pou
         self._wording = Wording(chart, index.project.dialect, words)
         self._steps = {step.id: step for step in chart.steps}
@@ -191,27 +192,35 @@ class StepCells:
         return text
 
 
-def steps_side_by_side(one: StepCells, other: StepCells, same: dict[int, int], captions: Sequence[str]) -> Html:
-    """Return the table of the steps of two charts, each with its actions and the transitions that leave it.
+def steps_side_by_side(
+    one: Sequence[StepCells], other: Sequence[StepCells], same: Mapping[int, Step], captions: Sequence[str]
+) -> Html:
+    """Return the table of the steps of two pictures, each with its actions and the transitions that leave it.
 
-    `same` has the steps of the second chart for those of the first, by their ids; those that only it has are the last.
+    `one` and `other` are the charts of each picture, the whole chart first. `same` has the steps of the second picture
+    for those of the first, by their `id`; those that only it has are the last.
     """
-    found = {step.id: step for step in other.chart.steps}
-    pairs: list[tuple[Step | None, Step | None]] = [
-        (step, found.pop(same.get(step.id, -1), None)) for step in one.chart.steps
-    ]
-    pairs += [(None, step) for step in found.values()]
-    rows = [element("tr", _step_cell(one, left), _step_cell(other, right)) for left, right in pairs]
-    permanent = one.permanent(), other.permanent()
-    if any(permanent):
-        rows.insert(0, element("tr", *(element("td", each) for each in permanent)))
+    rest = {id(step): (cells, step) for cells in other for step in cells.chart.steps}
+    rows = [element("tr", *(element("td", each.permanent()) for each in (one[0], other[0])))]
+    rows = rows if any(each.permanent() for each in (one[0], other[0])) else []
+    for cells in one:
+        if cells.heading:
+            rows.append(element("tr", element("th", cells.heading, colspan="2")))
+        for step in cells.chart.steps:
+            found = rest.pop(id(same.get(id(step))), None)
+            rows.append(element("tr", _step_cell((cells, step)), _step_cell(found)))
+        if sources := cells.leaving(None):
+            told = element("div", cells.words("Source transitions"), class_="name")
+            rows.append(element("tr", element("td", told, sources), _step_cell(None)))
+    rows += [element("tr", _step_cell(None), _step_cell(found)) for found in rest.values()]
     head = element("thead", element("tr", *(element("th", caption) for caption in captions)))
     return element("div", element("table", head, element("tbody", *rows), class_="side"), class_="scroll")
 
 
-def _step_cell(cells: StepCells, step: Step | None) -> Html:
-    if step is None:
+def _step_cell(found: tuple[StepCells, Step] | None) -> Html:
+    if found is None:
         return element("td", "\u2013", class_="comment")
+    cells, step = found
     return element("td", element("div", *cells.name(step), class_="name"), cells.actions(step), cells.leaving(step))
 
 

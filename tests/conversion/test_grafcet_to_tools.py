@@ -387,7 +387,9 @@ TEXTBOOK: dict[tuple[str, bool], dict[str, tuple[str, set[str]]]] = {
         **dict.fromkeys(["codesys", "codesys-export", "twincat", "codesys23"], (LATER, {START})),
         "simaticml": (EQUAL, FIRST),
     },
-    ("every_symbol", False): dict.fromkeys(["plcopen", "codesys", "codesys23", "simaticml"], (REFUSED, {"hierarchy"})),
+    ("every_symbol", False): dict.fromkeys(
+        ["plcopen", "codesys", "codesys23", "simaticml"], (REFUSED, {"hierarchy", "forcing order", "enclosing step"})
+    ),
     ("initialised_chain", False): dict.fromkeys(["plcopen", "codesys"], (DIFFERENT, {STABILITY, START}))
     | {"simaticml": (DIFFERENT, {STABILITY, FIRST_SCAN})},
     ("selection", False): dict.fromkeys(["plcopen", "codesys", "beremiz"], (DIFFERENT, {STABILITY}))

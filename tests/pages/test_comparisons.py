@@ -174,6 +174,49 @@ def test_pictures_side_by_side_begin_in_the_width_that_is_there_unless_they_are_
     assert [figure.get("class") for figure in tree.xpath("//figure")] == ["fitted", None]
 
 
+def converted_page(name: str, **options: object) -> html.HtmlElement:
+    source = sfc.load(FIXTURES / "grafcet" / name)
+    data, report = sfc.convert(source, "codesys", partial=True, limit=0)
+    return parse(sfc.conversion_page(source, report, sfc.loads(data, as_tool=True), **options))
+
+
+def test_steps_of_all_partial_charts_are_beside_those_of_the_one_chart_of_the_target() -> None:
+    """The table had the whole chart of the source, which has no steps of its own: nothing but dashes was in it."""
+    tree = converted_page("two_cylinders.gct", lang="de")
+    (table,) = tree.xpath("//table[@class='side']")
+    rows = [[words_of(cell) for cell in row] for row in table.findall(".//tbody/tr")]
+    assert [row[0] for row in rows if len(row) == 1] == ["G1", "G2"]
+    names = [[cell.findtext("div[@class='name']/a") for cell in row] for row in table.xpath(".//tr[td]")]
+    assert names == [
+        *([number, f"Step{number}"] for number in ("1", "2", "3", "4", "5", "10", "11")),
+        [None, "Start_2"],
+    ]
+    (order,) = [left for left, *_ in rows if left.startswith("10")]
+    assert "zwangssteuernd G1{INIT}" in order
+    (table,) = converted_page("every_symbol.gct", lang="de").xpath("//table[@class='side']")
+    headings = [words_of(row) for row in table.xpath(".//tr[not(td)]/th")][2:]
+    assert headings == ["G1", "M3 (Expansion)", "G3 (eingeschlossen)", "G4"]
+    assert "Quelltransitionen" in words_of(table)
+
+
+def test_orders_and_enclosing_steps_that_are_not_executed_are_marked_and_named() -> None:
+    """Only the POU was told of: pictures showed steps without their orders in the usual colour."""
+    tree = converted_page("every_symbol.gct")
+    marked = tree.xpath("//g[starts-with(@id, 'a-') and contains(@class, 'found-error')]")
+    assert [group.findtext("title").split(".")[0] for group in marked] == [
+        "Enclosing step 4",
+        "Step 41",
+        "Step 42",
+        "Step 43",
+    ]
+    (losses,) = tree.xpath("//section[@id='not_executed']")
+    for order in ("G1{*}", "G1{1}", "G1{}"):
+        assert f"action {order}" in words_of(losses)
+    assert "G1 / step 4 (line 29) \u2013 enclosing step: the hierarchy is not executed: nothing starts G3" in words_of(
+        losses
+    )
+
+
 @pytest.mark.slow
 def test_a_conversion_begins_with_verdicts_tasks_and_files() -> None:
     source = sfc.load(FIXTURES / "codesys" / "distribution_belt.xml")

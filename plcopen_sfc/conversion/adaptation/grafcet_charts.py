@@ -8,7 +8,7 @@ action that every scan executes, or by a permanent instruction. What has no coun
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TypeAlias
 
 from plcopen_sfc.conversion.adaptation.grafcet_hierarchy import (
@@ -105,6 +105,7 @@ class _Chart:
         self._events: list[str] = []
         self._second_events: list[str] = []
         self._forced: set[str] = set()
+        self._ruling: list[tuple[str, str, str]] = []
         self._misfits: dict[int, str] = {}
         self._stores: dict[tuple[int, Qualifier], StBody] = {}
         self._begun: list[str] = []
@@ -117,6 +118,7 @@ class _Chart:
         flat: FlatChart | None = None
         if _has_hierarchy(self._chart):
             self._forced = _forced_steps(self._chart)
+            self._ruling = [*self._orders_and_enclosures(path)]
             try:
                 flat = self._flatten(path)
             except (UnknownBehaviourError, ForcingConflictError) as error:
@@ -165,6 +167,17 @@ class _Chart:
     def _refuse_hierarchy(self, path: str, error: HierarchyError) -> None:
         why = f"{error}: lower the GRAFCET, which makes proven code of all of it"
         self._note(Outcome.NOT_EXECUTED, "hierarchy", path, why)
+        for what, place, missing in self._ruling:
+            self._note(Outcome.NOT_EXECUTED, what, place, f"the hierarchy is not executed: {missing}")
+
+    def _orders_and_enclosures(self, path: str) -> Iterator[tuple[str, str, str]]:
+        """Yield forcing orders and enclosing steps: what they are, their paths, what a target without them misses."""
+        net = Net.of(self._chart)
+        for step, place in zip((each.step for each in net.steps), net.report_paths(path)[0], strict=True):
+            for order in (each.forcing for each in step.actions if each.forcing is not None):
+                yield "forcing order", f"{place} / action {order}", f"nothing forces {order.chart}"
+            for enclosure in step.encloses or ():
+                yield "enclosing step", place, f"nothing starts {enclosure.chart}"
 
     def _note_evolutions(self, path: str, flat: FlatChart | None) -> None:
         """Tell what a GRAFCET does in one scan that the target does not, which fires transitions once."""
