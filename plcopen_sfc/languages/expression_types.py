@@ -33,7 +33,10 @@ INSTANTS = frozenset({"DATE", "LDATE", "TOD", "LTOD", "DT", "LDT"})
 CONVERSION = re.compile(r"(?:(?P<source>[A-Z]+)_)?TO_(?P<result>[A-Z]+)")
 OF_ONE_TYPE = {"ABS": 0, "MIN": 0, "MAX": 0, "LIMIT": 0, "SEL": 1, "MUX": 1}
 """Standard functions whose result has the type of their arguments, and how many others come before these."""
-_RESULTS = {"TRUNC": "DINT", "TRUNC_INT": "INT", "LEN": "INT", "FIND": "INT", "ROUND": "DINT"}
+_RESULTS = {
+    **{"TRUNC": "DINT", "TRUNC_INT": "INT", "LEN": "INT", "FIND": "INT", "ROUND": "DINT"},
+    **dict.fromkeys(("LEFT", "RIGHT", "MID", "CONCAT", "INSERT", "DELETE", "REPLACE"), "STRING"),
+}
 
 
 def bits_of(name: str) -> int:
@@ -190,7 +193,8 @@ class ExpressionTypes:
             return _of_type(found["result"])
         values = [self.value(each.value) for each in arguments if each.value is not None]
         if name in _RESULTS:
-            return _of_type(_RESULTS[name])
+            own = self._type_of(node) if self._type_of is not None else ""  # a function of the project hides it
+            return _of_type(own or _RESULTS[name])
         if name in OF_ONE_TYPE:
             chosen = values[OF_ONE_TYPE[name] :]
             if chosen and all(value.is_whole for value in chosen):

@@ -17,7 +17,7 @@ from plcopen_sfc.analysis.ruled_situations import RuledSituations
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import Declaration, Names, bind, texts_in
-from plcopen_sfc.languages.binding.compile_mistakes import type_mistakes, value_mistake
+from plcopen_sfc.languages.binding.compile_mistakes import type_mistakes, value_kind, value_mistake
 from plcopen_sfc.languages.binding.name_scopes import charts_inside
 from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite
@@ -320,6 +320,10 @@ class CheckedProject:
             if not parsed.problems:
                 found = type_mistakes(parsed.tree, self.named.resolver, each.site)
                 yield from (Misfit(each, message) for message in found)
+                if is_value and each.key in _DURATIONS:
+                    kind = value_kind(parse_condition(text, self.dialect).tree, self.named.resolver, each.site)
+                    if kind not in ("", "TIME"):
+                        yield Misfit(each, f"a duration is {kind}: {text}")
                 if isinstance(each.holder, SimpleValue):
                     value = parse_condition(text, self.dialect).tree
                     message = value_mistake(value, self.named.resolver, each)
@@ -653,6 +657,7 @@ def is_plain(tree: n.Node) -> bool:
     return True
 
 
+_DURATIONS = frozenset({"duration", "min_time", "max_time", "warning_time"})
 _NO_CHART = SfcNetwork()
 
 

@@ -21,6 +21,7 @@ from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.binding import bind
+from plcopen_sfc.languages.binding.compile_mistakes import value_kind
 from plcopen_sfc.languages.binding.name_sites import in_tree
 from plcopen_sfc.languages.binding.text_sites import Site
 from plcopen_sfc.languages.effects import path_of, targets
@@ -226,6 +227,9 @@ def _no_boolean(chart: CheckedChart) -> Iterator[Finding]:
         for place, condition, tree in _conditions(chart, sheet):
             text = " ".join(condition.text.split())
             told = _other_type(n.bare(tree), chart, site) if tree is not None else ""
+            if tree is not None and not told and chart.family != "grafcet":
+                kind = value_kind(tree, chart.around.named.resolver, site)
+                told = kind if kind != "BOOL" else ""
             if told:
                 yield Finding(place, f"the condition {text} is not Boolean: it is {told}")
             if chart.family != "grafcet":
@@ -614,8 +618,9 @@ STEP 2
 CND10 = Rule(
     code="CND10",
     title="A condition is Boolean",
-    why="A transition fires where its condition is TRUE (IEC 61131-3 ed. 3, 6.7.3): a number, a time or a structure "
-    "does not compile. In GRAFCET the name of a step is no condition either, its flag is (X2 of step 2).",
+    why="A transition fires where its condition is TRUE (IEC 61131-3 ed. 3, 6.7.3): a number, a time, a string, "
+    "a structure or an instance does not compile. In GRAFCET the name of a step is no condition either, its flag is "
+    "(X2 of step 2).",
     hint="Compare it: n <> 0, t > T#2s.",
     example="VAR n : INT; END_VAR" + ring(forth="n"),
     check=_no_boolean,

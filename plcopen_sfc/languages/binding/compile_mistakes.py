@@ -6,7 +6,7 @@ such as that of a library, is never an error.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Set
+from collections.abc import Callable, Collection, Iterable, Iterator, Set
 from dataclasses import dataclass
 
 from plcopen_sfc.languages.binding.bound_bodies import bind
@@ -15,13 +15,14 @@ from plcopen_sfc.languages.binding.name_scopes import charts_inside
 from plcopen_sfc.languages.binding.name_sites import named
 from plcopen_sfc.languages.binding.text_sites import Site, TextSite
 from plcopen_sfc.languages.declarations.kept_texts import kept
-from plcopen_sfc.languages.expression_types import CALCULATING, INSTANTS, ORDER, REALS, ExpressionTypes
+from plcopen_sfc.languages.expression_types import CALCULATING, INSTANTS, OF_ONE_TYPE, ORDER, REALS, ExpressionTypes
 from plcopen_sfc.languages.il import statements as il_statements
 from plcopen_sfc.languages.st import names_of, print_node, walk
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.nodes import Expression
+from plcopen_sfc.languages.st.nodes import Expression, Operator
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, BlockKind, StandardBlock, standard_block
 from plcopen_sfc.model.body import IlBody
+from plcopen_sfc.model.declaration import Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.sfc import Body
@@ -82,6 +83,11 @@ def value_mistake(value: Expression, resolver: Resolver, text_site: TextSite) ->
     return f"the initial value of {wanted} is {kind}: {print_node(value)}"
 
 
+def value_kind(value: Expression, resolver: Resolver, site: Site) -> str:
+    """Return the kind of a value at a site: BOOL, a number, TIME, an instance; empty where it is not known."""
+    return _Kinds(resolver.dialect, _TypesAt(resolver, site).type_of).of(value)
+
+
 class _TypesAt:
     """Types and parameters at a site; of what is not elementary `STRUCT`, `ARRAY` and `INSTANCE`."""
 
@@ -94,6 +100,13 @@ class _TypesAt:
             name = value.name.identifier
             pin = pin_of(block, name, is_output=True) or pin_of(block, name, is_output=False)
             return pin.type if pin is not None else ""
+        if isinstance(value, n.Member) and isinstance(value.base, n.Name):
+            member = value.name.identifier
+            meaning = self._resolver.lookup(named(value.base, access=member), self._site).declaration
+            if meaning is not None and meaning.kind is Kind.STEP:
+                return _OF_STEPS.get(member.casefold(), "")
+        if self._resolver.standard_block_of(value, self._site) is not None:
+            return "INSTANCE"
         found = self._name(self._resolver.type_of(value, self._site))
         return "BOOL" if not found and isinstance(value, n.Name) and self._is_flag(value) else found
 
@@ -155,6 +168,7 @@ class _Kinds:
 
     def __init__(self, dialect: Dialect, type_of: Callable[[Expression], str]) -> None:
         self._dialect = dialect
+        self._type_of = type_of
         self._types = ExpressionTypes(dialect, type_of)
 
     def mistakes_in(self, node: n.Node) -> Iterator[tuple[str, n.Node]]:
@@ -165,20 +179,34 @@ class _Kinds:
             case n.Branch(condition) | n.While(condition) | n.Repeat(_, condition):
                 if self.of(condition) not in ("", "BOOL"):
                     yield f"a condition is {self.of(condition)}", condition
-            case n.Case(selector):
+            case n.Case(selector, branches):
                 kind = self._types.value(selector).type
                 if kind not in ("", *ORDER):
                     yield f"a CASE asks for {kind}", selector
+                for label in (label for branch in branches for label in branch.labels):
+                    ends = (label.lower, label.upper) if isinstance(label, n.Range) else (label,)
+                    yield from self._no_numbers("a label of a CASE", ends)
+            case n.For(variable, start, end, step):
+                yield from self._no_numbers("what a FOR counts", (variable, start, end, *((step,) if step else ())))
+            case n.Index(base, indices):
+                yield from self._no_numbers("an index", indices)
+                if isinstance(base, n.Name | n.Member) and self.of(base) in ("BOOL", "a number", "TIME"):
+                    yield f"{self.of(base)} has no index", node
+            case n.Unary(Operator.NOT, operand) if kind := self._not_joined(operand):
+                yield f"NOT of {kind}", node
+            case n.Call(n.Name(name), arguments) if name.upper() in OF_ONE_TYPE and not self._type_of(node):
+                chosen = arguments[OF_ONE_TYPE[name.upper()] :]
+                values = [each.value for each in chosen if each.value is not None and each.name is None]
+                if self._differ(values):
+                    yield " and ".join(filter(None, map(self.of, values))), node
             case n.Operation(operator, operands) if operator in n.CONNECTIVES | n.COMPARISONS and self._differ(
                 operands
             ):
                 yield " and ".join(map(self.of, operands)), node
-            case n.Operation(operator, operands) if operator in n.CONNECTIVES and self.of(operands[0]) not in (
-                "",
-                "BOOL",
-                "a number",
-            ):
-                yield f"{operator.value} of {self.of(operands[0])}", node
+            case n.Operation(operator, operands) if operator in n.CONNECTIVES:
+                kinds = list(filter(None, map(self._not_joined, operands)))
+                if kinds:
+                    yield f"{operator.value} of {kinds[0]}", node
             case n.Operation(operator, operands) if operator in CALCULATING:
                 kinds = [self.of(each) for each in operands]
                 if "BOOL" in kinds:
@@ -209,8 +237,22 @@ class _Kinds:
             return ""  # without the IEC check of a block they are numbers too
         return _KINDS.get(name, "")
 
+    def _no_numbers(self, what: str, values: Iterable[Expression]) -> Iterator[tuple[str, n.Node]]:
+        """Yield the values that are certainly no numbers, with a word for what they are."""
+        for each in values:
+            if self.of(each) not in ("", "a number"):
+                yield f"{what} is {self.of(each)}", each
+
+    def _not_joined(self, operand: Expression) -> str:
+        """Return the kind or type of a value that AND, OR, XOR and NOT do not take; empty where they do."""
+        name, kind = self._types.value(operand).type, self.of(operand)
+        return name if name in REALS else "" if kind in ("BOOL", "a number") else kind
+
     def _differ(self, operands: Collection[Expression]) -> bool:
-        return len({kind for each in operands if (kind := self.of(each))}) > 1
+        kinds = {kind for each in operands if (kind := self.of(each))}
+        if any(self._types.value(each).loose for each in operands) and not kinds.isdisjoint(_NEVER_NUMBERS):
+            return True  # 0 and 1 too, which can be BOOL
+        return len(kinds) > 1
 
 
 class _Check:
@@ -300,6 +342,8 @@ _KINDS = {
     "INSTANCE": "an instance",
 }
 """A character alone is a string in some tools and a number in others: it has no kind."""
+_OF_STEPS = {"x": "BOOL", "t": "TIME"}
+_NEVER_NUMBERS = frozenset({"STRING", "a structure", "an array", "an instance"})
 _GENERIC_NUMBERS = frozenset({"ANY_NUM", "ANY_INT", "ANY_REAL"})
 _CALCULATED = frozenset({"", "a number", "TIME", *INSTANTS})
 """Kinds that one tool or another calculates with together."""

@@ -1050,6 +1050,7 @@ INITIAL_STEP S1: b; END_STEP
 TRANSITION FROM S1 TO S1 := b; END_TRANSITION
 END_PROGRAM
 """
+INTS = "VAR n : INT; END_VAR"
 
 
 def typed(statement: str = "n := 1;", *, condition: str = "b", type: str = "INT") -> Callable[[], Subject]:
@@ -1078,6 +1079,20 @@ for wrong, right, told in (
     ("t(Q => n);", "t(Q => b);", "Q of TON is BOOL, not a number"),
     ("v(Open := w);", "v(Open := b);", "Open of v is BOOL, not TIME"),
     ("n := LEN(n);", "n := LEN(s);", "IN of LEN is STRING, not a number"),
+    ("n := S1.T;", "w := S1.T;", "TIME is assigned to a number: n := S1.T"),
+    ("b := S1.T;", "b := S1.X;", "TIME is assigned to BOOL: b := S1.T"),
+    ("many := 1;", "b := 1;", "is assigned to an array: many := 1"),
+    ("t := n;", "n := n;", "a number is assigned to an instance: t := n"),
+    ("n := t;", "w := t.ET;", "an instance is assigned to a number: n := t"),
+    ("n := MAX(1, 'x');", "n := MAX(1, n);", "STRING: MAX(1, 'x')"),
+    ("n := LEFT(s, 1);", "s := LEFT(s, 1);", "STRING is assigned to a number"),
+    ("n := n AND 1.5;", "n := n AND 1;", "AND of REAL: n AND 1.5"),
+    ("b := NOT w;", "n := NOT n;", "NOT of TIME: NOT w"),
+    ("FOR b := 1 TO 3 DO n := 1; END_FOR", "FOR n := 0 TO 1 DO b := TRUE; END_FOR", "what a FOR counts is BOOL: b"),
+    ("FOR n := 1 TO b DO n := 1; END_FOR", "FOR n := 1 TO n DO b := TRUE; END_FOR", "what a FOR counts is BOOL: b"),
+    ("CASE n OF TRUE: n := 1; END_CASE", "CASE n OF 0..3: n := 1; END_CASE", "a label of a CASE is BOOL: TRUE"),
+    ("many[b](IN := b);", "many[n](IN := b);", "an index is BOOL: b"),
+    ("n[1] := 1;", "many[1](IN := b);", "a number has no index: n[1]"),
 ):
     case("VAR04", typed(wrong), typed(right), told)
 for wrong, right, told in (
@@ -1094,6 +1109,18 @@ case("VAR04", whole(WITH_GLOBAL % ("INT := TRUE", "INT")), whole(WITH_GLOBAL % (
 case("VAR04", whole(WITH_GLOBAL % ("INT", "INT := TRUE")), whole(WITH_GLOBAL % ("INT", "INT")), "value of INT is BOOL")
 case("VAR01", whole(WITH_GLOBAL % ("INT", "Sizes")), whole(WITH_GLOBAL % ("INT", "INT")), "'Sizes' names no type")
 case("VAR04", typed(condition="n > s"), typed(condition="n > 2"), "a number and STRING: n > s")
+for wrong, right, told in (
+    ("S1.T", "S1.T > T#2s", "TIME"),
+    ("t.ET", "t.Q", "TIME"),
+    ("t", "many[0].Q", "an instance"),
+    ("v", "v.Open", "an instance"),
+    ("'x'", "s = 'x'", "STRING"),
+    ("LEN(s)", "LEN(s) > 1", "a number"),
+    ("NOT n", "NOT S1.X", "a number"),
+    ("many", "many[1].Q", "an array"),
+):
+    case("CND10", typed(condition=wrong), typed(condition=right), f"is not Boolean: it is {told}")
+case("VAR04", steps("q(D, n);", declared=INTS), steps("q(D, T#1s);", declared=INTS), "a duration is a number: n")
 CIRCLE = (
     "TYPE A : STRUCT inner : %s; END_STRUCT; END_TYPE TYPE B : STRUCT inner : ARRAY [0..1] OF %s; END_STRUCT; END_TYPE"
 )
