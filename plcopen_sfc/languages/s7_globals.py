@@ -9,7 +9,7 @@ variable without a list, an address and a value that never changes is in a data 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import groupby
 
 from plcopen_sfc.diagnostics import Severity
@@ -174,7 +174,12 @@ def global_names(project: Project) -> Iterator[str]:
     yield from lists
     for thing in project.objects():
         yield thing.name.casefold()
-    for table in project.tag_tables:
+    yield from _names_in(project.tag_tables)
+
+
+def _names_in(tables: Iterable[TagTable]) -> Iterator[str]:
+    """Yield the names of tags and constants, in lower case."""
+    for table in tables:
         yield from (tag.name.casefold() for tag in table.tags)
         yield from (constant.name.casefold() for constant in table.constants)
 
@@ -196,19 +201,21 @@ def _tag(variable: Variable, types: S7Types, addresses: Dialect) -> Tag | None:
 
 def _names_in_tables(project: Project) -> set[str]:
     """Return the names, in lower case, of the tags and constants of the project, and of those that others become."""
-    found: set[str] = set()
-    types = s7_types(project)
-    for table in project.tag_tables:
-        found |= {tag.name.casefold() for tag in table.tags} | {each.name.casefold() for each in table.constants}
+    return {*_names_in([*project.tag_tables, _unlisted(project)])}
+
+
+def _unlisted(project: Project) -> TagTable:
+    """Return a table with the tags and constants that the variables of no list become."""
+    known = {*_names_in(project.tag_tables)}
+    table, types = TagTable(name=TABLE), s7_types(project)
     for section in (section for name, section in _lists(project) if not name):
-        for variable in section.variables:
-            if _tag(variable, types, project.address_dialect) is not None or _is_constant(section, variable):
-                found.add(variable.name.casefold())
-    return found
-
-
-def _is_constant(section: VariableSection, variable: Variable) -> bool:
-    return section.constant and not variable.address and variable.initial is not None
+        for variable in (v for v in section.variables if v.name.casefold() not in known):
+            tag = _tag(variable, types, project.address_dialect)
+            if tag is not None:
+                table.tags.append(tag)
+            elif section.constant and not variable.address and variable.initial is not None:
+                table.constants.append(variable.model_copy(update={"address": None}))
+    return table
 
 
 def tag_tables_of(project: Project) -> list[TagTable]:
@@ -216,16 +223,7 @@ def tag_tables_of(project: Project) -> list[TagTable]:
 
     Another one has what is in no list: tags of the variables with an address, and constants.
     """
-    known = {tag.name.casefold() for table in project.tag_tables for tag in table.tags}
-    known |= {constant.name.casefold() for table in project.tag_tables for constant in table.constants}
-    table, types = TagTable(name=TABLE), s7_types(project)
-    for section in (section for name, section in _lists(project) if not name):
-        for variable in (v for v in section.variables if v.name.casefold() not in known):
-            tag = _tag(variable, types, project.address_dialect)
-            if tag is not None:
-                table.tags.append(tag)
-            elif _is_constant(section, variable):
-                table.constants.append(variable.model_copy(update={"address": None}))
+    table = _unlisted(project)
     tables = {name: TagTable(name=name) for name, _ in _lists(project) if name}
     lists = {name.casefold(): name for name in tables}
     for (around, _), found in _tags_of_lists(project).items():
@@ -264,7 +262,7 @@ def _left_out_globals(project: Project) -> Iterator[tuple[str, str]]:
     blocks = {pou.name.casefold() for pou in project.pous}
     tables = [*project.tag_tables, *tag_tables_of(project)]
     tags = {tag.name.casefold() for table in tables for tag in table.tags}
-    known = tags | {constant.name.casefold() for table in tables for constant in table.constants}
+    known = {*_names_in(tables)}
     of_lists = _tags_of_lists(project)
     for name, section in _lists(project):
         for variable in section.variables:
