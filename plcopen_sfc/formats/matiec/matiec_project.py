@@ -29,6 +29,7 @@ from plcopen_sfc.languages.binding.text_sites import TextSite
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.s7_types import Constant, constants_of
 from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.task_schedules import duration_literal, iec_form, nanoseconds, schedule_of
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
@@ -37,8 +38,10 @@ from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Task
 from plcopen_sfc.model.sfc import Body, SfcBody
 from plcopen_sfc.model.types import (
+    ArrayType,
     DataType,
     DataTypeDeclaration,
+    DerivedType,
     Elementary,
     ElementaryType,
     EnumType,
@@ -63,6 +66,8 @@ def fit_project(
     """
     own = options.of_matiec
     final_scan = None if own else options.of_codesys
+    _note_steps_of_instances(project, report)
+    _note_arrays_of_blocks(project, report)
     name_structures(project, report)
     _number_enumerations(project, report)
     give_plain_names(project, report)
@@ -88,6 +93,32 @@ def fit_project(
         note_functions(project, report, "the source")
     if not keeps_drawings:
         note_undeclared(project, report)
+
+
+def _note_steps_of_instances(project: Project, report: ConversionReport) -> None:
+    """Report texts that ask an instance for its steps: matiec takes them, and its C code does not compile."""
+    blocks = {chart.pou.name: chart for chart in project.charts() if chart.pou.kind is PouKind.FUNCTION_BLOCK}
+    names = Names(project)
+    for chart in blocks.values():
+        steps = [names.declaration_of(step) for step in chart.chart.steps]
+        for each in names.occurrences(*(step.name for step in chart.chart.steps), of=steps):
+            if each.text_site.site.pou is not chart.pou and each.meaning.declaration in steps:
+                why = f"`{each.reference.name}` is a step of {chart.pou.name}, and matiec knows steps in their POU only"
+                report.add(Outcome.NOT_EXECUTED, "text", each.text_site.report_path, f"{why}: give it an output")
+
+
+def _note_arrays_of_blocks(project: Project, report: ConversionReport) -> None:
+    """Report arrays of function blocks, which matiec does not compile."""
+    own = {pou.name.casefold() for pou in project.pous if pou.kind is PouKind.FUNCTION_BLOCK}
+    for pou in project.pous:
+        for variable in pou.variables():
+            base = variable.type.base if isinstance(variable.type, ArrayType) else None
+            standard = standard_block(base.name) if isinstance(base, DerivedType) else None
+            is_block = standard is not None and standard.stateful
+            if isinstance(base, DerivedType) and (is_block or base.name.casefold() in own):
+                path = f"{pou.report_path} / variable {variable.name}"
+                why = f"matiec has no arrays of function blocks: declare instances of {base.name}"
+                report.add(Outcome.NOT_EXECUTED, "variable", path, why)
 
 
 def _typed_functions(project: Project) -> dict[str, DataType]:

@@ -156,3 +156,28 @@ def test_an_instance_is_called_and_a_number_is_no_action(tmp_path: Path) -> None
     assert [item.why for item in report.with_outcome(Outcome.NOT_EXECUTED)] == [
         "n is of type INT: only a Boolean variable can be an action"
     ]
+
+
+def test_arrays_of_blocks_and_steps_of_instances_do_not_compile_in_matiec() -> None:
+    text = """FUNCTION_BLOCK Axis
+VAR_INPUT go : BOOL; END_VAR
+INITIAL_STEP Wait: END_STEP
+TRANSITION FROM Wait TO Fill := go; END_TRANSITION
+STEP Fill: END_STEP
+TRANSITION FROM Fill TO Wait := NOT go; END_TRANSITION
+END_FUNCTION_BLOCK
+PROGRAM Main
+VAR a : Axis; many : ARRAY[1..2] OF Axis; ts : ARRAY[1..3] OF TON; q, Fill : BOOL; END_VAR
+a(go := q); ts[1](IN := q, PT := T#1s); Fill := q;
+q := a.Fill.x;
+END_PROGRAM
+"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    project.dialect = m.Dialect.CODESYS
+    _, report = sfc.convert(project, "iec-text", flavour="matiec", partial=True)
+    lost = [(item.path, item.why) for item in report.with_outcome("not executed")]
+    assert {path for path, why in lost if "no arrays of function blocks" in why} == {
+        "POU Main / variable many",
+        "POU Main / variable ts",
+    }
+    assert [path for path, why in lost if "`Fill` is a step of Axis" in why] == ["POU Main"]
