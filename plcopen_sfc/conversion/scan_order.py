@@ -15,7 +15,7 @@ from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import ActionAssociation, Step
-from plcopen_sfc.model.types import used_types
+from plcopen_sfc.model.types import SimpleValue, used_types
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import INPUTS_OF_ACTIONS, START_OF_CHART, ConversionReport, Outcome
 from plcopen_sfc.semantics.inputs import MEMBER_NAMES
@@ -117,16 +117,30 @@ def _written(pous: Iterable[Pou], project: Project) -> set[str]:
 def is_begun_for_good(chart: Chart) -> bool:
     """True if a chart can do something else for good where its first scan is another one.
 
-    A Boolean that follows its initial step is late or early once. What is stored, and what statements do, stays.
+    A Boolean that follows its initial step is late or early once. What is stored, and what statements do, stays, but
+    for the reset of a variable that is FALSE at the start.
     """
     bodies = {action.name.casefold() for action in chart.pou.actions}
+    reset = set(_begun_as_false(chart.pou)) - bodies
 
     def follows(each: ActionAssociation) -> bool:
-        is_plain = each.qualifier in (Qualifier.N, Qualifier.L, Qualifier.D) and each.event is None
-        return is_plain and each.body is None and each.value is None and (each.target or "").casefold() not in bodies
+        target, plain = (each.target or "").casefold(), each.event is None and each.body is None and each.value is None
+        is_kept = each.qualifier in (Qualifier.N, Qualifier.L, Qualifier.D) and target not in bodies
+        return plain and (is_kept or (each.qualifier is Qualifier.R and target in reset))
 
     steps = (step for inner in with_inner_charts(chart.chart) for step in inner.initial_steps)
     return any(s.entry_action or s.main_action or s.exit_action or not all(map(follows, s.actions)) for s in steps)
+
+
+def _begun_as_false(pou: Pou) -> Iterator[str]:
+    """Yield the Boolean variables (lower case) of a POU that nobody gives a value before its first scan."""
+    for section in pou.interface.sections if pou.interface is not None else ():
+        is_own = section.kind in (SectionKind.LOCAL, SectionKind.OUTPUT)
+        for each in section.variables if is_own and not (section.retain or section.persistent) else ():
+            initial = each.initial
+            is_false = initial is None or (isinstance(initial, SimpleValue) and (initial.text or "").upper() == "FALSE")
+            if is_false and each.address is None:
+                yield each.name.casefold()
 
 
 def reads_inputs(chart: Chart, project: Project, inputs: Iterable[str]) -> bool:

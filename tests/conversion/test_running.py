@@ -211,11 +211,14 @@ def test_actions_that_read_inputs_are_told_without_a_run(target: str, call: str,
     assert all(german(why).startswith("ihre Aktionen lesen ") for _, _, why in found)
 
 
-@pytest.mark.parametrize(("initial", "told"), [("W(N);", True), ("q(S);", True), ("W(P1);", True), ("q(N);", False)])
+@pytest.mark.parametrize(
+    ("initial", "told"),
+    [("W(N);", True), ("q(S);", True), ("W(P1);", True), ("q(N);", False), ("q(R);", False), ("k(R);", True)],
+)
 @pytest.mark.parametrize("target", ["codesys", "simaticml", "plcopen-2.01"])
 def test_initial_steps_that_do_something_for_good_are_told_without_a_run(target: str, initial: str, told: bool) -> None:
     text = f"""FUNCTION_BLOCK Main
-        VAR_INPUT go : BOOL; END_VAR VAR_OUTPUT q, p : BOOL; n : INT; END_VAR
+        VAR_INPUT go : BOOL; END_VAR VAR_OUTPUT q, p : BOOL; k : BOOL := TRUE; n : INT; END_VAR
         INITIAL_STEP S1: {initial} END_STEP
         STEP S2: p(N); q(R); END_STEP
         TRANSITION FROM S1 TO S2 := go; END_TRANSITION
