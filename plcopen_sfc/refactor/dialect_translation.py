@@ -45,6 +45,7 @@ from plcopen_sfc.languages.translation import (
     translate,
 )
 from plcopen_sfc.languages.translation.arithmetic_translation import ArithmeticTranslator
+from plcopen_sfc.languages.translation.call_translation import other_rounding
 from plcopen_sfc.languages.translation.renames import kept_renames
 from plcopen_sfc.languages.translation.translation_context import TITLES, Notes, family
 from plcopen_sfc.model import (
@@ -211,7 +212,14 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
         if is_wider or is_lost or not is_own:
             found.append(TranslatedText(text_site.report_path, result.text != text_site.text, result.notes))
             text_site.put(result.text)
-    return found
+    return found + list(_rounding_boxes(project, target))
+
+
+def _rounding_boxes(project: Project, target: Dialect) -> Iterator[TranslatedText]:
+    for site in text_sites(project):
+        is_box = site.key == "type_name" and isinstance(site.owner, Block)
+        if is_box and (why := other_rounding(site.text.upper(), family(project.dialect), family(target))):
+            yield TranslatedText(site.report_path, changed=False, notes=(Note(Severity.WARNING, why, (0, 0), 1, 1),))
 
 
 _ROUNDS = re.compile(r"REAL_TO_(?!L?REAL)|TO_U?[SDL]?INT\b|\bROUND\b", re.IGNORECASE)

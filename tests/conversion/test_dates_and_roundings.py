@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 
 import plcopen_sfc as sfc
+from plcopen_sfc.languages.networks import draw_fbd
+from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.report import Outcome
 from plcopen_sfc.semantics.programs import Controller
@@ -50,6 +52,16 @@ def test_a_condition_of_iec_that_rounds_is_approximated_in_codesys(target: str) 
     report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), target, partial=True, limit=0).report
     rounded = [item for item in report.losses if "rounds halves away from zero" in item.why]
     assert [(item.outcome, item.path) for item in rounded] == [(Outcome.APPROXIMATED, "POU Main / transition S1 -> S2")]
+
+
+@pytest.mark.parametrize(("dialect", "target"), [(Dialect.IEC, "codesys"), (Dialect.CODESYS, "plcopen-2.01")])
+@pytest.mark.parametrize(("call", "told"), [("REAL_TO_INT(r)", True), ("LREAL_TO_DINT(r)", True), ("TRUNC(r)", False)])
+def test_a_box_that_rounds_is_approximated(dialect: Dialect, target: str, call: str, told: bool) -> None:
+    drawn = draw_fbd(parse_statements(f"n := {call};").tree.statements).body
+    project = block("VAR_INPUT r : LREAL; END_VAR VAR_OUTPUT n : DINT; END_VAR", "n := 0;")
+    project.dialect, project.pous[0].bodies = dialect, [drawn]
+    found = [outcome for outcome, why in losses(project, target) if "rounds halves away from zero" in why]
+    assert found == [Outcome.APPROXIMATED] * told
 
 
 def test_a_conversion_to_the_same_type_is_the_value() -> None:

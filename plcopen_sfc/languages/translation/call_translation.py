@@ -154,6 +154,14 @@ def is_mixed(node: n.Call) -> bool:
     return len({argument.name is None for argument in node.arguments}) > 1
 
 
+def other_rounding(name: str, source: Dialect, target: Dialect) -> str:
+    """Return what a function for numbers gives otherwise in another family of dialects; empty: nothing."""
+    tools, matched = {source, target}, _INEXACT.fullmatch(name)
+    if matched is None or matched["text"] or Dialect.CODESYS not in tools or len(tools) == 1:
+        return ""
+    return f"{name}: {_HALVES.format(tool='S7' if Dialect.SCL in tools else TITLES[Dialect.IEC])}"
+
+
 class CallTranslator:
     """Translates calls. `translated` does so with the expressions inside them."""
 
@@ -363,9 +371,8 @@ class CallTranslator:
         if matched is not None and matched["text"] and Dialect.SCL in tools:
             reason = f"S7 writes the text of {name} otherwise: signs, blanks and exponents differ"
             self._notes.add(Severity.WARNING, reason, node)
-        elif matched is not None and not matched["text"] and Dialect.CODESYS in tools and len(tools) > 1:
-            tool = "S7" if Dialect.SCL in tools else TITLES[Dialect.IEC]
-            self._notes.add(Severity.WARNING, f"{name}: {_HALVES.format(tool=tool)}", node)
+        elif reason := other_rounding(name, self._source, self._target):
+            self._notes.add(Severity.WARNING, reason, node)
         dated = _OF_DATES.fullmatch(name)
         if dated is not None and Dialect.SCL in tools and len(tools) > 1 and name not in _FROM_DATES:
             kinds = {dated["source"], dated["result"]}
