@@ -27,6 +27,7 @@ _OPERATING = MEMBER_NAMES | {flag.variable.casefold() for flag in SfcFlag}
 """Names of variables by which people operate a chart: a run keeps them at rest, or the report names them."""
 
 _OF_SUPERVISIONS = (ActionEvent.V1, ActionEvent.V0, ActionEvent.A1)
+_PULSES = (Qualifier.P, Qualifier.P0, Qualifier.P1)
 _SHOWN = 5
 
 
@@ -44,12 +45,16 @@ def report_scan_order(
     `called` gives the paths in the source of what has another name in the result, `profiles` the rules of both tools.
     """
     early, start = acting_early(profiles, tool), _start(profiles, tool)
+    is_entered = profiles[1].initial_steps_entered and not profiles[0].initial_steps_entered
     begun = {item.path for item in report.items if item.what == FIRST_SCAN}
-    for there, here in chart_pairs(source, result, called) if early or start else ():
+    for there, here in chart_pairs(source, result, called) if early or start or is_entered else ():
         if here is None:
             continue
         if start and there.report_path not in begun and is_begun_for_good(there):
             why = f"its initial step does more than switch on variables while it is active: {start}"
+            report.add(Outcome.APPROXIMATED, START_OF_CHART, there.report_path, why)
+        elif is_entered and any(row.qualifier in _PULSES for step in _initial(there) for row in step.actions):
+            why = f"its initial step has pulses, which the source does not execute at the start: {tool} does"
             report.add(Outcome.APPROXIMATED, START_OF_CHART, there.report_path, why)
         read = _inputs_read(there, source) if early else []
         if read:
@@ -128,8 +133,13 @@ def is_begun_for_good(chart: Chart) -> bool:
         is_kept = each.qualifier in (Qualifier.N, Qualifier.L, Qualifier.D) and target not in bodies
         return plain and (is_kept or (each.qualifier is Qualifier.R and target in reset))
 
-    steps = (step for inner in with_inner_charts(chart.chart) for step in inner.initial_steps)
-    return any(s.entry_action or s.main_action or s.exit_action or not all(map(follows, s.actions)) for s in steps)
+    return any(
+        s.entry_action or s.main_action or s.exit_action or not all(map(follows, s.actions)) for s in _initial(chart)
+    )
+
+
+def _initial(chart: Chart) -> Iterator[Step]:
+    return (step for inner in with_inner_charts(chart.chart) for step in inner.initial_steps)
 
 
 def _begun_as_false(pou: Pou) -> Iterator[str]:

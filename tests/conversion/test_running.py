@@ -233,6 +233,17 @@ def test_initial_steps_that_do_something_for_good_are_told_without_a_run(target:
     assert is_told or sfc.convert(project, target, limit=8).report.losses == []
 
 
+@pytest.mark.parametrize(("initial", "told"), [("W(P1);", True), ("q(P0);", True), ("q(N);", False), ("W(S);", False)])
+def test_pulses_at_the_start_that_matiec_does_not_execute_are_told_without_a_run(initial: str, told: bool) -> None:
+    text = CHART.format(first="", second="", initial="", edge="", actions="ACTION W: m := m + 1; END_ACTION")
+    text = text.replace("INITIAL_STEP S0:", f"INITIAL_STEP S0: {initial}")
+    data = sfc.dumps(sfc.loads(text.encode(), format="iec-text"), format="plcopen-2.01")
+    source = sfc.loads(data.replace(b'productName="', b'productName="Beremiz '))
+    found = [item for item in sfc.convert(source, "iec-text").report.losses if item.what == START_OF_CHART]
+    assert [(item.outcome, item.path) for item in found] == [(Outcome.APPROXIMATED, "POU Main")] * told
+    assert all(german(item.why).startswith("ihr Initialschritt hat Impulse") for item in found)
+
+
 def test_actions_that_read_no_input_are_only_later() -> None:
     report = saved(chart("q(N);", "Set(S);"), "codesys", strict=True)
     assert report.compared["POU Main"].startswith("equal, second 1 scan later")
