@@ -36,6 +36,9 @@ def show_not_executed(screen: Screen, items: Sequence[Item]) -> None:
         names = [ObjectPath.of(item.path).last for item in those]
         screen.line(f"  {around}{_position(those[0])}")
         screen.line(f"    operating inputs without effect: {', '.join(names)}")
+        for name, item in zip(names, those, strict=True):
+            if reason := item.why.partition(": ")[2]:  # of SFC flags: what in this chart is in the way
+                screen.line(f"      {name}: {reason}")
         they = "they are" if names[1:] else "it is"
         screen.line(f"    If {they} never operated, convert again with --at-rest {','.join(names)}.")
     others = [item for item in items if item not in operated]

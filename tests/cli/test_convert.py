@@ -61,6 +61,12 @@ def test_inputs_without_effect_are_named_with_the_option(cli, fixtures, tmp_path
     assert "convert again with" not in cli(*arguments, *option.rstrip(".").split()).out
 
 
+def test_a_flag_without_effect_is_told_with_what_is_in_the_way(cli, fixtures, tmp_path):
+    source = fixtures / "codesys" / "device_export.xml"
+    told = cli("convert", source, f"{tmp_path}/out/", "--to", "simaticml", "--limit", "0").out
+    assert "operating inputs without effect: SFCPause\n      SFCPause: the actions of the step StartPump1 go on" in told
+
+
 @pytest.mark.slow
 def test_sequences_that_become_loops_are_told_with_the_option_that_keeps_them(cli, fixtures, tmp_path):
     out = tmp_path / "out.xml"
