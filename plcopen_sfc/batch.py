@@ -17,9 +17,9 @@ import os
 import sys
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import nullcontext
+from contextlib import nullcontext, redirect_stdout
 from dataclasses import dataclass
-from functools import partial
+from functools import partial, wraps
 from hashlib import blake2b
 from pathlib import Path, PurePath
 from types import ModuleType, NoneType, UnionType
@@ -452,7 +452,18 @@ def _function(script: Script, settings: Mapping[str, str]) -> tuple[Callable[...
         raise ScriptError(f"the script needs the setting {missing[0]!r}", location=where, hint=hint)
     usual = {each.name: str if each.default in (None, each.empty) else type(each.default) for each in parameters}
     kinds = usual | hints
-    return function, {name: _value(script.path, name, text, kinds[name]) for name, text in settings.items()}
+    return _aside(function), {name: _value(script.path, name, text, kinds[name]) for name, text in settings.items()}
+
+
+def _aside(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function of a script, which prints to standard error: the other stream may be for the file or JSON."""
+
+    @wraps(function)
+    def run(*args: Any, **values: Any) -> Any:
+        with redirect_stdout(sys.stderr):
+            return function(*args, **values)
+
+    return run
 
 
 def _refactoring(script: Script) -> Callable[..., Any] | None:
@@ -491,7 +502,7 @@ def functions_of(script: str) -> dict[str, Callable[..., Any]]:
     except (Exception, SystemExit) as error:
         raise ScriptError(f"{type(error).__name__}: {error}", location=Location(script)) from error
     found = {name: each for name, each in vars(module).items() if inspect.isfunction(each) and not name.startswith("_")}
-    return {name: each for name, each in found.items() if each.__module__ == module.__name__}
+    return {name: _aside(each) for name, each in found.items() if each.__module__ == module.__name__}
 
 
 def _executed(text: str, path: str) -> ModuleType:
@@ -499,7 +510,8 @@ def _executed(text: str, path: str) -> ModuleType:
     module = ModuleType("plcopen_sfc_script")
     module.__file__ = path
     sys.modules[module.__name__] = module  # where dataclasses look for the names in annotations
-    exec(compile(text, path, "exec"), module.__dict__)  # noqa: S102  # what the user asks for
+    with redirect_stdout(sys.stderr):
+        exec(compile(text, path, "exec"), module.__dict__)  # noqa: S102  # what the user asks for
     return module
 
 

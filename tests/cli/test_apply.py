@@ -374,3 +374,28 @@ def test_a_process_that_ends_in_the_middle_loses_nothing(exports, always):
     assert not always or "has ended, twice" in done[1].error
     steps = ["".join(step.name for each in sfc.load(path).charts() for step in each.chart.steps) for path in paths]
     assert [names.count("Z_") for names in steps] == [1, 0 if always else 1, 1]
+
+
+NOISY = """print("when it is read")
+
+
+def refactor(project):
+    print("when it runs")
+    project.rename("PLC_PRG.Measure", "Weigh")
+
+"""
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_what_a_script_prints_is_no_result(command, exports, jobs):
+    """It was written into the file on standard output, and before the JSON."""
+    (exports.parent / "noisy.py").write_text(NOISY, encoding="utf-8")
+    export = exports / "sorting_conveyor.xml"
+    before = export.read_bytes()
+    done = command("apply", "noisy.py", "-", "--write", input=before, cwd=exports.parent)
+    assert (done.returncode, done.stdout.replace(b"Weigh", b"Measure")) == (0, before)
+    assert done.stderr.count(b"when it runs") == 1
+    copy = shutil.copy(export, exports.parent / "copy.xml")
+    done = command("apply", "noisy.py", export, copy, "--json", "--jobs", jobs, cwd=exports.parent)
+    assert [each["outcome"] for each in json.loads(done.stdout)["files"]] == ["changed", "changed"]
+    assert done.stderr.count(b"when it runs") == 2

@@ -408,7 +408,7 @@ def test_functions_of_a_python_file_are_called(cli: Cli, tmp_path: Path, monkeyp
         "TRANSITION FROM S2 TO S1 := NOT a; END_TRANSITION ACTION Work: n := Vendor(n); END_ACTION END_PROGRAM",
         encoding="utf-8",
     )
-    Path("vendor.py").write_text("def Vendor(n): return (n + 1) % 5\n", encoding="utf-8")
+    Path("vendor.py").write_text("def Vendor(n):\n    print('noise')\n    return (n + 1) % 5\n", encoding="utf-8")
     asked = ("lower", "main.st", "out.scl", "--to", "scl")
     assert "unknown, taken as functions of what they are given: Vendor" in cli(*asked).out
     done = cli(*asked, "--functions", "vendor.py")
