@@ -70,7 +70,7 @@ def merge_list(project: Project, edited: Project) -> list[str]:
     another name and the number of one that is gone is renamed, wherever the project names it. What has no row in the
     list any more is removed; a program without any row stays, as do variables and actions of a list without their
     table. Raises `DamagedSourceError` where the list has errors, `ArgumentError` for what is no list, `ModelError`
-    where something still names what was removed; then nothing changes.
+    where something still names what was removed, or the project has no place for what is new; then nothing changes.
     """
     for each in (project, edited):
         check_argument(each, Project, "merge_list needs a project and a step list", "Load the files first.")
@@ -83,9 +83,9 @@ def merge_list(project: Project, edited: Project) -> list[str]:
         raise DamagedSourceError(errors)
     data = encode(project, "csv", flavour="", fresh=True)[0]
     columns = _columns(codec.sheets(source.content))
+    trial = project.model_copy(deep=True)
+    _merging(trial, edited, data, columns).run()
     if _listed_names(read_document(data, format="csv", path=None)) - _listed_names(edited):
-        trial = project.model_copy(deep=True)
-        _merging(trial, edited, data, columns).run()
         _refuse_lost_names(project, trial)
     return _merging(project, edited, data, columns).run()
 
@@ -218,6 +218,9 @@ class _Merging:
                 if mine is not None:
                     hint = "A list is merged into programs and function blocks with a chart."
                     raise ModelError(f"{mine.report_path} has no chart in the project", hint=hint)
+                if now.chart is None or not now.chart.steps:
+                    hint = "Variables of a list of global ones have the section VAR_GLOBAL, all of them."
+                    raise ModelError(f"neither the project nor the list has a program {now.name} with steps", hint=hint)
                 self._project.pous.append(then)
                 self._changes.append(f"{then.report_path}: new")
                 continue
@@ -285,7 +288,7 @@ class _Merging:
         )
         written = [(section, each) for section in sections.then for each in section.variables]
         around: VariableSection | TagTable | None = None
-        for (key, (_, now)), (section, then) in zip(new.items(), written, strict=True):
+        for (key, (place, now)), (section, then) in zip(new.items(), written, strict=True):
             where = f"{path} / variable {now.name}" if path else f"global variable {now.name}"
             found = own.get(self._own_key(program, key)) if key in old else None
             if found is None:
@@ -293,6 +296,9 @@ class _Merging:
                 self._changes.append(f"{where}: new")
                 continue
             around, mine = found
+            if "Section" in columns and _head(place) != _head(old[key][0]):
+                around = self._moved(mine, around, section, sections.mine, where)
+                self._changes.append(f"{where}: section")
             if isinstance(mine, Tag):
                 self._changes += _put(
                     _Versions(mine, *map(_tag, (old[key][1], now, then))), _TAG_FIELDS, columns, where
@@ -305,6 +311,36 @@ class _Merging:
                 _content(found[0]).remove(found[1])
                 where = f"{path} / variable {old[key][1].name}" if path else f"global variable {old[key][1].name}"
                 self._changes.append(f"{where}: removed")
+
+    def _moved(
+        self,
+        variable: Variable | Tag,
+        around: VariableSection | TagTable,
+        section: VariableSection,
+        mine: list[VariableSection | TagTable],
+        where: str,
+    ) -> VariableSection:
+        """Move a variable to the section like `section` beside the one that it is in, and return that."""
+        is_global = section.kind is SectionKind.GLOBAL
+        if (
+            isinstance(around, TagTable)
+            or isinstance(variable, Tag)
+            or is_global != (around.kind is SectionKind.GLOBAL)
+        ):
+            hint = "A global variable has a row of its own, with the name of its list as Program."
+            raise ModelError(f"{where}: it cannot have this section", hint=hint)
+        known = [each for each in mine if isinstance(each, VariableSection) and each.name == around.name]
+        found = next((each for each in known if _fits(each, section)), None)
+        if found is None:
+            if is_global and around.name:
+                raise ModelError(f"{where}: the list {around.name} has no such section")
+            found = section.model_copy(update={"variables": [], "name": around.name})
+            if is_global:
+                self._project.global_variables.append(found)
+            mine.append(found)
+        around.variables = [each for each in around.variables if each is not variable]
+        found.variables.append(variable)
+        return found
 
     def _own_key(self, program: str, key: tuple[str, str]) -> tuple[str, str]:
         """Return the names of list and variable in the project for those in the step list."""
@@ -536,5 +572,8 @@ def _tag(variable: Variable) -> Tag:
 def _fits(holder: VariableSection | TagTable, section: VariableSection) -> bool:
     if isinstance(holder, TagTable):
         return section.kind is SectionKind.GLOBAL
-    head = (section.kind, section.constant, section.retain, section.persistent)
-    return (holder.kind, holder.constant, holder.retain, holder.persistent) == head
+    return _head(holder) == _head(section)
+
+
+def _head(section: VariableSection) -> tuple[object, ...]:
+    return section.kind, section.constant, section.retain, section.persistent

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import csv
 import difflib
+import io
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -25,6 +27,7 @@ FILES = [
     "training-chain/codesys.xml",
     "twincat/press_station.xml",
 ]
+WITHOUT_VARIABLES = {"grafcet/four_steps.gct"}
 
 
 def loaded(name: str) -> Project:
@@ -295,3 +298,64 @@ def test_a_list_with_errors_and_what_is_no_list_are_refused() -> None:
         sfc.merge_list(project, sfc.load("fixtures/steplist/wrong_cells.csv"))
     with pytest.raises(ArgumentError):
         sfc.merge_list(project, loaded("training-chain/codesys.xml"))
+
+
+def with_cells(data: bytes, column: str, wanted: Callable[[dict[str, str]], bool], value: str) -> Project:
+    """Return a list with another text in one cell: that of the first row that is wanted."""
+    rows = list(csv.reader(io.StringIO(data.decode("utf-8-sig")), delimiter=";"))
+    head: list[str] = []
+    for row in rows:
+        head = [] if not any(row) else head or row
+        if column in head and row is not head and wanted(dict(zip(head, row, strict=True))):
+            row[head.index(column)] = value
+            break
+    text = io.StringIO()
+    csv.writer(text, delimiter=";").writerows(rows)
+    return sfc.loads(text.getvalue().encode())
+
+
+SECTIONS = {"VAR": "VAR_INPUT", "VAR_INPUT": "VAR_OUTPUT", "VAR_OUTPUT": "VAR"}
+
+
+@pytest.mark.parametrize("name", [each for each in FILES if each not in WITHOUT_VARIABLES])
+def test_a_section_that_was_edited_is_that_of_the_variable(name: str) -> None:
+    """It was told that "the list changes nothing", and the file was not written."""
+    project = loaded(name)
+    data = sfc.dumps(project, format="csv", partial=True, fresh=True)
+    found: dict[str, str] = {}
+
+    def is_wanted(cells: dict[str, str]) -> bool:
+        if not found and cells["Section"] in SECTIONS and not cells["Address"]:
+            found.update(cells)
+        return cells == found
+
+    with_cells(data, "Section", is_wanted, "")
+    wanted = SECTIONS[found["Section"]]
+    listed = with_cells(data, "Section", is_wanted, wanted)
+    (change,) = sfc.merge_list(project, listed)
+    assert change.endswith(f"/ variable {found['Variable']}: section")
+    again = sfc.loads(sfc.dumps(project))
+    again.accept_errors()
+    lines = sfc.dumps(again, format="csv", partial=True, fresh=True).decode().splitlines()
+    program, variable = found["Program"], found["Variable"]
+    assert next(line for line in lines if line.startswith(f"{program};{variable};")).split(";")[2] == wanted
+    assert len(lines) == len(data.decode().splitlines())
+
+
+@pytest.mark.parametrize(
+    ("name", "variable"),
+    [("codesys23/distribution_belt.EXP", "Band_Rechts"), ("codesys/sorting_conveyor.xml", "Y3_Blower")],
+)
+@pytest.mark.parametrize("whole", [False, True])
+def test_a_list_of_global_variables_becomes_no_program(name: str, variable: str, whole: bool) -> None:
+    """One cell moved it and the rows below into a new PROGRAM, and what named them was not told."""
+    project = loaded(name)
+    data = sfc.dumps(project, format="csv", partial=True, fresh=True)
+    before = sfc.dumps(project)
+    listed = with_cells(data, "Section", lambda cells: cells["Variable"] == variable, "VAR")
+    if whole:
+        program = next(line for line in data.decode().splitlines() if f";{variable};" in line).partition(";")[0]
+        listed = sfc.loads(re.sub(rf"(?m)^({program};[^;]*;)VAR_GLOBAL", r"\1VAR", data.decode()).encode())
+    with pytest.raises(ModelError if whole else sfc.DamagedSourceError, match=r"no VAR|program with steps|with steps"):
+        sfc.merge_list(project, listed)
+    assert sfc.dumps(project) == before

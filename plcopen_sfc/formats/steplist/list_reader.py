@@ -56,6 +56,7 @@ DEFAULT_PROGRAM = "Main"
 _TIME_FIELDS = {"Min time": "min_time", "Max time": "max_time", "Warning time": "warning_time"}
 _TRUE = {"x", "X", "1", "TRUE", "True", "true", "yes", "ja", "wahr", "WAHR"}
 _FALSE = {"", "0", "FALSE", "False", "false", "no", "nein", "FALSCH"}
+_MARKS = ("Initial", "Interlocked")
 _TRANSITION = ("Transition", "Condition", "Next", "Priority", "Simultaneous", "Transition comment")
 _OF_TRANSITIONS = {
     "Transition": "name",
@@ -63,7 +64,9 @@ _OF_TRANSITIONS = {
     "Priority": "priority",
     "Transition comment": "comment",
 }
+_OF_STEPS = ("Number", "Initial", "Comment", *_TIME_FIELDS, "Interlock", "Supervision")
 _ACTION = ("Qualifier", "Action", "Time", "Event", "Interlocked")
+_OF_ASSOCIATIONS = ("Time", "Event", "Interlocked")
 _VARIABLE = re.compile(r"[^\s:;,]+")
 _NAME = re.compile(r"\w+(?:\.\w+)*")
 _ASSIGNED = re.compile(r"(?P<target>[\w.\[\]]+)\s*:=\s*(?P<value>[^;]+)")
@@ -157,6 +160,15 @@ class _Reader:
     def _wrong(self, code: str, message: str, row: TableRow, heading: str) -> None:
         self._note(code, message, row.place, self._table.columns.get(heading, 0))
 
+    def _refuse_cells(self, row: TableRow, headings: Sequence[str], why: str) -> None:
+        """Note the cells of a row that are not read, as they have no meaning there."""
+        for heading in headings:
+            text = row[heading]
+            if text and not (heading in _MARKS and text in _FALSE):
+                severity = Severity.WARNING if heading == "Comment" else Severity.ERROR
+                message = f"{heading} {text!r} is not read in this row: {why}"
+                self._note("LST113", message, row.place, self._table.columns.get(heading, 0), severity)
+
     # -- steps
 
     def _program(self, row: TableRow, before: _Program | None) -> _Program:
@@ -193,6 +205,8 @@ class _Reader:
                     "LST102", "this row is of no step: its column Step is empty, as in all rows above", row, "Step"
                 )
                 continue
+            else:
+                self._refuse_cells(row, _OF_STEPS, f"write it into the first row of the step {step.name}")
             if row.has_any(*_ACTION):
                 self._action(program, step, row)
             if row.has_any(*_TRANSITION):
@@ -223,6 +237,7 @@ class _Reader:
         if word.casefold() in STEP_ACTIONS:
             done = text if _NAME.fullmatch(text) else StBody(text=text)
             setattr(step, f"{word.casefold()}_action", done)
+            self._refuse_cells(row, _OF_ASSOCIATIONS, f"the {word.casefold()} action of a step has none")
             return
         association = ActionAssociation(id=next(program.ids))
         try:
@@ -335,11 +350,19 @@ class _Reader:
 
     def _variables(self) -> None:
         program: _Program | None = None
-        for row in self._table.rows:
+        rows = self._table.rows
+        lists = {row["Program"].casefold() for row in rows if row["Section"].upper().startswith("VAR_GLOBAL")}
+        lists -= {"", *self._programs}
+        for row in rows:
             declared = self._variable(row)
             if declared is None:
                 continue
-            owner = self._programs.get(row["Program"].rpartition(" ")[2].casefold())
+            name = row["Program"].rpartition(" ")[2].casefold()
+            if name in lists and row["Section"] and declared.kind is not SectionKind.GLOBAL:
+                message = f"{row['Program']} is a list of global variables in other rows, which has no {row['Section']}"
+                self._wrong("LST109", message, row, "Section")
+                continue
+            owner = self._programs.get(name)
             if declared.kind is SectionKind.GLOBAL and owner is None:
                 declared.name = row["Program"] or None  # the name of a list of CODESYS
                 sections = self._project.global_variables

@@ -241,6 +241,16 @@ WRONG = {
     "Step|Action|Next|Condition\nA||A|x\n|||\n|S||": ("LST112", 4, 2),
     "Step|Action|Next|Condition\nA||A|x\n\n||A|y\n\nVariable|Type\nx|BOOL": ("LST112", 4, 3),
     "Step|Action|Next|Condition\nA||A|x\n\nwritten by Karl": ("LST112", 4, 1),
+    "Step|Next|Number\nA|A|1\n|A|2": ("LST113", 3, 3),
+    "Step|Next|Initial\nA|A|\n|A|x\n|A|0": ("LST113", 3, 3),
+    "Step|Next|Max time\nA|A|\n|A|2s": ("LST113", 3, 3),
+    "Step|Next|Supervision\nA|A|\n|A|x": ("LST113", 3, 3),
+    "Step|Next|Comment\nA|A|first\n|A|second": ("LST113", 3, 3),
+    "Step|Next|Qualifier|Action|Time\nA|A|main|x|2s": ("LST113", 2, 5),
+    "Step|Next|Qualifier|Action|Event\nA|A|entry|x|S1": ("LST113", 2, 5),
+    "Step|Next|Qualifier|Action|Interlocked\nA|A|exit|x|x": ("LST113", 2, 5),
+    "Program|Variable|Section|Type\nL|a|VAR|INT\nL|b|VAR_GLOBAL|INT": ("LST109", 2, 3),
+    "Program|Variable|Section|Type\nL|b|VAR_GLOBAL|INT\nL|a|VAR_INPUT|INT": ("LST109", 3, 3),
     "Stepp|Action|Qualifier\nA|x|N\n\nVariable|Type\nx|BOOL": ("LST112", 1, 1),
 }
 
