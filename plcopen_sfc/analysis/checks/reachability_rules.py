@@ -6,9 +6,9 @@ Some of these charts do not come to rest.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import reduce
+from functools import cache, reduce
 from operator import or_
 
 from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Finding, Rule, ring
@@ -50,9 +50,10 @@ def cycles(chart: CheckedChart) -> Iterator[tuple[int, ...]]:
 
 
 def _endless(chart: CheckedChart) -> Iterator[Finding]:
+    is_dead = _dead_steps(chart)
     for cycle in cycles(chart):
         first = chart.net.transitions[cycle[0]]
-        if not _is_dead(chart, first.sources):
+        if not is_dead(first.sources):
             names = ", ".join(chart.net.transitions[i].path for i in cycle)
             yield Finding(chart.place_of(first), f"always true in a circle: {names}")
     if chart.family == "grafcet":
@@ -64,7 +65,7 @@ def _unstable(chart: CheckedChart) -> Iterator[Finding]:
 
     Only inputs count: what actions write, edges, times and flags of steps may be other in the next evolution.
     """
-    net = chart.net
+    net, is_dead = chart.net, _dead_steps(chart)
     steady = {t.index: condition for t in net.transitions if (condition := _steady(chart, t)) is not None}
     always = {i for i in steady if _truth(chart, net.transitions[i]) is Truth.ALWAYS}
     done: set[frozenset[int]] = set()
@@ -75,7 +76,7 @@ def _unstable(chart: CheckedChart) -> Iterator[Finding]:
         while waiting:
             at, way = waiting.popleft()
             if at == start:
-                if frozenset(way) not in done and not _is_dead(chart, net.transitions[first].sources):
+                if frozenset(way) not in done and not is_dead(net.transitions[first].sources):
                     done.add(frozenset(way))
                     one, names = net.transitions[first], ", ".join(net.transitions[i].path for i in way)
                     message = f"as long as the condition of {one.path} is true, a circle fires without end: {names}"
@@ -104,7 +105,7 @@ def _steady(chart: CheckedChart, transition: NetTransition) -> NetworkExpression
 
 
 def _run_through(chart: CheckedChart) -> Iterator[Finding]:
-    net = chart.net
+    net, is_dead = chart.net, _dead_steps(chart)
     known: dict[tuple[Expression | None, ...], bool] = {}  # the conditions of one station are those of the next
 
     def implies(condition: NetworkExpression, others: Sequence[NetworkExpression]) -> bool:
@@ -123,7 +124,7 @@ def _run_through(chart: CheckedChart) -> Iterator[Finding]:
         if not entering or not plain or any(_truth(chart, t) is Truth.ALWAYS for t in leaving):
             continue  # CND02 finds conditions that are always true
         before = [chart.condition(chart.sheet_of(t), t.transition) for t in entering]
-        if all(implies(condition, plain) for condition in before) and not _is_dead(chart, [step.index]):
+        if all(implies(condition, plain) for condition in before) and not is_dead([step.index]):
             message = "whenever the step is entered, a transition that leaves it is true already"
             yield Finding(chart.place_of(step), message)
 
@@ -237,9 +238,14 @@ def _started(chart: CheckedChart) -> bool:
     return bool(chart.net.initial)
 
 
-def _is_dead(chart: CheckedChart, steps: Iterable[int]) -> bool:
-    """Return True if one of the steps (indexes) can never be active, which STR06 finds: nothing else matters there."""
-    return _started(chart) and not {step.index for step in unreachable(chart)}.isdisjoint(steps)
+def _dead_steps(chart: CheckedChart) -> Callable[[Iterable[int]], bool]:
+    """Return what tells if one of some steps (indexes) can never be active: STR06 finds them, nothing else matters."""
+
+    @cache
+    def dead() -> frozenset[int]:
+        return frozenset(step.index for step in unreachable(chart)) if _started(chart) else frozenset()
+
+    return lambda steps: not dead().isdisjoint(steps)
 
 
 def _plain(chart: CheckedChart) -> bool:
