@@ -16,7 +16,7 @@ from plcopen_sfc.model.owners import OwnedName
 from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
 from plcopen_sfc.model.text import Text, local_name
 from plcopen_sfc.model.types import DataType, Variable
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import Interface, SectionKind
 from plcopen_sfc.operations import provided
 
 
@@ -134,14 +134,7 @@ class Pou(ProjectObject):
         variable = Variable(name=name, **fields)
         if self.interface is None:
             self.interface = Interface()
-        plain = VariableSection(kind=SectionKind(kind))
-        for section in self.interface.sections:
-            if section.model_copy(update={"variables": [], "comment": None, "extension_data": None}) == plain:
-                section.variables.append(variable)
-                break
-        else:
-            plain.variables.append(variable)
-            self.interface.sections.append(plain)
+        self.interface.section(SectionKind(kind)).variables.append(variable)
         return variable
 
     def add_action(self, name: str, text: str = "") -> Action:

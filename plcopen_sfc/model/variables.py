@@ -63,6 +63,22 @@ class Interface(Element):
         """Return all variables, or those of one kind of section, in the order of their declaration."""
         return [v for s in self.sections if kind is None or s.kind is kind for v in s.variables]
 
+    def section(self, kind: SectionKind, *, constant: bool = False) -> VariableSection:
+        """Return the section for new variables of a kind: one with nothing of its own, such as RETAIN or VAR_STAT.
+
+        A new one at the end where there is none: a block of TIA Portal has each section once.
+        """
+        plain = VariableSection(kind=kind, constant=constant)
+        for section in self.sections:
+            is_kept = section.extension_data is not None and section.extension_data.data  # such as another keyword
+            if not is_kept and all(getattr(section, name) == getattr(plain, name) for name in _MEMORY):
+                return section
+        self.sections.append(plain)
+        return plain
+
+
+_MEMORY = ("kind", "name", "constant", "retain", "nonretain", "persistent", "nonpersistent")
+
 
 def sections_of(interface: Interface | None) -> list[VariableSection]:
     """Return the sections of an interface; none where nothing has one."""

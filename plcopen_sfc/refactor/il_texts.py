@@ -23,7 +23,7 @@ from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Body, BodyCondition, SfcBody
 from plcopen_sfc.model.types import DataType, DerivedType, Elementary, ElementaryType, StringType, Variable
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import Interface, SectionKind
 
 
 def write_conditions_as_expressions(project: Project) -> Iterator[str]:
@@ -138,17 +138,8 @@ def _with_variables(pou: Pou, owner: Pou | Action | Method, body: FbdBody | LdBo
         holder = method if method is not None and not helper.retained else pou
         if holder.interface is None:
             holder.interface = Interface()
-        sections = holder.interface.sections
-        local = next((each for each in sections if _is_plain_local(each)), None)
-        if local is None:
-            local = VariableSection(kind=SectionKind.LOCAL)
-            sections.append(local)
-        local.variables.append(variable)
+        holder.interface.section(SectionKind.LOCAL).variables.append(variable)
     return print_node(found.tree) if variables is not None else None
-
-
-def _is_plain_local(section: VariableSection) -> bool:
-    return section.kind is SectionKind.LOCAL and not (section.constant or section.retain or section.persistent)
 
 
 def _is_of(body: Body | str | None, source: str) -> TypeGuard[OpaqueBody]:

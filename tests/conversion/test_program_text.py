@@ -295,3 +295,12 @@ END_PROGRAM
     form, _, flavour = target.partition(" for ")
     data, _ = sfc.convert(project, form, flavour=flavour, partial=True)
     assert written in data.decode()
+
+
+def test_statements_that_a_pragma_leaves_out_are_executed_in_codesys_2_3() -> None:
+    text = "PROGRAM Main VAR u : INT; END_VAR {IF defined (SIM)} u := u + 1; {ELSE} u := u + 2; {END_IF} END_PROGRAM"
+    project = sfc.loads(text.encode(), format="iec-text")
+    project.dialect = m.Dialect.CODESYS
+    _, report = sfc.convert(project, "codesys23", partial=True)
+    (item,) = report.with_outcome(Outcome.NOT_EXECUTED)
+    assert "no pragmas that leave statements out" in item.why

@@ -7,6 +7,7 @@ import re
 
 import pytest
 
+import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.lowering import lower
 from plcopen_sfc.lowering.code.lowered_code import Naming
@@ -112,3 +113,20 @@ def test_a_step_that_is_added_leaves_the_numbers_of_all_others(construction: str
     chart.add_transition(chart.steps[4], new, "ready")
     changed = changed_lines(before, code_of(chart, construction))
     assert len(changed) <= 8, changed
+
+
+def test_the_state_of_a_chart_is_in_no_section_that_instances_share() -> None:
+    text = """FUNCTION_BLOCK Axis
+VAR_INPUT go : BOOL; END_VAR
+VAR_STAT shared : INT; END_VAR
+INITIAL_STEP Wait: END_STEP
+TRANSITION FROM Wait TO Move := go; END_TRANSITION
+STEP Move: END_STEP
+TRANSITION FROM Move TO Wait := NOT go; END_TRANSITION
+END_FUNCTION_BLOCK
+"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    project.dialect = Dialect.CODESYS
+    lowered = sfc.lower(project.pou("Axis"), target="iec-text")
+    written = sfc.dumps(lowered.project, format="iec-text").decode()
+    assert "VAR_STAT shared : INT; END_VAR" in written

@@ -56,6 +56,7 @@ from plcopen_sfc.languages.st.lexer import CommentKind, Token, tokenize
 from plcopen_sfc.languages.st.printing import render
 from plcopen_sfc.languages.text_edits import Edit, apply_edits, without
 from plcopen_sfc.languages.translation.call_translation import is_mixed
+from plcopen_sfc.languages.translation.text_translation import CONDITIONAL_PRAGMA
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
@@ -482,6 +483,9 @@ def replace_later_language(project: Project, report: ConversionReport) -> None:
         if not site.is_program_text:
             continue
         parsed = site.parsed(project.dialect)
+        if any(CONDITIONAL_PRAGMA.match(each.text) for each in parsed.comments if each.kind is CommentKind.PRAGMA):
+            why = "CoDeSys 2.3 has no pragmas that leave statements out: they are always executed there"
+            report.add(Outcome.NOT_EXECUTED, "text", site.report_path, why)
         passed = transform(parsed.tree, partial(_with_all_inputs, functions))
         if passed is not parsed.tree and passed != parsed.tree:
             why = "calls of functions pass all inputs, also those with a start value: CoDeSys 2.3 may take no fewer"

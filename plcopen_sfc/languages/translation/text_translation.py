@@ -31,7 +31,7 @@ from plcopen_sfc.model.dialect import Dialect
 
 _CARRIED = re.compile(r"\(\*pragma (\{[^}]*\})\*\)")
 _REGION = re.compile(r"""\{\s*region\s*(?:\(?\s*(?:'([^\r\n]*)'|"([^\r\n]*)")\s*\)?\s*)?\}""", re.IGNORECASE)
-_CONDITIONAL = re.compile(r"\{\s*IF\b", re.IGNORECASE)
+CONDITIONAL_PRAGMA = re.compile(r"\{\s*IF\b", re.IGNORECASE)
 """The first of the pragmas with which CODESYS compiles statements or not."""
 _END_OF_REGION = re.compile(r"END_REGION", re.IGNORECASE)
 _END_REGION = re.compile(r"\{\s*endregion\s*\}", re.IGNORECASE)
@@ -58,7 +58,7 @@ def translated_comment(kind: CommentKind, text: str, source: Dialect, target: Di
 
 
 def _pragma(text: str, target: Dialect, *, regions: bool) -> PartText:
-    if _CONDITIONAL.match(text):
+    if CONDITIONAL_PRAGMA.match(text):
         why = f"{TITLES[target]} has no pragmas that leave statements out: they are always executed there"
         return PartText(text if target is not Dialect.SCL else f"(*pragma {_harmless(text)}*)", Severity.ERROR, why)
     region, end = _REGION.fullmatch(text), _END_REGION.fullmatch(text)

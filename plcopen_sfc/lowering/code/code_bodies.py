@@ -28,7 +28,7 @@ from plcopen_sfc.model.network import Block, LogicNetwork, RightPowerRail
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import Body, SfcBody
 from plcopen_sfc.model.types import Variable
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import Interface, SectionKind
 
 
 def structured_text(code: LoweredCode, dialect: Dialect) -> StBody:
@@ -240,17 +240,7 @@ def body_of(code: LoweredCode, dialect: Dialect, language: Language, declared: l
 
 
 def _declare(interface: Interface, kind: SectionKind, variables: list[Variable], *, constant: bool = False) -> None:
-    """Declare variables in the section of their kind: a block of TIA Portal has each section once."""
-    if not variables:
-        return
-    plain = VariableSection(kind=kind, constant=constant)
-    for section in interface.sections:
-        if all(getattr(section, name) == getattr(plain, name) for name in _ATTRIBUTES):
-            section.variables += variables
-            section.declaration = None
-            return
-    plain.variables = variables
-    interface.sections.append(plain)
-
-
-_ATTRIBUTES = ("kind", "name", "constant", "retain", "nonretain", "persistent", "nonpersistent")
+    if variables:
+        section = interface.section(kind, constant=constant)
+        section.variables += variables
+        section.declaration = None
