@@ -301,7 +301,7 @@ def _merged(
         return codec.to_tree(copy, replace(written, marks=marks, rewritten=edited), notes)
 
     known = ConversionReport()
-    unchanged = {} if is_other else _unchanged(before, project, touched, codec)
+    unchanged = {} if is_other else _unchanged(before, project, touched, codec, content)
     after = tree(project, before, report, unchanged)
     data = patch_xml(content, tree(before, None, known, unchanged), after)
     _pass_known_losses(report, known)
@@ -336,7 +336,9 @@ def _note_limits(written: Project, kind: Format, edited: Collection[str], report
         note_limits((chart for chart in written.charts() if chart.name in edited), kind, report)
 
 
-def _unchanged(before: Project, after: Project, touched: Collection[str], codec: XmlCodec) -> dict[int, frozenset[int]]:
+def _unchanged(
+    before: Project, after: Project, touched: Collection[str], codec: XmlCodec, content: bytes
+) -> dict[int, frozenset[int]]:
     """Return the symbols without edits in the charts of bodies with edits, by the `id()` of these charts.
 
     A patch of the file needs no more than the place of their elements. Data of tools depend on their version.
@@ -348,10 +350,9 @@ def _unchanged(before: Project, after: Project, touched: Collection[str], codec:
     for name, _, body in after.bodies():
         if name in charts and isinstance(body, SfcBody):
             known, drawing = charts[name], body.chart.drawing
-            if drawing is not None and is_as_read(drawing):
-                known.drawing = (
-                    drawing  # the edits left it as it is: to read it again takes as long as to read the chart
-                )
+            # to read a drawing again that no edit has changed takes as long as to read the chart
+            if drawing is not None and is_of_file(body.chart, content, name) and is_as_read(drawing):
+                known.drawing = drawing
             found[id(known)] = found[id(body.chart)] = codec.unchanged_symbols(known, body.chart)
     return found
 

@@ -256,10 +256,10 @@ def is_from(thing: ProjectObject | SfcNetwork, name: str | int, content: bytes) 
     return origin is not None and origin.name == name and origin.content is content and is_untouched(thing)
 
 
-def is_of_file(thing: ProjectObject | SfcNetwork, content: bytes) -> bool:
-    """True if a chart or an object was read from this very `content`, whatever was edited since."""
+def is_of_file(thing: ProjectObject | SfcNetwork, content: bytes, name: str | int | None = None) -> bool:
+    """True if a chart or an object was read from this very `content`, as `name`, whatever was edited since."""
     origin = _provenance(thing).origin
-    return origin is not None and origin.content is content
+    return origin is not None and origin.content is content and name in (None, origin.name)
 
 
 def put_in_folder(thing: ProjectObject, document: str, place: int, folder: str | None) -> None:
