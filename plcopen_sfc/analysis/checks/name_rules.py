@@ -22,7 +22,7 @@ from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlockKind, Pou
 from plcopen_sfc.model.sfc import Step
-from plcopen_sfc.model.types import Variable
+from plcopen_sfc.model.types import DataTypeDeclaration, StructType, Variable
 
 _ALIKE = 0.84
 _FLAG = re.compile(r"[Xx](?P<step>[EMSems]?\d+)")
@@ -188,13 +188,39 @@ def _unused(chart: CheckedChart) -> Iterator[Finding]:
 
 
 def _declared_twice(chart: CheckedChart) -> Iterator[Finding]:
-    pou = chart.pou
+    pou, project = chart.pou, chart.around.project
+    if chart.around.is_first(chart):
+        for again, first in _repeated(project.pous):
+            yield Finding(FindingPlace(again.report_path, (again,)), f"the project has a POU {first!r} already")
+        for type_, first in _repeated(project.data_types):
+            yield Finding(FindingPlace(type_.report_path, (type_,)), f"the project has a data type {first!r} already")
+        for section in project.global_sections():
+            for variable, first in _repeated(section.variables):
+                place = FindingPlace(f"global variable {variable.name}", (variable, section))
+                yield Finding(place, f"the list has a variable {first!r} already")
+        for declared in project.data_types:
+            for member, first in _repeated(declared.type.members if isinstance(declared.type, StructType) else ()):
+                place = FindingPlace(f"{declared.report_path} / {member.name}", (member, declared))
+                yield Finding(place, f"{declared.name} has a member {first!r} already")
     if pou is None or not chart.around.is_first(chart, pou):
         return
     for word, thing, first in pou.declared_twice():
         kind = "" if isinstance(thing, Variable) else f"{word} "
         place = FindingPlace(f"{pou.report_path} / {kind}{thing.name}", (thing, pou))
         yield Finding(place, f"{pou.name} has {'an' if word == 'action' else 'a'} {word} {first!r} already")
+
+
+_Named = TypeVar("_Named", Pou, DataTypeDeclaration, Variable)
+
+
+def _repeated(things: Iterable[_Named]) -> Iterator[tuple[_Named, str]]:
+    """Yield what has the name of another before it, in the same namespace or application, and that name."""
+    known: dict[tuple[str, str], _Named] = {}
+    for thing in things:
+        place = "" if isinstance(thing, Variable) else thing.place
+        first = known.setdefault((place, thing.name.casefold()), thing)
+        if first is not thing and thing.name:
+            yield thing, first.name
 
 
 def _endless(chart: CheckedChart) -> Iterator[Finding]:
@@ -297,9 +323,10 @@ VAR04 = Rule(
 
 VAR05 = Rule(
     code="VAR05",
-    title="Variables of a POU have different names, and so have its actions, methods and named conditions",
+    title="Variables, actions, methods and named conditions of a POU have different names, and so have POUs and types",
     why="No tool compiles two variables of one name, or two actions, which differ in no other way than in upper and "
-    "lower case letters (IEC 61131-3 ed. 3, 6.1.2); which of them a text means is unknown.",
+    "lower case letters (IEC 61131-3 ed. 3, 6.1.2); which of them a text means is unknown. POUs, data types, members "
+    "of a structure, and the variables of one list of global variables are looked at too, once, with the first chart.",
     hint="Remove one of them, or rename it.",
     example="VAR_INPUT Start, b, start : BOOL; END_VAR" + ring(forth="Start"),
     check=_declared_twice,

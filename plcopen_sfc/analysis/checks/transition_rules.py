@@ -215,7 +215,9 @@ def _missing(chart: CheckedChart) -> Iterator[Finding]:
         unwired = isinstance(condition, WiredCondition) and not (
             condition.input.connections or condition.input.expression
         )
-        if condition is None or unwired:
+        code = condition.body if isinstance(condition, BodyCondition) else condition
+        empty = isinstance(code, Expression | StBody | IlBody) and not code.text.strip()
+        if condition is None or unwired or empty:
             yield Finding(sheet.at(transition), "the transition has no condition")
 
 

@@ -370,7 +370,15 @@ def typed(condition: str) -> Callable[[], Subject]:
     return steps(condition=condition, declared="VAR_INPUT n : INT; u : USINT; x : REAL; END_VAR")
 
 
+def in_il(source: str) -> Callable[[], Subject]:
+    return made(lambda chart: setattr(chart.transitions[0], "condition", BodyCondition(body=IlBody(text=source))))
+
+
 case("CND01", made(lambda chart: setattr(chart.transitions[0], "condition", None)), made(lambda chart: None), "no cond")
+case(
+    "CND01", made(lambda chart: setattr(chart.transitions[0], "condition", Expression(text=" "))), in_il("LD a"), "no c"
+)
+case("CND01", in_il(" "), in_il("LD a"), "the transition has no condition")
 case("CND10", typed("n"), typed("n <> 0"), "the condition n is not Boolean: it is of type INT")
 case("CND10", typed("n + 1"), typed("n + 1 > u"), "a number or a time")
 case("CND02", steps(condition="TRUE"), steps(condition="a"), "the condition TRUE is always true")
@@ -381,10 +389,6 @@ case("CND02", typed("n <= 10 OR n >= 11"), typed("x <= 10 OR x >= 11"), "always 
 case("CND03", typed("u > 255"), typed("u > 254"), "u > 255 is never true")
 case("CND03", typed("n > 10 AND n < 11"), typed("x > 10 AND x < 11"), "never true")
 case("CND04", steps(condition="(q := a)"), steps(condition="(q = a)"), "the condition writes q", "codesys")
-
-
-def in_il(source: str) -> Callable[[], Subject]:
-    return made(lambda chart: setattr(chart.transitions[0], "condition", BodyCondition(body=IlBody(text=source))))
 
 
 case("CND04", in_il("LD a\nANDN b\nST q\n"), in_il("LD a\nANDN b\n"), "writes q", "codesys23")
@@ -1028,6 +1032,16 @@ case(
     "has an action 'Fill' already",
 )
 case("VAR04", plant("x := 2;"), plant("x := b;"), "a number is assigned to BOOL: x := 2")
+OF_PROJECT = "%s VAR_GLOBAL g : BOOL; %s : INT; END_VAR TYPE T1 : STRUCT m : INT; %s : INT; END_STRUCT; END_TYPE "
+OF_PROJECT += "FUNCTION_BLOCK F1 VAR_INPUT y : INT; END_VAR END_FUNCTION_BLOCK PROGRAM Main VAR b : BOOL; END_VAR "
+OF_PROJECT += "INITIAL_STEP S1: END_STEP TRANSITION FROM S1 TO S1 := b; END_TRANSITION END_PROGRAM"
+for added, told in (
+    (("FUNCTION_BLOCK f1 END_FUNCTION_BLOCK", "h", "n"), "has a POU 'f1' already"),
+    (("TYPE t1 : INT; END_TYPE", "h", "n"), "has a data type 't1' already"),
+    (("", "G", "n"), "the list has a variable 'g' already"),
+    (("", "h", "M"), "T1 has a member 'm' already"),
+):
+    case("VAR05", whole(OF_PROJECT % added), whole(OF_PROJECT % ("", "h", "n")), told)
 
 TYPED = """
 TYPE Part : STRUCT Size : INT; END_STRUCT; END_TYPE
