@@ -181,6 +181,7 @@ class Texts:
     next_evolution_title = CodeWords(
         "Next evolution, until the situation is stable", "Nächster Durchlauf, bis die Situation stabil ist"
     )
+    skipped = CodeWords("GoOn", "Weiter")
     first_evolution = CodeWords("FirstEvolution", "ErsterLauf")
     first_evolution_ends = CodeWords("End of the first evolution", "Ende des ersten Durchlaufs")
     start = CodeWords("Start", "Start")

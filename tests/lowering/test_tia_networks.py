@@ -133,3 +133,40 @@ def test_a_block_that_was_graph_is_none_any_more() -> None:
         assert names.isdisjoint({"GraphVersion", "LanguageInNetworks", "SkipSteps", "WithAlarmHandling"})
         assert b"GRAPH_BASE" not in data
         assert b"G7_" not in data
+
+
+_TIMED = """GRAFCET G
+INPUTS
+    a
+OUTPUTS
+    Q
+    H
+INITIAL STEP 1
+1 -> 2 : a
+STEP 2
+    Q AFTER 3s
+    H FOR 2s
+2 -> 3 : /a
+STEP 3
+3 -> 1 : 1
+"""
+
+
+@pytest.mark.parametrize("language", ["FBD", "LD"])
+def test_timers_have_no_enable_input(language: str) -> None:
+    """Boxes of timers and counters in TIA Portal have none: a jump leads around what is not to be executed."""
+    lowered = sfc.lower(sfc.loads(_TIMED.encode()), "flipflop", language=language, target="simaticml")
+    assert lowered.proof is not None
+    assert lowered.proof.proven
+    root = etree.fromstring(sfc.dumps(lowered.project, format="simaticml"))
+    parts = [part for part in root.iter("{*}Part") if part.get("Name") == "TON"]
+    assert len(parts) == 4, "each time is begun again, and measured"
+    for net in root.iter("{*}FlgNet"):
+        timers = {part.get("UId") for part in net.iter("{*}Part") if part.get("Name") == "TON"}
+        pins = [end.get("Name") for end in net.iter("{*}NameCon") if end.get("UId") in timers]
+        assert {"en", "eno"}.isdisjoint(pins)
+        labels = list(net.iter("{*}LabelDeclaration"))
+        assert len(labels) <= 1
+        assert not labels or net.findall("{*}Parts/{*}Part"), "a label is that of a network with logic"
+    labels = {each.get("Name") for each in root.iterfind(".//{*}LabelDeclaration/{*}Label")}
+    assert labels == {each.get("Name") for each in root.iterfind(".//{*}Access/{*}Label")}

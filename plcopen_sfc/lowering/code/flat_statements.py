@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from plcopen_sfc.languages.effects import is_impure, targets
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
+from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, S7_INSTANCES, Tool
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
@@ -24,7 +25,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
 from plcopen_sfc.lowering.code.lowered_code import BOOL, LoweredCode
 from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.types import Variable
+from plcopen_sfc.model.types import DerivedType, Variable
 from plcopen_sfc.model.variables import SectionKind
 
 _RISKY = frozenset({Operator.DIVIDE, Operator.MODULO, Operator.POWER})
@@ -37,9 +38,23 @@ def flatten(code: LoweredCode, declared: Iterable[Variable] = ()) -> None:
     """
     variables = [*declared, *code.variables, *code.inputs]
     flags = {variable.name.casefold() for variable in variables if variable.type == BOOL}
+    flattener = _Flattener(
+        code, flags, {variable.name.casefold() for variable in variables if _has_no_enable(variable)}
+    )
+    label: list[Statement] = []
     for place, network in enumerate(code.networks):
-        flat = _Flattener(lambda: code.declare(code.texts.condition), flags).statements(network.statements, TRUE)
+        flat = [*label, *flattener.statements(network.statements, TRUE)]
+        following = code.networks[place + 1].statements if place + 1 < len(code.networks) else ()
+        # in TIA Portal a label is that of a network with logic, which has no other
+        moves = isinstance(flat[-1:][0] if flat else None, n.LabelStatement) and bool(following)
+        moves = moves and not isinstance(following[0], n.LabelStatement)
+        label = [flat.pop()] if moves else []
         code.networks[place] = replace(network, statements=tuple(flat))
+
+
+def _has_no_enable(variable: Variable) -> bool:
+    """Return True for instances of timers and counters: their boxes in TIA Portal have no EN and no ENO."""
+    return isinstance(variable.type, DerivedType) and variable.type.name.upper() in {*S7_INSTANCES, *BLOCKS_OF_S7}
 
 
 def name_inputs(code: LoweredCode, project: Project) -> None:
@@ -61,8 +76,12 @@ def name_inputs(code: LoweredCode, project: Project) -> None:
 
 
 class _Flattener:
-    def __init__(self, declare: Callable[[], n.Name], flags: Collection[str]) -> None:
-        self._declare, self._flags = declare, flags
+    def __init__(self, code: LoweredCode, flags: Collection[str], timers: Collection[str]) -> None:
+        self._code, self._flags = code, flags
+        self._skipped = timers if code.tool is Tool.S7 else ()
+
+    def _declare(self) -> n.Name:
+        return self._code.declare(self._code.texts.condition)
 
     def statements(self, statements: Iterable[Statement], guard: Expression) -> Iterator[Statement]:
         """Yield statements that are executed while `guard` is TRUE."""
@@ -76,8 +95,21 @@ class _Flattener:
                 yield statement
             elif isinstance(statement, n.Assignment) and self._is_switched(statement):
                 yield from self._switched(statement, guard)
+            elif self._is_skipped(statement):
+                label = n.Name(self._code.naming.fresh(self._code.texts.skipped))
+                yield when(negation(guard), n.Goto(label, "GOTO"))
+                # the input of a timer in LAD takes power, not a constant: here the guard is TRUE
+                yield transform(statement, lambda node: negation(guard) if node == FALSE else node)
+                yield n.LabelStatement(label)
             else:
                 yield when(guard, statement)
+
+    def _is_skipped(self, statement: Statement) -> bool:
+        """Return True if a box of TIA Portal cannot be enabled: a jump leads around it."""
+        match statement:
+            case n.CallStatement(n.Call(n.Name(name))):
+                return name.casefold() in self._skipped
+        return False
 
     def _decided(self, branches: Sequence[n.Branch], guard: Expression) -> Iterator[Statement]:
         """Yield branches. All conditions are evaluated first, where a branch could change one of them."""
