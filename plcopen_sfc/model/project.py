@@ -265,6 +265,7 @@ class Project(Owned, Element):
     OWNS: ClassVar[tuple[str, ...]] = ("pous",)
 
     _source: Source | None = PrivateAttr(default=None)
+    _last_edit: int = PrivateAttr(default=0)
 
     def __eq__(self, other: object) -> bool:
         """Equal content, whatever it was read or converted from."""
@@ -290,6 +291,15 @@ class Project(Owned, Element):
     @source.setter
     def source(self, source: Source | None) -> None:
         self._source = source
+
+    @property
+    def last_edit(self) -> int:
+        """The number of the last edit by an editor or a rename: only that one can be undone."""
+        return self._last_edit
+
+    @last_edit.setter
+    def last_edit(self, number: int) -> None:
+        self._last_edit = number
 
     @property
     def tool_format(self) -> str:

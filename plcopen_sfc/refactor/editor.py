@@ -22,7 +22,7 @@ from plcopen_sfc.model.sfc import ActionAssociation, Condition, SfcNetwork, Step
 from plcopen_sfc.operations import provided
 from plcopen_sfc.refactor import chart_edits, name_edits, step_kinds
 from plcopen_sfc.refactor.chart_edits import refused
-from plcopen_sfc.refactor.journal import Journal
+from plcopen_sfc.refactor.journal import EDITS, Journal
 from plcopen_sfc.refactor.queries import charts_of, pou_of
 from plcopen_sfc.refactor.rename import rename, rename_many
 from plcopen_sfc.report import RenameResult
@@ -106,7 +106,8 @@ class Editor:
         self._clean, self._prove, self._limit = clean, prove, limit
         self._journal = Journal()
         self._open: list[int] = []
-        self._done: list[int] = []
+        self._done: list[tuple[int, int, int]] = []
+        self._after = 0
         self._before: tuple[Project | None, set[str]] = (None, set())
         self._drawn: set[int] = set()
 
@@ -119,6 +120,7 @@ class Editor:
             unused = {each.path for each in self._unused()} if self._clean else set()
             self._before = copy, unused
             self._drawn.clear()
+            self._after = self.project.last_edit
         self._open.append(len(self._journal))
         return self
 
@@ -135,7 +137,9 @@ class Editor:
             except BaseException:
                 self._journal.take_back(start)
                 raise
-            self._done.append(start)
+            known, self.project.last_edit = self.project.last_edit, next(EDITS)
+            # one that another edit was a part of cannot be undone alone
+            self._done.append((start, self._after, self.project.last_edit if known == self._after else 0))
 
     def _finish(self) -> None:
         before, unused = self._before
@@ -148,10 +152,15 @@ class Editor:
                 raise refused("the edit would change what the charts do, or nothing tells that it does not", failed)
 
     def undo(self) -> None:
-        """Take the last transaction back. Raises `ModelError` where there is none."""
+        """Take the last transaction back. Raises `ModelError` where there is none, or another edit came after it."""
         if not self._done:
             raise ModelError("there is nothing to undo")
-        self._journal.take_back(self._done.pop())
+        start, before, number = self._done[-1]
+        if number != self.project.last_edit:
+            raise refused("the edit cannot be undone", "the project was edited in another way since it began")
+        self._done.pop()
+        self._journal.take_back(start)
+        self.project.last_edit = before
 
     # -- names
 

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from copy import deepcopy
+from itertools import count
 from typing import Any
 
 from plcopen_sfc.model.owners import Owned
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcNetwork
+
+EDITS = count(1)
+"""Numbers for `Project.last_edit`."""
 
 
 class Journal:

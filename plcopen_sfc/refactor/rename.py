@@ -32,7 +32,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
-from plcopen_sfc.refactor.journal import Journal
+from plcopen_sfc.refactor.journal import EDITS, Journal
 from plcopen_sfc.report import RenameResult, Undecided, Use
 
 Wanted = Mapping[Declaration, str]
@@ -277,7 +277,8 @@ def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: 
     for text in _by_text(o for o in found if o.reference.name.casefold() in old_names):
         if any(occurrence.meaning.declaration in wanted for occurrence in text):
             changes += _text_changes(text, wanted, names.dialect)
-    journal = Journal() if journal is None else journal
+    if journal is None:
+        journal, names.project.last_edit = Journal(), next(EDITS)
     start = len(journal)
     for change in changes:
         journal.put(*change)

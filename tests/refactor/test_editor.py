@@ -326,6 +326,31 @@ def test_transactions_are_undone_one_by_one() -> None:
         assert project.model_dump() == state
 
 
+def test_only_the_last_edit_of_a_project_can_be_undone() -> None:
+    """Two editors took their edits back out of order: a condition named a step that was not there any more."""
+    project = plant()
+    first, second = project.edit(), project.edit()
+    states = [project.model_dump()]
+    first.rename("Main.Drain", "Empty_it")
+    states.append(project.model_dump())
+    second.extract_condition(link(project, "Empty_it -> Wait"), "TooLate")
+    states.append(project.model_dump())
+    with pytest.raises(ModelError, match="edited in another way since"):
+        first.undo()
+    assert project.model_dump() == states[2]
+    for edit, state in ((second, states[1]), (first, states[0])):
+        edit.undo()
+        assert project.model_dump() == state
+    with first:
+        first.rename("Main.Drain", "Empty_it")
+        second.rename("Main.Empty_it", "Drain_2")
+    first.rename("Main.Drain_2", "Drain_3")
+    project.rename("Main.Drain_3", "Drain_4")
+    for edit in (first, second):
+        with pytest.raises(ModelError, match="edited in another way since"):
+            edit.undo()
+
+
 def test_what_an_edit_orphans_is_removed_on_request() -> None:
     project = plant()
     edit = project.edit(clean=True)
