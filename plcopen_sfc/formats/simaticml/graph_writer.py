@@ -57,6 +57,7 @@ from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.drawing import Symbol
 from plcopen_sfc.model.sfc import PermanentOperation, Sequence, SfcNetwork, Step, Supervised, Transition
+from plcopen_sfc.model.text import plain
 from plcopen_sfc.report import Outcome
 
 _WATCHED = "a network behind the sequence sets SFCError when a step is active longer than its maximum time"
@@ -215,11 +216,17 @@ class _ChartWriter:
         for transition in self.chart.transitions:
             index = next((member[n] for n in (*transition.sources, *transition.targets) if n in member), -1)
             found[index].append(transition)
-        return [
-            (sequence.model_copy(update={"steps": [n for n in steps[index] if member[n] == index]}), found[index])
-            for index, sequence in enumerate(sequences)
-            if any(member[n] == index for n in steps[index]) or not steps[index]
-        ]
+        written: list[tuple[Sequence, list[Transition]]] = []
+        for index, sequence in enumerate(sequences):
+            own = [n for n in steps[index] if member[n] == index]
+            if own or not steps[index]:
+                written.append((sequence.model_copy(update={"steps": own}), found[index]))
+                continue
+            for what, text in (("title", plain(sequence.title)), ("comment", plain(sequence.comment))):
+                if text:
+                    why = f"its steps belong to another sequence now: {text}"
+                    self.ctx.note(Outcome.DROPPED, what, f"sequence {index + 1}", why)
+        return written
 
     def _sequence(self, parent: etree._Element, sequence: Sequence, transitions: list[Transition]) -> None:
         ctx = self.ctx

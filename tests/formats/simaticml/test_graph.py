@@ -125,3 +125,16 @@ def test_a_connection_to_nothing_is_an_error_and_stays() -> None:
     fresh = sfc.dumps(project, fresh=True)
     assert fresh.count(b"<Connection>") == data.count(b"<Connection>")
     assert b'<TransitionRef Number="333" />' in fresh
+
+
+def test_the_title_of_a_sequence_that_an_edit_joins_to_another_is_reported() -> None:
+    """It was gone from the file, and the report told only what was kept."""
+    project = sfc.load("fixtures/simaticml-plc/Program blocks/FB_Drilling.xml")
+    chart = project.pou("FB_Drilling").chart
+    assert chart is not None
+    project.edit().retarget(chart.step("Home"), chart.step("ChipsOff"))
+    written = sfc.convert(project, "simaticml")
+    (lost,) = written.report.with_outcome(sfc.report.Outcome.DROPPED)
+    assert (lost.what, lost.path) == ("title", "POU FB_Drilling / sequence 2")
+    assert "Späneförderer" in lost.why
+    assert written.data.decode().count("<Sequence>") == 1
