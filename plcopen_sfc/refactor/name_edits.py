@@ -19,11 +19,12 @@ from plcopen_sfc.languages.networks import condition_reader
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_statements
 from plcopen_sfc.languages.st.layout import layout_edits
+from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.languages.words import needs_quotes, objection
 from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.model.base import Element
+from plcopen_sfc.model.base import Element, Model
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.dialect import Dialect
@@ -82,7 +83,8 @@ def replace_variable(journal: Journal, project: Project, old: str, new: str) -> 
         else:
             site = use.text_site
             texts.setdefault((id(site.holder), site.key), []).append((site, edit))
-    problems = problems or [*_wrong_writes(names, was, will, [use for use in found if use.use not in inside])]
+    replaced = [use for use in found if use.use not in inside]
+    problems = problems or [*_wrong_writes(names, was, will, replaced), *_wrong_places(names, was, will, replaced)]
     if problems:
         raise refused(what, problems)
     changed: list[str] = []
@@ -100,6 +102,7 @@ def _wrong_writes(names: Names, was: Declaration, will: Declaration, uses: Itera
     6.6.1.2.2).
     """
     before, after = _section_of(names.project, was), _section_of(names.project, will)
+    is_constant = _is_constant(names.project, will)
     is_input = after is not None and after.kind is SectionKind.INPUT
     was_input = before is not None and before.kind is SectionKind.INPUT
     concerned = {id(use.text_site.site.pou) for use in uses}
@@ -108,12 +111,42 @@ def _wrong_writes(names: Names, was: Declaration, will: Declaration, uses: Itera
         writes = bind(body, names.dialect).effects.writes if id(pou) in concerned else ()
         if not any(name in path[:2] for path in writes):
             continue
-        if after is not None and (after.constant or after.kind is SectionKind.CONSTANT):
+        if is_constant:
             yield f"{place} writes it, and {will.path} is a constant"
         elif will.pou is not None and will.pou is not pou and not is_input:
             yield f"{place} writes it, and {will.path} belongs to another program"
         elif will.pou is pou and is_input and not was_input:
             yield f"{place} writes it, and {will.path} is an input"
+
+
+def _wrong_places(names: Names, was: Declaration, will: Declaration, uses: Iterable[Occurrence]) -> Iterator[str]:
+    """Yield the places of a constant in which no variable can be, and those in the declaration of the other one."""
+    sites = text_sites_in(will.holder) if isinstance(will.holder, Model) else ()
+    own = {(id(each.holder), each.key) for each in sites}
+    needed = _is_constant(names.project, was) and not _is_constant(names.project, will)
+    for use in uses:
+        site = use.text_site
+        if (id(site.holder), site.key) in own:
+            yield f"{use.use} is in the declaration of {will.path}"
+        elif needed and (site.language == "declaration" or _is_label(use, names.dialect)):
+            yield f"{use.use} needs a constant, and {will.path} is none"
+
+
+def _is_constant(project: Project, variable: Declaration) -> bool:
+    """True if a variable is declared as constant, or is a constant of a table of tags."""
+    section = _section_of(project, variable)
+    if section is None:
+        return any(each is variable.holder for table in project.tag_tables for each in table.constants)
+    return section.constant or section.kind is SectionKind.CONSTANT
+
+
+def _is_label(use: Occurrence, dialect: Dialect) -> bool:
+    """True if a name is in a label of a CASE."""
+    if use.text_site.reading is not SiteKind.STATEMENTS:
+        return False
+    branches = (each for each in walk(use.text_site.parsed(dialect).tree) if isinstance(each, n.CaseBranch))
+    spans = (label.span for branch in branches for label in branch.labels)
+    return any(span is not None and span[0] <= use.reference.span[0] < span[1] for span in spans)
 
 
 def _section_of(project: Project, declaration: Declaration) -> VariableSection | None:

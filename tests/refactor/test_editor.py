@@ -603,6 +603,48 @@ def test_an_instance_is_replaced_by_one_of_the_same_block(new: str, types: str) 
     assert project.pou("Main").body.text.strip() == "t2(IN := a, PT := T#5s);"  # type: ignore[union-attr]
 
 
+CONSTANTS = """TYPE Row : ARRAY[0..G] OF INT; END_TYPE
+VAR_GLOBAL CONSTANT G : INT := 3; H : INT := 3; END_VAR
+VAR_GLOBAL v : INT; END_VAR
+PROGRAM Main
+VAR CONSTANT k : INT := 5; l : INT := 5; END_VAR
+VAR m : INT := k; o : INT; arr : ARRAY[0..l] OF INT; s : STRING[l]; END_VAR
+CASE o OF G: o := k; END_CASE;
+END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        ("Main.k", "Main.m", "is in the declaration of Main.m"),
+        ("Main.k", "Main.o", "needs a constant, and Main.o is none"),
+        ("Main.l", "Main.o", "needs a constant, and Main.o is none"),
+        ("G", "v", "needs a constant, and v is none"),
+        ("Main.k", "Main.l", ""),
+        ("Main.l", "Main.k", ""),
+        ("G", "H", ""),
+        ("Main.o", "Main.m", ""),
+    ],
+)
+def test_a_constant_is_replaced_by_a_constant_where_one_is_needed(old: str, new: str, reason: str) -> None:
+    """Bounds of arrays, lengths of strings and start values named a variable, one of them itself."""
+    project = sfc.loads(CONSTANTS.encode(), format="iec-text")
+    if not reason:
+        assert project.edit().replace_variable(old, new)
+        assert sfc.loads(sfc.dumps(project)).uses(old) == []
+        return
+    with pytest.raises(ModelError, match=reason):
+        project.edit().replace_variable(old, new)
+    assert sfc.dumps(project).decode() == CONSTANTS
+
+
+def test_a_label_of_case_stays_a_constant() -> None:
+    project = sfc.loads(CONSTANTS.replace("0..G", "0..H").encode(), format="iec-text")
+    with pytest.raises(ModelError, match=r"Main:1:11: .* needs a constant, and v is none"):
+        project.edit().replace_variable("G", "v")
+
+
 TWO_PROGRAMS = """PROGRAM Main
 VAR a, b : BOOL; END_VAR
 VAR_INPUT i : BOOL; END_VAR
