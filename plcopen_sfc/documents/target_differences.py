@@ -159,6 +159,21 @@ def _note_bits_of_words(project: Project, kind: Format, report: ConversionReport
         report.add(Outcome.NOT_EXECUTED, "address", path, why)
 
 
+def note_final_scans(project: Project, report: ConversionReport) -> None:
+    """Report programs that are executed once more after their step was left: a GRAFCET has no such final scan."""
+    for place in project.charts() if default_profile(project).final_scan else ():
+        programs = {action.name.casefold() for action in place.pou.actions}
+        for step, row in place.chart.associations():
+            is_program = row.body is not None or (row.target or "").casefold() in programs
+            if is_program and row.kind is None and row.qualifier in _WITH_FINAL_SCAN:
+                why = "the source executes it once more after its step was left (final scan), a GRAFCET does not"
+                path = f"{place.report_path} / step {step.name} / action {row.target or 'in place'}"
+                report.add(Outcome.APPROXIMATED, "final scan", path, why)
+
+
+_WITH_FINAL_SCAN = frozenset({Qualifier.NONE, Qualifier.N, Qualifier.L, Qualifier.D, Qualifier.P})
+
+
 def _note_overlapping_words(project: Project, target: Profile, tool: str, report: ConversionReport) -> None:
     """Report words whose bits or bytes have addresses of their own, where the target takes others of them for these."""
     from plcopen_sfc.refactor.direct_addresses import overlapping_words  # noqa: PLC0415  # few projects have them

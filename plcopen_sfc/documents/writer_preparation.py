@@ -12,7 +12,7 @@ from plcopen_sfc.conversion.adaptation.called_methods import adapt_calls
 from plcopen_sfc.conversion.adaptation.extended_types import include_bases
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.documents.legal_names import give_legal_names
-from plcopen_sfc.documents.target_differences import note_differences
+from plcopen_sfc.documents.target_differences import note_differences, note_final_scans
 from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, NetworkForm, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_library import count_in_seconds
 from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
@@ -63,6 +63,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     addresses = _address_dialect(project, kind, dialect)
     if kind.tool and not options.same:
         note_differences(project, kind, options, dialect, report)
+    if not options.same and profile_of_format(kind.name).grafcet_terms:
+        note_final_scans(project, report)
     of_grafcet = not options.same and is_put_into_sfc(project, kind)
     origin = _origin(project, kind, options, of_grafcet=of_grafcet)
     same_words = dialect in (None, project.dialect) and addresses is project.address_dialect

@@ -471,7 +471,8 @@ def test_words_are_at_the_same_bytes_in_every_tool(source: str, target: str) -> 
     assert expected["QW"] == ("Q", 96, 16)
     first, _ = sfc.convert(written, source, partial=True)
     data, report = sfc.convert(sfc.loads(first, format=source), target, partial=True)
-    assert not [item for item in report.losses if item.what == "address"]
+    # bytes in words are told where one tool has the high one first
+    assert not [item for item in report.with_outcome(Outcome.NOT_EXECUTED) if item.what == "address"]
     for as_tool in (False, True):
         assert places(sfc.loads(data, format=target, as_tool=as_tool)) == expected
 

@@ -489,3 +489,21 @@ END_FUNCTION_BLOCK
     data, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "grafcet-text", partial=True)
     assert {item.what for item in report.losses} == {"condition", "initial value"}
     assert b"A -> A : FALSE" in data
+
+
+def test_programs_that_have_a_final_scan_in_the_source_are_told() -> None:
+    text = """FUNCTION_BLOCK F
+VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT q, r : BOOL; n : INT; END_VAR
+INITIAL_STEP S1: END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+STEP S2: r(N); Follow(N); Once(P1); Twice(P); END_STEP
+TRANSITION FROM S2 TO S1 := NOT a; END_TRANSITION
+ACTION Follow: q := a; END_ACTION
+ACTION Once: n := n + 1; END_ACTION
+ACTION Twice: n := n + 2; END_ACTION
+END_FUNCTION_BLOCK
+"""
+    source = sfc.loads(text.encode(), format="iec-text")
+    _, report = sfc.convert(source, "grafcet-text", partial=True)
+    told = [item.path for item in report.losses if item.what == "final scan"]
+    assert told == ["POU F / step S2 / action Follow", "POU F / step S2 / action Twice"]
