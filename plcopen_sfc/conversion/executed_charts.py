@@ -192,7 +192,8 @@ class ExecutedChartReader:
                 part.tell(aspect, self._condition(supervised.condition))
                 self._tell_networks(part, aspect, supervised.condition)
         for event, action in (("S1", step.entry_action), ("", step.main_action), ("S0", step.exit_action)):
-            if action is not None:
+            is_empty = isinstance(action, StBody) and not action.text.strip()
+            if action is not None and (self.owner.detail or not is_empty):
                 self._step_action(part, event, action)
         final = self._final_calls(step)
         for association in step.actions:

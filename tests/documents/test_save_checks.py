@@ -353,3 +353,13 @@ def test_an_edit_that_no_tool_compiles_is_refused(name: str, edit: Callable[[Any
     edited = sfc.loads(sfc.dumps(project, partial=True))
     edited.pous[0].comment = "another edit"
     assert not any("does not compile" in each.why for each in sfc.convert(edited, edited.source.format)[1].losses)
+
+
+@pytest.mark.parametrize("name", ["entry_action", "main_action", "exit_action"])
+@pytest.mark.parametrize("path", ["codesys23/distribution_belt.EXP", "codesys/sorting_conveyor.xml"])
+def test_a_step_action_without_code_is_no_loss(path, name):
+    """A main action that was emptied was "not executed", and the message asked to report that as a mistake."""
+    project = sfc.load(FIXTURES / path)
+    first, *_ = project.charts()
+    setattr(first.chart.steps[1], name, sfc.StBody(text=""))
+    assert sfc.convert(project, project.source.format).report.with_outcome(sfc.Outcome.NOT_EXECUTED) == []
