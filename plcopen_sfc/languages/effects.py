@@ -196,7 +196,7 @@ def writes(tree: Expression | Statement, standard_instances: Set[Path]) -> froze
     """
     found: set[Path] = set()
     for node in walk(tree):
-        target = _target(node)
+        target = target_of(node)
         if target is not None:
             found.add(path_of(target))
         if isinstance(node, n.Call) and not is_standard_call(node):
@@ -211,10 +211,11 @@ def writes(tree: Expression | Statement, standard_instances: Set[Path]) -> froze
 
 def targets(tree: n.Node) -> Iterator[Expression]:
     """Yield the variables that a tree names as written: by assignments, loops and outputs of calls."""
-    yield from (target for target in map(_target, walk(tree)) if target is not None)
+    yield from (target for target in map(target_of, walk(tree)) if target is not None)
 
 
-def _target(node: n.Node) -> Expression | None:
+def target_of(node: n.Node) -> Expression | None:
+    """Return the variable that a node itself writes: an assignment, a loop, an output of a call."""
     if isinstance(node, n.Assignment | n.AssignmentExpression):
         return node.target
     if isinstance(node, n.For):

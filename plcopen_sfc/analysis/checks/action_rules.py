@@ -15,18 +15,18 @@ from plcopen_sfc.analysis.checks.action_targets import (
     assignments,
     body_named,
     by_operand,
-    constant,
     manner_of,
     operand,
+    path_of_part,
     uses,
+    written,
     written_elsewhere,
 )
 from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Finding, FindingPlace, Rule, ring
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.effects import Path, path_of
-from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.st import parse_condition, print_node
 from plcopen_sfc.model.actions import ActionEvent, ActionKind, Qualifier
 from plcopen_sfc.reachability import reached
 from plcopen_sfc.semantics.net import NetStep, NetTransition
@@ -153,7 +153,10 @@ _MOST_WRITERS = 40
 
 @dataclass(frozen=True, eq=False)
 class _Write:
-    """A step that assigns a value to a variable: the literal, or "" where it is not one."""
+    """A step that assigns a value to a variable: the literal, or "" where it is not one.
+
+    `joined`: by a continuous action, which tools join with others by OR.
+    """
 
     step: NetStep
     place: FindingPlace
@@ -163,29 +166,29 @@ class _Write:
     action: str = ""
     kind: ActionKind | None = None
     in_code: bool = False
+    joined: bool = False
 
 
 def _writes(chart: CheckedChart) -> Iterator[_Write]:
-    """Return the assignments of steps, by associations and in code. Continuous actions are joined by OR."""
+    """Return the writes of steps, by associations and in code."""
     of_step = grouped((id(net_step.step), net_step) for net_step in chart.net.steps)
     kept = {Manner.SET: "TRUE", Manner.RESET: "FALSE"}
     for use in uses(chart):
-        if use.manner in (*kept, Manner.STORED):
-            value = kept.get(use.manner) or _literal(use.association.value, chart)
+        joined = use.manner is Manner.CONTINUOUS and use.association.kind is None
+        path = path_of_part(parse_condition(use.name, chart.dialect).tree)
+        if path and (joined or use.manner in (*kept, Manner.STORED)):
+            value = "TRUE" if joined else kept.get(use.manner) or _literal(use.association.value, chart)
             place = use.sheet.at(use.step, use.association)
             for step in of_step.get(id(use.step), ()):
-                yield _Write(step, place, use.path, use.name, value, kind=use.association.kind)
+                yield _Write(step, place, path, use.name, value, kind=use.association.kind, joined=joined)
     for sheet, own in chart.steps():
         bodies = [(sheet.at(own, a), a.body or body_named(a.target, chart), a.target or "") for a in own.actions]
         main = own.main_action
         bodies.append((sheet.at(own), body_named(main, chart) if isinstance(main, str) else main, ""))
         for place, body, action in bodies:
-            for assigned in assignments(body, chart):
-                path = path_of(assigned.target)
-                if path and isinstance(n.bare(assigned.target), n.Name | n.Member | n.Address):
-                    name = print_node(assigned.target)
-                    for step in of_step.get(id(own), ()):
-                        yield _Write(step, place, path, name, constant(assigned.value), action, in_code=True)
+            for target, path, value in written(body, chart):
+                for step in of_step.get(id(own), ()):
+                    yield _Write(step, place, path, print_node(target), value, action, in_code=True)
 
 
 def _overwritten(chart: CheckedChart) -> Iterator[Finding]:
@@ -226,6 +229,8 @@ def _differ(first: _Write, second: _Write) -> bool:
     """Return True if it makes a difference which of two writes comes last."""
     if first.action and first.action.casefold() == second.action.casefold():
         return False  # one action, which runs once however many steps ask for it
+    if (first.joined and not second.in_code) or (second.joined and not first.in_code):
+        return False  # of continuous and stored actions other rules tell
     return not first.value or first.value != second.value
 
 
@@ -315,8 +320,9 @@ ACT04 = Rule(
     code="ACT04",
     title="Steps that are active together do not write the same variable",
     why="Which of them comes last decides, and that is the tool's affair: the order of steps in the file, of names, "
-    "of network numbers. In GRAFCET all stored actions of one evolution happen at once, those of the step that is "
-    "left and those of the step that is entered too (IEC 60848:2013, 4.8).",
+    "of network numbers. Loops and outputs of calls write too, and a timer, a counter or another standard block that "
+    "several steps call with other arguments is written by each. In GRAFCET all stored actions of one evolution happen "
+    "at once, those of the step that is left and those of the step that is entered too (IEC 60848:2013, 4.8).",
     hint="Let one place write the variable; let the steps set variables of their own, and join these.",
     example="""
 INITIAL_STEP S1: END_STEP

@@ -9,9 +9,10 @@ from enum import StrEnum
 from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, CheckedSheet
 from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.binding import bind
-from plcopen_sfc.languages.effects import Path, path_of
+from plcopen_sfc.languages.binding.text_sites import Site
+from plcopen_sfc.languages.effects import Path, path_of, target_of
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_condition, walk
+from plcopen_sfc.languages.st import parse_condition, print_node, walk
 from plcopen_sfc.model.actions import ActionKind, Qualifier
 from plcopen_sfc.model.sfc import ActionAssociation, Body, Step
 from plcopen_sfc.model.variables import SectionKind
@@ -111,6 +112,31 @@ def assignments(body: Body | None, chart: CheckedChart) -> list[n.Assignment]:
     """Return the assignments of the code of an action, as far as it can be read."""
     trees = bind(body, chart.dialect).statements if body is not None else ()
     return [node for tree in trees for node in walk(tree) if isinstance(node, n.Assignment)]
+
+
+def written(body: Body | None, chart: CheckedChart) -> Iterator[tuple[n.Expression, Path, str]]:
+    """Yield the variables that code writes, the names that lead there, and the literal; "" where it is not one.
+
+    Also those that loops and outputs of calls write, and standard blocks that are called, with the call as the literal.
+    """
+    site = Site(chart.pou, place=chart.pou.place if chart.pou is not None else "")
+    for node in (node for tree in (bind(body, chart.dialect).statements if body else ()) for node in walk(tree)):
+        target, value = target_of(node), ""
+        if isinstance(node, n.Assignment):
+            value = constant(node.value)
+        elif isinstance(node, n.Call) and chart.around.named.resolver.standard_block_of(node.callee, site) is not None:
+            target, value = node.callee, print_node(node)
+        path = path_of_part(target) if target is not None else ()
+        if target is not None and path:
+            yield target, path, value
+
+
+def path_of_part(target: n.Expression) -> Path:
+    """Return the names that lead to a variable, with constant indices; empty where an index is calculated."""
+    indices = [each for node in walk(target) if isinstance(node, n.Index) for each in node.indices]
+    if not indices:
+        return path_of(target) if isinstance(n.bare(target), n.Name | n.Member | n.Address) else ()
+    return (print_node(target).casefold(),) if all(map(constant, indices)) else ()
 
 
 def body_named(name: str | None, chart: CheckedChart) -> Body | None:

@@ -460,6 +460,21 @@ case(
     text(f"INITIAL_STEP S1: q(SD, T#1s); END_STEP STEP S2: off(P); END_STEP {CODE}"),
     "q is set (SD)",
 )
+RACE = """
+VAR_INPUT a, b : BOOL; END_VAR VAR q : BOOL; n : INT; t : TIME; arr : ARRAY [1..3] OF INT; tm : TON; END_VAR
+INITIAL_STEP S1: END_STEP STEP PA: %s END_STEP STEP PB: X2(N); END_STEP
+TRANSITION FROM S1 TO (PA, PB) := a; END_TRANSITION TRANSITION FROM (PA, PB) TO S1 := b; END_TRANSITION
+ACTION X1: %s END_ACTION ACTION X2: %s END_ACTION
+"""
+for one, other, harmless, told in (
+    ("arr[1] := 1;", "arr[1] := 2;", "arr[2] := 2;", "arr[1] is written here and in step PA"),
+    ("tm(IN := a);", "tm(IN := b);", "tm(IN := a);", "tm is written here and in step PA"),
+    ("FOR n := 1 TO 3 DO q := TRUE; END_FOR", "n := 2;", "arr[n] := 2;", "n is written here and in step PA"),
+    ("tm(IN := a, ET => t);", "t := T#2s;", "n := 2;", "t is written here and in step PA"),
+):
+    case("ACT04", text(RACE % ("X1(N);", one, other)), text(RACE % ("X1(N);", one, harmless)), told)
+BESIDE = text(RACE % ("q(N);", "n := 1;", "q := TRUE;"))
+case("ACT04", text(RACE % ("q(N);", "n := 1;", "q := FALSE;")), BESIDE, "q is written here and in step PA")
 case("ACT04", text(parallel("q(S);", "q(R);")), text(parallel("q(S);", "q(S);")), "both can be active together")
 case(
     "ACT04",
