@@ -277,7 +277,8 @@ class ExecutedChartReader:
         part.tell("code", code)
         if association.target is not None and association.body is not None:
             part.tell("target", Meaning.of(association.target.casefold(), association.target))
-        part.tell("time", duration_meaning(association.duration))
+        if association.qualifier not in _UNTIMED or self.owner.detail:
+            part.tell("time", duration_meaning(association.duration))
         if association.value is not None:
             value = association.value
             part.tell("value", condition_meaning(lambda: self.condition_of(Expression(text=value)), value.strip()))
@@ -640,6 +641,8 @@ BY_STEPS = "only while a step with it is active, before other actions"
 _NONE_WRITTEN = BooleanActions({}, frozenset(), frozenset(), {})
 _NO_MARKS = str.maketrans("", "", '#"')
 _COILS = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.D, Qualifier.L})
+_UNTIMED = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.S, Qualifier.R, Qualifier.R0})
+"""Qualifiers with which no tool executes a time that is written nevertheless."""
 _STORED = {Qualifier.S: "TRUE", Qualifier.R: "FALSE", Qualifier.R0: "FALSE"}
 _STEP_ACTIONS = {"S1": "entry action", "": "main action", "S0": "exit action"}
 _GRAPH_SETTINGS = {

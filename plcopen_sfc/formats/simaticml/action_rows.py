@@ -26,7 +26,7 @@ from plcopen_sfc.formats.simaticml.element_writer import (
     verbatim,
 )
 from plcopen_sfc.formats.simaticml.network_operands import parse_operand
-from plcopen_sfc.formats.simaticml.row_tokens import AS_EVENTS, GRAPH_QUALIFIERS, row_fields, write_row
+from plcopen_sfc.formats.simaticml.row_tokens import AS_EVENTS, GRAPH_QUALIFIERS, TIMED, row_fields, write_row
 from plcopen_sfc.formats.xml.extension_data import Markup, fields_left, markup_of
 from plcopen_sfc.languages.networks import body_statements
 from plcopen_sfc.languages.s7_actions import ActionCalls
@@ -427,7 +427,8 @@ class RowsWriter:
         if planned.rows == (action,):
             element = sub(parent, "Action")
             write_row(element, action, self.blocks)
-            native = {"id", "qualifier", "target", "value", "duration", "event", "interlock", "body"}
+            native = {"id", "qualifier", "target", "value", "event", "interlock", "body"}
+            native |= {"duration"} if action.qualifier in TIMED else set()
             self.ctx.keep("action", target)
             finish(self.ctx, element, action, frozenset(native))
             return False

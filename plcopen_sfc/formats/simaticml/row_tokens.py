@@ -184,7 +184,7 @@ def _tokens(action: ActionAssociation, callee: str) -> list[str]:
         return _call_tokens(called[1], called[2], callee) if called is not None else _LEXEMES.findall(action.body.text)
     if action.target is None:
         return []
-    if action.duration is not None:
+    if action.duration is not None and NEAREST.get(action.qualifier, action.qualifier) in TIMED:
         return [action.target, ",", action.duration]
     if action.value is not None:
         return [action.target, "," if action.qualifier is Qualifier.CS else ":=", *_LEXEMES.findall(action.value)]

@@ -146,3 +146,24 @@ def test_a_row_that_is_not_understood_is_written_as_it_was() -> None:
     fresh = sfc.dumps(sfc.loads(changed), fresh=True)
     assert b'<Action Other="1" Qualifier="ZZ">' in fresh
     assert b"<Comment />" in fresh
+
+
+@pytest.mark.parametrize(("step", "target"), [("Drill", "#Spindle"), ("Dwell", "#Lamp"), ("Clamp part", "#Clamp")])
+def test_a_time_with_which_a_row_does_nothing_stays_out_of_it(step: str, target: str) -> None:
+    """It was written as `#Spindle , T#7s`, which is no row of TIA Portal, and saving was refused."""
+    project = sfc.load(FIXTURES / "FB_Drill.xml")
+    chart = project.pous[0].chart
+    assert chart is not None
+    place, action = next((at, each) for at, each in enumerate(chart.step(step).actions) if each.target == target)
+    action.duration = "T#7s"
+    done = sfc.convert(project, "simaticml")
+    assert [item.what for item in done.report.with_outcome(sfc.Outcome.EXTENSION_DATA)] == ["duration"]
+    again = sfc.loads(done.data).pous[0].chart
+    assert again is not None
+    found = again.step(step).actions[place]
+    assert (found.qualifier, found.target, found.event, found.duration) == (*_row_of(action), "T#7s")
+    assert b'Text=","' not in done.data.partition(f'Text="{target}"'.encode())[2][:40]
+
+
+def _row_of(action: ActionAssociation) -> tuple[object, ...]:
+    return action.qualifier, action.target, action.event
