@@ -111,16 +111,23 @@ def picture_figure(picture: str, words: Words, caption: str = "") -> Html:
     fit = element("button", words("fit / full size"), type="button", class_="fit", hidden=True)
     head = element("figcaption", caption, " ", fit) if caption else fit
     size = _SIZE.search(picture)
-    fitted = False
+    fitted = is_long = False
+    if size is not None:
+        width, height = map(int, size.groups())
+        is_long = height > _LONG * max(width, _SHEET)
     if caption and size is not None:
         width, height = (round(int(length) * _BESIDE) for length in size.groups())
         picture = _SIZE.sub(f' width="{width}" height="{height}"', picture, count=1)
         fitted = width <= _READABLE
     scroll = element("div", Html(picture), class_="scroll", tabindex="0")
-    return element("figure", head, scroll, class_="fitted" if fitted else "")
+    return element("figure", head, scroll, class_=" ".join(["fitted"] * fitted + ["long"] * is_long))
 
 
 _SIZE = re.compile(r' width="(\d+)" height="(\d+)"')
+_SHEET = 700
+"""Width of a printed page, in pixels."""
+_LONG = 2.5
+"""A picture that is so much higher than a page is wide is printed on several: on one its letters are too small."""
 _BESIDE = 0.75
 """Scale of pictures beside each other: letters of 9 pixels. The script of a page gives them the room that is there."""
 _READABLE = 1_600

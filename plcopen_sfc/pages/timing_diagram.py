@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from math import isfinite
 from typing import NamedTuple
 
@@ -71,12 +71,17 @@ def trace_section(trace: Trace, index: PageIndex, words: Words) -> Html:
         picture = picture_figure(
             chart_figure(index.parts[drawn[0]][0].chart, f"trace-{drawn[0]}", {}, told=words), words
         )
+    outer = {before: index.anchors_of(trace.name, "step", before) for name in named for before in _around(name)}
+    anchors = {before: found[0] for before, found in outer.items() if found} | named
     events = trace.eventful_scans()
     data = {
         "scans": len(trace),
         "events": events,
         "times": [time_literal(trace.time(scan)).removeprefix("T#") for scan in events],
-        "situations": [[scan, [[name, named[name]] for name in active]] for scan, active in trace.situations()],
+        "situations": [
+            [scan, [[name, anchors[name]] for name in _with_outer(active, anchors)]]
+            for scan, active in trace.situations()
+        ],
         "columns": [[[scan, column.signal.text(value)] for scan, value in column.runs()] for column in trace.columns],
         "left": diagram.left,
         "width": diagram.width,
@@ -107,6 +112,17 @@ def trace_section(trace: Trace, index: PageIndex, words: Words) -> Html:
     ended = element("p", words("The run ended with an error: {}", trace.ended), class_="ended") if trace.ended else ""
     section = element("section", heading, element("p", told), ended, figure, picture, values, id="trace")
     return joined(section, player, data_element("trace-data", data))  # outside: what contains a section fixes in it
+
+
+def _around(name: str) -> list[str]:
+    """Return what may be macro-steps around a step, by its name in a trace: ``G1`` and ``G1.M3`` of ``G1.M3.30``."""
+    words = name.split(".")
+    return [".".join(words[:count]) for count in range(1, len(words))]
+
+
+def _with_outer(active: Sequence[str], steps: Container[str]) -> list[str]:
+    """Return active steps behind the macro-steps around them, which are active with them (IEC 60848:2013, 7.4)."""
+    return list(dict.fromkeys(each for name in active for each in (*_around(name), name) if each in steps))
 
 
 class TimingDiagram:

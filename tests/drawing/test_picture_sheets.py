@@ -135,3 +135,16 @@ def test_sheets_hold_whatever_names_and_comments_have_in_them() -> None:
     steps = {g.get("id") for root in drawn for g in root.iter("{*}g") if "step" in (g.get("class") or "").split()}
     assert steps == {f"step-{step.id}" for step in chart.steps}
     assert {root.findtext("{*}title") for root in drawn} == {hostile}
+
+
+def test_no_sheet_has_the_frame_of_a_partial_chart_alone() -> None:
+    steps = "\n".join(f"    STEP {n}\n    {n} -> {n + 1} : a" for n in range(2, 120))
+    branches = "\n".join(f"    STEP {n}\n        n{n} := 1" for n in range(301, 306))
+    text = "GRAFCET H\nCHART G1\n    INITIAL STEP 1\n    1 -> 2, 301, 302, 303, 304, 305 : a\n"
+    text += f"{steps}\n    STEP 120\n{branches}\n"
+    chart = sfc.loads(text.encode()).pou("H").chart
+    drawn = [etree.fromstring(each.encode()) for each in sheets(chart.to_svg(), "A4")]
+    assert len(drawn) > 5
+    for root in drawn:
+        assert [each.get("class") for each in root[-1]] != ["part"]
+    assert sum("G1" in root.xpath("//*[local-name()='text']/text()") for root in drawn) > 0

@@ -361,6 +361,14 @@ PROGRAM I WITH Every_Cycle: P; END_RESOURCE END_CONFIGURATION
         wide = "all('.steps th, .steps td').filter((each) => each.scrollWidth > each.clientWidth)"
         assert browser.evaluate(f"{wide}.map((each) => each.textContent)") == []
 
+    def test_a_long_chart_is_printed_in_the_width_of_the_paper(self, browser: Browser, tmp_path: Path) -> None:
+        """It was on one sheet, with letters of a third of a point."""
+        steps = "".join(f"STEP {n}\n{n} -> {n + 1} : a\n" for n in range(2, 60))
+        page = tmp_path / "page.html"
+        page.write_text(sfc.page(sfc.loads(f"GRAFCET H\nINITIAL STEP 1\n1 -> 2 : a\n{steps}STEP 60\n".encode())))
+        browser.open(page, width=720, printed=True)  # A4
+        assert browser.evaluate("document.querySelector('figure svg text').getBoundingClientRect().height") > 8
+
     def test_nothing_of_a_project_is_executed(self, browser: Browser, tmp_path: Path) -> None:
         page = tmp_path / "page.html"
         page.write_text(sfc.page(nasty_project()), encoding="ascii")

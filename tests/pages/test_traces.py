@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -156,3 +157,16 @@ def test_a_run_without_a_scan_and_one_that_ends_with_an_error_are_shown() -> Non
     assert simulation.trace.ended == "division by zero"
     for lang, told in (("en", "The run ended with an error: division by zero"), ("de", "Der Lauf endete mit einem")):
         assert told in page(project, lang=lang, trace=simulation.trace)
+
+
+def test_a_macro_step_is_active_while_a_step_of_its_expansion_is() -> None:
+    text = "GRAFCET G\nINPUTS\n    a\nCHART G1\n    INITIAL STEP 1\n    1 -> M3 : a\n    MACRO M3\n    M3 -> 1 : /a\n"
+    text += "EXPANSION M3\n    STEP E3\n    E3 -> S3 : a\n    STEP S3\n"
+    project = sfc.loads(text.encode())
+    trace = sfc.simulate(project, inputs=lambda scan, _: {"a": scan == 0}, scans=2)
+    tree = html.fromstring(page(project, trace=trace))
+    data = json.loads(tree.get_element_by_id("trace-data").text_content())
+    (_, active), (_, later) = data["situations"]
+    assert [name for name, _ in active] == ["G1.M3", "G1.M3.S3"]
+    assert tree.get_element_by_id(active[0][1]).findtext("title").startswith("Macro")
+    assert [name for name, _ in later] == ["G1.1"]

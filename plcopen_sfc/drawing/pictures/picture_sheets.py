@@ -24,6 +24,7 @@ _EDGE = 2
 _HEAD = re.compile(r'<svg xmlns="[^"]*" (class="[^"]*" role="[^"]*") width="(\d+)" height="(\d+)"')
 _AREA = re.compile(r'<g [^>]*data-area="(-?\d+) (-?\d+) (\d+) (\d+)"')
 _LINE = re.compile(r'<(?:path|text|circle) class="[^"]*" (d="[^"]*"|c?x="-?\d+" c?y="-?\d+")')
+_FRAME = re.compile(r'<g [^>]*class="part[ "]')
 _NUMBER = re.compile(r"-?\d+")
 
 Span = tuple[int, int]
@@ -51,6 +52,11 @@ class _Sheet:
         """True if a part is whole on the sheet."""
         (left, right), (top, bottom) = part.across, part.down
         return self.across[0] <= left and right <= self.across[1] and self.down[0] <= top and bottom <= self.down[1]
+
+    def shows(self, part: _Part) -> bool:
+        """True if more than a line of a part is on the sheet: of a frame its corner with the heading."""
+        at_corner = self.across[0] <= part.across[0] <= self.across[1] and self.down[0] <= part.down[0] <= self.down[1]
+        return at_corner or not _FRAME.match(part.shape)
 
 
 def sheets(svg: str, paper: str) -> list[str]:
@@ -142,7 +148,7 @@ def _divided(parts: Sequence[_Part], size: tuple[int, int], room: tuple[int, int
         whole = [sheet for sheet in met if sheet.holds(part)]
         for sheet in met if part.divisible else whole or met:
             sheet.parts.append(part)
-    filled = [[sheet for sheet in row if sheet.parts] for row in grid]
+    filled = [[sheet for sheet in row if any(map(sheet.shows, sheet.parts))] for row in grid]
     return [row for row in filled if row] or grid[:1]
 
 
