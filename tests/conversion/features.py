@@ -361,7 +361,7 @@ def _flag(flag: m.SfcFlag) -> Callable[[FeatureChart], None]:
 
 def _initial_value(rig: FeatureChart) -> None:
     rig.declare(m.SectionKind.LOCAL, variable("limit", "INT", initial="3"))
-    rig.action("Count", st(rig, "n := n + limit"))
+    rig.action("Count", st(rig, "n := n + limit; limit := 5"))  # what nothing writes is an input
     if rig.project.dialect is m.Dialect.SCL:
         rig.pou.actions.clear()
         rig.act("Work", "n", "N", value="limit")
