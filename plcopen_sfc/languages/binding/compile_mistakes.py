@@ -33,6 +33,7 @@ from plcopen_sfc.model.types import (
     StringType,
     StructType,
     SubrangeType,
+    Variable,
 )
 
 
@@ -67,6 +68,7 @@ def type_mistakes(tree: n.Node, resolver: Resolver, site: Site) -> Iterator[str]
         for message, about in kinds.mistakes_in(node):
             yield f"{message}: {' '.join(print_node(about).split())}"
         if isinstance(node, n.Call):
+            yield from (f"{message}: {' '.join(print_node(node).split())}" for message in types.mistakes_of(node))
             for position, argument in enumerate(node.arguments):
                 parameter = types.parameter_of(node, position) if argument.value is not None else None
                 if parameter is not None and argument.value is not None:
@@ -139,6 +141,18 @@ class _TypesAt:
             return next((Parameter(each, function.name, pins.get(each, "")) for each in names if each), None)
         type_ = self._name(self._resolver.parameter_type(call, position, self._site))
         return Parameter(name or f"argument {position + 1}", callee, type_, argument.output) if type_ else None
+
+    def mistakes_of(self, call: n.Call) -> Iterator[str]:
+        """Yield why a call of a variable without statements, or with too many arguments, does not compile."""
+        called = self._resolver.called(call.callee, self._site)
+        if called is not None and isinstance(called.holder, Variable):
+            type_ = self._resolver.type_of_declaration(called)
+            if isinstance(type_, ElementaryType | StringType):
+                yield f"{self._name(type_)} cannot be called"
+        function = self._standard_function(call.callee)
+        given = [each for each in call.arguments if each.name is None]
+        if function is not None and len(given) > len(function.input_pins(len(given))):
+            yield f"{function.name} has no argument {len(given)}"
 
     def _standard_function(self, callee: n.Expression) -> StandardBlock | None:
         if not isinstance(callee, n.Name) or self._resolver.called(callee, self._site) is not None:

@@ -1121,6 +1121,8 @@ for wrong, right, told in (
     ("FOR n := 1 TO b DO n := 1; END_FOR", "FOR n := 1 TO n DO b := TRUE; END_FOR", "what a FOR counts is BOOL: b"),
     ("CASE n OF TRUE: n := 1; END_CASE", "CASE n OF 0..3: n := 1; END_CASE", "a label of a CASE is BOOL: TRUE"),
     ("many[b](IN := b);", "many[n](IN := b);", "an index is BOOL: b"),
+    ("b();", "t();", "BOOL cannot be called: b()"),
+    ("n := LEN(s, s, s);", "n := MAX(1, 2, 3);", "LEN has no argument 3: LEN(s, s, s)"),
     ("n[1] := 1;", "many[1](IN := b);", "a number has no index: n[1]"),
 ):
     case("VAR04", typed(wrong), typed(right), told)
