@@ -102,7 +102,7 @@ def _wrong_writes(names: Names, was: Declaration, will: Declaration, uses: Itera
     6.6.1.2.2).
     """
     before, after = _section_of(names.project, was), _section_of(names.project, will)
-    is_constant = _is_constant(names.project, will)
+    is_constant = id(will.holder) in names.resolver.constants
     is_input = after is not None and after.kind is SectionKind.INPUT
     was_input = before is not None and before.kind is SectionKind.INPUT
     concerned = {id(use.text_site.site.pou) for use in uses}
@@ -123,21 +123,13 @@ def _wrong_places(names: Names, was: Declaration, will: Declaration, uses: Itera
     """Yield the places of a constant in which no variable can be, and those in the declaration of the other one."""
     sites = text_sites_in(will.holder) if isinstance(will.holder, Model) else ()
     own = {(id(each.holder), each.key) for each in sites}
-    needed = _is_constant(names.project, was) and not _is_constant(names.project, will)
+    needed = id(was.holder) in names.resolver.constants and id(will.holder) not in names.resolver.constants
     for use in uses:
         site = use.text_site
         if (id(site.holder), site.key) in own:
             yield f"{use.use} is in the declaration of {will.path}"
         elif needed and (site.language == "declaration" or _is_label(use, names.dialect)):
             yield f"{use.use} needs a constant, and {will.path} is none"
-
-
-def _is_constant(project: Project, variable: Declaration) -> bool:
-    """True if a variable is declared as constant, or is a constant of a table of tags."""
-    section = _section_of(project, variable)
-    if section is None:
-        return any(each is variable.holder for table in project.tag_tables for each in table.constants)
-    return section.constant or section.kind is SectionKind.CONSTANT
 
 
 def _is_label(use: Occurrence, dialect: Dialect) -> bool:

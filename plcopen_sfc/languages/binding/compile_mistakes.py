@@ -15,6 +15,7 @@ from plcopen_sfc.languages.binding.name_scopes import charts_inside
 from plcopen_sfc.languages.binding.name_sites import named
 from plcopen_sfc.languages.binding.text_sites import Site, TextSite
 from plcopen_sfc.languages.declarations.kept_texts import kept
+from plcopen_sfc.languages.effects import target_of
 from plcopen_sfc.languages.expression_types import CALCULATING, INSTANTS, OF_ONE_TYPE, ORDER, REALS, ExpressionTypes
 from plcopen_sfc.languages.il import statements as il_statements
 from plcopen_sfc.languages.st import names_of, print_node, walk
@@ -67,6 +68,11 @@ def type_mistakes(tree: n.Node, resolver: Resolver, site: Site) -> Iterator[str]
     for node in walk(tree):
         for message, about in kinds.mistakes_in(node):
             yield f"{message}: {' '.join(print_node(about).split())}"
+        target = target_of(node)
+        if isinstance(target, n.Name):
+            written = resolver.lookup(named(target), site).declaration
+            if written is not None and id(written.holder) in resolver.constants:
+                yield f"{written.name} is a constant, and written: {' '.join(print_node(node).split())}"
         if isinstance(node, n.Call):
             yield from (f"{message}: {' '.join(print_node(node).split())}" for message in types.mistakes_of(node))
             for position, argument in enumerate(node.arguments):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from enum import Enum
+from functools import cached_property
 from typing import Any
 
 from plcopen_sfc.grouping import grouped
@@ -60,6 +61,17 @@ class Resolver:
         self.project = project
         self.dialect = dialect
         self.scopes = Scopes(project)
+
+    @cached_property
+    def constants(self) -> frozenset[int]:
+        """The ids of the variables and entries of tables of tags that are declared as constants."""
+        pous = self.project.pous
+        every = [*(pou.interface for pou in pous), *(method.interface for pou in pous for method in pou.methods)]
+        interfaces = [each for each in every if each is not None]
+        sections = [*self.project.global_sections(), *(section for each in interfaces for section in each.sections)]
+        constant = (each for each in sections if each.constant or each.kind is SectionKind.CONSTANT)
+        tags = (id(each) for table in self.project.tag_tables for each in table.constants)
+        return frozenset((*(id(variable) for section in constant for variable in section.variables), *tags))
 
     def meaning(self, reference: Reference, text_site: TextSite) -> Binding:
         """Return the declaration that a name in a text site refers to."""

@@ -473,6 +473,13 @@ for one, other, harmless, told in (
     ("tm(IN := a, ET => t);", "t := T#2s;", "n := 2;", "t is written here and in step PA"),
 ):
     case("ACT04", text(RACE % ("X1(N);", one, other)), text(RACE % ("X1(N);", one, harmless)), told)
+CONSTANT = "VAR%s K : INT := 5; END_VAR ACTION Act: K := 6; END_ACTION"
+case(
+    "VAR04",
+    steps("Act(N);", declared=CONSTANT % " CONSTANT"),
+    steps("Act(N);", declared=CONSTANT % ""),
+    "K is a constant, and written: K := 6",
+)
 BESIDE = text(RACE % ("q(N);", "n := 1;", "q := TRUE;"))
 case("ACT04", text(RACE % ("q(N);", "n := 1;", "q := FALSE;")), BESIDE, "q is written here and in step PA")
 case("ACT04", text(parallel("q(S);", "q(R);")), text(parallel("q(S);", "q(S);")), "both can be active together")
