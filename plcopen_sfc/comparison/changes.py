@@ -68,7 +68,7 @@ class Change:
         match self.kind:
             case ChangeKind.ADDED | ChangeKind.REMOVED:
                 told = self.after if self.kind is ChangeKind.ADDED else self.before
-                return say(f"{self.kind} ({{}})").format(told) if told else say(self.kind.value)
+                return say(f"{self.kind} ({{}})").format(say(told)) if told else say(self.kind.value)
             case ChangeKind.RENAMED:
                 return say("renamed, was {}").format(self.before) if self.before else say("named {}").format(self.after)
             case ChangeKind.MOVED:

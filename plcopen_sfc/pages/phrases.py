@@ -41,6 +41,8 @@ class Phrases:
     def _value(self, text: str, place: str) -> str:
         if place == "{+}":
             return self._part(text)
+        if place == "{#}":
+            return _THOUSANDS.sub(".", text)
         if place == "{|}":
             return " oder ".join(", ".join(map(self._part, part.split(", "))) for part in text.split(" or "))
         return _MORE.sub(r" und \1 weitere", text).replace(" and ", " und ") if place == "{&}" else text
@@ -95,4 +97,5 @@ def german_label(text: str) -> str:
 _FROM_NOWHERE, _TO_NOWHERE = re.compile(r"\bnowhere -> "), re.compile(r" -> nowhere\b")
 _PLACES = re.compile(r"\{[+|&#]?\}")
 _MORE = re.compile(r" and (\d+) more$")
+_THOUSANDS = re.compile(r"(?<=\d),(?=\d{3}\b)")
 _NUMBER = r"(\d[\d,.]*)"

@@ -109,7 +109,8 @@ def trace_section(trace: Trace, index: PageIndex, words: Words) -> Html:
         trace.profile or "-",
     )
     heading = element("h2", element("small", words("Simulation")), " ", trace.name)
-    ended = element("p", words("The run ended with an error: {}", trace.ended), class_="ended") if trace.ended else ""
+    reason = words.verdict(trace.ended or "")
+    ended = element("p", words("The run ended with an error: {}", reason), class_="ended") if reason else ""
     section = element("section", heading, element("p", told), ended, figure, picture, values, id="trace")
     return joined(section, player, data_element("trace-data", data))  # outside: what contains a section fixes in it
 

@@ -45,7 +45,9 @@ class Verdicts:
 
     def __init__(self, other: Callable[[str], str]) -> None:
         self._other = other
-        self._phrases = Phrases(german_table("verdicts"), self._clauses)
+        table = german_table("verdicts")
+        self._phrases = Phrases(table, self._clauses)
+        self._whole = Phrases({english: german for english, german in table.items() if "; " in english}, self._clauses)
 
     def __call__(self, line: str) -> str:
         """Return a line in German, code in backquotes as it is; what is not known stays English."""
@@ -61,6 +63,8 @@ class Verdicts:
         return _NUMBERED.sub(lambda found: codes[int(found[1])], told)
 
     def _clauses(self, text: str) -> str:
+        if (told := self._whole.find(text)) is not None:
+            return told
         return "; ".join(self._clause(clause) or self._other(clause) for clause in _divided(text, "; "))
 
     def _clause(self, text: str) -> str | None:

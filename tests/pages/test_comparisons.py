@@ -68,6 +68,7 @@ def test_a_chart_that_only_one_side_has() -> None:
     tree = parse(sfc.diff_page(before, after, sfc.diff(before, after), lang="de"))
     (section,) = tree.xpath("//section[@data-name='POU FB_Pusher']")
     assert "keine solche Ablaufkette" in words_of(section)
+    assert "POU FB_Pusher: neu (Funktionsbaustein)" in words_of(tree)
     assert len(section.findall(".//svg")) == 1
 
 

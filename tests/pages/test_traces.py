@@ -155,7 +155,10 @@ def test_a_run_without_a_scan_and_one_that_ends_with_an_error_are_shown() -> Non
     with pytest.raises(sfc.SfcError):
         simulation.run(lambda _: {}, 5)
     assert simulation.trace.ended == "division by zero"
-    for lang, told in (("en", "The run ended with an error: division by zero"), ("de", "Der Lauf endete mit einem")):
+    for lang, told in (
+        ("en", "The run ended with an error: division by zero"),
+        ("de", "mit einem Fehler: Division durch null"),
+    ):
         assert told in page(project, lang=lang, trace=simulation.trace)
 
 

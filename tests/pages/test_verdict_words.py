@@ -99,6 +99,14 @@ def test_a_line_is_a_sentence() -> None:
         "es tut nach 1 Zyklus etwas anderes: M ist TRUE in der Quelle und FALSE in CODESYS"
     )
     assert words.verdict("scan  time  x  first: active  second: x") == "Zyklus  Zeit  x  erstes: aktiv  zweites: x"
+    why = "not compared: not all of it is executed; change that in the source, or test it in CODESYS"
+    assert words.verdict(why) == (
+        "nicht verglichen: nicht alles davon wird ausgeführt; "
+        "ändern Sie das in der Quelle, oder testen Sie sie in CODESYS"
+    )
+    assert words.verdict("more than 2,000 states") == "mehr als 2.000 Zustände"
+    told = words.verdict("after 1000 evolutions with the same inputs transitions are still cleared")
+    assert told == "nach 1000 Evolutionen mit denselben Eingängen schalten noch Transitionen"
     # names that are words of lists, and what is not known, stay as they are
     assert words.verdict("not compared: time, step and 2 more") == "nicht verglichen: time, step und 2 weitere"
 
