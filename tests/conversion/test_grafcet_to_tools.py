@@ -122,7 +122,10 @@ def test_a_step_has_several_conditions_in_s7_graph(output: str) -> None:
     report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), format="simaticml", limit=20)
     assert report.compared.popitem()[1].startswith("equal (proof")
     assert losses(report).keys() == FIRST
-    whys = losses(sfc.convert(sfc.loads(f"{SEVERAL}    Q2 AFTER 1s\n".encode()), "simaticml", partial=True)[1])
+    delayed = sfc.convert(sfc.loads(f"{SEVERAL}    Q2 AFTER 1s\n".encode()), "simaticml", limit=20).report
+    assert delayed.compared.popitem()[1].startswith("equal in ")
+    stored = f"{SEVERAL}    ON DEACTIVATION Q2 := FALSE\n"
+    whys = losses(sfc.convert(sfc.loads(stored.encode()), "simaticml", partial=True)[1])
     assert "that of another action, and Q2 is stored or delayed, too: let a step do one of it" in whys["condition"]
 
 
@@ -1097,3 +1100,12 @@ def test_items_have_the_lines_of_the_text(form: str, tmp_path: Path) -> None:
     assert item.path == "POU H / G3 / step 20"
     assert item.line == 14
     assert all(each.line is not None for each in report.losses)
+
+
+@pytest.mark.parametrize("timed", ["Q AFTER 40ms", "Q FOR 40ms"])
+def test_a_delay_beside_a_condition_of_a_parallel_step_is_assigned_with_it(timed: str) -> None:
+    head = "GRAFCET Z\nINPUTS\n    a\n    b\n    c\nOUTPUTS\n    Q\nINITIAL STEP 1\n1 -> 2, 3 : a * /b\nSTEP 2\n"
+    source = sfc.loads(f"{head}    {timed}\nSTEP 3\n    Q IF c\n2, 3 -> 1 : b * /a\n".encode(), format="grafcet-text")
+    _, report = sfc.convert(source, "plcopen-2.01", limit=20)
+    assert report.compared["POU Z"].startswith("equal")
+    assert not report.losses

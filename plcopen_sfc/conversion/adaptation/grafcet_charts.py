@@ -313,7 +313,9 @@ class _Chart:
         ordered = self._ordered(path, by_rules, constants)
         self._note_first_scan(path, ordered)
         for target, uses in timed.items():
-            if target not in stored and self._share_a_time(uses):
+            # one that has a condition in another step gets an action that assigns it, which would overwrite the delay
+            is_assigned = any(each.kind is ActionKind.CONDITIONAL for _, each in conditional.get(target, ()))
+            if target not in stored and _are_plain(uses) and (is_assigned or self._share_a_time(uses)):
                 self._share([*conditional.pop(target, []), *uses], path)
         alone = conditional.keys() - stored.keys() - timed.keys()
         for target, uses in conditional.items():
@@ -368,8 +370,6 @@ class _Chart:
 
         In a GRAFCET each has its own. It is the same where the steps never follow each other, nor are active together.
         """
-        if any(each.condition is not None or each.value not in (None, *_TRUE) for _, each in uses):
-            return False
         return any(self._overlap([use for use in uses if use[1].kind is kind]) for kind in _COMPARED)
 
     def _overlap(self, uses: list[_Use]) -> bool:
@@ -591,6 +591,11 @@ class _Chart:
 
 def _why(error: ConditionError | MissingTermError) -> str:
     return f"the condition cannot be read: {error}" if isinstance(error, ConditionError) else str(error)
+
+
+def _are_plain(uses: list[_Use]) -> bool:
+    """True for actions without conditions that switch a variable on."""
+    return all(each.condition is None and each.value in (None, *_TRUE) for _, each in uses)
 
 
 def _problem_of(each: ActionAssociation) -> str:
