@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+import plcopen_sfc as sfc
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.analysis.timers import clocking, waiting_timers
@@ -100,3 +101,19 @@ def test_a_timer_that_nobody_calls_any_more_does_not_go_on() -> None:
     for other in (wrong, always):
         found = equivalent(pou, other, "codesys", outputs=["Q"], scan_time="10ms", cap=100)
         assert found.kind is VerdictKind.DIFFERENT
+
+
+def test_the_time_of_the_only_step_in_a_macro_step_is_kept() -> None:
+    """A macro-step has the start of its only step: who forgot its time forgot that of the step, which is asked for."""
+    text = """PROGRAM Main
+VAR_INPUT a : BOOL; END_VAR
+VAR_OUTPUT q : BOOL; END_VAR
+INITIAL_STEP S1: END_STEP
+STEP S2: q(N); END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := S2.T > T#1s; END_TRANSITION
+END_PROGRAM
+"""
+    plain, moved = (sfc.loads(text.encode(), format="iec-text") for _ in range(2))
+    moved.edit().move_to_macro(["Main.S2"], "M1")
+    assert sfc.equivalent(plain, moved).proven

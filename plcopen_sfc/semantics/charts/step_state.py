@@ -212,13 +212,17 @@ def forgetting(
     """
     seen = [name for name in steps.names if not name.flag]
     timed = {name.slot for name in seen if name.name.casefold() in read or name.since in used}
-    timeless = tuple((name.slot, name.since) for name in seen if name.slot not in timed)
+    timeless = tuple(name.slot for name in seen if name.slot not in timed)
+    # a macro-step with one step inside has the start of that step
+    kept = {name.since for name in seen if name.slot in timed}
+    unread = tuple({name.since for name in seen} - kept)
     own = tuple(n.slot for n in seen if n.slot in timed and n.name.casefold() not in anywhere)
 
     def forget(frame: Frame, now: int) -> None:
         v = frame.v
-        for slot, since in timeless:
+        for slot in timeless:
             v[slot].v[T] = 0
+        for since in unread:
             if v[since] is not None:
                 v[since] = now
         for slot in own:
