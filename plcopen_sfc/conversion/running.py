@@ -180,7 +180,9 @@ def _asked_in_vain(there: Chart, source: Project, verdict: Verdict) -> list[str]
         names |= names_in(named, source.dialect) if named.name.casefold() in names else set()
     names -= {name.casefold() for name in (*verdict.inputs, *(flag.variable for flag in SfcFlag))}
     declared = [each for section in source.global_sections() for each in section.variables]
-    plain = (each for each in (*there.pou.variables(), *declared) if isinstance(each.type, ElementaryType))
+    kinds = (SectionKind.LOCAL, SectionKind.EXTERNAL)  # outputs are for others to read
+    declared += [variable for kind in kinds for variable in there.pou.variables(kind)]
+    plain = (each for each in declared if isinstance(each.type, ElementaryType))
     return sorted({each.name for each in plain if each.name.casefold() in names})
 
 

@@ -107,7 +107,7 @@ def test_inputs_of_the_entry_and_of_the_first_scan_are_no_constant_delay(
 @pytest.mark.parametrize(
     ("initial", "condition", "why"),
     [
-        ("r(R);", "S0.T >= T#20ms", "CODESYS executes the actions before the transitions, and so compares the times"),
+        ("r(S);", "S0.T >= T#20ms", "CODESYS executes the actions before the transitions, and so compares the times"),
         (
             "Count(N);",
             "S0.T >= T#20ms",

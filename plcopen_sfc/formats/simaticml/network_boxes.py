@@ -185,15 +185,18 @@ def template_type(name: str) -> str:
 _EDGES = frozenset({"R_TRIG", "F_TRIG"})
 
 
-def put_operands(project: Project, report: ConversionReport) -> None:
-    """Make variables of the instances of flip-flops, and boxes with an instance of edges that have one."""
+def put_operands(project: Project, report: ConversionReport, *, of_charts: bool) -> None:
+    """Make variables of the instances of flip-flops, and boxes with an instance of edges that have one.
+
+    `of_charts`: also of POUs with charts, whose drawn conditions are networks by then.
+    """
     own = {pou.name.upper() for pou in project.pous}
     flip_flops, edges = FLIP_FLOPS - own, _EDGES - own
     texts: dict[int, list[TextSite]] = {}
     for text_site in text_sites(project) if any(flip_flop_instances(pou, flip_flops) for pou in project.pous) else ():
         if text_site.is_program_text and text_site.site.pou is not None:
             texts.setdefault(id(text_site.site.pou), []).append(text_site)
-    for pou in project.pous:
+    for pou in project.pous if of_charts else [each for each in project.pous if each.chart is None]:
         _put_flip_flops(project, pou, flip_flop_instances(pou, flip_flops), texts.get(id(pou), []), report)
     for _, body in _drawn(project):
         for block in _blocks(body):

@@ -382,7 +382,7 @@ class SimaticmlCodec(FolderCodec):
         exchange_markup(project, markup_of(project), Markup.SIMATICML)
         put_boxes(project)
         put_standard_blocks(project)
-        put_operands(project, report)
+        put_operands(project, report, of_charts=False)
         exchange_markup(project, Markup.SIMATICML, markup_of(project))
 
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:

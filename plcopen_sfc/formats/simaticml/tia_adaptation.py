@@ -8,7 +8,7 @@ from typing import Any
 from plcopen_sfc.formats.simaticml.added_elements import system_members
 from plcopen_sfc.formats.simaticml.coils_and_contacts import put_coils
 from plcopen_sfc.formats.simaticml.declaration_spelling import version_of
-from plcopen_sfc.formats.simaticml.network_boxes import mark_calls
+from plcopen_sfc.formats.simaticml.network_boxes import mark_calls, put_operands, put_standard_blocks
 from plcopen_sfc.formats.simaticml.network_operands import HINT
 from plcopen_sfc.formats.simaticml.scl_tokens import CALL
 from plcopen_sfc.formats.simaticml.sequence_rules import MOST_SEQUENCES, MOST_STEPS, MOST_TRANSITIONS
@@ -48,6 +48,9 @@ def adapt(project: Project, report: ConversionReport, *, foreign: bool) -> None:
 
     `foreign`: the project comes from another tool or format.
     """
+    # standard blocks come first: the others know flip-flops, coils and calls by the names and pins they get there
+    put_standard_blocks(project)
+    put_operands(project, report, of_charts=True)
     put_coils(project)
     mark_calls(project)
     _note_versions(project)

@@ -15,6 +15,7 @@ from tests.corpus import corpus_files, require_corpus
 EXPECTED: dict[str, dict[str, int]] = {
     "plcopen": {
         "CND05": 4,
+        "CND10": 2,  # NOT of a DINT
         "EVO02": 3,
         "LOW01": 16,
         "SEL01": 19,
@@ -23,9 +24,10 @@ EXPECTED: dict[str, dict[str, int]] = {
         "STR06": 2,
         "STR09": 2,
         "STR14": 1,
-        "VAR01": 4,
-        "VAR02": 2,
+        "VAR01": 9,
+        "VAR02": 5,
         "VAR03": 7,
+        "VAR04": 1,
     },
     "codesys": {
         "ACT01": 2,
@@ -46,7 +48,17 @@ EXPECTED: dict[str, dict[str, int]] = {
         "VAR01": 1,
         "VAR03": 106,
     },
-    "simaticml": {"ACT10": 2, "CND02": 29, "EVO01": 4, "EVO02": 3, "LOW01": 3, "SEL03": 5, "STR11": 1, "VAR02": 5},
+    "simaticml": {
+        "ACT10": 2,
+        "CND02": 29,
+        "EVO01": 4,
+        "EVO02": 3,
+        "LOW01": 3,
+        "SEL03": 5,
+        "STR11": 1,
+        "VAR02": 41,  # a document holds one block, without the types of its project
+        "VAR03": 45,
+    },
     "iectext": {
         "ACT04": 2,
         "CND02": 37,
