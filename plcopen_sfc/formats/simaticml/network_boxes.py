@@ -185,7 +185,7 @@ def template_type(name: str) -> str:
 _EDGES = frozenset({"R_TRIG", "F_TRIG"})
 
 
-def put_operands(project: Project, report: ConversionReport, *, of_charts: bool) -> None:
+def put_operands(project: Project, report: ConversionReport, *, of_charts: bool = True) -> None:
     """Make variables of the instances of flip-flops, and boxes with an instance of edges that have one.
 
     `of_charts`: also of POUs with charts, whose drawn conditions are networks by then.
@@ -222,7 +222,9 @@ def _put_flip_flops(
     kept = {name for _, found in parsed for name in more_than_outputs(found.tree, instances)}
     for name in sorted(kept):
         why = "TIA Portal has no such function block, and the text uses it otherwise than a box could"
-        report.add(Outcome.APPROXIMATED, "instance", f"POU {pou.name} / {instances[name].name}", why)
+        path = f"POU {pou.name} / {instances[name].name}"
+        if not any(each.path == path and each.why == why for each in report.items):  # told before charts were rewritten
+            report.add(Outcome.APPROXIMATED, "instance", path, why)
     changed = {name: variable for name, variable in instances.items() if name not in kept}
     for text_site, found in parsed:
         new = render(found, transform(found.tree, lambda node: _value(node, changed)))
