@@ -1,4 +1,4 @@
-"""Outcomes of conversions, and of charts run in both tools, by pair of formats: the tables in docs/benchmarks.md."""
+"""Outcomes of conversions, and of charts run in both tools, by pair of formats: tables in docs/conversion-counts.md."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from plcopen_sfc.errors import SfcError
 from tests.corpus import require_corpus
 from tests.sweeps import WHOLE, in_turn
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "benchmarks.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "conversion-counts.md"
 
 
 def documented() -> dict[str, dict[str, int]]:
