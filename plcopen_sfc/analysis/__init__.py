@@ -3,7 +3,7 @@
 * `checks`: the numbered rules.
 * Charts with free conditions: `marking` (the marking graph), `ruled_situations` (under forcing orders),
   `soundness`, `regions`, `unreachable`.
-* Conditions: `exclusivity`, with `knowledge` of names, `formulas` for z3.
+* Conditions: `exclusivity`, with `knowledge` of names, `formulas` for z3; `joint_firings` (situations that they leave).
 * Comparisons: `equivalence` with its `verdict` and `coverage`; `systems` and `pairing` (what is compared),
   `system_comparison`, `product` (the search for a proof), `directed` with `goals` and `stimuli` (the search without
   one), `decomposition` (parts), `search_limits`.

@@ -73,6 +73,12 @@ def manner_of(association: ActionAssociation) -> Manner:
     return Manner.STORED if association.value is not None and manner is not Manner.OTHER else manner
 
 
+def how(use: TargetUse) -> str:
+    """Return the kind or the qualifier of an action in words."""
+    kind = use.association.kind
+    return kind.words if kind is not None else use.association.qualifier.value
+
+
 def operand(text: str, chart: CheckedChart) -> Path:
     """Return the names that lead to a variable; empty for what is no variable."""
     parsed = parse_condition(text, chart.dialect)

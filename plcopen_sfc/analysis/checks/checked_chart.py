@@ -6,11 +6,14 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from fnmatch import fnmatchcase
 from functools import cached_property
-from itertools import combinations, product
+from itertools import combinations
 from typing import NamedTuple
 
+from plcopen_sfc.analysis.checks.flag_values import FlagValues
 from plcopen_sfc.analysis.checks.judged_terms import JudgedTerms
 from plcopen_sfc.analysis.exclusivity import Exclusivity, Truth, exclusive, overlapping, truth
+from plcopen_sfc.analysis.formulas import Formula
+from plcopen_sfc.analysis.joint_firings import ConditionedSituations, JointFirings
 from plcopen_sfc.analysis.knowledge import Knowledge, ProjectKnowledge
 from plcopen_sfc.analysis.marking import MarkingGraph, marking_graph
 from plcopen_sfc.analysis.ruled_situations import RuledSituations
@@ -23,8 +26,8 @@ from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite
 from plcopen_sfc.languages.effects import path_of
 from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
-from plcopen_sfc.languages.st import names_of, parse_condition, parse_statements, transform, walk
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_condition, parse_statements, walk
 from plcopen_sfc.languages.translation.call_translation import has_function
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.chart_settings import SfcFlag
@@ -114,6 +117,8 @@ MOST_MARKINGS = 5_000
 """Markings that are visited for each chart before questions about all of them are left unanswered."""
 _MOST_FIRINGS = 2_000_000
 """The same for markings times transitions: a second or so."""
+_MOST_QUESTIONS = 1_000
+"""Questions to the solver about what conditions let happen together: a second or so."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -404,10 +409,6 @@ _FEW = 3
 """Competing transitions that are compared two by two at once: most selections have no more."""
 
 
-_TRUE = n.Literal("TRUE")
-_FALSE = n.Literal("FALSE")
-
-
 class CheckedChart:
     """A chart with all that rules ask about it. Nothing is worked out before it is asked for."""
 
@@ -427,7 +428,6 @@ class CheckedChart:
         self._truths: dict[int, Truth] = {}
         self._overlaps: dict[tuple[int, ...], list[tuple[int, int]]] = {}
         self._exclusive: dict[tuple[int, int], Exclusivity] = {}
-        self._terms = JudgedTerms()
 
     @cached_property
     def sheets(self) -> tuple[CheckedSheet, ...]:
@@ -467,10 +467,23 @@ class CheckedChart:
         return RuledSituations(self.net, min(MOST_MARKINGS, _MOST_FIRINGS // (10 * (len(self.net.transitions) + 1))))
 
     def concurrent(self, a: NetStep, b: NetStep) -> bool:
-        """Return True if two steps can be active together; False where that is not known."""
+        """Return True if two steps can be active together; False where that is not known.
+
+        In a GRAFCET conditions count: charts that look at each other's flags may keep each other out.
+        """
         if self.net.hierarchy:
-            return self.situations.concurrent(a, b)
-        return self.graph.complete and self.graph.concurrent(a, b) is Answer.YES
+            found = self.situations.concurrent(a, b)
+        else:
+            found = self.graph.complete and self.graph.concurrent(a, b) is Answer.YES
+        return found and not (self.family == "grafcet" and self._conditioned.apart(a, b))
+
+    @cached_property
+    def _conditioned(self) -> ConditionedSituations:
+        conditions = [self.condition(self.sheet_of(each), each.transition) for each in self.net.transitions]
+        firings = JointFirings(
+            Formula(self.dialect, self.knowledge), conditions, self._flag_values.bits, _MOST_QUESTIONS
+        )
+        return ConditionedSituations(self.net, firings, _MOST_QUESTIONS)
 
     def apart(self, a: NetStep, b: NetStep) -> bool:
         """Return True if two steps can never be active together; False where that is not known."""
@@ -509,16 +522,27 @@ class CheckedChart:
         return frozenset(map(str.casefold, self.net.flags)) if self.family == "grafcet" else frozenset()
 
     @cached_property
-    def _steps_of_flags(self) -> dict[str, NetStep]:
-        """The steps by their flags; without a flag that a variable hides."""
-        found = {name.casefold(): bits for name, bits in self.net.flags.items() if bits and bits & (bits - 1) == 0}
-        return {name: self.net.steps[bits.bit_length() - 1] for name, bits in found.items() if name not in self.types}
+    def _flag_values(self) -> FlagValues:
+        """The flags of a GRAFCET and their values."""
+
+        def situations() -> Iterable[int] | None:
+            found = self.situations if self.net.hierarchy else self.graph
+            return found if found.complete else None
+
+        return FlagValues(self.net, self.types.keys(), situations, self.apart)
 
     @cached_property
     def steps_of_pou(self) -> frozenset[str]:
         """The names of all steps in the POU, in lower case."""
         charts = self.around.charts_of(self.pou) if self.pou is not None else ()
         return frozenset(step.name.casefold() for chart in charts for step in chart.steps)
+
+    @cached_property
+    def _terms(self) -> JudgedTerms:
+        """The edges and times in the conditions of a GRAFCET."""
+        conditions = (transition.condition for _, transition in self.transitions())
+        is_grafcet = self.family == "grafcet"
+        return JudgedTerms(each.text for each in conditions if is_grafcet and isinstance(each, Expression))
 
     def condition(self, sheet: CheckedSheet, transition: Transition) -> NetworkExpression:
         """Return the condition of a transition as an expression."""
@@ -531,7 +555,8 @@ class CheckedChart:
                 transition = transition.model_copy(update={"condition": read})
             found = condition_expression(sheet.chart, transition, self.dialect, transitions=named)
             if self.family == "grafcet" and found.tree is not None:
-                found = replace(found, tree=self._while_active(sheet, transition, found.tree))
+                sources = (sheet.names.get(source, "") for source in transition.sources)
+                found = replace(found, tree=self._flag_values.while_active(sources, found.tree))
             self._conditions[id(transition)] = found
         return found
 
@@ -539,26 +564,6 @@ class CheckedChart:
         """Return the condition or the event of an action of a GRAFCET; None where it cannot be read."""
         parsed = parse_condition(self._terms.read(condition.text), self.dialect)
         return None if parsed.problems else parsed.tree
-
-    def _while_active(self, sheet: CheckedSheet, transition: Transition, tree: n.Expression) -> n.Expression:
-        """Return a condition as it is while the steps before its transition are active: their flags are TRUE.
-
-        The flags of steps that are never active together with them are FALSE.
-        """
-        flags = {f"x{sheet.names.get(source, '')}".casefold() for source in transition.sources} - self.types.keys()
-        sources = [self._steps_of_flags[flag] for flag in flags if flag in self._steps_of_flags]
-        others = {flag: self._steps_of_flags[flag] for flag in names_of(tree) - flags if flag in self._steps_of_flags}
-        never = {flag for flag, step in others.items() if any(self.apart(source, step) for source in sources)}
-
-        inner = {id(each.name) for each in walk(tree) if isinstance(each, n.Member)}
-
-        def known(node: n.Node) -> n.Node:
-            if isinstance(node, n.Name) and id(node) not in inner:
-                flag = node.identifier.casefold()
-                return _TRUE if flag in flags else _FALSE if flag in never else node
-            return node
-
-        return transform(tree, known)
 
     def as_written(self, text: str) -> str:
         """Return a text about conditions with edges and times as a GRAFCET has them."""
@@ -572,6 +577,10 @@ class CheckedChart:
             # deciding costs time, and most conditions vary: no constant in them, and no variable twice
             simple = condition.tree is not None and not condition.before and is_plain(condition.tree)
             found = Truth.VARIES if simple else truth(condition, dialect=self.dialect, knowledge=self.knowledge)
+            if self.family == "grafcet" and found is Truth.VARIES:
+                [known] = self._flag_values.possible([condition], [transition])
+                never = known is not condition and truth(known, dialect=self.dialect, knowledge=self.knowledge)
+                found = Truth.NEVER if never is Truth.NEVER else found
             self._truths[id(transition)] = found
         return found
 
@@ -593,25 +602,17 @@ class CheckedChart:
         """Return whether the conditions of two competing transitions exclude each other."""
         key = id(first), id(second)
         if key not in self._exclusive:
-            conditions = self._without_impossible([self.condition(sheet, each) for each in (first, second)])
+            conditions = [self.condition(sheet, each) for each in (first, second)]
+            if self.family == "grafcet":
+                conditions = self._flag_values.possible(conditions, (first, second))
             self._exclusive[key] = exclusive(*conditions, dialect=self.dialect, knowledge=self.knowledge)
         return self._exclusive[key]
 
-    def _without_impossible(self, conditions: list[NetworkExpression]) -> list[NetworkExpression]:
-        """Return conditions, the first one false in situations that the chart never has: two flags of one sequence."""
-        if self.family != "grafcet":
-            return conditions
-        first, *others = conditions
-        names = [names_of(each.tree) & self._steps_of_flags.keys() if each.tree else frozenset() for each in conditions]
-        never = [
-            n.Unary(n.Operator.NOT, n.Parenthesized(n.Operation(n.Operator.AND, (n.Name(one), n.Name(other)))))
-            for one, other in product(sorted(names[0]), sorted(frozenset().union(*names[1:])))
-            if self.apart(self._steps_of_flags[one], self._steps_of_flags[other])
-        ]
-        if first.tree is None or not never:
-            return conditions
-        tree = n.Operation(n.Operator.AND, (n.Parenthesized(first.tree), *never))
-        return [replace(first, tree=tree), *others]
+    def fires_with(self, one: NetTransition, other: NetTransition) -> bool:
+        """Return True if two transitions of a GRAFCET may fire in one evolution, as far as their conditions tell."""
+        for each in (one, other):
+            self.condition(self.sheet_of(each), each.transition)
+        return not self.exclusive(self.sheet_of(one), one.transition, other.transition)
 
     def place_of(self, element: NetStep | NetTransition) -> FindingPlace:
         """Return the place of a step or transition of the net."""

@@ -447,7 +447,8 @@ HIE06 = Rule(
     code="HIE06",
     title="One order at a time rules a chart",
     why="Two orders that are given at once force a chart into two situations, and an enclosing step activates what an "
-    "order holds (IEC 60848:2013, 7.1).",
+    "order holds (IEC 60848:2013, 7.1). Steps that conditions never let be active together are not meant, whether by "
+    "inputs or by the flags of other steps (/X21).",
     hint="Let the steps that give the orders exclude each other.",
     example="""
 GRAFCET Example

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import TermTexts, written_operand
 
@@ -14,18 +15,22 @@ class JudgedTerms(TermTexts):
     """Terms of a GRAFCET with what is known of them.
 
     At a rising edge the operand is true, at a falling one false. ``3s/a`` is true only with its operand and not before
-    ``2s/a``, ``a/3s`` always with it and not after ``a/5s``; ``3s/↑a`` is never true: an edge lasts for no time.
+    ``2s/a``, ``a/3s`` always with it and not after ``a/5s``; at an edge of ``a`` no time has passed. ``3s/↑a`` is
+    never true: an edge lasts for no time. `texts` are the conditions that are decided together.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, texts: Iterable[str] = ()) -> None:
         super().__init__()
         self._since: dict[str, str] = {}
         """How long each operand has had its value: the names of these times."""
+        for text in texts:
+            self.read(text)
 
     def edge(self, operand: str, *, rising: bool) -> str:
         """Return an edge and the value that its operand has then."""
         name = super().edge(operand, rising=rising)
-        return f"({name} AND {'' if rising else 'NOT '}({operand}))"
+        just = f" AND {self._since[operand]} = T#0s" if operand in self._since else ""
+        return f"({name} AND {'' if rising else 'NOT '}({operand}){just})"
 
     def delay(self, operand: str, first: str | None, last: str | None) -> str:
         """Return a time, and the value that its operand gives it."""

@@ -545,14 +545,14 @@ case(
     "ACT04",
     forced(EVENT.format("x", "TRUE"), "2", EVENT.format("x", "FALSE")),
     forced(EVENT.format("x", "TRUE"), "INIT", EVENT.format("x", "FALSE")),
-    "step G1.2, and both can be active together",
+    "step G1.2, and both events can come at once",
     "grafcet",
 )
 case(
     "ACT04",
     forced("x", "3", EVENT.format("q", "FALSE")),
     forced("x", "INIT", EVENT.format("q", "FALSE")),
-    "step G1.3, and both can be active together",
+    "step G1.3, and both events can come at once",
     "grafcet",
 )
 case(
@@ -567,6 +567,59 @@ case(
     forced("ON ACTIVATION x := TRUE", "2", "ON ACTIVATION x := FALSE"),
     forced("ON ACTIVATION x := TRUE", "*", "ON DEACTIVATION x := FALSE"),
     "both happen when G2.10 -> 11 is cleared",
+    "grafcet",
+)
+BESIDE_AN_EVENT = """GRAFCET G
+CHART G1
+    INITIAL STEP 1
+    1 -> 2 : a
+    STEP 2
+        ON EVENT {0} : q := FALSE
+    2 -> 3 : ↑b
+    STEP 3
+        ON ACTIVATION q := TRUE
+    3 -> 1 : /a
+"""
+
+
+def beside_an_event(event: str) -> Callable[[], Subject]:
+    return lambda: sfc.loads(BESIDE_AN_EVENT.format(event).encode())
+
+
+case("ACT04", beside_an_event("↑b"), beside_an_event("↓b"), "the event can come when G1.2 -> 3 is cleared", "grafcet")
+BESIDE_ANOTHER = """GRAFCET G
+CHART G1
+    INITIAL STEP 1
+    1 -> 2 : ↑a
+    STEP 2
+        {0}
+    2 -> 1 : {2}
+CHART G2
+    INITIAL STEP 10
+    10 -> 11 : {3}
+    STEP 11
+        {1}
+    11 -> 10 : ↑b
+"""
+
+
+def beside_another(one: str, other: str, forth: str = "a") -> Callable[[], Subject]:
+    """Two charts that store q; the second begins by `forth`."""
+    return lambda: sfc.loads(BESIDE_ANOTHER.format(one, other, "/a", forth).encode())
+
+
+case(
+    "ACT04",
+    beside_another("ON ACTIVATION q := TRUE", "ON ACTIVATION q := FALSE"),
+    beside_another("ON ACTIVATION q := TRUE", "ON ACTIVATION q := FALSE", forth="/a"),
+    "G1.1 -> 2 and G2.10 -> 11 can be cleared together",
+    "grafcet",
+)
+case(
+    "ACT04",
+    beside_another("ON ACTIVATION { q := TRUE; }", "ON ACTIVATION { q := FALSE; }"),
+    beside_another("ON ACTIVATION { q := TRUE; }", "ON ACTIVATION { q := FALSE; }", forth="X2"),
+    "can be cleared together",
     "grafcet",
 )
 case("ACT05", steps("q(N, T#5s);"), steps("q(N);"), "the time T#5s has no effect")
@@ -836,6 +889,20 @@ case("HIE06", of_text(TWO_RULERS.format(*BOTH)), of_text(TWO_RULERS.format(*ONE)
 ONE_RULER = LOWER.format("1") + "CHART G2\nINITIAL STEP 10\n    FORCE G1{{INIT}}\n    FORCE {}\n10 -> 10 : a\n"
 ONE_RULER += "CHART G3\nINITIAL STEP 20\n20 -> 20 : a\n"
 case("HIE06", of_text(ONE_RULER.format("G1{}")), of_text(ONE_RULER.format("G3{}")), "in two ways at once", "grafcet")
+LOCKED = (
+    LOWER.format("2") + "STEP 2\n2 -> 1 : /a\nCHART G2\nINITIAL STEP 10\n10 -> 11 : {}\nSTEP 11\n    FORCE G1{{2}}\n"
+)
+LOCKED += "11 -> 10 : /b\nCHART G3\nINITIAL STEP 20\n20 -> 21 : {}\nSTEP 21\n    FORCE G1{{INIT}}\n21 -> 20 : /c\n"
+LOCKED += "CHART G4\nINITIAL STEP 40\n40 -> 41 : a\nSTEP 41\n41 -> 40 : b + c\n"
+for locked, open_ in (
+    (("b * /X21 * /c", "c * /X11 * /b"), ("b * /X21", "c * /X11")),  # both at once
+    (("b * /X21", "c * X10 * /b"), ("b * /X21", "c * X10")),
+    (("b * /XG3 * X20 + b * /X21", "c * X10 * /b"), ("b * XG3", "c * X10 * /b")),
+    (("b * X40 * /X21", "c * X41 * /X11"), ("b * X40", "c * X41")),  # a chart that both look at
+    (("↑b * /X21", "↓b * /X11"), ("↑b * /X21", "↑c * /X11")),
+    (("3s/X10 * b * /X21", "c * /b * /X11"), ("3s/X10 * b", "c * /b * /X11")),
+):
+    case("HIE06", of_text(LOCKED.format(*open_)), of_text(LOCKED.format(*locked)), "rules G1 as well", "grafcet")
 EXPANDED = LOWER.format("M2") + "MACRO M2\nM2 -> 1 : b\nEXPANSION M2\nSTEP E2\n    FORCE {}\nE2 -> S2 : c\nSTEP S2\n"
 EXPANDED += "CHART G2\nINITIAL STEP 10\n10 -> 10 : a\n"
 case("HIE05", of_text(EXPANDED.format("G1{INIT}")), of_text(EXPANDED.format("G2{INIT}")), "rules itself", "grafcet")
@@ -937,6 +1004,16 @@ OTHERS = "\nCHART G2\nINITIAL STEP 5\nSTEP 6\n5 -> 6 : c\n6 -> 5 : /c\nCHART G3\
 for fine in ("X5", "X6"), ("X6 * a", "X5 + X2"):  # steps of one sequence are never active together
     breaks = grafcet(TIMED % ("X5", "X7") + OTHERS)
     case("SEL01", breaks, grafcet(TIMED % fine + OTHERS), "together with 1 -> 2", "grafcet")
+AROUND = LOWER.format("2").replace(": a", ": {0}") + "1 -> 3 : {1}\nSTEP 2\n2 -> 1 : b\nSTEP 3\n3 -> 1 : b\n"
+AROUND += "CHART G2\nINITIAL STEP 10\n10 -> 11, M12 : d\nSTEP 11 ENCLOSES G3{{31}}\nMACRO M12\n11, M12 -> 10 : c\n"
+AROUND += "EXPANSION M12\nSTEP E12\nE12 -> S12 : e\nSTEP S12\n"
+AROUND += "ENCLOSED G3\nSTEP 31\n31 -> 32 : e\nSTEP 32\n32 -> 31 : c\n"
+for inner, outer in (("X31", "/X11"), ("XE12", "/XM12"), ("↑X32", "X10"), ("5s/X31", "X10"), ("5s/X10", "↑X10")):
+    fine = of_text(AROUND.format(inner, outer))
+    case("SEL01", of_text(AROUND.format(inner, "e")), fine, "it can be true together with 1 -> 2", "grafcet")
+    wrong = of_text(AROUND.format(f"{inner} * {outer}", "e * /a"))
+    case("CND03", wrong, of_text(AROUND.format(inner, f"{outer} * a")), "is never true", "grafcet")
+case("CND03", of_text(AROUND.format("/XG2", "a")), of_text(AROUND.format("XG2 * a", "/a")), "/XG2 is never", "grafcet")
 case("CND03", grafcet("1 -> 2 : X2 * a\nSTEP 2"), grafcet("1 -> 2 : a * /X2\nSTEP 2"), "X2 * a is never", "grafcet")
 DONE = "    ON ACTIVATION n := %s\n1 -> 2 : a\nSTEP 2\n    { %s }"
 case("CND09", grafcet(DONE % ("n +", "")), grafcet(DONE % ("n + 1", "")), "'n +', cannot be read", "grafcet")
