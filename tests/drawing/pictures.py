@@ -60,7 +60,7 @@ def read_picture(svg: str) -> Picture:
 
 
 def assert_tidy(picture: Picture) -> None:
-    """Nothing overlaps, no wire runs through an element, across another or on one."""
+    """Nothing overlaps, no wire runs through an element, across another or on one, no bar has three lines."""
     width, height = int(picture.root.get("width")), int(picture.root.get("height"))
     ordered = sorted(picture.areas, key=lambda item: item[1])
     for position, (one, a) in enumerate(ordered):
@@ -79,6 +79,10 @@ def assert_tidy(picture: Picture) -> None:
     for one in picture.wires:
         for other in picture.wires:
             assert not _cross(one, other), (one, other)
+    level = {(y, min(x, end), max(x, end)) for x, y, end, below in picture.wires if y == below}
+    for top, left, right in level:
+        below = [{at for at, a, b in level if at == top + down and a < right and b > left} for down in (4, 8)]
+        assert not all(below), (top, left, right)
     spans: dict[tuple[bool, int], list[tuple[int, int]]] = {}
     for x, y, end, below in picture.wires:
         spans.setdefault((x == end, x if x == end else y), []).append(

@@ -364,6 +364,14 @@ class TestSymbols:
         (level,) = [y for x, y, end, below in picture.wires if y == below and left in (x, end)]
         assert top < level < bottom
 
+    @pytest.mark.parametrize("operator", ["AND", "*", "+", "\u00b7"])
+    def test_operators_begin_the_lines_of_long_conditions(self, operator: str) -> None:
+        names = [f"LimitSwitchOfCylinder_{number}_reached" for number in range(4)]
+        chart = make(1, [([0], [])])
+        chart.transitions[0].condition = f" {operator} ".join(names)
+        first, *rest = drawn(chart).texts()[-4:]
+        assert [first, *rest] == [names[0], *(f"{operator} {name}" for name in names[1:])]
+
     def test_transitions_of_grafcet_have_their_numbers_in_parentheses(self) -> None:
         chart = make(2, [([0], [1]), ([1], [0])])
         chart.transitions[0].number, chart.transitions[1].name = 7, "back"
@@ -407,6 +415,13 @@ class TestSymbols:
         chart = make(2, [([0], [1])])
         chart.transitions[0].condition = BodyCondition(body=StBody(text="a AND b"), negated=True)
         assert "NOT ({a AND b})" in drawn(chart).texts()
+
+    def test_branches_that_are_joined_in_two_places_begin_at_one_double_line(self) -> None:
+        chart = make(6, [([0], [1, 2, 3]), ([1, 2], [4]), ([4, 3], [5])])
+        picture = drawn(chart)
+        assert links_in(picture) == links_of(chart)
+        level = [wire for wire in picture.wires if wire[1] == wire[3] and abs(wire[2] - wire[0]) > 20]
+        assert len(level) == 6
 
     def test_what_ends_nowhere_has_an_end(self) -> None:
         chart = make(1, [([0], [])])
@@ -460,6 +475,23 @@ class TestGrafcet:
         assert all(y > tip[1] for _, y in back)
         assert picture.texts(element(picture, "action-23")) == ["G5{INIT}"]
         assert len(element(picture, "action-23").findall(f"{SVG}rect")) == 2
+
+    @pytest.mark.parametrize(
+        ("condition", "above"), [(None, "/(500ms/X2)"), ("a", "/(500ms/X2) * a"), ("a + b", "/(500ms/X2) * (a + b)")]
+    )
+    def test_limits_are_conditions_of_grafcet(self, chart: SfcNetwork, condition: str | None, above: str) -> None:
+        limited = ActionAssociation(id=24, kind=ActionKind.LIMITED, target="Lamp", duration="T#500ms")
+        limited.condition = condition
+        chart.steps[1].actions.append(limited)
+        picture = drawn(chart)
+        assert picture.texts(element(picture, "action-24")) == [above, "Lamp"]
+
+    def test_a_comment_of_a_step_is_above_its_actions(self, chart: SfcNetwork) -> None:
+        """Below them it was taken for the comment of the last one."""
+        chart.steps[1].comment = "Two words"
+        picture = drawn(chart)
+        texts = {text.text: float(text.get("y")) for text in picture.root.iter(f"{SVG}text")}
+        assert texts["Two words"] < texts["pressure"] < texts["Valve"] < texts["2"] + 44
 
     def test_partial_charts_are_in_frames_with_activation_links(self, chart: SfcNetwork) -> None:
         picture = drawn(chart)

@@ -175,7 +175,8 @@ class _Fan:
         axes = [x + offset for offset in self.offsets]
         top = y + self.top
         if len(self.columns) > 1:
-            canvas.wire((x, y), (x, y + self.lead))
+            if self.lead > 0:
+                canvas.wire((x, y), (x, y + self.lead))
             _bar(canvas, axes, y + self.lead, parallel=self.parallel)
             if self.star:
                 canvas.star(x + 6, y + self.lead + 1)
@@ -400,7 +401,7 @@ class Arrangement:
         columns = [made[id(branch)] for branch in divergence.branches]
         kept = [i for i, column in enumerate(columns) if column.items]
         fan = _Fan(divergence.parallel, [columns[i] for i in kept], [divergence.branches[i].joined for i in kept])
-        fan.lead = 0 if flush else _BAR_LEAD
+        fan.lead = _BAR_LEAD if not flush else -DOUBLE if divergence.parallel else 0  # flush: one bar with that above
         fan.star = self._sheet.stars and not flush and self._links.is_unnumbered(divergence)
         return fan
 

@@ -67,9 +67,11 @@ _OTHER = 833
 _ROOM = 1.03
 """Fonts that stand in for Arial are this much wider at most."""
 
-_JOINING = re.compile(r"\s+(?=(?:AND|OR|XOR|AND_THEN|OR_ELSE|&)(?:\s|$))", re.IGNORECASE)
+_JOINING = re.compile(r"\s+(?=(?:AND|OR|XOR|AND_THEN|OR_ELSE|[&*\u00b7+])(?:\s|$))", re.IGNORECASE)
 """Blanks before what joins the operands of a long condition."""
-_OPERATORS = frozenset({"AND", "OR", "XOR", "AND_THEN", "OR_ELSE", "NOT", "&", "=", "<>", "<", ">", "<=", ">=", ":="})
+_OPERATORS = frozenset(
+    {"AND", "OR", "XOR", "AND_THEN", "OR_ELSE", "NOT", "&", "*", "\u00b7", "+", "=", "<>", "<", ">", "<=", ">=", ":="}
+)
 _PARTS = re.compile(r".+?(?:[._,()\[\]]|(?<=[a-z])(?=[A-Z])|$)")
 """Parts of a long name, where it may be broken: ``Check_``, ``Stamp_``, ``Automatic``, ``Execute``."""
 

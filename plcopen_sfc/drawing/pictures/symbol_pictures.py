@@ -22,6 +22,7 @@ from enum import StrEnum
 
 from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, text_width, widest, wrap
 from plcopen_sfc.drawing.wording import EXCLUDED, ActionLine, Wording, enclosure_words
+from plcopen_sfc.languages.grafcet_conditions import is_operand
 from plcopen_sfc.model.actions import ActionKind, Qualifier
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcNetwork, Step, Transition
@@ -34,7 +35,7 @@ _TEXT_WIDTH, _NARROW = 230, 170
 _PAD = 6
 _MOST_LINES = 12
 """Program text in an action is cut off after so many lines; its tooltip has all of it."""
-_TIMED_KINDS = {ActionKind.DELAYED: "{}/X{}", ActionKind.LIMITED: "NOT {}/X{}"}
+_TIMED_KINDS = {ActionKind.DELAYED: "{}/X{}", ActionKind.LIMITED: "/({}/X{})"}
 _LITERAL = re.compile(r"^(?:L?T(?:IME)?)#", re.IGNORECASE)
 """The beginning of a time in IEC 61131-3, which IEC 60848 does not have."""
 _STORED = {ActionKind.ON_ACTIVATION: True, ActionKind.ON_DEACTIVATION: False}
@@ -168,7 +169,7 @@ def _above(step: Step, association: ActionAssociation, words: Wording) -> str:
     if association.kind in _TIMED_KINDS and association.duration:
         time = _LITERAL.sub("", association.duration)
         timed = _TIMED_KINDS[association.kind].format(time, step.name if step.number is None else step.number)
-        return f"{timed} AND {condition}" if condition else timed
+        return f"{timed} * {condition if is_operand(condition) else f'({condition})'}" if condition else timed
     return condition
 
 
@@ -279,8 +280,11 @@ class StepSymbol:
         self._label()
         self._block = ActionBlock(self.step, sheet)
         self._texts = [(kind, text) for kind, text in _about_step(sheet, self.step) if text]
-        self._about = [(kind, line) for kind, text in self._texts for line in wrap(text, 11, _REMARK_WIDTH)]
-        about = max((text_width(text, 11) for _, text in self._about), default=0)
+        lines = [(kind, line) for kind, text in self._texts for line in wrap(text, 11, _REMARK_WIDTH)]
+        # comments are above the actions: below them, they would be taken for those of the last action
+        self._above = [line for kind, line in lines if kind == "remark" and self._block.width]
+        self._about = [(kind, line) for kind, line in lines if kind != "remark" or not self._block.width]
+        about = max((text_width(text, 11) for _, text in lines), default=0)
         half = self._width // 2
         arm = _ARM if self._block.width else 10
         beside = max(self._block.width, about)
@@ -289,13 +293,16 @@ class StepSymbol:
         self._room = sheet.room.get(number, 0)
         self._lead = self._room + 8 + _references_height(self.entries) + (4 if self.entries else 0)
         self._tail = 4 + _references_height(self.exits)
-        self._block_down = max(0, (self._box - self._block.height) // 2)
+        middle = max(0, (self._box - self._block.height) // 2)
+        self._head = 14 * len(self._above) + 4 if self._above else 0
+        self._box_down = max(0, self._head - middle)
+        self._block_down = self._box_down + middle
         text = 14 * len(self._about)
         self._text_down = self._block_down + self._block.height + 4
         if not self._block.width:
             self._text_down = max(0, (self._box - text) // 2)
-        column = self._text_down + text if text else self._block.height
-        self._body = max(self._box, column)
+        column = self._text_down + text if text else self._block_down + self._block.height
+        self._body = max(self._box_down + self._box, column)
         self.height = self._lead + self._body + self._tail
 
     def _label(self) -> None:
@@ -317,14 +324,15 @@ class StepSymbol:
     @property
     def lead(self) -> int:
         """The distance of its box below the top of the symbol."""
-        return self._lead
+        return self._lead + self._box_down
 
     def draw(self, canvas: Canvas, x: int, y: int, *, enters: bool, leaves: bool) -> None:
         """Draw the step on the axis `x` below `y`; `enters` and `leaves`: wires above and below belong to it."""
         top = y + self._lead
-        bottom = top + self._box
+        box = top + self._box_down
+        bottom = box + self._box
         first = y + self._room + 6
-        _draw_entries(canvas, self.entries, x, first, top, enters=y if enters else None, sheet=self.sheet)
+        _draw_entries(canvas, self.entries, x, first, box, enters=y if enters else None, sheet=self.sheet)
         below = top + self._body
         exits = list(zip(self.exits, _levels(self.exits, below + 8), strict=True))
         if leaves or exits:
@@ -337,8 +345,8 @@ class StepSymbol:
         kind = "step" + " initial" * self.step.initial + " excluded" * self.step.exclude
         area = (x - self._width // 2 - 20, top, self._width // 2 + 20 + self.right - 6, self._body)
         with canvas.element(kind, f"{self.sheet.prefix}step-{self.step.id}", self._title(), area):
-            self._draw_box(canvas, x, top)
-            self._draw_marks(canvas, x, top)
+            self._draw_box(canvas, x, box)
+            self._draw_marks(canvas, x, box)
             self._draw_beside(canvas, x, top)
 
     def _draw_box(self, canvas: Canvas, x: int, top: int) -> None:
@@ -383,13 +391,15 @@ class StepSymbol:
         edge = x + self._width // 2
         column = edge + (_ARM if self._block.width else 10)
         if self._block.width:
-            level = self._block.entry(top + self._block_down, top + min(self._box // 2, 22))
-            if level <= top + self._box - 4:
+            box = top + self._box_down
+            level = self._block.entry(top + self._block_down, box + min(self._box // 2, 22))
+            if level <= box + self._box - 4:
                 canvas.wire((edge, level), (column, level))
             else:  # the condition over the first action reaches below the box
-                middle = top + self._box // 2
+                middle = box + self._box // 2
                 canvas.wire((edge, middle), (edge + 10, middle), (edge + 10, level), (column, level))
             self._block.draw(canvas, column, top + self._block_down)
+        canvas.lines("remark", column, top + self._block_down - self._head + 11, self._above, 14)
         for number, (kind, text) in enumerate(self._about):
             canvas.text(kind, column, top + self._text_down + 11 + 14 * number, text)
 
@@ -405,7 +415,7 @@ class StepSymbol:
 
 
 def _about_step(sheet: PictureSheet, step: Step) -> Iterator[tuple[str, str]]:
-    """Yield the texts below the action block of a step, each with its class."""
+    """Yield the texts about a step, each with its class; a ``remark`` is a comment."""
     if sheet.style is PictureStyle.GRAFCET and step.number is not None and step.name != str(step.number):
         yield "quiet", step.name
     if step.macro is not None and step.macro.expansion != step.name:
