@@ -26,7 +26,7 @@ from typing import NamedTuple
 import plcopen_sfc as sfc
 from benchmarks.lowering import blocks, ring
 from plcopen_sfc.drawing.pictures import charts_in
-from plcopen_sfc.drawing.pictures.network_picture import crossings
+from plcopen_sfc.drawing.pictures.network_layout import crossings
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.sfc import SfcBody
 

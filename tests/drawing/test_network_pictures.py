@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 from lxml import etree
 
 import plcopen_sfc as sfc
-from plcopen_sfc.drawing.pictures.network_picture import Box, NetworkLayout, Wire, feedback_wires
+from plcopen_sfc.drawing.pictures.network_layout import Box, NetworkLayout, Wire, feedback_wires
 from plcopen_sfc.model import network as n
 from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.dialect import Dialect
 from tests.drawing.pictures import points
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -30,6 +31,8 @@ def circuits(draw: st.DrawFn) -> tuple[list[Box], list[Wire]]:
         rows = max(inputs, outputs, 1)
         levels = [28 + 20 * row for row in range(rows)]
         boxes.append(Box(draw(st.sampled_from([40, 70])), 20 + 20 * rows, levels[:inputs], levels[:outputs]))
+        if inputs > 1 and draw(st.booleans()):  # branches of a ladder meet
+            boxes[-1] = Box(0, 0, [0] * inputs, [0], joins=True)
     ends = [(target, place) for target, box in enumerate(boxes) for place in range(len(box.inputs))]
     wires = []
     for target, place in ends:
@@ -191,12 +194,46 @@ def test_a_ladder_diagram() -> None:
     assert int(below[1]) > top
 
 
+def wire(*sources: int) -> n.InputPin:
+    return n.InputPin(connections=[n.Connection(source=source) for source in sources])
+
+
+def box(number: int, name: str, **inputs: int) -> n.Block:
+    pins = [n.BlockVariable(name=pin, input=wire(source)) for pin, source in inputs.items()]
+    parameters = n.BlockParameters(inputs=pins, outputs=[n.BlockVariable(name="OUT")])
+    return n.Block(id=number, type_name=name, parameters=parameters)
+
+
+@pytest.mark.parametrize(
+    ("dialect", "join", "end"), [(Dialect.IEC, [], wire(1, 2)), (Dialect.SCL, [box(3, "OR", IN1=1, IN2=2)], wire(3))]
+)
+def test_branches_of_a_ladder_join_in_a_line(dialect: Dialect, join: list[n.Node], end: n.InputPin) -> None:
+    """In LAD of TIA Portal there was a box OR with pins, and elsewhere no dot where they meet."""
+    contacts = [n.Contact(id=number, variable=name, input=wire(0)) for number, name in enumerate("ab", 1)]
+    nodes = [n.LeftPowerRail(id=0), *contacts, *join, n.Coil(id=9, variable="y", input=end)]
+    body = LdBody(networks=[n.LogicNetwork(nodes=nodes)])
+    pou = sfc.Pou(name="P", kind=sfc.PouKind.PROGRAM, bodies=[body])
+    root = etree.fromstring(sfc.Project(pous=[pou], dialect=dialect).pous[0].body.to_svg().encode("ascii"))
+    assert not root.findall(f".//{SVG}g[@class='block']")
+    (joined,) = root.findall(f".//{SVG}g[@class='join']")
+    (x, top), (across, bottom) = points(joined.find(f"{SVG}path"))
+    assert x == across
+    levels = [int(root.find(f".//{SVG}g[{SVG}text='{name}']").get("data-area").split()[1]) + 28 for name in "ab"]
+    assert [top, bottom] == levels, "contacts are level with the ends of the line"
+    assert len(joined.findall(f"{SVG}circle")) == 1
+
+
+def test_a_contact_is_level_with_the_pin_that_it_leads_to() -> None:
+    """The wire to a block with a heading had two corners."""
+    nodes = [n.LeftPowerRail(id=0), n.Contact(id=1, variable="a", input=wire(0)), box(2, "TON", IN=1)]
+    root = etree.fromstring(LdBody(networks=[n.LogicNetwork(nodes=nodes)]).to_svg().encode("ascii"))
+    wires = [points(path) for path in root.iterfind(f"{SVG}path[@class='wire']")]
+    assert wires
+    assert len({y for line in wires for _, y in line}) == 1
+
+
 def test_networks_that_share_their_rails_are_below_their_titles() -> None:
     """The right rail is at the top of the sheet: it drew all networks there, and their titles at the bottom."""
-
-    def wire(source: int) -> n.InputPin:
-        return n.InputPin(connections=[n.Connection(source=source)])
-
     nodes: list[n.Node] = [n.LeftPowerRail(id=0)]
     for number in (1, 2):
         nodes += [

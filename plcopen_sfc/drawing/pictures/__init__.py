@@ -5,7 +5,7 @@
 * `lined_up_charts`: two charts with the same steps at one height
 * `file_arrangement`: a chart as its file draws it
 * `symbol_pictures`: steps, transitions, jumps and action blocks
-* `network_picture`: networks of FBD and LD
+* `network_picture`: networks of FBD and LD; `network_layout`: their boxes in columns, and the wires between them
 * `picture_sheets`: large pictures on several sheets of paper
 * `graph_texts`: Mermaid and Graphviz
 * `svg_canvas`: shapes, texts and themes, widths of texts
