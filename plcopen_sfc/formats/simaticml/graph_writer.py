@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
@@ -102,6 +103,7 @@ class _ChartWriter:
         self.names |= {name.removeprefix("#") for name in ctx.types}
         self.transition_numbers = _numbers((t.id, t.number) for t in chart.transitions)
         self._labels = chart.labels()
+        self._competing = Counter(tuple(sorted(each.sources)) for each in chart.transitions)
         self.last_transition = max(self.transition_numbers.values(), default=0)
         self.of_tia = markup_of(ctx.project) is Markup.SIMATICML
         pou = ctx.pou
@@ -422,7 +424,9 @@ class _ChartWriter:
         for key, value in attributes_of(transition.extension_data).items():
             element.set(key, value)
         ctx.place.append(f"transition {self._labels[transition.id]}")
-        native = {"id", "name", "number", "sources", "targets", "condition", "priority", "title", "comment"}
+        native = {"id", "name", "number", "sources", "targets", "condition", "title", "comment"}
+        if self._competing[tuple(sorted(transition.sources))] > 1:
+            native.add("priority")  # it is the order of the branches
         write_languages(ctx, element, "TransitionName", transition.title)
         write_languages(ctx, element, "Comment", transition.comment)
         for content in elements_of(transition.extension_data):
