@@ -48,3 +48,26 @@ def test_an_error_of_lowering_has_file_and_line() -> None:
         sfc.lower(sfc.load(BROKEN), verify=False)
     assert refused.value.location.file == str(BROKEN)
     assert refused.value.location.line
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("codesys23/distribution_belt.EXP", {"POU Ablauf / step Pendel_Hin": "STEP Pendel_Hin",
+                                             "POU Ablauf / transition Pendel_Zaehlen -> Pruefen": "TRANSITION",
+                                             "POU Ablauf / Wartezeit": "Wartezeit", "POU Ablauf": "PROGRAM"}),
+        ("scl/filling_line.scl", {"POU FB_Fill": "FUNCTION_BLOCK", "POU FB_Fill / busy": "busy"}),
+        ("twincat-belt", {"POU Ablauf_Band / step Pendel_Warten": '<o t="SFCStep">',
+                          "POU Ablauf_Band / byModus": "byModus",
+                          "POU Ablauf_Band / transition Pendel_Zaehlen -> Zurueck_Platz1": '<o t="SFCTransition">',
+                          "POU Ablauf_Band": "PROGRAM"}),
+        ("codesys-export/mixer.export", {"POU Mischer / Fuellstand": "Fuellstand", "POU Mischer": "Mischer"}),
+    ],
+)  # fmt: skip
+def test_objects_of_each_tool_have_their_lines(name: str, words: dict[str, str]) -> None:
+    project = sfc.load(FIXTURES / name)
+    for place, word in zip(project.locations_of(words), words.values(), strict=True):
+        assert place.file is not None
+        assert place.line is not None
+        lines = Path(place.file).read_text(encoding="cp1252").splitlines()
+        assert word in lines[place.line - 1], place

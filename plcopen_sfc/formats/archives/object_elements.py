@@ -53,7 +53,8 @@ LineAt: TypeAlias = Callable[[etree._Element, int], int | None]
 """Returns the line of the file in which a line of the declaration of an object is, counted from 0."""
 
 
-def _line_below(thing: etree._Element, line: int) -> int | None:
+def line_below(thing: etree._Element, line: int) -> int | None:
+    """Return the line of a line of the declaration where that is one text: see `LineAt`."""
     holder = thing.find("Declaration")
     start = line_of(holder) if holder is not None else None
     return start + line if start is not None else None
@@ -65,7 +66,7 @@ def read_element(
     file: str | None,
     *,
     source: str = "twincat",
-    line_at: LineAt = _line_below,
+    line_at: LineAt = line_below,
 ) -> Project:
     """Return a project with nothing but the object that an element is; `source` is the format that it is of.
 
@@ -86,7 +87,7 @@ class _Reader:
 
     def read(self) -> Project:
         thing = self._thing
-        declaration = _declaration(thing)
+        declaration = declaration_in(thing)
         if declaration is None:
             raise self._refused("has no declaration")
         project = self._declared(thing, declaration)
@@ -107,7 +108,7 @@ class _Reader:
     def _declared(self, thing: etree._Element, declaration: str) -> Project:
         """Return the declarations of an object, its methods too: one reading of all takes a third of the time."""
         holders = [thing, *thing.iterfind("Method")]
-        texts = [declaration, *(_declaration(each) or "" for each in holders[1:])]
+        texts = [declaration, *(declaration_in(each) or "" for each in holders[1:])]
         unit = unit_of(declaration)
         methods = "".join(f"\n{text}\nEND_METHOD" for text in texts[1:])
         found = read(unit.around(f"{declaration}{methods}"), self._file)
@@ -127,7 +128,7 @@ class _Reader:
         for each in found.diagnostics:
             self._report(each, thing, (each.location.line or 1) - 1)
         for element in thing.iterfind("Method"):
-            method = read(METHOD.around(_declaration(element) or ""), self._file)
+            method = read(METHOD.around(declaration_in(element) or ""), self._file)
             for each in method.diagnostics:
                 self._report(each, element, (each.location.line or 1) - 2)
             declared = method.project.pous[0].methods[:1] if method.project.pous else []
@@ -211,7 +212,8 @@ _OWN_ELEMENTS = frozenset(
 )
 
 
-def _declaration(element: etree._Element) -> str | None:
+def declaration_in(element: etree._Element) -> str | None:
+    """Return the text with which an object is declared."""
     found = element.find("Declaration")
     return (found.text or "") if found is not None else None
 
@@ -241,11 +243,11 @@ def _keep(thing: Element, attributes: dict[str, str], elements: Iterable[etree._
 
 def _property(element: etree._Element) -> ForeignData:
     """Return a property as the text that is kept of one."""
-    lines = [_declaration(element) or f"PROPERTY {element.get('Name')}"]
+    lines = [declaration_in(element) or f"PROPERTY {element.get('Name')}"]
     for access in element:
         if access.tag in ("Get", "Set"):
             body = access.findtext("Implementation/ST") or ""
-            lines += [str(access.tag).upper(), _declaration(access) or "", body, f"END_{str(access.tag).upper()}"]
+            lines += [str(access.tag).upper(), declaration_in(access) or "", body, f"END_{str(access.tag).upper()}"]
     text = "\n".join([*(line.strip() for line in lines if line.strip()), "END_PROPERTY"])
     return ForeignData.model_validate(wrapped(PROPERTY, text))
 
@@ -258,7 +260,7 @@ def write_declared(project: Project, source: etree._Element | None, *, taken: Se
     declared = project.data_types[0] if project.data_types else None
     name = declared.name if declared is not None else project.global_variables[0].name or ""
     known = declared.object_id if declared is not None else project.global_variables[0].object_id
-    text = declaration_of(_only_declared(project), _declaration(source) if source is not None else None)
+    text = declaration_of(_only_declared(project), declaration_in(source) if source is not None else None)
     kind = "DUT" if declared is not None else "GVL"
     written = etree.Element(
         kind, Name=name, Id=identity(known, kind, name, taken=taken)
@@ -364,7 +366,7 @@ class _PouWriter:
         return written
 
     def _declaration(self, written: etree._Element, thing: Pou | Method, source: etree._Element | None) -> None:
-        text = _declaration(source) if source is not None else None
+        text = declaration_in(source) if source is not None else None
         _add_code(written, "Declaration", declaration_of(bare(thing), text))
 
     def _source_of(self, part: _Part) -> etree._Element | None:

@@ -12,6 +12,7 @@ CEX104  an identity that two objects have
 from __future__ import annotations
 
 from collections import Counter
+from functools import partial
 
 from lxml import etree
 from pydantic import ValidationError
@@ -27,6 +28,7 @@ from plcopen_sfc.formats.archives.object_elements import (
     write_declared,
     write_pou,
 )
+from plcopen_sfc.formats.archives.object_lines import object_lines
 from plcopen_sfc.formats.codesys_export.export_entries import (
     ACCESSOR,
     INNER,
@@ -150,6 +152,9 @@ class ExportCodec(XmlCodec):
             )
         return _Reader(root, data, file).read()
 
+    def lines(self, content: bytes, project: Project) -> dict[str, int]:
+        return _Reader(parse_xml(content), content, None).lines(project)
+
     def adapt(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
         """Take out of `project`, a copy, what a new file does not hold."""
         if options.same:
@@ -227,11 +232,8 @@ class _Reader:
         self._ctx.place = []
         thing = element_of(entry, self._inner)
 
-        def line_at(holder: etree._Element, line: int) -> int | None:
-            return self._line_in(entry, holder, line)
-
         try:
-            found = read_element(self._ctx, thing, self._file, source=_SOURCE, line_at=line_at)
+            found = read_element(self._ctx, thing, self._file, source=_SOURCE, line_at=partial(self._line_in, entry))
         except (FormatError, ValidationError) as error:
             what = error.message if isinstance(error, FormatError) else first_misfit(error)
             self._ctx.error("CEX102", f"{entry.name} is not read: {what}", entry.element)
@@ -242,6 +244,14 @@ class _Reader:
         if found.extension_data is not None:
             project.extension_data = project.extension_data or type(found.extension_data)()
             project.extension_data.data += found.extension_data.data
+
+    def lines(self, project: Project) -> dict[str, int]:
+        """Return the lines of the objects of a project that was read from the file."""
+        found: dict[str, int] = {}
+        for entry in (each for each in self._entries if each.kind in _READ):
+            thing = element_of(entry, self._inner)
+            found |= object_lines(thing, project, line_of, partial(self._line_in, entry))
+        return found
 
     def _line_in(self, entry: Entry, holder: etree._Element, line: int) -> int | None:
         """Return the line of the file in which a line of a declaration is."""

@@ -25,6 +25,7 @@ from plcopen_sfc.formats.archives.object_elements import (
     write_declared,
     write_pou,
 )
+from plcopen_sfc.formats.archives.object_lines import object_lines
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.plcopen.tc6_reading import PLACELESS, Tc6ReadContext
 from plcopen_sfc.formats.plcopen.tc6_versions import V2_0
@@ -170,6 +171,11 @@ class TwincatCodec(FolderCodec):
 
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         return read_object(data, file=file)
+
+    def lines(self, content: bytes, project: Project) -> dict[str, int]:
+        root = parse_xml(content)
+        thing = next((child for child in root if child.tag in KINDS), None)
+        return object_lines(thing, project, SourceLines(root, content).line) if thing is not None else {}
 
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
         return write_object(project, options, report)
