@@ -54,6 +54,12 @@ _BLANK = 100
 """Bytes that an empty file has at most: a mark of its encoding, ends of lines."""
 _OF_ANYTHING = frozenset({".xml", ".json", ".csv", ".xlsx"})
 """Extensions that are not those of the files of PLC tools alone."""
+_BY_PLACE = (
+    inspect.Parameter.POSITIONAL_ONLY,
+    inspect.Parameter.POSITIONAL_OR_KEYWORD,
+    inspect.Parameter.VAR_POSITIONAL,
+)
+"""Kinds of parameters that take a project."""
 _START = 100_000
 """Bytes by which a file is recognised."""
 
@@ -440,7 +446,11 @@ def _function(script: Script, settings: Mapping[str, str]) -> tuple[Callable[...
     if function is None:
         hint = "Or a class with a method refactor(self, project)."
         raise ScriptError("the script has no function refactor(project)", location=where, hint=hint)
-    parameters = list(inspect.signature(function).parameters.values())[1:]
+    if inspect.iscoroutinefunction(getattr(found, "refactor", function)):
+        raise ScriptError("refactor is an async function, which nothing runs", location=where, hint="Write def alone.")
+    parameters = list(inspect.signature(function).parameters.values())
+    if not parameters or parameters.pop(0).kind not in _BY_PLACE:
+        raise ScriptError("refactor takes no project", location=where, hint="Write: def refactor(project)")
     names = [parameter.name for parameter in parameters]
     for name in settings:
         if name not in names:

@@ -35,16 +35,19 @@ def loaded(group: str, name: str) -> Any:
     try:
         return entry.load()
     except (Exception, SystemExit) as error:  # whatever another package does wrong
-        package = entry.dist.name if entry.dist is not None else entry.value
-        message = f"the plugin {name} of the package {package} cannot be imported: {type(error).__name__}: {error}"
+        message = f"{_called(entry)} cannot be imported: {type(error).__name__}: {error}"
         raise PluginError(message, hint="Mend the package, or uninstall it.") from error
+
+
+def _called(entry: EntryPoint) -> str:
+    return f"the plugin {entry.name} of the package {entry.dist.name if entry.dist is not None else entry.value}"
 
 
 def provided_by_plugins(group: str, kind: type[Provided]) -> Iterator[Provided]:
     """Yield the objects that all plugins of a group provide. Raises `PluginError` for what is not of `kind`."""
-    for name in names_of(group):
-        found = loaded(group, name)
+    for entry in _entries(group):
+        found = loaded(group, entry.name)
         if not isinstance(found, kind):
-            message = f"the plugin {name} of {group} is no {kind.__name__}"
+            message = f"{_called(entry)} is no {kind.__name__}, which {group} are"
             raise PluginError(message, hint="See docs/plugins.md for what a plugin is.")
         yield found

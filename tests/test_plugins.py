@@ -71,6 +71,27 @@ def test_a_rule_finds_and_a_refactoring_mends(packages: Path, tmp_path: Path) ->
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("import nothing_like_that", "cannot be imported: ModuleNotFoundError"),
+        ("FORMAT = 5", "is no Format, which plcopen_sfc.formats are"),
+    ],
+)
+def test_a_wrong_format_is_an_error_of_every_command_that_reads(packages: Path, tmp_path: Path, text, told) -> None:
+    """It was raised while modules were imported, before anything catches errors."""
+    broken = tmp_path / "packages"
+    shutil.copytree(packages, broken)
+    (broken / "plant_rules" / "outline.py").write_text(text + "\n", encoding="utf-8")
+    for command in ("info", "check"):
+        done = run(broken, command, ROOT / "fixtures" / "steplist" / "mixer.csv")
+        assert done.returncode == 2
+        assert "Traceback" not in done.stderr
+        assert done.stderr.startswith("error: the plugin outline of the package plant-rules")
+        assert told in done.stderr
+
+
+@pytest.mark.slow
 def test_a_plugin_that_cannot_be_imported_is_named(packages: Path, tmp_path: Path) -> None:
     broken = tmp_path / "packages"
     shutil.copytree(packages, broken)

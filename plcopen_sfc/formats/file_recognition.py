@@ -8,7 +8,7 @@ from pathlib import PurePath
 
 from plcopen_sfc.errors import Location, UnknownFormatError, UnreadFormatError
 from plcopen_sfc.formats.format_interface import FileHead, Format, head_of
-from plcopen_sfc.formats.registry import all_formats, format_named
+from plcopen_sfc.formats.registry import FORMATS, all_formats
 from plcopen_sfc.model.dialect import Dialect
 
 
@@ -45,8 +45,7 @@ def recognised_as(kind: Format, start: bytes) -> bool:
     return kind.recognises(head_of(start))
 
 
-_CODESYS23, _ = format_named("codesys23")
-_GRAFCET_TEXT, _ = format_named("grafcet-text")
+_CODESYS23, _GRAFCET_TEXT = ({kind.name: kind for kind in FORMATS}[name] for name in ("codesys23", "grafcet-text"))
 _HINT = "`plcopen-sfc formats` lists what can be read; give the format by name to insist on one."
 
 

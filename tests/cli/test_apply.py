@@ -106,6 +106,25 @@ def test_mistakes_of_a_script_are_told_with_their_line(cli, exports):
     assert outcome.out.splitlines()[-1].startswith("0 changed, 0 unchanged, 3 failed")
 
 
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("async def refactor(project): pass", "refactor is an async function, which nothing runs"),
+        (
+            "class All:\n    async def refactor(self, project): pass",
+            "refactor is an async function, which nothing runs",
+        ),
+        ("def refactor(): pass", "refactor takes no project"),
+        ("def refactor(*, project): pass", "refactor takes no project"),
+    ],
+)
+def test_a_function_that_would_do_nothing_is_refused_before_any_file(cli, exports, text, told):
+    (exports.parent / "script.py").write_text(text + "\n", encoding="utf-8")
+    outcome = cli("apply", "script.py", "exports")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert f"script.py: {told}" in outcome.err
+
+
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_script_that_exits_fails_for_its_file_alone(cli, exports, jobs):
     text = "import sys\ndef refactor(project):\n    'distribution' in project.source.path and sys.exit(3)\n"
