@@ -29,6 +29,7 @@ from plcopen_sfc.model.project import Project, TagTable
 from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration, EnumType, StructType
 from plcopen_sfc.model.variables import Interface
+from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import ConversionReport
 
 if TYPE_CHECKING:
@@ -45,6 +46,16 @@ class Mistake(NamedTuple):
     path: str
     message: str
 
+    @property
+    def owner(self) -> str:
+        """The object of the project that has it."""
+        return ObjectPath.of(self.path).owner
+
+    @property
+    def inside(self) -> tuple[str, str]:
+        """The mistake, whatever the owner is called."""
+        return ObjectPath.of(self.path).inside(self.owner), self.message
+
 
 def refuse_mistakes(project: Project, kind: Format, *, of_grafcet: bool = False) -> None:
     """Raise `ModelError` for what cannot be saved; `of_grafcet`: the steps get other names in the target (``Step1``).
@@ -56,13 +67,17 @@ def refuse_mistakes(project: Project, kind: Format, *, of_grafcet: bool = False)
     grafcet = any(_has_numbers_for_names(source.format) for source in _sources(project))
     things = [each for each in project.objects() if grafcet or not is_untouched(each)]
     found = set(_mistakes(project, kind, things, of_grafcet=of_grafcet))
+    present = {each.report_path for each in project.objects()} if found else set()
     for source in _sources(project) if found else ():
         before = format_named(source.format)[0].codec().read(source.content).project
-        _read_some(before, {mistake.path for mistake in found})
+        gone = {each.report_path for each in before.objects()} - present  # some have other names now
+        _read_some(before, gone | {mistake.path for mistake in found})
         known = set(_mistakes(before, kind, list(before.objects())))
         if _has_numbers_for_names(source.format):  # right there, and not in the target
             known = {mistake for mistake in known if " / step " in mistake.path}
-        found -= known
+        renamed = {mistake.inside for mistake in known if mistake.owner in gone}
+        new = present - {each.report_path for each in before.objects()}
+        found = {each for each in found - known if each.owner not in new or each.inside not in renamed}
     found |= set(_unwritable_texts(project, kind))
     if found:
         first, *others = sorted(found)

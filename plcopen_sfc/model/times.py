@@ -16,6 +16,13 @@ _TOKEN = re.compile(
     re.VERBOSE | re.IGNORECASE | re.DOTALL,
 )
 _OPERATORS = frozenset("AND OR XOR NOT MOD".split())
+_BETWEEN = frozenset("* / & ^ , ; : | ) ]".split())
+"""Signs that end what is before them: no operator comes before one, and an expression does not begin with it."""
+_OPEN = frozenset("+ - * / & ( [ < > = , . : AND OR XOR NOT MOD".split())
+"""Signs and words behind which an operand comes."""
+_BRACKETS = {")": "(", "]": "["}
+_PAIRS = frozenset({("*", "*"), ("(", ")")})
+"""Signs that may follow each other though an operand would come: a power, a call without arguments."""
 _NUMBER = re.compile(r"[\d_.]+")
 
 
@@ -24,7 +31,8 @@ def objection(text: str) -> str:
 
     Sees what no expression can be, such as ``5 s``; the parser finds what is wrong with an expression.
     """
-    position, before = 0, ""
+    position, before, last = 0, "", "("
+    brackets: list[str] = []
     while position < len(text):
         token = _TOKEN.match(text, position)
         if token is None:
@@ -34,10 +42,19 @@ def objection(text: str) -> str:
             operand = ""
         if operand and before:
             return _WRONG
-        if token["sign"] is None or not token["sign"].startswith(("(*", "//")):
-            before = operand
         position = token.end()
-    return _WRONG if not text.strip() or _NUMBER.fullmatch(text.strip()) else ""
+        if token["sign"] is not None and token["sign"].startswith(("(*", "//")):
+            continue
+        sign = "" if operand else (token["sign"] or token["operand"]).upper()
+        if sign in _BETWEEN and last in _OPEN and (last, sign) not in _PAIRS:
+            return _WRONG
+        if sign in _BRACKETS.values():
+            brackets.append(sign)
+        elif sign in _BRACKETS and (not brackets or brackets.pop() != _BRACKETS[sign]):
+            return _WRONG
+        before, last = operand, sign
+    is_empty = text.strip().strip("()") == ""
+    return _WRONG if is_empty or brackets or last in _OPEN or _NUMBER.fullmatch(text.strip()) else ""
 
 
 def interval_objection(text: str) -> str:

@@ -28,12 +28,16 @@ def project(change: Callable[[sfc.SfcNetwork], object] = lambda chart: None) -> 
     return sfc.Project(pous=[sfc.Pou(name="Main", kind="program", bodies=[sfc.SfcBody(chart=chart)])])
 
 
-@pytest.mark.parametrize("time", ["5 s", "5s", "5", "", "T#5", "soon enough", "T#5s later"])
+@pytest.mark.parametrize("time", [
+        "5 s", "5s", "5", "", "T#5", "soon enough", "T#5s later",
+        "nope+", "* 2", "tMax *", "tMax * / 2", "(tMax", "tMax)", "t[1", "NOT", "tMax AND", "()", "MAX(a,", "t.",
+    ],
+)  # fmt: skip
 def test_a_time_that_is_none_is_refused_where_it_is_assigned(time):
     step = project().pou("Main").chart.step("Fill")
     step.max_time = "T#1s"
     for name in ("min_time", "max_time", "warning_time"):
-        with pytest.raises(sfc.ModelError, match=f"{name} of Step 'Fill' cannot be '{time}'"):
+        with pytest.raises(sfc.ModelError, match=re.escape(f"{name} of Step 'Fill' cannot be '{time}'")):
             setattr(step, name, time)
     assert step.max_time == "T#1s"
     action = sfc.ActionAssociation(id=7, qualifier="L", target="Valve")
@@ -44,7 +48,8 @@ def test_a_time_that_is_none_is_refused_where_it_is_assigned(time):
 @pytest.mark.parametrize(
     "time",
     ["T#5s", "t#1h2m3s4ms", "TIME#2.5s", "LTIME#1us", "S5T#10s", "T#-1s", "tMax", "#tMax", '"DB".tMax', "a.b[3].t",
-     "tMax * 2", "MAX(a, T#1s)", "DINT_TO_TIME(n)", "T#1s (* set *)", "%MD10", None],
+     "tMax * 2", "MAX(a, T#1s)", "-tMax", "(a + b) * -2", "a ** 2", "p^.t", "f()", "SEL(G := NOT x, IN0 := a)",
+     "DINT_TO_TIME(n)", "T#1s (* set *)", "%MD10", None],
 )  # fmt: skip
 def test_durations_and_expressions_are_times(time):
     step = project().pou("Main").chart.step("Fill")
@@ -153,6 +158,19 @@ def test_what_the_file_had_already_does_not_keep_an_edit_from_being_saved():
     assert (again.step("Measure").max_time, again.step("Idle").max_time) == ("3 s", "T#7s")
     chart.steps.append(sfc.Step(id=chart.new_id(), name="New", max_time="4 s"))
     with pytest.raises(sfc.ModelError, match="step New: the max time '4 s'"):
+        sfc.dumps(loaded)
+
+
+def test_steps_of_one_name_that_the_file_had_do_not_keep_their_program_from_being_renamed():
+    data = sfc.dumps(project(), format="plcopen").replace(b'name="Fill"', b'name="Wait"')
+    loaded = sfc.loads(data)
+    loaded.edit().rename("Main", "Other")
+    again = sfc.loads(sfc.dumps(loaded)).pou("Other").chart
+    assert [step.name for step in again.steps] == ["Wait", "Wait"]
+    loaded.pou("Other").chart.add_step("New").name = "Wait"
+    loaded.pous.append(sfc.Pou(name="More", kind="program", bodies=[sfc.SfcBody(chart=sfc.SfcNetwork())]))
+    loaded.pou("More").chart.steps = [sfc.Step(id=number, name="Twice") for number in range(2)]
+    with pytest.raises(sfc.ModelError, match="POU More / step Twice: another step"):
         sfc.dumps(loaded)
 
 
