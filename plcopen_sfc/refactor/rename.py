@@ -383,7 +383,7 @@ _MARKUP = re.compile(
 def edit_markup(markup: str, text: str, edits: Iterable[Edit]) -> str | None:
     """`markup` with the edits of `text`, which is what a person reads of it; None if it is not.
 
-    Blanks at both ends do not count. An edit that reaches over a tag goes to what is before it.
+    Blanks at both ends do not count. Of an edit that reaches over tags, the new text is before them, and they stay.
     """
     characters: list[str] = []
     places: list[tuple[int, int]] = []
@@ -399,8 +399,25 @@ def edit_markup(markup: str, text: str, edits: Iterable[Edit]) -> str | None:
     if shown.strip() != text.strip():
         return None
     shift = len(shown) - len(shown.lstrip()) - (len(text) - len(text.lstrip()))
-    moved = [Edit(places[start + shift][0], places[end + shift - 1][1], new) for start, end, new in edits]
+    moved: list[Edit] = []
+    for start, end, new in edits:
+        if start == end:
+            at = places[start + shift][0] if start + shift < len(places) else len(markup)
+            moved.append(Edit(at, at, new))
+        for number, (first, last) in enumerate(_joined(places[start + shift : end + shift])):
+            moved.append(Edit(first, last, "" if number else new))
     return apply_edits(markup, moved)
+
+
+def _joined(places: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Return places in a text with those that follow each other joined."""
+    found: list[tuple[int, int]] = []
+    for start, end in places:
+        if found and start <= found[-1][1]:
+            found[-1] = found[-1][0], end
+        else:
+            found.append((start, end))
+    return found
 
 
 def edit_tokens(markup: str, names: Set[str], new: list[str | None]) -> str | None:

@@ -229,6 +229,25 @@ def test_markup_follows_the_text() -> None:
     assert (body.text, body.markup) == ("y := 1;", "<p><b>y</b> := 1;</p>")
 
 
+@pytest.mark.parametrize(
+    ("markup", "expected"),
+    [
+        ("<p>Ma<b>x</b> := 1;</p>", "<p>Most<b></b> := 1;</p>"),
+        ("<p><i>M</i><b>ax</b> := 1;</p>", "<p><i>Most</i><b></b> := 1;</p>"),
+        ("<p>Ma<!-- no -->x := 1;</p>", "<p>Most<!-- no --> := 1;</p>"),
+        ("<p>Ma<![CDATA[x := ]]>1;</p>", "<p>Most<![CDATA[ := ]]>1;</p>"),
+    ],
+)
+def test_markup_inside_of_a_name_stays(markup: str, expected: str) -> None:
+    """A tag that was cut off with the end of the name left a file that could not be saved."""
+    made = project(pou("Main", "Max := 1;", "Max: INT"))
+    body = made.pous[0].bodies[0]
+    assert isinstance(body, m.StBody)
+    body.markup = markup
+    made.rename("Main.Max", "Most")
+    assert (body.text, body.markup) == ("Most := 1;", expected)
+
+
 def test_another_case() -> None:
     main = sfc("Main", "eins zwei", "EINS.x")
     assert main.sfc is not None

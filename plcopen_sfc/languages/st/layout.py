@@ -21,6 +21,7 @@ _OPENING = {"IF": 1, "CASE": 2, "FOR": 1, "WHILE": 1, "REPEAT": 1, "REGION": 1}
 _CLOSING = frozenset(f"END_{word}" for word in _OPENING)
 _BETWEEN = frozenset({"ELSE", "ELSIF", "UNTIL"})
 _OPERAND_ENDS = frozenset({"NAME", "LITERAL", "RPAR", "RSQB", "CARET", "ADDRESS"})
+_CALLED_ENDS = frozenset({"NAME", "RSQB", "CARET"})
 _AS_WRITTEN = frozenset({"NAME", "ADDRESS", "BAD"})
 _CLOSE_BEFORE = frozenset({"SEMICOLON", "COMMA", "RPAR", "RSQB", "DOT", "CARET", "RANGE", "COLON"})
 _CLOSE_BEHIND = frozenset({"LPAR", "LSQB", "DOT", "RANGE"})
@@ -93,20 +94,22 @@ def _following(parts: list[Token | Comment], place: int) -> Token | Comment:
 
 
 def _breaks(gap: str) -> str:
-    """Return the line ends in a gap: of several empty lines one."""
-    return "".join(re.findall(r"\r\n|\r|\n", gap)[:2])
+    """Return the line ends in a gap."""
+    return "".join(re.findall(r"\r\n|\r|\n", gap))
 
 
 def _blank(left: Token | Comment, right: Token | Comment, unary: set[int]) -> str:
     """Return what is between two parts of a line."""
     if isinstance(left, Comment) or isinstance(right, Comment):
         return " "
-    if right.type in _CLOSE_BEFORE or left.type in _CLOSE_BEHIND or left.span[0] in unary:
+    if left.span[0] in unary:
+        return " " if right.type == "SIGN" else ""  # two signs together look like another operator
+    if right.type in _CLOSE_BEFORE or left.type in _CLOSE_BEHIND:
         return ""
     if right.type == "LSQB":
         return "" if left.type in _OPERAND_ENDS else " "
     if right.type == "LPAR":
-        return "" if left.type == "NAME" else " "
+        return "" if left.type in _CALLED_ENDS else " "
     return " "
 
 

@@ -59,6 +59,8 @@ ELSE
     END_CASE
 END_IF;
 
+
+
 q := S1.X AND (b OR c) XOR FALSE;
 """
 
@@ -71,6 +73,19 @@ def test_keywords_blanks_and_indents() -> None:
     assert laid_out(WRITTEN) == LAID_OUT
     assert laid_out(LAID_OUT) == laid_out(LAID_OUT + "  ") == LAID_OUT
     assert laid_out(WRITTEN.replace("\n", "\r\n")) == LAID_OUT.replace("\n", "\r\n")
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("IF a THEN\n\n\nx:=1;\n\nEND_IF\n\n", "IF a THEN\n\n\n    x := 1;\n\nEND_IF\n\n"),
+        ("SUPER^();f[1]( a );", "SUPER^(); f[1](a);"),
+        ("x := - -1;", "x := - -1;"),
+        ("x := -  a;", "x := -a;"),
+    ],
+)
+def test_line_breaks_calls_and_signs_stay(text: str, expected: str) -> None:
+    assert laid_out(text, Dialect.CODESYS) == expected
 
 
 @pytest.mark.parametrize(
