@@ -150,6 +150,14 @@ class ProjectDiff:
         """True if there is no change but of the layout."""
         return all(change.kind is ChangeKind.LAYOUT for change in self.changes)
 
+    def __len__(self) -> int:
+        """Number of changes; without any, a comparison is false in a condition."""
+        return len(self.changes)
+
+    def __iter__(self) -> Iterator[Change]:
+        """Yield the changes."""
+        return iter(self.changes)
+
     def grouped(self) -> Iterator[tuple[str, list[Change]]]:
         """Yield each outermost thing (``POU Main``) that has changes in it, with these."""
         for owner, changes in groupby(self.changes, key=lambda change: ObjectPath.of(change.path).owner):

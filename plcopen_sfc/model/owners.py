@@ -169,6 +169,11 @@ class _OwnedList(list[Any]):
         found: list[Any] = provided("where")(self._owner, self._field, self, predicate, conditions)
         return found
 
+    def __contains__(self, thing: Any, /) -> bool:
+        if isinstance(thing, str):
+            self._check((thing,))  # a name is never in it, which looks like an answer
+        return super().__contains__(thing)
+
     def append(self, thing: Any, /) -> None:
         self._check((thing,))
         super().append(thing)

@@ -83,7 +83,8 @@ class Editor:
     """Edits of a project that keep every reference right; `Project.edit` makes one.
 
     Each method is a transaction: where it raises `ModelError`, the project is as it was before. In a ``with`` block all
-    edits together are one. `undo` takes the last transaction back; what is saved then is the file that was read.
+    edits together are one. `undo` takes the last transaction back; what is saved then is the file that was read. What a
+    script assigns itself (``step.max_time = ..``) stays: `set` does the same in the transaction.
 
     `clean`: after a transaction, actions, named transitions and local variables are removed that it left without a use;
     `removed` lists their paths. `prove`: the charts that a transaction changed are run against those before it as

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence, Set
+from enum import Enum
 from fnmatch import fnmatchcase
+from functools import cache
 from inspect import signature
-from typing import Any
+from typing import Annotated, Any, get_args, get_origin
 
 from plcopen_sfc.errors import ModelError, check_argument, nearest
 from plcopen_sfc.languages.binding import Declaration, Effects, Kind, Names, actions_by_name, step_effects
@@ -43,7 +45,7 @@ def find_steps(
     **fields: Any,
 ) -> list[Step]:
     """Return the steps of a chart, or of all charts of a project; `SfcNetwork.find` has the conditions."""
-    _check_fields(fields, Step, "steps", find_steps)
+    wanted_fields = _checked_fields(fields, Step, "steps", find_steps)
     _check_predicate(predicate)
     _check_patterns("drives, reads and calls", drives, reads, calls)
     qualifiers = _qualifiers(qualifier)
@@ -52,7 +54,7 @@ def find_steps(
         ids = _reached(chart, reachable_from, leading_to)
         actions, dialect = actions_by_name(pou_of(chart)), dialect_in(chart)
         for step in chart.steps:
-            if step.id not in ids or not all(_fits(getattr(step, name), value) for name, value in fields.items()):
+            if step.id not in ids or not _has(step, wanted_fields):
                 continue
             if qualifiers is not None and not any(each.qualifier in qualifiers for each in step.actions):
                 continue
@@ -76,7 +78,7 @@ def find_transitions(
     **fields: Any,
 ) -> list[Transition]:
     """Return the transitions of a chart or of all charts; `SfcNetwork.find_transitions` has the conditions."""
-    _check_fields(fields, Transition, "transitions", find_transitions)
+    wanted_fields = _checked_fields(fields, Transition, "transitions", find_transitions)
     _check_predicate(predicate)
     _check_patterns("reads, calls, condition, leaving and entering", reads, calls, condition, leaving, entering)
     found: list[Transition] = []
@@ -89,7 +91,7 @@ def find_transitions(
             sides = ((leaving, transition.sources), (entering, transition.targets))
             if not all(wanted is None or any(_fits(names.get(i, ""), wanted) for i in ids) for wanted, ids in sides):
                 continue
-            if not all(_fits(getattr(transition, name), value) for name, value in fields.items()):
+            if not _has(transition, wanted_fields):
                 continue
             if condition is not None:
                 shown = shown_condition(chart, transition, dialect, named)
@@ -113,9 +115,8 @@ def where(
         find: Callable[..., list[Any]] = find_steps if field == "steps" else find_transitions
         return find(owner, predicate, **conditions)
     _check_predicate(predicate)
-    for kind in {type(thing) for thing in things}:
-        _check_fields(conditions, kind, field, where)
-    found = [each for each in things if all(_fits(getattr(each, name), value) for name, value in conditions.items())]
+    wanted = {kind: _checked_fields(conditions, kind, field, where) for kind in {type(thing) for thing in things}}
+    found = [each for each in things if _has(each, wanted[type(each)])]
     return [each for each in found if predicate is None or predicate(each)]
 
 
@@ -138,12 +139,53 @@ def dialect_in(chart: SfcNetwork) -> Dialect:
     return dialect_of(chart.project) if chart.project is not None else Dialect.CODESYS
 
 
-def _check_fields(fields: dict[str, Any], kind: type[Model], called: str, query: Callable[..., object]) -> None:
+_Fields = dict[str, Sequence[Any]]
+"""The values of which each field shall have one."""
+
+
+def _checked_fields(fields: dict[str, Any], kind: type[Model], called: str, query: Callable[..., object]) -> _Fields:
+    """Return conditions on fields. Raises `ModelError` for a field that there is not, or that never has such a value.
+
+    Several values may be wanted of a field that is no list itself.
+    """
+    options: _Fields = {}
     conditions = signature(query).parameters
-    for name in fields:
+    for name, wanted in fields.items():
         if name not in kind.model_fields:
             near = nearest(name, [*kind.model_fields, *conditions])
             raise ModelError(f"{called} have no field {name!r}{near}")
+        is_several = isinstance(wanted, list | tuple | set | frozenset) and list not in _types_of(kind, name)
+        options[name] = [*wanted] if is_several else [wanted]
+        for each in options[name]:
+            _check_value(kind, name, each)
+    return options
+
+
+def _check_value(kind: type[Model], name: str, wanted: Any) -> None:
+    """Raise `ModelError` for a condition that no object fulfils, because its field never has such a value."""
+    types = _types_of(kind, name)
+    choices = [*(each for each in types if issubclass(each, Enum))]
+    if isinstance(wanted, str) and choices and str not in types:
+        known = [str(member.value) for each in choices for member in each]
+        if not any(_fits(each, wanted) for each in known):
+            raise ModelError(f"{name} is never {wanted!r}{nearest(wanted, known)}", hint=f"It is: {', '.join(known)}")
+    elif (types and not isinstance(wanted, types)) or (isinstance(wanted, bool) and bool not in types):
+        raise ModelError(f"{name} is never {wanted!r} ({type(wanted).__name__})")
+
+
+@cache
+def _types_of(kind: type[Model], field: str) -> tuple[type, ...]:
+    """Return the classes of the values of a field; none where it may have any."""
+
+    def within(annotation: Any) -> tuple[type, ...]:
+        if get_origin(annotation) in (list, dict, tuple):
+            return (get_origin(annotation),)
+        arguments = get_args(annotation)
+        if get_origin(annotation) is Annotated:
+            arguments = arguments[:1]
+        return (annotation,) if isinstance(annotation, type) else tuple(t for each in arguments for t in within(each))
+
+    return within(kind.model_fields[field].annotation)
 
 
 def _qualifiers(wanted: str | Iterable[str] | None) -> Set[Qualifier] | None:
@@ -155,6 +197,11 @@ def _qualifiers(wanted: str | Iterable[str] | None) -> Set[Qualifier] | None:
     except ValueError:
         known = ", ".join(Qualifier)
         raise ModelError(f"{wanted!r} is no qualifier", hint=f"The qualifiers are: {known}") from None
+
+
+def _has(thing: Model, fields: _Fields) -> bool:
+    """True if each field has one of the values that are wanted of it."""
+    return all(any(_fits(getattr(thing, name), each) for each in options) for name, options in fields.items())
 
 
 def _fits(value: Any, wanted: Any) -> bool:

@@ -416,6 +416,15 @@ class TestProject:
             project.pou("FB_Drilling").variables()[3].attributes["ExternalAccessible"] = value
         assert told(sfc.diff(before, after)) == ["POU FB_Drilling / variable start: ExternalAccessible true -> false"]
 
+    def test_a_comparison_without_changes_is_false_and_has_none(self, sides):
+        before, after = sides
+        assert not sfc.diff(before, before)
+        after.pou("PLC_PRG").chart.step("Idle").max_time = "T#9s"
+        found = sfc.diff(before, after)
+        assert found
+        assert len(found) == 1
+        assert [change.aspect for change in found] == ["maximum time"]
+
     def test_two_projects_are_needed(self, sides):
         with pytest.raises(ArgumentError, match="two projects"):
             sfc.diff(sides[0], "codesys/sorting_conveyor.xml")

@@ -191,3 +191,38 @@ def test_the_text_of_an_action_is_read_and_written(text: str) -> None:
 def test_a_text_that_is_no_action_is_refused(text: str) -> None:
     with pytest.raises(ModelError, match="is no action of a step"):
         sfc.ActionAssociation.parse(text, 1)
+
+
+def test_one_of_several_values_is_wanted(chart: sfc.SfcNetwork) -> None:
+    assert names(chart.steps.where(name=["Fill", "dr*"])) == ["Fill", "Drain"]
+    assert names(chart.find(max_time=("T#5s", None))) == ["Wait", "Fill", "Mix", "Drain"]
+    assert chart.transitions.where(targets=[chart.step("Drain").id]) != []
+
+
+@pytest.mark.parametrize(
+    ("fields", "told"),
+    [
+        ({"name": 5}, "name is never 5"),
+        ({"name": ["Fill", 5]}, "name is never 5"),
+        ({"initial": "true"}, "initial is never 'true'"),
+        ({"number": "1"}, "number is never '1'"),
+        ({"number": True}, "number is never True"),
+        ({"actions": "N Lamp"}, "actions is never 'N Lamp'"),
+    ],
+)
+def test_values_that_a_field_never_has_are_refused(chart: sfc.SfcNetwork, fields: dict[str, Any], told: str) -> None:
+    with pytest.raises(ModelError, match=told):
+        chart.steps.where(**fields)
+
+
+def test_kinds_that_there_are_not_are_refused() -> None:
+    project = sfc.load(SORTING)
+    with pytest.raises(ModelError, match=r"kind is never 'prgram' \(did you mean 'program'"):
+        project.pous.where(kind="prgram")
+    assert [pou.name for pou in project.pous.where(kind="prog*")] == ["PLC_PRG"]
+
+
+def test_a_name_is_not_in_a_list_of_objects(chart: sfc.SfcNetwork) -> None:
+    assert chart.step("Fill") in chart.steps
+    with pytest.raises(sfc.ArgumentError, match="`steps` of SfcNetwork is a list of Step"):
+        assert "Fill" in chart.steps

@@ -1,6 +1,6 @@
 """Objects as CODESYS V3 and TwinCAT 3 store them, for the formats of both.
 
-* `object_elements`: POUs, types and lists of variables as elements; `object_lines`: the lines of a file that they are in
+* `object_elements`: POUs, types and lists of variables as elements; `object_lines`: their lines in the file
 * `archived_charts`: charts, which are archives of objects; steps with their entry, main and exit actions
 * `chart_elements`: the elements of such a chart, declared once for both; `object_archive`: archives as such, and
   data that is nothing in the model

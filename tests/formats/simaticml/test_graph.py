@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,7 @@ from plcopen_sfc.model import (
     Project,
     SfcNetwork,
 )
+from plcopen_sfc.report import Outcome
 from tests.formats.simaticml.documents import FIXTURES, GRAPH_PARAMS, parsed
 
 
@@ -97,6 +99,19 @@ def test_priorities_are_the_order_of_the_legs() -> None:
     deep.priority, flat.priority = 2, 1
     (again,) = charts(sfc.loads(sfc.dumps(project)))
     assert [t.name for t in again.outgoing(again.step("Bottom"))] == ["T_Flat", "T_Deep"]
+
+
+def test_a_priority_without_a_competing_transition_is_kept_beside() -> None:
+    """It was gone from the file, and the report told only what was kept."""
+    project = sfc.loads((FIXTURES / "FB_Drill.xml").read_bytes())
+    charts(project)[0].transition("T_Start").priority = 9
+    content = io.BytesIO()
+    report = sfc.save(project, content, format="simaticml")
+    assert [(item.outcome, item.path) for item in report.items if item.what == "priority"] == [
+        (Outcome.EXTENSION_DATA, "POU FB_Drill / transition T_Start")
+    ]
+    (again,) = charts(sfc.loads(content.getvalue()))
+    assert again.transition("T_Start").priority == 9
 
 
 def test_a_step_added_to_a_chart_is_written_with_its_connections() -> None:
