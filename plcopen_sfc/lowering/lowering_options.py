@@ -185,7 +185,7 @@ def checked(
     return LoweringRules(
         default_profile(project) if profile is None else profile_named(profile),
         _texts(lang, options.get("flag_names", "")),
-        _chosen(Construction, _ALIASES.get(str(construction), str(construction))),
+        _chosen(Construction, construction),
         _chosen(Style, options.get("style", Style.EXACT)),
         _chosen(Language, str(language).upper()) if language is not None else None,
         init,
@@ -214,7 +214,11 @@ def _texts(lang: str, flag_names: str) -> Texts:
         ) from None
 
 
-_ALIASES = {"fup": "flipflop"}
+_ALIASES: dict[type[StrEnum], dict[str, str]] = {
+    Construction: {"fup": "flipflop"},
+    Language: {"fup": "FBD", "kop": "LD", "awl": "IL", "scl": "ST"},
+}
+"""What German editors and users call them."""
 _NOUNS: dict[type[StrEnum], str] = {
     Construction: "construction",
     Style: "style",
@@ -227,12 +231,14 @@ Choice = TypeVar("Choice", Construction, Style, Language, States, ActionPlace, O
 
 
 def _chosen(kind: type[Choice], name: str) -> Choice:
-    try:
-        return kind(str(name))
-    except ValueError:
-        known = [each.value for each in kind]
-        message = f"there is no {_NOUNS[kind]} {name!r}{nearest(name, known)}"
-        raise LoweringError(message, hint="There are: " + ", ".join(known)) from None
+    folded = str(name).casefold()
+    wanted = _ALIASES.get(kind, {}).get(folded, folded).casefold()
+    for each in kind:
+        if each.value.casefold() == wanted:
+            return each
+    known = [each.value for each in kind]
+    message = f"there is no {_NOUNS[kind]} {name!r}{nearest(name, known)}"
+    raise LoweringError(message, hint="There are: " + ", ".join(known))
 
 
 _TOOL_OF_DIALECT = {Dialect.SCL: Tool.S7, Dialect.CODESYS: Tool.CODESYS, Dialect.TWINCAT: Tool.CODESYS}

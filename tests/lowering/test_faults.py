@@ -69,13 +69,13 @@ def test_the_training_chain_as_flip_flops_overlaps_and_runs_through() -> None:
     assert table(empties) == [HEADER, "1 | B1 | S2 | S1 S2", "2 | Init | S1 | -"]
 
 
-@pytest.mark.parametrize("language", ["FBD", "LD", "ST"])
+@pytest.mark.parametrize("language", ["FBD", "LD", "ST", "IL"])
 def test_all_languages_have_the_same_faults(language: str) -> None:
-    waiting = [] if language == "ST" else [FaultKind.NOT_STARTED]  # the blocks keep their own value
+    waiting = [] if language in ("ST", "IL") else [FaultKind.NOT_STARTED]  # the blocks keep their own value
     assert list(faults(training_chain(), "fup", language=language)) == [*USUAL, *waiting]
 
 
-@pytest.mark.parametrize("language", ["FBD", "LD", "ST"])
+@pytest.mark.parametrize("language", ["FBD", "LD", "ST", "IL"])
 def test_without_an_input_to_start_it_the_first_scan_starts_the_chain(language: str) -> None:
     assert list(faults(training_chain(), "fup", language=language, init="")) == FLIP_FLOPS
 

@@ -45,6 +45,15 @@ def test_a_file_with_instructions_does_what_the_chart_does(target: str, tmp_path
     assert "LD X1\nAND B1\nST T1_2" in body.text.replace("\r", "")
 
 
+@pytest.mark.parametrize(("name", "usual"), [("FUP", "FBD"), ("kop", "LD"), ("AWL", "IL"), ("SCL", "ST"), ("il", "IL")])
+def test_languages_have_their_german_names(name: str, usual: str) -> None:
+    chain = sfc.load(FIXTURES / "training-chain/plcopen_2.01.xml")
+    lowered = sfc.lower(chain, "FUP", language=name, verify=False)
+    body = lowered.pou.body
+    assert body is not None
+    assert (lowered.construction, body.language) == ("flipflop", usual)
+
+
 @pytest.mark.parametrize("target", ["simaticml", "scl", "twincat"])
 def test_a_target_without_instruction_list_is_refused(target: str) -> None:
     chain = sfc.load(FIXTURES / "training-chain/plcopen_2.01.xml")

@@ -19,7 +19,7 @@ from plcopen_sfc.lowering.faults.fault_kinds import FaultKind
 from plcopen_sfc.lowering.lowering_options import Language
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource
 from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.model.body import FbdBody, LdBody, StBody
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import Body
 from plcopen_sfc.model.types import Variable
@@ -100,8 +100,8 @@ def _around(body: Body, first: LoweredCode, last: LoweredCode, source: ChartSour
     language = Language(body.language)
     before, behind = (body_of(code, source.dialect, language, declared, source.pou.name) for code in (first, last))
     match before, body, behind:
-        case StBody(), StBody(), StBody():
-            return StBody(text=before.text + body.text + behind.text)
+        case ((StBody() | IlBody()), (StBody() | IlBody()), (StBody() | IlBody())):
+            return type(body)(text=before.text + body.text + behind.text)
         case ((FbdBody() | LdBody()), (FbdBody() | LdBody()), (FbdBody() | LdBody())):
             return type(body)(networks=apart([*before.networks, *body.networks, *behind.networks])[0])
     raise LoweringError(f"nothing can be put around a body in {body.language}")
