@@ -138,11 +138,10 @@ def written(body: Body | None, chart: CheckedChart) -> Iterator[tuple[n.Expressi
 
 
 def path_of_part(target: n.Expression) -> Path:
-    """Return the names that lead to a variable, with constant indices; empty where an index is calculated."""
-    indices = [each for node in walk(target) if isinstance(node, n.Index) for each in node.indices]
-    if not indices:
-        return path_of(target) if isinstance(n.bare(target), n.Name | n.Member | n.Address) else ()
-    return (print_node(target).casefold(),) if all(map(constant, indices)) else ()
+    """Return the names that lead to a variable, with its indices: the same text is taken for the same element."""
+    if any(isinstance(node, n.Index) for node in walk(target)):
+        return (print_node(target).casefold(),)
+    return path_of(target) if isinstance(n.bare(target), n.Name | n.Member | n.Address) else ()
 
 
 def body_named(name: str | None, chart: CheckedChart) -> Body | None:

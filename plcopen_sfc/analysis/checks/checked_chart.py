@@ -20,7 +20,7 @@ from plcopen_sfc.analysis.ruled_situations import RuledSituations
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import Declaration, Names, bind, texts_in
-from plcopen_sfc.languages.binding.compile_mistakes import type_mistakes, value_kind, value_mistake
+from plcopen_sfc.languages.binding.compile_mistakes import constant_written, type_mistakes, value_kind, value_mistake
 from plcopen_sfc.languages.binding.name_scopes import charts_inside
 from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite
@@ -316,6 +316,10 @@ class CheckedProject:
 
     def _misfits(self) -> Iterator[Misfit]:
         for each in self.named.text_sites():
+            if isinstance(each.holder, ActionAssociation) and each.key in ("target", "indicator"):
+                tree = parse_condition(each.text, self.dialect).tree
+                constant = constant_written(tree, self.named.resolver, each.site)
+                yield from (Misfit(each, f"{constant} is a constant, and written: {each.text}"),) if constant else ()
             if not each.is_program_text:
                 continue
             is_value, text = each.reading is SiteKind.EXPRESSION, each.text

@@ -309,9 +309,10 @@ VAR04 = Rule(
     why="No compiler takes a number where a BOOL is wanted, or a duration where a number is. Numbers, BOOL, durations, "
     "strings, dates, structures, arrays and instances are told apart in structured text, also in arguments of calls, "
     "in indices, in durations of steps and associations, and in initial values; whether one number fits into another "
-    "is a matter of each tool, and what has an unknown type is left alone. A write to a constant, a call of a BOOL or "
-    "a number, and more arguments than a standard function has are found with them. No tool calculates with BOOL: "
-    "values of stored actions in a GRAFCET are structured text, whose * and + are no AND and OR.",
+    "is a matter of each tool, and what has an unknown type is left alone. A write to a constant, a call of a BOOL, "
+    "a number or a type, more arguments than a standard function has, and an index that is not in its array are found "
+    "with them. No tool calculates with BOOL: values of stored actions in a GRAFCET are structured text, whose * and + "
+    "are no AND and OR.",
     hint="Convert the value (REAL_TO_INT, TIME_TO_DINT), or compare it: n <> 0.",
     example="VAR_INPUT Start, b : BOOL; n : INT; END_VAR"
     + ring("Count(P1);", forth="Start")

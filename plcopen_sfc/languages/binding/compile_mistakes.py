@@ -21,15 +21,17 @@ from plcopen_sfc.languages.il import statements as il_statements
 from plcopen_sfc.languages.st import names_of, print_node, walk
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Operator
+from plcopen_sfc.languages.st.parsing import parse_condition
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, BlockKind, StandardBlock, standard_block
 from plcopen_sfc.model.body import IlBody
-from plcopen_sfc.model.declaration import Kind
+from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.sfc import Body
 from plcopen_sfc.model.types import (
     ArrayType,
     DerivedType,
+    Dimension,
     ElementaryType,
     StringType,
     StructType,
@@ -69,16 +71,36 @@ def type_mistakes(tree: n.Node, resolver: Resolver, site: Site) -> Iterator[str]
         for message, about in kinds.mistakes_in(node):
             yield f"{message}: {' '.join(print_node(about).split())}"
         target = target_of(node)
-        if isinstance(target, n.Name):
-            written = resolver.lookup(named(target), site).declaration
-            if written is not None and id(written.holder) in resolver.constants:
-                yield f"{written.name} is a constant, and written: {' '.join(print_node(node).split())}"
+        written = constant_written(target, resolver, site) if target is not None else ""
+        if written:
+            yield f"{written} is a constant, and written: {' '.join(print_node(node).split())}"
+        if isinstance(node, n.Index):
+            yield from (f"{message}: {' '.join(print_node(node).split())}" for message in kinds.outside(node, types))
         if isinstance(node, n.Call):
             yield from (f"{message}: {' '.join(print_node(node).split())}" for message in types.mistakes_of(node))
             for position, argument in enumerate(node.arguments):
                 parameter = types.parameter_of(node, position) if argument.value is not None else None
                 if parameter is not None and argument.value is not None:
                     yield from kinds.misfit(parameter, argument.value)
+
+
+def constant_written(target: n.Node, resolver: Resolver, site: Site) -> str:
+    """Return the constant that a target is, or is a part of; empty where it is none."""
+    while isinstance(target, n.Name | n.Member | n.Index | n.Parenthesized):
+        if isinstance(target, n.Parenthesized):
+            target = target.inner
+            continue
+        found: Declaration | None = None
+        if isinstance(target, n.Name):
+            found = resolver.lookup(named(target), site).declaration
+        elif isinstance(target, n.Member):
+            found = resolver.called(target, site)
+        if found is not None and id(found.holder) in resolver.constants:
+            return found.name
+        if isinstance(target, n.Name):
+            break
+        target = target.base
+    return ""
 
 
 def value_mistake(value: Expression, resolver: Resolver, text_site: TextSite) -> str:
@@ -126,6 +148,11 @@ class _TypesAt:
         charts = (chart for _, _, body in pou.named_bodies() for chart in charts_inside(body))
         return any(each.name.casefold() == step for chart in charts for each in chart.steps)
 
+    def dimensions_of(self, value: n.Expression) -> list[Dimension]:
+        """Return the dimensions of an array; none where it is not known."""
+        type_ = self._resolver.type_of(value, self._site)
+        return type_.dimensions if isinstance(type_, ArrayType) else []
+
     def type_of_value(self, text_site: TextSite) -> str:
         """Return the type that an initial value is for, with arrays those of their items."""
         type_ = self._resolver.type_of_value(text_site.owner, self._site)
@@ -155,6 +182,12 @@ class _TypesAt:
             type_ = self._resolver.type_of_declaration(called)
             if isinstance(type_, ElementaryType | StringType):
                 yield f"{self._name(type_)} cannot be called"
+        if isinstance(call.callee, n.Name):
+            block = standard_block(call.callee.identifier) if called is None else None
+            holder = called.holder if called is not None else None
+            is_own = isinstance(holder, Pou) and holder.kind is PouKind.FUNCTION_BLOCK
+            if is_own or (block is not None and block.stateful):
+                yield f"{call.callee.identifier} is a type: an instance of it is called"
         function = self._standard_function(call.callee)
         given = [each for each in call.arguments if each.name is None]
         if function is not None and len(given) > len(function.input_pins(len(given))):
@@ -248,6 +281,16 @@ class _Kinds:
         if value.loose:  # 0 and 1 are values of BOOL too
             return "" if 0 <= value.low <= value.high <= 1 else "a number"
         return self.named(value.type)
+
+    def outside(self, node: n.Index, types: _TypesAt) -> Iterator[str]:
+        """Yield which indices are certainly not in their array."""
+        dimensions = types.dimensions_of(node.base)
+        for index, dimension in zip(node.indices, dimensions, strict=False):
+            ends = (parse_condition(end, self._dialect).tree for end in (dimension.lower, dimension.upper))
+            value, (lower, upper) = self._types.value(index), map(self._types.value, ends)
+            is_known = value.is_whole and lower.loose and upper.loose
+            if is_known and (value.high < lower.low or value.low > upper.high):
+                yield f"the array goes from {dimension.lower} to {dimension.upper}"
 
     def named(self, name: str) -> str:
         """Return the kind of the values of a type."""

@@ -471,6 +471,7 @@ for one, other, harmless, told in (
     ("tm(IN := a);", "tm(IN := b);", "tm(IN := a);", "tm is written here and in step PA"),
     ("FOR n := 1 TO 3 DO q := TRUE; END_FOR", "n := 2;", "arr[n] := 2;", "n is written here and in step PA"),
     ("tm(IN := a, ET => t);", "t := T#2s;", "n := 2;", "t is written here and in step PA"),
+    ("arr[n] := 1;", "arr[N] := 2;", "arr[2] := 2;", "arr[N] is written here and in step PA"),
 ):
     case("ACT04", text(RACE % ("X1(N);", one, other)), text(RACE % ("X1(N);", one, harmless)), told)
 CONSTANT = "VAR%s K : INT := 5; END_VAR ACTION Act: K := 6; END_ACTION"
@@ -1142,6 +1143,22 @@ for added, told in (
 ):
     case("VAR05", whole(OF_PROJECT % added), whole(OF_PROJECT % ("", "h", "n")), told)
 
+CONSTANTS = "TYPE Pair : STRUCT m : BOOL; END_STRUCT; END_TYPE PROGRAM Main VAR%s K : BOOL; p : Pair; END_VAR "
+CONSTANTS += "VAR a, b : BOOL; many : ARRAY [1..2] OF INT; n : INT; END_VAR INITIAL_STEP S1: %s END_STEP "
+CONSTANTS += "TRANSITION FROM S1 TO S1 := a; END_TRANSITION ACTION Act: %s END_ACTION END_PROGRAM"
+for association, code, told in (
+    ("K(N);", "", "K is a constant, and written: K"),
+    ("K(S);", "", "K is a constant, and written: K"),
+    ("a(N, K);", "", "K is a constant, and written: K"),
+    ("Act(N);", "p.m := TRUE;", "p is a constant, and written: p.m := TRUE"),
+):
+    case(
+        "VAR04",
+        whole(CONSTANTS % (" CONSTANT", association, code)),
+        whole(CONSTANTS % ("", association, code)),
+        told,
+    )
+
 TYPED = """
 TYPE Part : STRUCT Size : INT; END_STRUCT; END_TYPE
 FUNCTION_BLOCK Valve
@@ -1207,6 +1224,11 @@ for wrong, right, told in (
     ("many[b](IN := b);", "many[n](IN := b);", "an index is BOOL: b"),
     ("b();", "t();", "BOOL cannot be called: b()"),
     ("n := LEN(s, s, s);", "n := MAX(1, 2, 3);", "LEN has no argument 3: LEN(s, s, s)"),
+    ("TON(IN := b);", "t(IN := b);", "TON is a type: an instance of it is called: TON(IN := b)"),
+    ("Valve(Open := b);", "v(Open := b);", "Valve is a type: an instance of it is called"),
+    ("many[2](IN := b);", "many[1](IN := b);", "the array goes from 0 to 1: many[2]"),
+    ("b := many[-1].Q;", "b := many[n].Q;", "the array goes from 0 to 1: many[-1]"),
+    ("many[1 + 1].IN := b;", "many[2 - 1].IN := b;", "the array goes from 0 to 1: many[1 + 1]"),
     ("n[1] := 1;", "many[1](IN := b);", "a number has no index: n[1]"),
 ):
     case("VAR04", typed(wrong), typed(right), told)
