@@ -53,7 +53,12 @@ def report_execution(
         report.items = [replace(item, path=in_the_source(item.path, called)) for item in report.items]
         differences = [_of_the_source(difference, called) for difference in differences]
     refused = {ObjectPath.of(item.path).owner for item in report.losses if item.what == "hierarchy"}
-    report.items = [item for item in report.items if not _is_of_refused(item, refused)]
+    why_not = {item.path for item in report.with_outcome(Outcome.NOT_EXECUTED) if not _follows(item)}
+    report.items = [
+        item
+        for item in report.items
+        if not _is_of_refused(item, refused) and not (_follows(item) and item.path in why_not)
+    ]
     settled = Counter(
         (_unnumbered(item.path), item.what)
         for item in report.items
@@ -132,7 +137,9 @@ class _Listed:
             return True
         if kind == UNDECLARED and _STAND_IN.match(name) and ObjectPath.of(place).owner in self.losing:
             return True
-        if kind == "action" and ((place, "action") in self.lost or _bare(place) in self.replaced):
+        if kind == "action" and (
+            self.lost & {(place, "action"), (place, "condition")} or _bare(place) in self.replaced
+        ):
             return True
         if kind == "global variable":  # a variable of a program that is a tag
             return any(what == difference.aspect and path.endswith(f" / {name}") for path, what in self.lost)
@@ -164,6 +171,15 @@ def _is_of_refused(item: Item, refused: Iterable[str]) -> bool:
     return item.outcome in LOSSES and (
         of_chart or (as_it_stands and any(item.path.startswith(f"{path} / ") for path in refused))
     )
+
+
+def _follows(item: Item) -> bool:
+    """True for what a writer tells of an action or a text that it finds as another tool has it: that it stays so."""
+    return item.outcome is Outcome.NOT_EXECUTED and _AS_IT_IS.match(item.why) is not None
+
+
+_AS_IT_IS = re.compile(r"`[^`]*` is not executed|(?:line \d+: )?left unchanged")
+"""Beginning of such reasons. Where the rules for a GRAFCET could not rewrite something, they have given their own."""
 
 
 _OF_PARTIAL_CHARTS = ("partial charts", "chart partial charts", "chart")

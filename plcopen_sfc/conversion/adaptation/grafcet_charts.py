@@ -107,6 +107,7 @@ class _Chart:
         self._forced: set[str] = set()
         self._ruling: list[tuple[str, str, str]] = []
         self._misfits: dict[int, str] = {}
+        self._refused: set[int] = set()
         self._stores: dict[tuple[int, Qualifier], StBody] = {}
         self._begun: list[str] = []
         self._deactivations: list[str] = []
@@ -253,8 +254,8 @@ class _Chart:
 
     def _keep_memories(self, path: str, starts: Sequence[Step]) -> None:
         """Let every scan keep what edges need: before the transitions, or behind all of them."""
-        first = [*self._events, *self._in_order(), *self._second_events]
-        if not self._terms.memories and not first:
+        first = [*self._terms.times, *self._events, *self._in_order(), *self._second_events]
+        if not self._terms.memories and not self._terms.times and not first:
             return
         flags = {step.id: print_node(step_flag(step)) for step in self._chart.steps}
         last = [f"{name} := {flags[step]};" for step, name in self._terms.was_active.items()]
@@ -334,13 +335,13 @@ class _Chart:
                 self._put_flags(each, self._terms.flag)
             if each.forcing is not None:
                 self._note(Outcome.NOT_EXECUTED, "forcing order", place, "it has no counterpart in this chart")
-            elif each.kind in _CONTINUOUS:
+            elif each.kind in _CONTINUOUS and id(each) not in self._refused:
                 self._continuous(each, place)
             elif each.kind is ActionKind.ON_EVENT:
                 self._on_event(step, each, place)
             elif id(each) in ordered:
                 self._store_in_order(step, each, place)
-            elif each.kind is not None:
+            elif each.kind is not None and each.kind not in _CONTINUOUS:
                 constant = (each.target or "").casefold() in constants
                 self._store(step, each, place, constant=constant and each.body is None)
 
@@ -440,6 +441,7 @@ class _Chart:
                 wanted = self._as_interlock(each.condition)
             except (ConditionError, MissingTermError) as error:
                 self._note(Outcome.NOT_EXECUTED, "condition", place, _why(error))
+                self._refused.add(id(each))
                 continue
             if step.interlock not in (None, wanted):
                 why = f"and {each.target} is stored or delayed, too: let a step do one of it"
@@ -526,7 +528,7 @@ class _Chart:
         """
         happens = rising(each.condition) if each.condition is not None else None
         two = not (self._of_graph or self._actions_first)
-        is_of_flags = False
+        is_of_flags = is_of_time = False
         statements: dict[EventEvolution | None, list[str]] = {}
         try:
             if not isinstance(happens, Expression):
@@ -536,12 +538,16 @@ class _Chart:
                 text = to_structured_text(happens.text, terms)
                 statements[event] = self._at_event(step, each, text, event)
                 is_of_flags |= terms.has_edge_of_step
+                is_of_time |= terms.has_edge_of_time
         except (ConditionError, MissingTermError) as error:
             self._note(Outcome.NOT_EXECUTED, "action", place, _why(error))
             return
         if is_of_flags and not two:
             why = "the target fires transitions once in a scan: an edge of a flag comes with the scan behind its step"
             self._note(Outcome.APPROXIMATED, STABILITY, place, why)
+        if is_of_time and not two:
+            why = "its action sees the time of a step one scan later: where the step is left then, the event is missed"
+            self._note(Outcome.APPROXIMATED, "time", place, why)
         for event, lines in statements.items():
             (self._second_events if event is EventEvolution.SECOND else self._events).extend(lines)
         step.actions.remove(each)

@@ -59,12 +59,14 @@ class TextTerms:
         event: EventEvolution | None = None,
     ) -> None:
         self._chart, self._leaves, self._in_action, self._event = chart, leaves, in_action, event
-        self.has_edge = self.has_edge_of_step = False
+        self.has_edge = self.has_edge_of_step = self.has_edge_of_time = False
 
     def edge(self, operand: str, *, rising: bool) -> str:
         """Return the expression of an edge. Raises `MissingTermError` where there is none."""
         self.has_edge = True
-        self.has_edge_of_step |= bool(self._chart.steps_in(operand, rising=rising))
+        in_time = self._chart.is_step_time(operand)
+        self.has_edge_of_time |= in_time
+        self.has_edge_of_step |= bool(self._chart.steps_in(operand, rising=rising)) and not in_time
         if self._in_action:
             raise MissingTermError("an edge lasts for no time that an output could be seen (IEC 60848:2013, 4.8.2)")
         if self._event is not None:
@@ -79,15 +81,16 @@ class TextTerms:
             return self._chart.time(operand, first, last, is_late=step is not None)
         passed = f"{step.name}.T >= {first}"
         if last is not None:
-            return self._chart.time(f"({step.name}.X AND {passed})", None, last, is_late=True)
-        return passed if step.id in self._leaves else f"({step.name}.X AND {passed})"  # the time of a step stays
+            return self._chart.time(f"({bare} AND {passed})", None, last, is_late=True)
+        return passed if step.id in self._leaves else f"({bare} AND {passed})"  # the time of a step stays
 
 
 class GrafcetTexts:
     """The texts of one chart: its names, and the variables that they need besides.
 
     `steps` by their names in lower case and `groups`, the steps of macro-steps and charts, are for the caller to give.
-    `memories`: statements that every scan executes behind the conditions; `edges`: what is read for an edge; `over`:
+    `memories`: statements that every scan executes behind the conditions, `times` such before events, of times that
+    begin when actions see a step; `edges`: what is read for an edge; `over`:
     what edges of inputs are when nothing changes any more; `was_active`: by the id of a step the variable with its last
     flag; `numbers`: tags that are not Boolean.
     """
@@ -107,6 +110,7 @@ class GrafcetTexts:
         self.groups: dict[str, list[Step]] = {}
         self.edges: dict[tuple[str, bool], str] = {}
         self.memories: list[str] = []
+        self.times: list[str] = []
         self.over: dict[str, n.Expression] = {}
         self.was_active: dict[int, str] = {}
         self._seen: dict[str, str] = {}
@@ -136,12 +140,25 @@ class GrafcetTexts:
         """Return the steps whose flags are in the operand of an edge. Raises `MissingTermError` for no name."""
         tree = parse_expression(operand).tree
         names = first_names(tree) if tree is not None else ["?"]
-        undeclared = [name for name in names if not self._declares(name)]
+        timed = self._timed(operand)
+        undeclared = [name for name in names if not self._declares(name) and name not in timed]
         unknown = [name for name in undeclared if self.step_of(name) is None and name.casefold() not in self._globals]
         if unknown:
             what = shown_edge(operand, rising=rising)
             raise MissingTermError(f"{what} is an edge of something that is no variable and no step: {unknown[0]}")
         return [step for name in undeclared if (step := self.step_of(name)) is not None]
+
+    def _timed(self, operand: str) -> set[str]:
+        """Return the names of the steps whose times are in an operand."""
+        tree = parse_expression(operand).tree
+        members = [each for each in walk(tree) if isinstance(each, n.Member)] if tree is not None else []
+        return {print_node(each.base) for each in members} & {step.name for step in self._chart.steps}
+
+    def is_step_time(self, operand: str) -> bool:
+        """True for the time of a step, and nothing else: ``3s/X2`` as text."""
+        timed = self._timed(operand)
+        steps = [self.step_of(name) for name in first_names(parse_expression(operand).tree) if name not in timed]
+        return len(timed) == 1 and timed == {step.name if step is not None else "" for step in steps}
 
     def step_of(self, name: str) -> Step | None:
         """Return the step whose flag `name` is, as ``X5``."""
@@ -159,12 +176,14 @@ class GrafcetTexts:
             # the transitions of this scan have changed the flags of steps already
             earlier = {step.name.casefold(): self.activity_before(step) for step in steps}
             now = transform(tree, lambda node: self._earlier(node, earlier))
-            self.memories.append(f"{before} := {print_node(now)};")
+            # as the transitions have seen it: before timers go on, and before memories that it reads
+            self.memories.insert(0, f"{before} := {print_node(now)};")
             if tree is not None and of_inputs:
                 self.over[before] = tree
             return happens
         edge = self.new_variable(f"{wish}_{'rises' if rising else 'falls'}")
-        self.memories += [f"{edge} := {self.flagged(happens)};", f"{before} := {self.flagged(operand)};"]
+        memories = self.times if self._actions_first and self.is_step_time(operand) else self.memories
+        memories += [f"{edge} := {self.flagged(happens)};", f"{before} := {self.flagged(operand)};"]
         if of_inputs:
             self.over[edge] = FALSE
         return edge
