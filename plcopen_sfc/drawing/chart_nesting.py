@@ -72,7 +72,8 @@ def flow_of(chart: SfcNetwork, together: Mapping[int, int], *, split: frozenset[
     candidates = [i for i, step in steps.items() if step.initial]
     candidates += [i for i in (*steps, *joints) if i not in entered]
     waiting = {i: joint.sources for i, joint in joints.items() if len(joint.alternatives) == 1}
-    return ChartGraph(steps, joints, successors, without_entries(successors, candidates, waiting))
+    jumps = frozenset((t.id, target) for t in chart.jumps_between_sequences() for target in t.targets)
+    return ChartGraph(steps, joints, successors, without_entries(successors, candidates, waiting, jumps))
 
 
 def alike(chart: SfcNetwork) -> dict[int, int]:

@@ -111,13 +111,16 @@ _SEARCHED = 40
 
 
 def without_entries(
-    successors: Mapping[int, Sequence[int]], candidates: Sequence[int], waiting: Mapping[int, Sequence[int]]
+    successors: Mapping[int, Sequence[int]],
+    candidates: Sequence[int],
+    waiting: Mapping[int, Sequence[int]],
+    jumps: frozenset[tuple[int, int]],
 ) -> ForwardEdges:
     """Return the forward edges of a graph in which what leads into simultaneous branches from outside is a jump.
 
-    `waiting`: the steps that each transition waits for.
+    `waiting`: the steps that each transition waits for. `jumps`: edges that are jumps in any case.
     """
-    edges = ForwardEdges(successors, candidates)
+    edges = ForwardEdges(successors, candidates, jumps)
     convergences = {node: steps for node, steps in waiting.items() if len(steps) > 1}
     for _ in range(_ROUNDS):
         apart = _taken_apart(edges, convergences, waiting) if convergences else []

@@ -273,7 +273,8 @@ class PermanentOperation(Element):
 class Sequence(Element):
     """A sequence of an S7-GRAPH block (up to 8): the steps that belong to it.
 
-    It ends where a transition leads to no step; only INIT_SQ starts it again then.
+    It ends where a transition leads to no step; only INIT_SQ starts it again then. A transition may jump to a step of
+    another sequence of the block.
     """
 
     title: Text | None = None
@@ -363,6 +364,19 @@ class SfcNetwork(LateElement):
         """Return the transitions that lead to `step`."""
         check_argument(step, Step, "a step is needed", _STEP_BY_NAME)
         return [t for t in self.transitions if step.id in t.targets]
+
+    def jumps_between_sequences(self) -> list[Transition]:
+        """Return the transitions that lead from steps of one of `sequences` to a step of another one."""
+        member = {step: index for index, sequence in enumerate(self.sequences) for step in sequence.steps}
+        if len(self.sequences) == 1:
+            return []
+
+        def is_jump(transition: Transition) -> bool:
+            origins = {member.get(step) for step in transition.sources}
+            aims = [member.get(step) for step in transition.targets]
+            return len(origins) == len(aims) == 1 and None not in {*origins, *aims} and origins != {*aims}
+
+        return [transition for transition in self.transitions if is_jump(transition)]
 
     def find(
         self,

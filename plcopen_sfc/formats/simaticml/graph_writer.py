@@ -195,11 +195,17 @@ class _ChartWriter:
                 element.extend(list(holder[0]))
 
     def _sequences(self) -> list[tuple[Sequence, list[Transition]]]:
-        """Return the sequences with their transitions. Transitions connect steps of one; others go into the last."""
+        """Return the sequences with their transitions.
+
+        Transitions connect steps of one sequence, but for jumps into another; what is connected with none goes into the
+        last.
+        """
         sequences = list(self.chart.sequences) or [Sequence()]
         near: dict[int, list[int]] = {step.id: [] for step in self.chart.steps}
+        jumps = {transition.id for transition in self.chart.jumps_between_sequences()}
         for transition in self.chart.transitions:
-            ends = [number for number in (*transition.sources, *transition.targets) if number in near]
+            targets = transition.targets if transition.id not in jumps else []
+            ends = [number for number in (*transition.sources, *targets) if number in near]
             for one, other in pairwise(ends):
                 near[one].append(other)
                 near[other].append(one)

@@ -142,14 +142,34 @@ def test_a_connection_to_nothing_is_an_error_and_stays() -> None:
     assert b'<TransitionRef Number="333" />' in fresh
 
 
+def test_a_jump_to_another_sequence_leaves_both_sequences() -> None:
+    """A file with such a jump was written anew after an edit, with one sequence in the place of two."""
+    project = sfc.load("fixtures/simaticml-plc/Program blocks/FB_Drilling.xml")
+    chart = project.pou("FB_Drilling").chart
+    assert chart is not None
+    parts = [sequence.steps for sequence in chart.sequences]
+    project.edit().retarget(chart.step("Home"), chart.step("ChipsOff"))
+    jumps = [transition.targets for transition in chart.jumps_between_sequences()]
+    assert jumps
+    for fresh in (False, True):
+        written = sfc.dumps(project, fresh=fresh)
+        again = sfc.loads(written)
+        (chart,) = charts(again)
+        assert [sequence.steps for sequence in chart.sequences] == parts
+        assert [transition.targets for transition in chart.jumps_between_sequences()] == jumps
+        chart.rename_step("ChipsOff", "SpaeneAus")
+        lines = zip(written.splitlines(), sfc.dumps(again).splitlines(), strict=True)
+        assert all(b"ChipsOff" in one for one, other in lines if one != other)
+
+
 def test_the_title_of_a_sequence_that_an_edit_joins_to_another_is_reported() -> None:
     """It was gone from the file, and the report told only what was kept."""
     project = sfc.load("fixtures/simaticml-plc/Program blocks/FB_Drilling.xml")
     chart = project.pou("FB_Drilling").chart
     assert chart is not None
-    project.edit().retarget(chart.step("Home"), chart.step("ChipsOff"))
+    chart.add_transition(["Home", "ChipsOff"], "Home", "FALSE")
     written = sfc.convert(project, "simaticml")
-    (lost,) = written.report.with_outcome(sfc.report.Outcome.DROPPED)
-    assert (lost.what, lost.path) == ("title", "POU FB_Drilling / sequence 2")
-    assert "Späneförderer" in lost.why
+    lost = [item for item in written.report.with_outcome(sfc.report.Outcome.DROPPED) if item.what == "title"]
+    assert {item.path for item in lost} == {"POU FB_Drilling / sequence 2"}
+    assert all("Späneförderer" in item.why for item in lost)
     assert written.data.decode().count("<Sequence>") == 1
