@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import date
 
@@ -203,7 +203,7 @@ def _charts(pairs: Iterable[_Pair], words: Words, *, converted: bool = False) ->
     bodies = {id(side): Bodies(side.index, words) for pair in pairs for side, _ in pair}
     for number, pair in enumerate(pairs):
         path = words.place(_path(pair))
-        parts = [element("h2", path), element("div", *_figures(pair, words, fresh=converted), class_="pair")]
+        parts = [element("h2", path), element("div", *_figures(pair, words, converted=converted), class_="pair")]
         if converted and all(prefix for _, prefix in pair):
             one, other = (
                 [
@@ -252,15 +252,16 @@ def _path(pair: _Pair) -> str:
     return next(side.index.parts[prefix][0].path for side, prefix in reversed(pair) if prefix)
 
 
-def _figures(pair: _Pair, words: Words, *, fresh: bool) -> Iterator[Html]:
-    drawn = [_paired(side, prefix) for side, prefix in pair if prefix]
+def _figures(pair: _Pair, words: Words, *, converted: bool) -> Iterator[Html]:
+    has_table = converted and all(prefix for _, prefix in pair)
+    drawn = [_paired(side, prefix, side.index.names(prefix) if has_table else {}) for side, prefix in pair if prefix]
     if len(drawn) == len(pair):
         one, other = drawn
         same = _same_steps(pair)
         there = {id(step): step.id for step in other.chart.steps}
         pairs = [(step.id, id(same[id(step)])) for step in one.chart.steps if id(step) in same]
         pairs = [(number, there[step]) for number, step in pairs if step in there]
-        pictures = list(paired_figures((one, other), pairs, words, fresh=fresh))
+        pictures = list(paired_figures((one, other), pairs, words, fresh=converted))
     else:
         pictures = [chart_figure(each.chart, each.prefix, each.marks, told=words) for each in drawn]
     for side, prefix in pair:
@@ -271,9 +272,9 @@ def _figures(pair: _Pair, words: Words, *, fresh: bool) -> Iterator[Html]:
             yield element("figure", title, element("p", words("no such chart"), class_="comment"), class_="missing")
 
 
-def _paired(side: _Side, prefix: str) -> PairedChart:
+def _paired(side: _Side, prefix: str, names: Mapping[str, Mapping[str, str]]) -> PairedChart:
     marks = {anchor: " ".join(sorted(kinds)) for anchor, kinds in side.marks.items()}
-    return PairedChart(side.index.parts[prefix][0].chart, prefix, marks)
+    return PairedChart(side.index.parts[prefix][0].chart, prefix, marks, names)
 
 
 def _same_steps(pair: _Pair) -> dict[int, Step]:

@@ -75,11 +75,11 @@ document.addEventListener("keydown", (event) => {
   }
 });
 
-/* pictures: a step leads to its row; a button fits the picture into the page */
+/* pictures: a step or transition leads to its row; a button fits the picture into the page */
 document.addEventListener("click", (event) => {
-  const step = event.target.closest("g.step[id]");
-  const row = step && `${step.id.replace(/^trace-/, "")}-row`;
-  if (step && !event.target.closest("a") && byId(row)) location.hash = row;
+  const drawn = event.target.closest(":is(g.step, g.transition)[id]");
+  const row = drawn && `${drawn.id.replace(/^trace-/, "")}-row`;
+  if (drawn && !event.target.closest("a") && byId(row)) location.hash = row;
 });
 const resize = (figure, scale) => {
   const picture = figure.querySelector("svg"), box = picture.viewBox.baseVal;

@@ -47,6 +47,11 @@ _TEXTS = ("text", "name", "target", "value", "duration", "indicator", "entry_act
 """The fields of conditions, associations, steps and bodies that pictures show."""
 
 
+def row_anchor(anchor: str) -> str:
+    """Return the anchor of where a table tells of the step or transition at an anchor of a picture."""
+    return f"{anchor}-row"
+
+
 class PageIndex:
     """Anchors of the objects of a project. `prefix` begins them where a page has several projects.
 
@@ -133,17 +138,23 @@ class PageIndex:
         return joined(*pieces, text[done:])
 
     def names(self, prefix: str) -> dict[str, dict[str, str]]:
-        """Return the names in the texts of each step and transition of a chart, in lower case, with their anchors."""
+        """Return the names in the texts of each step and transition of a chart, in lower case, with their anchors.
+
+        Their own names, which are empty there, lead to where tables tell of them.
+        """
         found: dict[str, dict[str, str]] = {}
         for part in self.parts[prefix]:
             for transition in part.chart.transitions:
-                found[self.anchor(transition)] = self._names_in(transition.condition)
+                found[self.anchor(transition)] = self._named(transition) | self._names_in(transition.condition)
             for step in part.chart.steps:
                 told = [each for row in step.actions for each in (row, row.condition, row.body)]
                 actions = (step.entry_action, step.main_action, step.exit_action)
                 supervised = (each.condition for each in (step.interlock, step.supervision) if each is not None)
-                found[self.anchor(step)] = self._names_in(step, *told, *actions, *supervised)
+                found[self.anchor(step)] = self._named(step) | self._names_in(step, *told, *actions, *supervised)
         return found
+
+    def _named(self, thing: Step | Transition) -> dict[str, str]:
+        return {"": row_anchor(self.anchor(thing))}
 
     def _names_in(self, *holders: Any) -> dict[str, str]:
         found: dict[str, str] = {}

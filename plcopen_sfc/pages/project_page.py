@@ -265,7 +265,9 @@ class _ProjectContent:
         for each, anchors in self._unreached:
             kind = "impossible" if each.impossible else "unreached"
             marks |= {anchor: f"{marks.get(anchor, '')} {kind}".strip() for anchor in anchors}
-        picture = chart_figure(body.chart, prefix, marks, self.index.names(prefix), self.words)
+        frames = [part.anchor for part in self.index.parts[prefix] if part.anchor]
+        names = self.index.names(prefix) | {anchor: {"": f"{anchor}-heading"} for anchor in frames}
+        picture = chart_figure(body.chart, prefix, marks, names, self.words)
         figure = picture_figure(picture, self.words)
         tables = [(part, self._cells(part)) for part in self.index.parts[prefix]]
         permanent = (cells.permanent() for _, cells in tables)
@@ -295,7 +297,7 @@ class _ProjectContent:
         anchor = self.index.anchor(step)
         head = element("th", *cells.name(step), self._findings_at(anchor), self._uses(anchor))
         done, going = element("td", cells.actions(step)), element("td", cells.leaving(step))
-        return element("tr", head, done, going, id=f"{anchor}-row", data_name=step.name)
+        return element("tr", head, done, going, id=cells.row(step), data_name=step.name)
 
     # -- declarations
 

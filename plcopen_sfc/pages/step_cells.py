@@ -24,7 +24,7 @@ from plcopen_sfc.model.sfc import (
 )
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.pages.html_text import Html, element, joined, link, picture_figure
-from plcopen_sfc.pages.page_index import PageIndex
+from plcopen_sfc.pages.page_index import PageIndex, row_anchor
 from plcopen_sfc.pages.page_words import Words
 
 
@@ -108,8 +108,20 @@ class StepCells:
             leaving = [each for each in self.chart.transitions if self._steps.keys().isdisjoint(each.sources)]
         ordered = by_priority(leaving)
         many = len(leaving) > 1 and step is not None
-        items = [element("li", self._transition(each, step, many=many), data_name=each.name) for each in ordered]
+        items = [
+            element("li", self._transition(each, step, many=many), id=self._row(each, step), data_name=each.name)
+            for each in ordered
+        ]
         return element("ul", *items) if items else Html("")
+
+    def row(self, step: Step) -> str:
+        """Return the anchor of the row of a step."""
+        return row_anchor(self._index.anchor(step))
+
+    def _row(self, transition: Transition, step: Step | None) -> str:
+        """Return the anchor of a transition where it is told of first: at the first step that it waits for."""
+        first = next((each for each in transition.sources if each in self._steps), None)
+        return row_anchor(self._index.anchor(transition)) if first == (step.id if step is not None else None) else ""
 
     def permanent(self) -> Html:
         """Return the permanent instructions of the chart."""
@@ -221,7 +233,8 @@ def _step_cell(found: tuple[StepCells, Step] | None) -> Html:
     if found is None:
         return element("td", "\u2013", class_="comment")
     cells, step = found
-    return element("td", element("div", *cells.name(step), class_="name"), cells.actions(step), cells.leaving(step))
+    name = element("div", *cells.name(step), class_="name")
+    return element("td", name, cells.actions(step), cells.leaving(step), id=cells.row(step))
 
 
 def comment_lines(*texts: object) -> Html:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from math import isfinite
 from typing import NamedTuple
 
@@ -67,19 +67,20 @@ def trace_section(trace: Trace, index: PageIndex, words: Words) -> Html:
     named = {name: index.step_anchor(trace.name, name) for name in trace.steps}
     drawn = [prefix for anchor in named.values() for prefix in index.parts if anchor.startswith(prefix)]
     picture = Html("")
-    if drawn:  # beside the diagram too: the section of the chart may be far below
+    if drawn:
+        names = {f"trace-{anchor}": found for anchor, found in index.names(drawn[0]).items()}
+        # beside the diagram too: the section of the chart may be far below
         picture = picture_figure(
-            chart_figure(index.parts[drawn[0]][0].chart, f"trace-{drawn[0]}", {}, told=words), words
+            chart_figure(index.parts[drawn[0]][0].chart, f"trace-{drawn[0]}", {}, names, words), words
         )
-    outer = {before: index.anchors_of(trace.name, "step", before) for name in named for before in _around(name)}
-    anchors = {before: found[0] for before, found in outer.items() if found} | named
+    anchors = {name: index.step_anchor(trace.name, name) for name in trace.macros} | named
     events = trace.eventful_scans()
     data = {
         "scans": len(trace),
         "events": events,
         "times": [time_literal(trace.time(scan)).removeprefix("T#") for scan in events],
         "situations": [
-            [scan, [[name, anchors[name]] for name in _with_outer(active, anchors)]]
+            [scan, [[name, anchors[name]] for name in _with_macros(active, trace)]]
             for scan, active in trace.situations()
         ],
         "columns": [[[scan, column.signal.text(value)] for scan, value in column.runs()] for column in trace.columns],
@@ -115,15 +116,10 @@ def trace_section(trace: Trace, index: PageIndex, words: Words) -> Html:
     return joined(section, player, data_element("trace-data", data))  # outside: what contains a section fixes in it
 
 
-def _around(name: str) -> list[str]:
-    """Return what may be macro-steps around a step, by its name in a trace: ``G1`` and ``G1.M3`` of ``G1.M3.30``."""
-    words = name.split(".")
-    return [".".join(words[:count]) for count in range(1, len(words))]
-
-
-def _with_outer(active: Sequence[str], steps: Container[str]) -> list[str]:
+def _with_macros(active: Sequence[str], trace: Trace) -> list[str]:
     """Return active steps behind the macro-steps around them, which are active with them (IEC 60848:2013, 7.4)."""
-    return list(dict.fromkeys(each for name in active for each in (*_around(name), name) if each in steps))
+    around = ([each for each in trace.macros if name.startswith(f"{each}.")] for name in active)
+    return list(dict.fromkeys(each for name, outer in zip(active, around, strict=True) for each in (*outer, name)))
 
 
 class TimingDiagram:
@@ -205,10 +201,11 @@ class TimingDiagram:
 
 
 def _step_rows(trace: Trace) -> Iterator[_Row]:
-    """Yield the steps that are active at some time, in the order in which they become so."""
+    """Yield the steps and macro-steps that are active at some time, in the order in which they become so."""
     runs: dict[str, list[tuple[int, str]]] = {}
     before: frozenset[str] = frozenset()
-    for scan, names in trace.situations():
+    for scan, situation in trace.situations():
+        names = _with_macros(situation, trace)
         active = frozenset(names)
         for name in (*names, *sorted(before - active)):
             told = runs.setdefault(name, [] if scan == 0 else [(0, "0")])

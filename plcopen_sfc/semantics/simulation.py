@@ -43,6 +43,7 @@ from plcopen_sfc.semantics.subjects import (
     Watched,
     executed_alone,
     is_written,
+    macro_steps,
     resolve,
     signal_of,
     step_marking,
@@ -146,6 +147,7 @@ class Simulation:
             self._columns(self._watched if record is None else listed_names(record, "variables to record are texts")),
             scan_time=self.scan_time,
             steps=steps,
+            macros=macro_steps(self.instance),
             name=subject.name,
             profile=chosen.name,
         )

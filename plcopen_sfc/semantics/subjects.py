@@ -176,6 +176,12 @@ def step_marking(instance: Instance) -> tuple[tuple[str, ...], Callable[[], int]
     return (), lambda: 0
 
 
+def macro_steps(instance: Instance) -> tuple[str, ...]:
+    """Return the paths of the macro-steps of the chart that an instance is."""
+    charts = (chart for path, chart, _ in instance.charts() if not path and isinstance(chart, ChartProgram))
+    return next((tuple(macro.path for macro in chart.net.macros) for chart in charts), ())
+
+
 def step_flags(instance: Instance) -> dict[str, int]:
     """Return the variables of an instance's chart that tell that steps are active, with the bits of `step_marking`."""
     charts = (chart for path, chart, _ in instance.charts() if not path and isinstance(chart, ChartProgram))

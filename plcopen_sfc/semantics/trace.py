@@ -123,8 +123,8 @@ class Trace:
     """A recording: one row for each scan, with the values at its end (inputs: during it).
 
     Scan 0 is the first. Times are integer nanoseconds since the start. `name` is what was simulated, `profile` the name
-    of the execution profile, `steps` the paths of all steps. `ended` is the error that ended the run before its last
-    scan, empty where none did.
+    of the execution profile, `steps` the paths of all steps, `macros` those of macro-steps. `ended` is the error that
+    ended the run before its last scan, empty where none did.
     """
 
     def __init__(
@@ -133,6 +133,7 @@ class Trace:
         *,
         scan_time: int,
         steps: Sequence[str] = (),
+        macros: Sequence[str] = (),
         name: str = "",
         profile: str = "",
     ) -> None:
@@ -140,6 +141,7 @@ class Trace:
         self.profile = profile
         self.scan_time = scan_time
         self.steps = tuple(steps)
+        self.macros = tuple(macros)
         self.ended = ""
         self._columns = {column.name.casefold(): column for column in columns}
         self._list = list(self._columns.values())

@@ -499,6 +499,17 @@ class TestGrafcet:
         assert "*" in picture.texts(element(picture, "part-1-step-0"))
         assert "*" not in picture.texts(element(picture, "part-1-step-1"))
 
+    def test_what_has_a_chart_inside_or_forces_one_leads_to_its_frame(self, chart: SfcNetwork) -> None:
+        picture = drawn(chart)
+
+        def links(identifier: str) -> dict[str, str]:
+            found = element(picture, identifier).findall(f".//{SVG}a")
+            return {link.findtext(f"{SVG}text"): link.get("href") for link in found}
+
+        assert links("action-23") == {"G5{INIT}": "#part-1"}
+        assert links("step-2") == {"G5{E1}": "#part-1"}
+        assert links("step-3") == {"4": "#part-2"}
+
     def test_content_of_macro_steps_is_drawn_too(self) -> None:
         chart = make(1, [])
         chart.steps[0].macro = Macro(body=SfcBody(chart=make(2, [([0], [1])])))

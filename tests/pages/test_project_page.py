@@ -70,6 +70,24 @@ def test_everything_of_a_chart_is_there(conveyor: str) -> None:
     assert step.findtext("title").startswith("Step Extending")
 
 
+def test_steps_and_frames_of_pictures_lead_to_their_tables() -> None:
+    """Only the script did that: not without it, and not by keyboard."""
+    for name in ("grafcet/every_symbol.gct", "simaticml/FB_Drill.xml"):
+        tree = parse(sfc.page(sfc.load(FIXTURES / name)))
+        drawn = tree.xpath("//svg//g[@class='step' or starts-with(@class, 'step ')]")
+        assert drawn
+        for step in drawn:
+            (own,) = {each.get("href") for each in step.xpath("a[text[@class='name']]")}
+            assert tree.get_element_by_id(own[1:]).tag == "tr"
+            assert step.get("id") in {link[1:] for link in tree.get_element_by_id(own[1:]).xpath("th/a/@href")}
+        for frame in tree.xpath("//svg//g[@class='part']"):
+            (heading,) = frame.xpath("a/@href")
+            assert tree.get_element_by_id(heading[1:]).tag == "h4"
+    named = tree.xpath("//svg//g[starts-with(@class, 'transition')]/a/@href")
+    assert named
+    assert {tree.get_element_by_id(link[1:]).tag for link in named} == {"li"}
+
+
 def test_names_in_program_text_are_links_to_what_they_mean(conveyor: str) -> None:
     tree = parse(conveyor)
     (row,) = tree.xpath("//section[@data-name='PLC_PRG']//tr[@data-name='bFault']")

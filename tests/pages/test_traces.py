@@ -173,3 +173,5 @@ def test_a_macro_step_is_active_while_a_step_of_its_expansion_is() -> None:
     assert [name for name, _ in active] == ["G1.M3", "G1.M3.S3"]
     assert tree.get_element_by_id(active[0][1]).findtext("title").startswith("Macro")
     assert [name for name, _ in later] == ["G1.1"]
+    rows = html.fromstring(trace.to_svg().encode()).xpath("//*[contains(@class, 'signal step')]/title/text()")
+    assert rows == ["G1.M3", "G1.M3.S3", "G1.1"]

@@ -64,11 +64,12 @@ def chart_figure(
 
 
 class PairedChart(NamedTuple):
-    """A chart that is shown beside another one: the prefix of its ids, and the marks of its elements (`Canvas`)."""
+    """A chart that is shown beside another one: the prefix of its ids, marks and names of its elements (`Canvas`)."""
 
     chart: SfcNetwork
     prefix: str
     marks: Mapping[str, str]
+    names: Mapping[str, Mapping[str, str]] = _NO_NAMES
 
 
 def paired_figures(
@@ -88,7 +89,7 @@ def paired_figures(
         if isinstance(first, Arrangement) and isinstance(second, Arrangement):
             one[0].arrangement, other[0].arrangement = lined_up(first, second, same)
         left, right = (
-            _drawn(each.chart, parts, each.prefix, Canvas(each.marks), theme=None, told=told, narrow=True)
+            _drawn(each.chart, parts, each.prefix, Canvas(each.marks, each.names), theme=None, told=told, narrow=True)
             for each, parts in zip(pair, (one, other), strict=True)
         )
     return left, right
@@ -120,11 +121,14 @@ def _arranged(chart: SfcNetwork, look: _Look, prefix: str, told: Told) -> list[C
     }
     dialect = chart.project.dialect if chart.project is not None else Dialect.IEC
     in_turn = _tries_in_turn(chart)
+    frames = {part.name.casefold(): f"{prefix}part-{number}" for number, part in enumerate(parts) if part.name}
     for number, part in enumerate(parts):
         starred = activated.get(part.name, frozenset()) if number else frozenset()
         wording = Wording(part.chart, dialect, told)
         start = prefix + part_prefix(number)
-        sheet = PictureSheet(part.chart, look.style, wording, start, starred, narrow=look.narrow, in_turn=in_turn)
+        sheet = PictureSheet(
+            part.chart, look.style, wording, start, starred, narrow=look.narrow, in_turn=in_turn, frames=frames
+        )
         drawn = None if look.fresh else FileArrangement.of(sheet)
         part.arrangement = drawn or Arrangement(sheet)
     return parts
@@ -274,7 +278,7 @@ def _place(canvas: Canvas, parts: list[ChartPart], prefix: str, longest: int) ->
             title = ". ".join(filter(None, (part.heading, part.comment)))
             with canvas.element("part", f"{prefix}part-{number}", title, (x, y, width, height)):
                 canvas.box("frame", x, y, width, height)
-                canvas.text("name", x + 10, y + 20, part.heading)
+                canvas.text("name", x + 10, y + 20, part.heading, named=True)
                 canvas.lines("remark", x + 10, y + 20 + _REMARK_PITCH, remark, _REMARK_PITCH)
             arrangement.draw(canvas, x + _FRAME, y + heading)
         else:

@@ -312,7 +312,8 @@ class Canvas:
     """Shapes of a picture. Wires lie below the elements, so that an element covers what ends behind it.
 
     `marks` are further classes of elements, by their ids. `names` are the names in the texts of an element that are
-    links, in lower case, with the ids that they lead to; by the id of the element.
+    links, in lower case, with the ids that they lead to; by the id of the element. Under the empty name is where
+    the name of the element itself leads to.
     """
 
     def __init__(
@@ -404,8 +405,14 @@ class Canvas:
         """Draw a circle around a point."""
         self._elements.append(f'<circle class="{kind}" cx="{x}" cy="{y}" r="{radius}"/>')
 
-    def text(self, kind: str, x: int, y: int, text: str, *, anchor: str = "start", link: str = "") -> None:
-        """Write one line of text with its base line at `y`; `link` is the id of an element of the same picture."""
+    def text(
+        self, kind: str, x: int, y: int, text: str, *, anchor: str = "start", link: str = "", named: bool = False
+    ) -> None:
+        """Write one line of text with its base line at `y`; `link` is the id of an element of the same picture.
+
+        `named`: it is the name of its element.
+        """
+        link = self._linked.get("", link) if named else link
         placed = "" if anchor == "start" else f' text-anchor="{anchor}"'
         # leading and repeated blanks, which XML readers join, are kept as no-break spaces
         blank = text.startswith(" ") or "  " in text
@@ -424,11 +431,22 @@ class Canvas:
                 done = word.end()
         return "".join([*parts, escape(text[done:])])
 
-    def lines(self, kind: str, x: int, y: int, lines: Sequence[str], pitch: int, *, anchor: str = "start") -> None:
-        """Write lines of text below each other, the first with its base line at `y`."""
+    def lines(
+        self,
+        kind: str,
+        x: int,
+        y: int,
+        lines: Sequence[str],
+        pitch: int,
+        *,
+        anchor: str = "start",
+        link: str = "",
+        named: bool = False,
+    ) -> None:
+        """Write lines of text below each other, the first with its base line at `y`; the rest as in `text`."""
         for number, line in enumerate(lines):
             if line:  # blank lines of program text
-                self.text(kind, x, y + number * pitch, line, anchor=anchor)
+                self.text(kind, x, y + number * pitch, line, anchor=anchor, link=link, named=named)
 
     def document(self, width: int, height: int, theme: Theme | None, title: str, description: str) -> str:
         """Return the whole picture as an SVG document of `width` and `height` pixels.

@@ -19,6 +19,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from typing import NamedTuple
 
 from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, text_width, widest, wrap
 from plcopen_sfc.drawing.wording import EXCLUDED, ActionLine, Wording, enclosure_words
@@ -43,13 +44,17 @@ _STORED = {ActionKind.ON_ACTIVATION: True, ActionKind.ON_DEACTIVATION: False}
 
 @dataclass(slots=True)
 class _Row:
-    """`cells`: lines of mark, qualifier, action and indicator. `above`: what is written over it: its condition."""
+    """`cells`: lines of mark, qualifier, action and indicator. `above`: what is written over it: its condition.
+
+    `link`: the id of the frame of the chart that it forces.
+    """
 
     title: str
     cells: tuple[list[str], list[str], list[str], list[str]]
     identifier: str = ""
     above: list[str] = field(default_factory=list)
     kind: ActionKind | None = None
+    link: str = ""
     excluded: bool = False
     remark: list[str] = field(default_factory=list)
 
@@ -112,7 +117,8 @@ class ActionBlock:
                     left = x + self._table - width
                 canvas.box("cell", left, y, width, row.height)
             first = y + (row.height - (len(lines) - 1) * PITCH) // 2 + 4
-            canvas.lines("plain", left + _PAD + (self._inset if column == _ACTION else 0), first, lines, PITCH)
+            begin = left + _PAD + (self._inset if column == _ACTION else 0)
+            canvas.lines("link" if row.link else "plain", begin, first, lines, PITCH, link=row.link)
             left += width
         if row.kind in _STORED:
             tip, end = (y + 4, y + row.height - 4) if _STORED[row.kind] else (y + row.height - 4, y + 4)
@@ -139,6 +145,7 @@ def _rows(step: Step, sheet: PictureSheet) -> Iterator[_Row]:
         row = _row(line, None if association.target else association.body, width)
         row.identifier = f"{sheet.prefix}action-{association.id}"
         row.excluded = association.exclude
+        row.link = sheet.frame(association.forcing.chart) if association.forcing is not None else ""
         row.remark = wrap(plain(association.comment), 11, 160)
         mark, qualifier, _, indicator = row.cells
         indicator += wrap(association.indicator or "", SIZE, width // 2)
@@ -206,7 +213,7 @@ class PictureSheet:
 
     `prefix` begins the ids of its elements, `activated` are starred steps. `narrow`: the picture is set beside another
     one. `in_turn`: competing transitions are tried one after the other. `room`: how much longer the wire above a step
-    is, by its id.
+    is, by its id. `frames` are the ids of the frames of partial charts, by their names in lower case.
     """
 
     chart: SfcNetwork
@@ -217,6 +224,7 @@ class PictureSheet:
     narrow: bool = False
     in_turn: bool = False
     room: Mapping[int, int] = field(default_factory=dict)
+    frames: Mapping[str, str] = field(default_factory=dict)
     _drawn: Counter[str] = field(default_factory=Counter, init=False)
     steps: dict[int, Step] = field(init=False)
     transitions: dict[int, Transition] = field(init=False)
@@ -241,6 +249,10 @@ class PictureSheet:
     def text_width(self) -> int:
         """The width at which texts of actions and conditions are wrapped."""
         return _NARROW if self.narrow else _TEXT_WIDTH
+
+    def frame(self, name: str | None) -> str:
+        """Return the id of the frame of a partial chart; empty where the picture has none."""
+        return self.frames.get((name or "").casefold(), "")
 
     def step_reference(self, number: int) -> LinkEnd:
         """Return the reference to a step: its name, in GRAFCET and S7-GRAPH its number."""
@@ -279,12 +291,12 @@ class StepSymbol:
         self.exits = _shown(exits)
         self._label()
         self._block = ActionBlock(self.step, sheet)
-        self._texts = [(kind, text) for kind, text in _about_step(sheet, self.step) if text]
-        lines = [(kind, line) for kind, text in self._texts for line in wrap(text, 11, _REMARK_WIDTH)]
+        self._texts = [each for each in _about_step(sheet, self.step) if each.text]
+        lines = [each._replace(text=line) for each in self._texts for line in wrap(each.text, 11, _REMARK_WIDTH)]
         # comments are above the actions: below them, they would be taken for those of the last action
-        self._above = [line for kind, line in lines if kind == "remark" and self._block.width]
-        self._about = [(kind, line) for kind, line in lines if kind != "remark" or not self._block.width]
-        about = max((text_width(text, 11) for _, text in lines), default=0)
+        self._above = [each.text for each in lines if each.kind == "remark" and self._block.width]
+        self._about = [each for each in lines if each.kind != "remark" or not self._block.width]
+        about = max((text_width(each.text, 11) for each in lines), default=0)
         half = self._width // 2
         arm = _ARM if self._block.width else 10
         beside = max(self._block.width, about)
@@ -367,8 +379,9 @@ class StepSymbol:
         first = top + (box - 16 * (len(self._lines) - 1)) // 2 + 5
         if self._above_name:
             first += 6
-            canvas.text("quiet", x, first - 16, self._above_name, anchor="middle")
-        canvas.lines("name", x, first, self._lines, 16, anchor="middle")
+            canvas.text("quiet", x, first - 16, self._above_name, anchor="middle", named=True)
+        inside = self.sheet.frame(step.macro.expansion) if step.macro is not None else ""
+        canvas.lines("name", x, first, self._lines, 16, anchor="middle", link=inside, named=True)
 
     def _draw_marks(self, canvas: Canvas, x: int, top: int) -> None:
         step, left, box = self.step, x - self._width // 2, self._box
@@ -400,8 +413,9 @@ class StepSymbol:
                 canvas.wire((edge, middle), (edge + 10, middle), (edge + 10, level), (column, level))
             self._block.draw(canvas, column, top + self._block_down)
         canvas.lines("remark", column, top + self._block_down - self._head + 11, self._above, 14)
-        for number, (kind, text) in enumerate(self._about):
-            canvas.text(kind, column, top + self._text_down + 11 + 14 * number, text)
+        for number, each in enumerate(self._about):
+            kind = "back" if each.link else each.kind
+            canvas.text(kind, column, top + self._text_down + 11 + 14 * number, each.text, link=each.link)
 
     def _title(self) -> str:
         step = self.step
@@ -410,28 +424,37 @@ class StepSymbol:
             kind = f"Initial {kind.lower()}"
         told = self.sheet.words.told
         name = f"{step.name} {told(EXCLUDED)}" if step.exclude else step.name
-        parts = [f"{told(kind)} {name}", *(text for _, text in self._texts)]
+        parts = [f"{told(kind)} {name}", *(each.text for each in self._texts)]
         return ". ".join(parts)
 
 
-def _about_step(sheet: PictureSheet, step: Step) -> Iterator[tuple[str, str]]:
-    """Yield the texts about a step, each with its class; a ``remark`` is a comment."""
+class _About(NamedTuple):
+    """A text about a step with its class, a ``remark`` where it is a comment, and the id of what it leads to."""
+
+    kind: str
+    text: str
+    link: str = ""
+
+
+def _about_step(sheet: PictureSheet, step: Step) -> Iterator[_About]:
+    """Yield the texts about a step."""
     if sheet.style is PictureStyle.GRAFCET and step.number is not None and step.name != str(step.number):
-        yield "quiet", step.name
+        yield _About("quiet", step.name)
     if step.macro is not None and step.macro.expansion != step.name:
-        yield "quiet", step.macro.expansion or ""
+        yield _About("quiet", step.macro.expansion or "", sheet.frame(step.macro.expansion))
     for enclosure in step.encloses or ():
-        yield "quiet", enclosure_words(enclosure)
+        yield _About("quiet", enclosure_words(enclosure), sheet.frame(enclosure.chart))
     for mark, part in (("C", step.interlock), ("V", step.supervision)):
         if part is not None and part.condition is not None:
             title = plain(part.title)
-            yield "quiet", f"{mark}: {sheet.words.condition(part.condition)}" + (f" ({title})" if title else "")
+            told = f" ({title})" if title else ""
+            yield _About("quiet", f"{mark}: {sheet.words.condition(part.condition)}{told}")
     warning = sheet.words.told("warning")
     times = (("min", step.min_time), ("max", step.max_time), (warning, step.warning_time))
     if tuple((time or "").upper() for _, time in times) != _USUAL_TIMES:
-        yield "quiet", ", ".join(f"{label} {time}" for label, time in times if time)
-    yield "remark", plain(step.title)
-    yield "remark", plain(step.comment)
+        yield _About("quiet", ", ".join(f"{label} {time}" for label, time in times if time))
+    yield _About("remark", plain(step.title))
+    yield _About("remark", plain(step.comment))
 
 
 _USUAL_TIMES = ("", "T#10S", "T#7S")
@@ -512,7 +535,7 @@ class TransitionSymbol:
             canvas.lines("warn" if self._missing else "plain", x + 20, first, self._condition, 15)
             canvas.lines("remark", x + 20, first + 15 * len(self._condition) - 1, self._about, 13)
             top = bar - 13 * len(self._names) // 2 + 10
-            canvas.lines("quiet", x - 19, top, self._names, 13, anchor="end")
+            canvas.lines("quiet", x - 19, top, self._names, 13, anchor="end", named=True)
             if self._priority:
                 level = top - 12 if self._names else bar - 5
                 canvas.text("quiet", x - 5 if not self._names else x - 19, level, self._priority, anchor="end")
