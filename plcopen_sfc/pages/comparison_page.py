@@ -102,6 +102,8 @@ def conversion_page(
     if target is not None:
         right.caption = _caption("Target", None if report.written == ["-"] else target, report.target_format, words)
     pairs = list(_pairs(left, right))
+    places = ((side.index.parts[prefix][0].path, n) for n, pair in enumerate(pairs) for side, prefix in pair if prefix)
+    pictures = {path: f"chart-{number}" for path, number in places}
     tools = " \u2192 ".join(words.message(tool_of(name)) for name in (report.source_format, report.target_format))
     title = f"{title_of(source)}: {tools}"
     lists = ItemLists(report, left.index, words)
@@ -111,8 +113,8 @@ def conversion_page(
         element("h1", title),
         element("p", element("b", words("nothing was written"))) if target is None else Html(""),
         provenance(source, report, target, words, made_on),
-        verdicts(source, report, words),
-        tasks(report, lists, words, written=is_written),
+        verdicts(source, report, words, pictures),
+        tasks(report, lists, words, pictures, written=is_written),
         counts(report, words),
         id="project",
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from datetime import date
 from enum import StrEnum
 from hashlib import sha256
@@ -14,7 +14,7 @@ from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.pages.conversion_items import MEANINGS, ItemLists
-from plcopen_sfc.pages.html_text import Html, element, joined, link
+from plcopen_sfc.pages.html_text import Html, element, joined, link, with_code
 from plcopen_sfc.pages.page_words import Words
 from plcopen_sfc.pages.project_page import file_name_of
 from plcopen_sfc.report import SEQUENCE, ConversionReport, Item, Outcome
@@ -22,7 +22,7 @@ from plcopen_sfc.version import __version__
 
 
 class ChartVerdict(StrEnum):
-    """Result of running a chart in both tools."""
+    """Result of comparing a chart as the tools of both sides execute it."""
 
     SAME = "the same"
     DELAYED = "the same, a scan later"
@@ -53,8 +53,11 @@ def verdict_of(report: ConversionReport, path: str) -> ChartVerdict:
     return ChartVerdict.DELAYED if " later" in found.partition("(")[0] else ChartVerdict.SAME
 
 
-def verdicts(source: Project, report: ConversionReport, words: Words) -> Html:
-    """Return the table of the charts: the verdict, how many losses, and what was seen when both ran."""
+def verdicts(source: Project, report: ConversionReport, words: Words, charts: Mapping[str, str]) -> Html:
+    """Return the table of the charts: the verdict, how many losses, and what was seen when both were simulated.
+
+    `charts` has the anchors of their pictures, by their paths.
+    """
     paths = dict.fromkeys([*(chart.report_path for chart in source.charts()), *report.compared])
     rows: list[Html] = []
     for path in paths:
@@ -62,24 +65,26 @@ def verdicts(source: Project, report: ConversionReport, words: Words) -> Html:
         losses = sum(ObjectPath.of(item.path).is_in(path) for item in report.losses)
         seen = [report.compared.get(path, ""), *report.untested.get(path, ())]
         told = [words.verdict(line) for line in seen if line] or [words("no comparison was asked for")]
+        first, *more = (element("div", with_code(line)) for line in "\n".join(told).splitlines())
+        rest = element("details", element("summary", words("Details")), *more) if more else Html("")
         rows.append(
             element(
                 "tr",
-                element("th", words.place(path)),
+                element("th", link(charts.get(path, ""), words.place(path))),
                 element("td", words(verdict.value), class_=_CLASSES.get(verdict, "")),
                 element("td", str(losses)),
-                element("td", "\n".join(told), class_="comment"),
+                element("td", first, rest, class_="comment"),
             )
         )
     if not rows:
         return Html("")
-    names = ("chart", "Verdict", "Losses", "Run in both tools")
+    names = ("chart", "Verdict", "Losses", "Simulated as both tools execute it")
     head = element("thead", element("tr", *(element("th", words.heading(name)) for name in names)))
     table = element("table", head, element("tbody", *rows))
     return joined(element("h2", words("Charts")), element("div", table, class_="scroll"))
 
 
-_OPERATED = "Decide who operates these inputs (--at-rest)"
+_OPERATED = "Decide who operates these inputs"
 _TASKS = {
     **dict.fromkeys(OPERATING_KINDS, _OPERATED),
     "undeclared name": "Add what declares these names",
@@ -105,8 +110,13 @@ _TASKS = {
 """Tasks for a person after the losses of a kind, by their subject."""
 
 
-def tasks(report: ConversionReport, lists: ItemLists, words: Words, *, written: bool) -> Html:
-    """Return the tasks of a person in the target tool, from losses and from parts not seen to be the same."""
+def tasks(
+    report: ConversionReport, lists: ItemLists, words: Words, charts: Mapping[str, str], *, written: bool
+) -> Html:
+    """Return the tasks of a person in the target tool, from losses and from parts not seen to be the same.
+
+    `charts` as in `verdicts`.
+    """
     found: dict[str, list[Item]] = {}
     for item in report.losses:
         usual = "Program what is not executed" if item.outcome is Outcome.NOT_EXECUTED else "Look at what differs"
@@ -118,9 +128,8 @@ def tasks(report: ConversionReport, lists: ItemLists, words: Words, *, written: 
     unseen = [path for path in report.compared if verdict_of(report, path) is not ChartVerdict.SAME]
     unseen = [path for path in unseen if verdict_of(report, path) is not ChartVerdict.DELAYED]
     if unseen or not report.compared:
-        lines.append(
-            _task(words("Test the charts that were not shown to do the same"), ", ".join(map(words.place, unseen)))
-        )
+        places = [part for path in unseen for part in (", ", link(charts.get(path, ""), words.place(path)))][1:]
+        lines.append(_task(words("Test the charts that were not shown to do the same"), joined(*places)))
     lines.append(_task(words("Test the machine")))
     return joined(element("h2", words("To do")), element("ul", *lines, class_="tasks"))
 

@@ -226,23 +226,26 @@ def test_a_conversion_begins_with_verdicts_tasks_and_files() -> None:
     report.compared = {
         "POU Ablauf_Band": "equal, first 1 scan later (proof: 8 states)",
         "POU Other": "different after 3",
-        "POU Second": "not all was reached, no scan was run (no proof: interrupted)",
+        "POU Second": "not all was reached, no scan was run (no proof: interrupted)\nnot reached: `#a` was never TRUE",
         "POU Third": "not compared: nothing in TIA Portal has its name; test it there",
     }
     tree = parse(sfc.conversion_page(source, report, sfc.loads(data, as_tool=True)))
     (overview,) = tree.xpath("//section[@id='project']")
     files, verdicts, _ = overview.findall(".//table")
-    rows = {row[0].text: row[1].text for row in verdicts.findall(".//tbody/tr")}
+    rows = {words_of(row[0]): row[1].text for row in verdicts.findall(".//tbody/tr")}
     assert rows == {
         "POU Ablauf_Band": "the same, a scan later",
         "POU Other": "differs",
         "POU Second": "not all was reached",
         "POU Third": "not compared",
     }
+    (own,) = verdicts.xpath(".//th/a/@href")
+    assert "Ablauf_Band" in words_of(tree.get_element_by_id(own[1:]).find("h2"))
+    assert words_of(verdicts.find(".//details")).endswith("not reached: #a was never TRUE"), "folded, without its marks"
     assert hashlib.sha256(source.source.content).hexdigest() in words_of(files)
     assert words_of(files).count(source.header.tool) == 1, "the tool of the source does not open the target"
     tasks = words_of(overview.xpath("ul[@class='tasks']")[0])
-    assert "Decide who operates these inputs (--at-rest)POU Ablauf_Band / SFC" in tasks
+    assert "Decide who operates these inputsPOU Ablauf_Band / SFC" in tasks
     assert "POU Unused / INIT_SQ" in tasks.partition("Decide who operates")[2].partition("\u2610")[0]
     assert "Import into TIA Portal" in tasks
     assert "Test the charts that were not shown to do the samePOU Other, POU Second, POU Third" in tasks

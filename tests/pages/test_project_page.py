@@ -226,7 +226,7 @@ def test_both_languages_have_all_words() -> None:
 def test_a_german_page_has_german_pictures_and_values() -> None:
     project = sfc.load(FIXTURES / "grafcet" / "every_symbol.gct")
     tree = parse(sfc.page(project, trace=sfc.simulate(project, scans=2), lang="de"))
-    parts = [words_of(each) for each in tree.xpath("//section[@class='pou']//g[@class='part']/text[@class='name']")]
+    parts = [words_of(each) for each in tree.xpath("//section[@class='pou']//g[@class='part']//text[@class='name']")]
     assert parts == ["G1", "M3 (Expansion)", "G3 (eingeschlossen)", "G4"]
     titles = {
         each.text.split()[0]
