@@ -19,9 +19,9 @@ from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model import conditions
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.sfc import ActionAssociation
-from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.charts.graph.graph_parameters import OPERATING
 from plcopen_sfc.semantics.charts.graph.graph_program import SWITCHES, GraphProgram
+from plcopen_sfc.semantics.charts.running_chart import RunningChart
 from plcopen_sfc.semantics.charts.step_state import ActionOrigin
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.programs.marks import MarkedBranch
@@ -289,23 +289,23 @@ def _key(part: ConditionPart) -> Key:
     return part.owner, part.transition.path, part.transition.transition.id, part.label
 
 
-def _charts(system: ProgramSystem) -> list[tuple[str, ChartProgram | GraphProgram]]:
+def _charts(system: ProgramSystem) -> list[tuple[str, RunningChart]]:
     """Return the charts of the POU itself, if its body is one, with their names."""
     subject = system.subject
     charts = system.instance.unit.charts
-    found = [(name, chart) for name, chart in charts if isinstance(chart, ChartProgram | GraphProgram)]
+    found = [(name, chart) for name, chart in charts if isinstance(chart, RunningChart)]
     own = [each for each in found if each[0] == subject.pou.name]
     # a POU whose body is no chart is a program; the chart of an action runs as the body of a POU that is like its own
     return found if own and subject.name == subject.pou.name else own
 
 
-def counted_charts(system: ProgramSystem) -> list[tuple[str, ChartProgram | GraphProgram]]:
+def counted_charts(system: ProgramSystem) -> list[tuple[str, RunningChart]]:
     """Return the charts that count, with their names: its own, and those of called POUs that the other side has not."""
     called = [
         (name, chart)
         for unit in system.instance.controller.library.units.values()
         for name, chart in unit.charts
-        if unit.pou.name in system.also_counted and isinstance(chart, ChartProgram | GraphProgram)
+        if unit.pou.name in system.also_counted and isinstance(chart, RunningChart)
     ]
     return _charts(system) + called
 
@@ -378,7 +378,7 @@ def unreachable_in(
     return Unreachable(system, nets, fired, chart, never, is_late=is_late)
 
 
-def _is_operated(system: ProgramSystem, chart: ChartProgram | GraphProgram) -> bool:
+def _is_operated(system: ProgramSystem, chart: RunningChart) -> bool:
     """True if inputs or actions of a sequencer may switch its steps."""
     if not isinstance(chart, GraphProgram):
         return False

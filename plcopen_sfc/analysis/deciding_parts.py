@@ -18,8 +18,7 @@ from plcopen_sfc.languages.networks import normal_form
 from plcopen_sfc.languages.networks.wires import inverted
 from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.nodes import Expression
-from plcopen_sfc.semantics.charts.chart_program import ChartProgram
-from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
+from plcopen_sfc.semantics.charts.running_chart import RunningChart
 from plcopen_sfc.semantics.net import NetTransition
 from plcopen_sfc.semantics.programs.marks import deciding_booleans, deciding_parts, may_act
 from plcopen_sfc.semantics.programs.routines import Routines
@@ -34,7 +33,7 @@ class ConditionPart:
     """
 
     owner: str
-    chart: ChartProgram | GraphProgram
+    chart: RunningChart
     transition: NetTransition
     text: str
     deciding: Expression
@@ -59,7 +58,7 @@ class ConditionParts:
     `seen`: how many have decided; it only grows.
     """
 
-    def __init__(self, system: ProgramSystem, charts: Iterable[tuple[str, ChartProgram | GraphProgram]]) -> None:
+    def __init__(self, system: ProgramSystem, charts: Iterable[tuple[str, RunningChart]]) -> None:
         self._system = system
         self.seen = 0
         self._found: list[ConditionPart] = []

@@ -37,8 +37,7 @@ from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.model.variables import SectionKind
-from plcopen_sfc.semantics.charts.chart_program import ChartProgram
-from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
+from plcopen_sfc.semantics.charts.running_chart import RunningChart
 from plcopen_sfc.semantics.net import NetTransition
 from plcopen_sfc.semantics.programs.marks import bounds, divisors
 from plcopen_sfc.semantics.programs.routines import Routines
@@ -113,8 +112,8 @@ class Goals:
         self._project = system.subject.project
         self._knowledge = ProjectKnowledge(self._project)
         self._library = system.instance.controller.library
-        found = [each for each in system.instance.called_charts() if isinstance(each[1], ChartProgram | GraphProgram)]
-        self.charts = [(chart, frame) for _, chart, frame in found if isinstance(chart, ChartProgram | GraphProgram)]
+        found = [each for each in system.instance.called_charts() if isinstance(each[1], RunningChart)]
+        self.charts = [(chart, frame) for _, chart, frame in found if isinstance(chart, RunningChart)]
         called = {id(chart): name for name, chart in counted_charts(system)}
         self._own = [chart for _, chart in system.instance.unit.charts]
         self._terms: dict[tuple[int, ...], tuple[list[Goal], Formula, list[Any]]] = {}

@@ -27,8 +27,7 @@ from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.languages.s7_globals import TABLE
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.semantics.charts import compile_chart
-from plcopen_sfc.semantics.charts.chart_program import ChartProgram
-from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
+from plcopen_sfc.semantics.charts.running_chart import RunningChart
 from plcopen_sfc.semantics.charts.step_state import Reached
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.controller import Controller, Instance
@@ -278,7 +277,7 @@ class ProgramSystem:
     def _chart_marks(self) -> list[Reached]:
         units = self._controller.library.units.values()  # charts of called programs are none of an instance in it
         charts = [chart for unit in units for _, chart in unit.charts]
-        return list({id(c): c.reached for c in charts if isinstance(c, ChartProgram | GraphProgram)}.values())
+        return list({id(c): c.reached for c in charts if isinstance(c, RunningChart)}.values())
 
     def frozen(self) -> list[str]:
         """Return the variables that it reads, that nothing writes, and that are no inputs."""
@@ -335,10 +334,10 @@ class ProgramSystem:
         """Return the steps of the chart that the POU is, and of those that its actions are (``Sub.Fill``)."""
         names, main = self.chart_steps, self._chart_marking
         paths = list(names)
-        inner: list[tuple[int, ChartProgram | GraphProgram]] = []
+        inner: list[tuple[int, RunningChart]] = []
         own = self.instance.frame
         for path, chart, frame in self.instance.charts():
-            if path and frame is own and isinstance(chart, ChartProgram | GraphProgram):
+            if path and frame is own and isinstance(chart, RunningChart):
                 inner.append((len(paths), chart))
                 paths += [f"{path}.{step.path}" for step in chart.net.steps]
         if not inner:
@@ -616,7 +615,7 @@ class ProgramSystem:
         """Return the statements that set back the times of steps."""
         found: list[tuple[Frame, Callable[[Frame, int], None]]] = []
         for _, chart, frame in self.instance.charts():
-            if isinstance(chart, ChartProgram | GraphProgram):
+            if isinstance(chart, RunningChart):
                 found.append((frame, chart.forgetting(self.times.anywhere, self.times.read)))
         return found
 

@@ -5,6 +5,7 @@
 import inspect
 import sys
 from collections.abc import Callable
+from importlib import import_module
 from typing import Annotated, Any
 
 import typer
@@ -74,38 +75,55 @@ def _common(
     """
 
 
-def _command(function: Callable[..., int]) -> Callable[..., None]:
-    """Make a command of a function that is given a screen and returns the exit code.
+def _command(work: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Make a command of a declaration, whose parameters are its arguments and options.
 
-    Its parameters are the arguments and options of the command; those that all commands share are added here, and those
-    of commands that take many files (`files`).
+    The options that all commands share are added here, and those of commands that take many files (`files`). `work` is
+    the function of `plcopen_sfc.cli.commands` that does it, such as ``info.run``.
     """
-    own = dict(list(inspect.signature(function).parameters.items())[1:])
-    shared = _SHARED | (_OF_MANY_FILES if "files" in own else {})
 
-    def command(**given: Any) -> None:
-        options = {name: given[name] if name in own else given.pop(name) for name in _SHARED}
-        if "files" in own:
-            from plcopen_sfc.cli.many_files import ManyFiles
+    def declared(function: Callable[..., None]) -> Callable[..., None]:
+        own = inspect.signature(function).parameters
+        shared = _SHARED | (_OF_MANY_FILES if "files" in own else {})
 
-            given["files"] = ManyFiles(tuple(given["files"]), given.pop("jobs"))
-        with guarded(**options) as screen:
-            screen.exit_code = function(screen, **given)
+        def command(**given: Any) -> None:
+            options = {name: given[name] if name in own else given.pop(name) for name in _SHARED}
+            if "files" in own:
+                from plcopen_sfc.cli.many_files import ManyFiles
 
-    # typer reads the signature of what it calls: the options that all commands share are put into it
-    added = {
-        name: inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
-        for name, (annotation, default) in shared.items()
-        if name not in own
-    }
-    parameters = [*own.values(), *added.values()]
-    for place, each in enumerate(parameters):
-        if each.name == "files":  # what typer makes a `ManyFiles` of
-            parameters[place] = each.replace(annotation=Annotated[list[str], *each.annotation.__metadata__])
-    command.__name__, command.__doc__ = function.__name__, function.__doc__
-    command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]  # what typer reads
-    command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
-    return command
+                given["files"] = ManyFiles(tuple(given["files"]), given.pop("jobs"))
+            with guarded(**options) as screen:
+                screen.exit_code = _done(work, screen, given)
+
+        # typer reads the signature of what it calls: the options that all commands share are put into it
+        added = {
+            name: inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
+            for name, (annotation, default) in shared.items()
+            if name not in own
+        }
+        parameters = [*own.values(), *added.values()]
+        for place, each in enumerate(parameters):
+            if each.name == "files":  # what typer makes a `ManyFiles` of
+                parameters[place] = each.replace(annotation=Annotated[list[str], *each.annotation.__metadata__])
+        command.__name__, command.__doc__ = function.__name__, function.__doc__
+        command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]  # what typer reads
+        command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+        return command
+
+    return declared
+
+
+def _done(work: str, screen: Screen, given: dict[str, Any]) -> int:
+    """Call what does a command; returns the exit code. Options that it has no parameter for are fields of its `how`."""
+    name, _, function = work.partition(".")
+    module = import_module(f"plcopen_sfc.cli.commands.{name}")
+    called = getattr(module, function)
+    parameters = inspect.signature(called).parameters
+    if "how" in parameters:
+        fields = {option: given.pop(option) for option in [*given] if option not in parameters}
+        given["how"] = getattr(module, parameters["how"].annotation)(**fields)
+    code: int = called(screen, **given)
+    return code
 
 
 _SHARED: dict[str, tuple[Any, Any]] = {
@@ -123,70 +141,50 @@ _OF_MANY_FILES: dict[str, tuple[Any, Any]] = {"jobs": (o.FileJobs, 1)}
 # it fits on a line of a terminal of 80.
 
 
-@_command
-def _formats(screen: Screen) -> int:
+@_command("catalogues.formats")
+def _formats() -> None:
     """List the formats and what of a chart each one preserves."""
-    from plcopen_sfc.cli.commands import catalogues
-
-    return catalogues.formats(screen)
 
 
-@_command
-def _info(screen: Screen, files: o.Files, charts: o.Charts = None) -> int:
+@_command("info.run")
+def _info(files: o.Files, charts: o.Charts = None) -> None:
     """Show what files hold, with an outline of each chart.
 
     Shows tool and version, POUs, steps, transitions and actions. Problems of the charts go to standard error.
     """
-    from plcopen_sfc.cli.commands import info
-
-    return info.run(screen, files, outlines=charts)
 
 
-@_command
-def _validate(screen: Screen, files: o.Files, tool: o.Importer = "") -> int:
+@_command("validate.run")
+def _validate(files: o.Files, tool: o.Importer = "") -> None:
     """Check files against the schema of their format.
 
     Also reports charts that cannot be executed and program text that cannot be parsed; with --for what a tool would not
     do of them.
     """
-    from plcopen_sfc.cli.commands import validate
-
-    return validate.run(screen, files, tool)
 
 
-@_command
+@_command("check.run")
 def _check(
-    screen: Screen,
     files: o.Files,
     select: o.Select = None,
     ignore: o.Ignore = None,
     profile: o.Profile = None,
     fail_on: o.FailOn = None,
     form: o.Form = "text",
-) -> int:
+) -> None:
     """Check charts against the numbered rules.
 
     `plcopen-sfc rules` lists the rules.
     """
-    from plcopen_sfc.cli.commands import check
-
-    chosen = "json" if screen.as_json else form
-    screen.as_json = chosen != "text"
-    how = check.CheckOptions(check.codes(select), check.codes(ignore), profile, fail_on, chosen)
-    return check.run(screen, files, how)
 
 
-@_command
-def _rules(screen: Screen, codes: o.Codes = None, markdown: o.Markdown = False) -> int:
+@_command("catalogues.rules")
+def _rules(codes: o.Codes = None, markdown: o.Markdown = False) -> None:
     """List the rules of `check`, or explain some of them."""
-    from plcopen_sfc.cli.commands import catalogues
-
-    return catalogues.rules(screen, codes or [], markdown=markdown)
 
 
-@_command
+@_command("convert.run")
 def _convert(
-    screen: Screen,
     files: o.Sources,
     to: o.ToFormats = None,
     flavour: o.For = "",
@@ -204,32 +202,12 @@ def _convert(
     report: o.ConvertReport = None,
     lang: o.PageLanguage = "en",
     resume: o.Journal = None,
-) -> int:
+) -> None:
     """Write files in another format and report every item."""
-    from plcopen_sfc.cli.commands import convert
-    from plcopen_sfc.documents.storage import SaveOptions
-
-    page = report if report is not None and report.suffix.casefold() in {".html", ".htm"} else None
-    if page is not None:
-        screen.report = None
-    saving: SaveOptions = {
-        "format": "",
-        "flavour": flavour,
-        "tia": tia,
-        "strict": strict,
-        "partial": partial,
-        "fresh": fresh,
-        "normalize": normalize,
-        "limit": limit if verify and limit.strip() != "0" else 0,
-        "at_rest": o.names(at_rest),
-    }
-    how = convert.ConvertOptions(saving, as_tool, accept_errors, accept_untested, page, lang)
-    return convert.run(screen, files, how, o.names(to), resume)
 
 
-@_command
+@_command("diff.run")
 def _diff(
-    screen: Screen,
     before: o.Before,
     after: o.After,
     layout: o.Layout = False,
@@ -239,41 +217,30 @@ def _diff(
     html: o.DiffHtml = None,
     lang: o.PageLanguage = "en",
     jobs: o.FileJobs = 1,
-) -> int:
+) -> None:
     """Show what changed between two files, in the words of charts.
 
     Compares what they mean: the files may have different formats. Layout and ids do not count.
     """
-    from plcopen_sfc.cli.commands import diff
-
-    how = diff.DiffOptions(
-        layout=layout, prove=prove, limit=limit, exit_code=exit_code, html=html, lang=lang, jobs=jobs
-    )
-    return diff.run(screen, before, after, how)
 
 
-@_command
+@_command("edits.rename")
 def _rename(
-    screen: Screen,
     files: o.Files,
     old: o.OldName,
     new: o.NewName,
     dry_run: o.DryRun = False,
     diff: o.Patch = None,
     resume: o.Journal = None,
-) -> int:
+) -> None:
     """Rename a step, a variable or a POU wherever files name it.
 
     Changes files in place. With - a file is read from standard input and written to standard output.
     """
-    from plcopen_sfc.cli.commands import edits
-
-    return edits.rename(screen, files, old, new, edits.EditOptions(not dry_run, diff, journal=resume))
 
 
-@_command
+@_command("edits.renumber")
 def _renumber(
-    screen: Screen,
     files: o.Files,
     start: o.Start = 1,
     increment: o.Increment = 1,
@@ -282,31 +249,23 @@ def _renumber(
     dry_run: o.DryRun = False,
     diff: o.Patch = None,
     resume: o.Journal = None,
-) -> int:
+) -> None:
     """Number steps along the flow, and name them by their numbers.
 
     Changes files in place. With - a file is read from standard input and written to standard output.
     """
-    from plcopen_sfc.cli.commands import edits
-
-    how = edits.EditOptions(not dry_run, diff, journal=resume)
-    return edits.renumber(screen, files, (start, increment, names, pou or ""), how)
 
 
-@_command
-def _merge(screen: Screen, source: o.StepList, file: o.ListedFile, dry_run: o.DryRun = False) -> int:
+@_command("edits.merge")
+def _merge(source: o.StepList, file: o.ListedFile, dry_run: o.DryRun = False) -> None:
     """Put what was edited in a step list into its file.
 
     The list is one that `convert FILE list.xlsx` wrote, with your changes. Rows that are the same change nothing.
     """
-    from plcopen_sfc.cli.commands import edits
-
-    return edits.merge(screen, source, file, edits.EditOptions(not dry_run))
 
 
-@_command
+@_command("edits.run_script")
 def _apply(
-    screen: Screen,
     script: o.Script,
     files: o.Files,
     settings: o.ScriptSettings = None,
@@ -316,21 +275,16 @@ def _apply(
     prove: o.ProveSame = False,
     limit: o.ProveLimit = "30s",
     resume: o.Journal = None,
-) -> int:
+) -> None:
     """Run a script on many files, and show what it changes.
 
     The script is a Python file with a function refactor(project), or a plugin. Files are changed with --write only;
     with it, - is read from standard input and written to standard output.
     """
-    from plcopen_sfc.cli.commands import edits
-
-    how = edits.EditOptions(write, diff, scheduler, prove, resume, limit)
-    return edits.run_script(screen, script, files, settings or [], how)
 
 
-@_command
+@_command("simulate.run")
 def _simulate(
-    screen: Screen,
     file: o.File,
     pou: o.PouName = None,
     inputs: o.Inputs = None,
@@ -349,30 +303,12 @@ def _simulate(
     svg: o.TraceSvg = None,
     html: o.TraceHtml = None,
     lang: o.PageLanguage = "en",
-) -> int:
+) -> None:
     """Run a chart or a program scan by scan and show what it does."""
-    from plcopen_sfc.cli.commands import simulate
-
-    how = simulate.SimulateOptions(
-        pou,
-        inputs,
-        seed,
-        system_inputs,
-        scans,
-        profile,
-        scan_time,
-        settings or (),
-        record or (),
-        free or (),
-        functions,
-        as_tool,
-    )
-    return simulate.run(screen, file, how, files=simulate.TraceFiles(csv, vcd, svg, html, lang))
 
 
-@_command
+@_command("lower.run")
 def _lower(
-    screen: Screen,
     file: o.File,
     to: o.To = "",
     flavour: o.For = "",
@@ -403,52 +339,12 @@ def _lower(
     partial: o.Partial = False,
     tia: o.Tia = "",
     accept_errors: o.AcceptErrors = False,
-) -> int:
+) -> None:
     """Make program code of charts and prove that it does the same."""
-    if no_init and init is not None:
-        raise typer.BadParameter("--init and --no-init exclude each other")
-    from plcopen_sfc.cli.commands import lower
-    from plcopen_sfc.lowering.lowering_options import LoweringOptions
-
-    options: LoweringOptions = {
-        "style": style,
-        "language": language,
-        "profile": profile,
-        "init": "" if no_init else init,
-        "stop": stop,
-        "reset_actions": reset_actions,
-        "states": states,
-        "actions": actions,
-        "flags": flags,
-        "flag_names": flag_names,
-        "modes": modes or (),
-        "at_rest": o.names(at_rest),
-        "lang": lang,
-    }
-    wanted = tuple(free or ())
-    how = lower.LowerOptions(
-        to,
-        flavour,
-        tia,
-        pou,
-        construction,
-        options,
-        skip_refused,
-        partial,
-        verify,
-        accept_untested,
-        wanted,
-        functions,
-        limit,
-        jobs,
-        accept_errors,
-    )
-    return lower.run(screen, file, target, how)
 
 
-@_command
+@_command("drawings.pictures")
 def _draw(
-    screen: Screen,
     files: o.Sources,
     pou: o.PouName = None,
     style: o.PictureStyle = None,
@@ -456,70 +352,49 @@ def _draw(
     paper: o.Paper = None,
     to: o.PictureFormat = None,
     fresh: o.FreshLayout = False,
-) -> int:
+) -> None:
     """Draw charts as pictures: SVG, PNG or PDF.
 
     A file with several charts needs a folder for them, or --pou.
     """
-    from plcopen_sfc.cli.commands import drawings
-
-    return drawings.pictures(screen, files, drawings.DrawOptions(pou, style, theme, to, paper, fresh))
 
 
-@_command
+@_command("drawings.pages")
 def _page(
-    screen: Screen,
     files: o.Sources,
     lang: o.PageLanguage = "en",
     against: o.Against = None,
     pou: o.PouName = None,
     limit: o.AgainstLimit = "30s",
-) -> int:
+) -> None:
     """Write a project as one HTML page: charts, texts, findings.
 
     The page needs no network: charts, declarations, cross references and the findings of `check` are in it.
     """
-    from plcopen_sfc.cli.commands import drawings
-
-    return drawings.pages(screen, files, drawings.PageOptions(lang, against, pou, limit))
 
 
-@_command
-def _normalize(screen: Screen, files: o.Files, dry_run: o.OnlyList = False) -> int:
+@_command("edits.normalize")
+def _normalize(files: o.Files, dry_run: o.OnlyList = False) -> None:
     """Remove what the tool of a file ignores, for clean diffs in git.
 
     Changes files of TIA Portal in place: the time of an export and the like go. The exit code is 1 where one changed.
     With - a file is read from standard input and written to standard output, with exit code 0.
     """
-    from plcopen_sfc.cli.commands import edits
-
-    return edits.normalize(screen, files, dry_run=dry_run)
 
 
-@_command
-def _git_setup(screen: Screen, patterns: o.Patterns = None, undo: o.Undo = False) -> int:
+@_command("git_use.setup")
+def _git_setup(patterns: o.Patterns = None, undo: o.Undo = False) -> None:
     """Make git show changes in the words of charts, and check merges.
 
     Writes lines to .gitattributes and to the configuration of the repository that you are in.
     """
-    from plcopen_sfc.cli.commands import git_use
-
-    return git_use.setup(screen, patterns or [], undo=undo)
 
 
-@_command
-def _git_merge(screen: Screen, base: o.Merged, ours: o.Merged, theirs: o.Merged, name: o.Merged) -> int:
+@_command("git_use.merge")
+def _git_merge(base: o.Merged, ours: o.Merged, theirs: o.Merged, name: o.Merged) -> None:
     """Merge three versions of a file, as git calls it."""
-    from plcopen_sfc.cli.commands import git_use
-
-    return git_use.merge(screen, base, ours, theirs, name)
 
 
-@_command
-def _schema(screen: Screen) -> int:
+@_command("catalogues.schema")
+def _schema() -> None:
     """Print the JSON Schema of the model, for other languages."""
-    from plcopen_sfc.model import Project
-
-    screen.as_json = True
-    screen.result({"$schema": "https://json-schema.org/draft/2020-12/schema", **Project.model_json_schema()})
-    return 0

@@ -23,6 +23,11 @@ STANDARD_STREAM = "-"
 _FINDINGS = 1
 
 
+def names_in(given: list[str] | None) -> tuple[str, ...]:
+    """Return the names of an option that is repeatable and takes several with commas."""
+    return tuple(name.strip() for each in given or () for name in each.split(",") if name.strip())
+
+
 def read_input() -> bytes:
     """Read all of standard input."""
     return sys.stdin.buffer.read()

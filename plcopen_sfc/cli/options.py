@@ -29,11 +29,6 @@ def _profiles() -> list[str]:
     return list(PROFILES)
 
 
-def names(given: list[str] | None) -> tuple[str, ...]:
-    """Return the names of an option that is repeatable and takes several with commas."""
-    return tuple(name.strip() for each in given or () for name in each.split(",") if name.strip())
-
-
 def _option(name: str, help: str, metavar: str | None = None, **more: Any) -> Any:
     return typer.Option(name, help=help, metavar=metavar, **more)
 

@@ -19,7 +19,7 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
 from plcopen_sfc.model.types import EnumType
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
-from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
+from plcopen_sfc.semantics.charts.running_chart import RunningChart
 from plcopen_sfc.semantics.programs.controller import Instance
 from plcopen_sfc.semantics.programs.runtime_types import (
     MOST_ELEMENTS,
@@ -171,7 +171,7 @@ def is_written(instance: Instance, path: str) -> bool:
 def step_marking(instance: Instance) -> tuple[tuple[str, ...], Callable[[], int]]:
     """Return the paths of the steps of the chart that an instance is, and what gives the active ones as bits."""
     for path, chart, frame in instance.charts():
-        if not path and isinstance(chart, ChartProgram | GraphProgram):
+        if not path and isinstance(chart, RunningChart):
             return tuple(step.path for step in chart.net.steps), partial(chart.marking, frame)
     return (), lambda: 0
 

@@ -1,4 +1,4 @@
-"""``plcopen-sfc formats`` and ``rules``: what is read and written, and what `check` looks for."""
+"""``plcopen-sfc formats``, ``rules`` and ``schema``: what is read and written, and what `check` looks for."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from plcopen_sfc.analysis.checks.rule_table import catalogue, in_profiles, selec
 from plcopen_sfc.cli.screen import Screen, Table
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.registry import all_formats
+from plcopen_sfc.model.project import Project
 
 
 def formats(screen: Screen) -> int:
@@ -50,9 +51,9 @@ def _format_data(kind: Format) -> dict[str, Any]:
     }
 
 
-def rules(screen: Screen, codes: Sequence[str], *, markdown: bool) -> int:
+def rules(screen: Screen, codes: Sequence[str] | None, *, markdown: bool) -> int:
     """List all rules, or explain those with these codes."""
-    found = selected(all_rules(), codes, ())
+    found = selected(all_rules(), codes or (), ())
     screen.result({"rules": [_rule_data(rule) for rule in found]})
     if screen.as_json:
         return 0
@@ -65,6 +66,13 @@ def rules(screen: Screen, codes: Sequence[str], *, markdown: bool) -> int:
         table = Table(["rule", "severity", "what"])
         table.rows = [[rule.code, rule.severity.value if rule.severity else "-", rule.title] for rule in found]
         screen.table(table)
+    return 0
+
+
+def schema(screen: Screen) -> int:
+    """Print the JSON Schema of the model."""
+    screen.as_json = True
+    screen.result({"$schema": "https://json-schema.org/draft/2020-12/schema", **Project.model_json_schema()})
     return 0
 
 

@@ -237,15 +237,15 @@ FAIL_ON = ("error", "warning", "info", "never")
 class CheckOptions:
     """Options of the command; None: the value of the configuration."""
 
-    select: tuple[str, ...] | None = None
-    ignore: tuple[str, ...] | None = None
+    select: Sequence[str] | None = None
+    ignore: Sequence[str] | None = None
     profile: str | None = None
     fail_on: str | None = None
-    format: str = "text"
+    form: str = "text"
     externals: tuple[str, ...] = ()
 
 
-def codes(texts: Sequence[str] | None) -> tuple[str, ...] | None:
+def _codes(texts: Sequence[str] | None) -> tuple[str, ...] | None:
     """Codes that were given in several options, or in one with commas between."""
     if not texts:
         return None
@@ -255,17 +255,21 @@ def codes(texts: Sequence[str] | None) -> tuple[str, ...] | None:
 
 def run(screen: Screen, files: ManyFiles, how: CheckOptions) -> int:
     """Print the findings of all files."""
+    how = replace(
+        how, select=_codes(how.select), ignore=_codes(how.ignore), form="json" if screen.as_json else how.form
+    )
+    screen.as_json = how.form != "text"
     _validate(how)
     configurations = Configurations()
     wanted = {name: _with(how, configurations.of(name)) for name in files.found}
     outcomes = for_each(screen, wanted, _check, "Checking", jobs=files.jobs)
     everything = [finding for each in outcomes if each.value is not None for finding in each.value]
     errors = [each.error for each in outcomes if each.error is not None]
-    if how.format == "github":
+    if how.form == "github":
         screen.as_json = False
         for line in github_annotations(everything, errors):
             screen.line(line)
-    if how.format == "sarif":
+    if how.form == "sarif":
         screen.json(sarif(everything, errors))
         screen.as_json = False
     listed = (replace(each, value=_data(each.path, each.value)) if each.error is None else each for each in outcomes)
@@ -287,7 +291,7 @@ def _check(screen: Screen, name: str, wanted: CheckOptions) -> list[Diagnostic]:
     screen.exit_code = max(screen.exit_code, _exit_code(found, others, wanted.fail_on or "warning"))
     for finding in others:
         screen.finding(finding, result=False)
-    if wanted.format == "text":
+    if wanted.form == "text":
         _print(screen, name, found)
     return found
 
@@ -307,8 +311,8 @@ def _validate(how: CheckOptions) -> None:
         profile(how.profile)
     if how.fail_on is not None and how.fail_on not in FAIL_ON:
         raise ModelError(f"there is no severity {how.fail_on!r}", hint=f"There are: {', '.join(FAIL_ON)}")
-    if how.format not in FORMATS:
-        raise ModelError(f"there is no format {how.format!r} of results", hint=f"There are: {', '.join(FORMATS)}")
+    if how.form not in FORMATS:
+        raise ModelError(f"there is no format {how.form!r} of results", hint=f"There are: {', '.join(FORMATS)}")
 
 
 def _with(how: CheckOptions, configuration: CheckSettings) -> CheckOptions:
@@ -324,7 +328,7 @@ def _with(how: CheckOptions, configuration: CheckSettings) -> CheckOptions:
         ignore=how.ignore if how.ignore is not None else configuration.ignore,
         profile=how.profile or configuration.profile,
         fail_on=how.fail_on or configuration.fail_on,
-        format=how.format,
+        form=how.form,
         externals=configuration.externals,
     )
 

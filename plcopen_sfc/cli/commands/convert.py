@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from datetime import date
 from functools import partial
 from pathlib import Path
+from typing import Any, cast
 
 from plcopen_sfc.api import load, save
 from plcopen_sfc.batch import is_folder_in, known_format
@@ -16,6 +17,7 @@ from plcopen_sfc.cli.command_files import (
     exit_code_for,
     format_of_target,
     load_input,
+    names_in,
     written_to_stdout,
 )
 from plcopen_sfc.cli.many_files import ManyFiles, for_each, targets
@@ -42,33 +44,51 @@ class ConvertOptions:
     """
 
     saving: SaveOptions
-    as_tool: bool = False
-    accept_errors: bool = False
-    accept_untested: bool = False
-    page: Path | None = None
-    lang: str = "en"
+    as_tool: bool
+    accept_errors: bool
+    accept_untested: bool
+    page: Path | None
+    lang: str
 
     @property
     def format(self) -> str:
         """The format to write, as it was named."""
-        return self.saving["format"] or ""
+        return self.saving.get("format") or ""
 
 
 def run(
-    screen: Screen, files: ManyFiles, how: ConvertOptions, formats: Sequence[str] = (), journal: Path | None = None
+    screen: Screen,
+    files: ManyFiles,
+    *,
+    to: list[str] | None,
+    report: Path | None,
+    resume: Path | None,
+    verify: bool,
+    limit: str,
+    at_rest: list[str] | None,
+    as_tool: bool,
+    accept_errors: bool,
+    accept_untested: bool,
+    lang: str,
+    **saving: Any,
 ) -> int:
     """Convert files to the last one that is named (none: next to each, ``-``: standard output).
 
     From standard input (``-``) none is standard output. Several files are written into a folder, and so is a file in
-    several `formats`, or one whose target is a folder: by the name of the source. Output without a name is a folder for
+    several formats, or one whose target is a folder: by the name of the source. Output without a name is a folder for
     tools that import one object a file.
     """
-    if how.page is not None:
-        refuse_unwritable(how.page)
+    page = report if report is not None and report.suffix.casefold() in {".html", ".htm"} else None
+    if page is not None:
+        screen.report = None  # that is a report in JSON
+        refuse_unwritable(page)
+    saving |= {"limit": limit if verify and limit.strip() != "0" else 0, "at_rest": names_in(at_rest)}
+    how = ConvertOptions(cast("SaveOptions", saving), as_tool, accept_errors, accept_untested, page, lang)
+    formats = names_in(to)
     if len(formats) < 2:
-        screen.result(_in_format(screen, files, how, "".join(formats), journal))
+        screen.result(_in_format(screen, files, how, "".join(formats), resume))
         return screen.exit_code
-    if journal is not None or how.page is not None or STANDARD_STREAM in files.named:
+    if resume is not None or how.page is not None or STANDARD_STREAM in files.named:
         hint = "Leave out --resume, --report FILE.html and -, or name one format."
         raise InputError("several formats are written of files, one after the other", hint=hint)
     kinds = {name: format_named(name)[0] for name in formats}

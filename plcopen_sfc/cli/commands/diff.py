@@ -30,13 +30,13 @@ _DIFF_STYLES = {"+": "green", "-": "red", "@": "cyan"}
 class DiffOptions:
     """Options of the command."""
 
-    layout: bool = False
-    prove: bool = False
-    limit: str = "30s"
-    exit_code: bool = False
-    html: Path | None = None
-    lang: str = "en"
-    jobs: int = 1
+    layout: bool
+    prove: bool
+    limit: str
+    exit_code: bool
+    html: Path | None
+    lang: str
+    jobs: int
 
 
 def run(screen: Screen, before: str, after: str, how: DiffOptions) -> int:

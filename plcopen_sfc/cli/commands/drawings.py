@@ -19,40 +19,32 @@ from plcopen_sfc.semantics.profile import default_profile
 from plcopen_sfc.semantics.subjects import resolve
 
 
-@dataclass(frozen=True)
-class DrawOptions:
-    """Options of `draw`: those of `plcopen_sfc.documents.picture_files.draw`."""
+def pictures(screen: Screen, files: ManyFiles, *, to: str | None, **options: Any) -> int:
+    """Draw charts into the last file that is named (none: next to each, ``-``: standard output).
 
-    pou: str | None = None
-    style: str | None = None
-    theme: str = "light"
-    format: str | None = None
-    paper: str | None = None
-    fresh: bool = False
-
-
-def pictures(screen: Screen, files: ManyFiles, how: DrawOptions) -> int:
-    """Draw charts into the last file that is named (none: next to each, ``-``: standard output)."""
+    `options` are those of `plcopen_sfc.documents.picture_files.draw`, `to` the format.
+    """
     sources, target = files.with_target()
+    work = partial(_draw, {**options, "format": to})
     if sources.alone:
-        screen.result(_draw(how, screen, sources.named[0], target))
+        screen.result(work(screen, sources.named[0], target))
         return screen.exit_code
     made = targets(sources, target, lambda path: f"{_place(path, '-charts')}/", lambda _, name: f"{Path(name).stem}/")
-    return _listed(screen, files, made, partial(_draw, how), "Drawing")
+    return _listed(screen, files, made, work, "Drawing")
 
 
-def _draw(how: DrawOptions, screen: Screen, source: str, target: str | None) -> dict[str, Any]:
-    extension = PICTURE_FORMATS.get((how.format or "svg").lower(), "")
+def _draw(options: dict[str, Any], screen: Screen, source: str, target: str | None) -> dict[str, Any]:
+    extension = PICTURE_FORMATS.get((options["format"] or "svg").lower(), "")
     project = load_input(screen, source)
     for finding in project.diagnostics:
         screen.finding(finding, result=False)
     if target is None and source == STANDARD_STREAM:
         target = STANDARD_STREAM
     elif target is None:
-        several = len(drawn_bodies(project, how.pou)) > 1
+        several = len(drawn_bodies(project, options["pou"])) > 1
         target = f"{_place(Path(source), '-charts')}/" if several else str(Path(source).with_suffix(extension))
     with written_to_stdout(screen, target, extension) as place:
-        drawn = draw(project, place, **vars(how))
+        drawn = draw(project, place, **options)
     written = [(each.name, target if target == STANDARD_STREAM else str(each.path)) for each in drawn]
     missing = "".join(sorted({letter for each in drawn for letter in each.missing}))
     if missing:
@@ -78,10 +70,10 @@ def _draw(how: DrawOptions, screen: Screen, source: str, target: str | None) -> 
 class PageOptions:
     """Options of `page`: its language, and the file that the chart or program `pou` is compared with."""
 
-    lang: str = "en"
-    against: str | None = None
-    pou: str | None = None
-    limit: str = "30s"
+    lang: str
+    against: str | None
+    pou: str | None
+    limit: str
 
 
 def pages(screen: Screen, files: ManyFiles, how: PageOptions) -> int:

@@ -39,14 +39,23 @@ DIFF_STYLES = {"+": "green", "-": "red", "@": "cyan"}
 
 @dataclass(frozen=True)
 class EditOptions:
-    """Options of a run: those of `plcopen_sfc.batch.apply`. `patch` gets a unified diff of all changes."""
+    """Options of a run: those of `plcopen_sfc.batch.apply`. `diff` gets a unified diff of all changes.
 
+    Commands that have `dry_run` write without it, the others with `write`.
+    """
+
+    dry_run: bool | None = None
     write: bool = False
-    patch: Path | None = None
+    diff: Path | None = None
     scheduler: str = ""
     prove: bool = False
-    journal: Path | None = None
+    resume: Path | None = None
     limit: str | None = None
+
+    @property
+    def writes(self) -> bool:
+        """True if files are changed."""
+        return self.write if self.dry_run is None else not self.dry_run
 
 
 @dataclass(frozen=True)
@@ -172,13 +181,15 @@ def _tell_unread(screen: Screen, project: Project) -> None:
 
 
 def rename(screen: Screen, files: ManyFiles, old: str, new: str, how: EditOptions) -> int:
-    """Rename `old` to `new` in files; without `write` only show what would change."""
+    """Rename `old` to `new` in files; with `dry_run` only show what would change."""
     return _edit(screen, files, _Rename(old, new), how)
 
 
-def renumber(screen: Screen, files: ManyFiles, numbering: tuple[int, int, str, str], how: EditOptions) -> int:
-    """Renumber the charts in files: start, increment, form of names, POU."""
-    return _edit(screen, files, _Renumber(*numbering), how)
+def renumber(
+    screen: Screen, files: ManyFiles, how: EditOptions, *, start: int, increment: int, names: str, pou: str | None
+) -> int:
+    """Renumber the charts in files."""
+    return _edit(screen, files, _Renumber(start, increment, names, pou or ""), how)
 
 
 def merge(screen: Screen, source: str, file: str, how: EditOptions) -> int:
@@ -186,9 +197,9 @@ def merge(screen: Screen, source: str, file: str, how: EditOptions) -> int:
     return _edit(screen, ManyFiles((file,)), _Merge(source), how)
 
 
-def run_script(screen: Screen, script: str, files: ManyFiles, settings: Sequence[str], how: EditOptions) -> int:
+def run_script(screen: Screen, script: str, files: ManyFiles, settings: Sequence[str] | None, how: EditOptions) -> int:
     """Run a script, or the plugin of this name, on files."""
-    given = dict(map(_setting, settings))
+    given = dict(map(_setting, settings or ()))
     if files.named == (STANDARD_STREAM,):
         if how.prove:
             raise InputError("--prove needs a file: what is read from standard input has no other version")
@@ -208,18 +219,18 @@ def _setting(text: str) -> tuple[str, str]:
 
 def _edit(screen: Screen, files: ManyFiles, edit: _Edit, how: EditOptions) -> int:
     """Edit files. Of one alone all is told, or with a dry run the diff; ``-`` goes to standard output."""
-    if not files.alone or how.journal is not None:
+    if not files.alone or how.resume is not None:
         return _edit_many(screen, files, edit, {}, how)
     (file,) = files.named
     if file == STANDARD_STREAM:
         return _edit_stream(screen, edit, how)
-    (done,) = apply(edit, [file], write=how.write)
+    (done,) = apply(edit, [file], write=how.writes)
     if done.error:
         screen.complain(done.error)
         return UNREADABLE
     data, told = done.returned
-    diff = [line for change in done.changes for line in difference(change)] if not how.write else []
-    written = [change.path for change in done.changes if change.after] if how.write else []
+    diff = [line for change in done.changes for line in difference(change)] if not how.writes else []
+    written = [change.path for change in done.changes if change.after] if how.writes else []
     _tell_alone(screen, told, diff, written, done.lost)
     screen.result({"file": file} | data | _outcome(diff, written, done.lost, how))
     screen.exit_code = max(screen.exit_code, told.exit_code)
@@ -230,7 +241,7 @@ def _edit_stream(screen: Screen, edit: _Edit, how: EditOptions) -> int:
     project = load_input(screen, STANDARD_STREAM)
     data, told = edit(project)
     diff, written, lost = [], [], []
-    if how.write:
+    if how.writes:
         with written_to_stdout(screen, STANDARD_STREAM, "") as target:
             report = save(project, target, format=project.source.format if project.source is not None else None)
         written, lost = [STANDARD_STREAM], report.with_outcome(*LOSSES, Outcome.DROPPED)
@@ -243,7 +254,7 @@ def _edit_stream(screen: Screen, edit: _Edit, how: EditOptions) -> int:
 
 
 def _outcome(diff: list[str], written: list[str], lost: Sequence[Item], how: EditOptions) -> dict[str, Any]:
-    if not how.write:
+    if not how.writes:
         return {"diff": diff}
     return {"written": written, "losses": [f"{item.place}: {item.why}" for item in lost if item.outcome in LOSSES]}
 
@@ -282,12 +293,12 @@ def _edit_many(screen: Screen, files: ManyFiles, edit: str | _Edit, settings: di
         edit,
         paths,
         settings=settings,
-        write=how.write,
+        write=how.writes,
         jobs=files.jobs,
         scheduler=how.scheduler,
         prove=how.prove,
         limit=how.limit,
-        journal=str(how.journal) if how.journal is not None else None,
+        journal=str(how.resume) if how.resume is not None else None,
     )
     for each in screen.progress(done, "Editing", len(paths)):
         outcome = (
@@ -298,23 +309,23 @@ def _edit_many(screen: Screen, files: ManyFiles, edit: str | _Edit, settings: di
             errors[each.path] = each.error
             screen.exit_code = max(screen.exit_code, _FINDINGS if each.proofs else UNREADABLE)
         diff = [line for change in each.changes for line in difference(change)]
-        patches += map(patch_of, each.changes) if how.patch is not None else ()
+        patches += map(patch_of, each.changes) if how.diff is not None else ()
         own, told = each.returned if each.returned is not None and not isinstance(edit, str) else ({}, None)
         proofs = {"proofs": [proof.as_dict() for proof in each.proofs]} if how.prove else {}
         data.append({"file": each.path, "outcome": outcome, "error": each.error, "diff": diff, **own, **proofs})
         if told is not None:
             screen.exit_code = max(screen.exit_code, told.exit_code)
         _tell_one_of_many(screen, each, told, diff)
-    if how.patch is not None:
-        write_atomic(str(how.patch), b"".join(patches))
+    if how.diff is not None:
+        write_atomic(str(how.diff), b"".join(patches))
     names = ["changed", "unchanged", "failed", *(["done before"] if outcomes["done before"] else [])]
     unwritten = (
         ""
-        if how.write or not outcomes["changed"]
+        if how.writes or not outcomes["changed"]
         else "; nothing is written " + ("without --write" if isinstance(edit, str) else "with --dry-run")
     )
     show_counts(screen, {name: outcomes[name] for name in names}, errors, unwritten)
-    screen.result({"files": data, "counts": dict(outcomes), "written": how.write})
+    screen.result({"files": data, "counts": dict(outcomes), "written": how.writes})
     return screen.exit_code
 
 

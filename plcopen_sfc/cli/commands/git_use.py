@@ -22,7 +22,7 @@ _SECTIONS = (f"diff.{_NAME}", f"difftool.{_NAME}", f"merge.{_NAME}")
 _CONFLICT = 1
 
 
-def setup(screen: Screen, patterns: Sequence[str], *, undo: bool) -> int:
+def setup(screen: Screen, patterns: Sequence[str] | None, *, undo: bool) -> int:
     """Write, or with `undo` take out again, what makes git use `plcopen-sfc diff` in this repository."""
     root = Path(_git("rev-parse", "--show-toplevel").strip())
     attributes = root / ".gitattributes"

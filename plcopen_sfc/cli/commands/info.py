@@ -16,10 +16,10 @@ from plcopen_sfc.whole_numbers import counted
 _FEW_CHARTS = 4
 
 
-def run(screen: Screen, files: ManyFiles, *, outlines: bool | None) -> int:
-    """Print a summary of every file. `outlines`: of every chart too; None: where there are few, of one file."""
+def run(screen: Screen, files: ManyFiles, *, charts: bool | None) -> int:
+    """Print a summary of every file. `charts`: an outline of every one too; None: where there are few, of one file."""
     several = len(files.found) > 1
-    work = partial(_inform, not several if outlines is None else outlines, outlines is None, several)
+    work = partial(_inform, not several if charts is None else charts, charts is None, several)
     outcomes = for_each(screen, [*files.found], work, "Reading", jobs=files.jobs)
     screen.result({"files": [each.as_dict() for each in outcomes]})
     return screen.exit_code

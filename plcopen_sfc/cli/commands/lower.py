@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from plcopen_sfc.analysis.search_limits import seconds
 from plcopen_sfc.analysis.verdict import UntestedError
@@ -15,77 +16,71 @@ from plcopen_sfc.cli.command_files import (
     exit_code_for,
     format_of_target,
     load_input,
+    names_in,
     written_to_stdout,
 )
 from plcopen_sfc.cli.report_items import show_items
 from plcopen_sfc.cli.screen import INTERRUPTED, UNREADABLE, Screen
 from plcopen_sfc.documents.lowered import LoweredFile, lower_to_file
-from plcopen_sfc.errors import LossError, LoweringError
+from plcopen_sfc.errors import InputError, LossError, LoweringError
 from plcopen_sfc.files import folder_exists
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.lowering import LoweredPou
-from plcopen_sfc.lowering.lowering_options import LoweringOptions
 from plcopen_sfc.report import ConversionReport
 
 _FINDINGS = 1
 
 
-@dataclass(frozen=True)
-class LowerOptions:
-    """Options of the command: those of `lower_to_file`, and if the readable part of a wrong file is written."""
+def run(
+    screen: Screen,
+    file: str,
+    target: str | None,
+    *,
+    to: str,
+    tia: str,
+    init: str | None,
+    no_init: bool,
+    modes: list[str] | None,
+    at_rest: list[str] | None,
+    free: list[str] | None,
+    functions: str | None,
+    limit: str | None,
+    skip_refused: bool,
+    accept_errors: bool,
+    **options: Any,
+) -> int:
+    """Lower the charts of `file`, or one of them, into `target` (None: a file next to it), and show what was made.
 
-    to: str
-    flavour: str = ""
-    tia: str = ""
-    pou: str | None = None
-    construction: str = "auto"
-    options: LoweringOptions = field(default_factory=LoweringOptions)
-    skip_refused: bool = False
-    partial: bool = False
-    verify: bool = True
-    accept_untested: bool = False
-    free: tuple[str, ...] = ()
-    functions: str | None = None
-    limit: str | None = None
-    jobs: int = 1
-    accept_errors: bool = False
-
-
-def run(screen: Screen, source: str, target: str | None, how: LowerOptions) -> int:
-    """Lower the charts of `source`, or one of them, into `target` (None: a file next to it), and show what was made.
-
-    ``-`` is standard input and standard output.
+    ``-`` is standard input and standard output. `options` are further ones of `lower_to_file`.
     """
-    seconds(how.limit)  # a wrong one is a mistake of the command line, not of a chart
-    how = replace(how, to=format_of_target(how.to, target, how.tia))
+    if no_init and init is not None:
+        raise InputError("--init and --no-init exclude each other")
+    seconds(limit)  # a wrong one is a mistake of the command line, not of a chart
+    to = format_of_target(to, target, tia)
     if target is None:
-        target = STANDARD_STREAM if source == STANDARD_STREAM else _beside(Path(source), how.to)
-    project = load_input(screen, source)
+        target = STANDARD_STREAM if file == STANDARD_STREAM else _beside(Path(file), to)
+    project = load_input(screen, file)
     for finding in project.diagnostics:
         screen.finding(finding, result=False)
-    if how.accept_errors:
+    if accept_errors:
         project.accept_errors()
-    extension = format_named(how.to)[0].extensions[0]
+    extension = format_named(to)[0].extensions[0]
     with written_to_stdout(screen, target, extension) as place, screen.searching() as progress:
         try:
             made = lower_to_file(
                 project,
                 place,
-                how.construction,
-                format=how.to,
-                flavour=how.flavour,
-                tia=how.tia,
-                pou=how.pou,
-                skip_refused=how.skip_refused,
-                partial=how.partial,
-                verify=how.verify,
-                accept_untested=how.accept_untested,
-                free_inputs=how.free,
-                functions=functions_of(how.functions) if how.functions is not None else {},
-                limit=how.limit,
+                format=to,
+                tia=tia,
+                init="" if no_init else init,
+                modes=modes or (),
+                at_rest=names_in(at_rest),
+                free_inputs=free or (),
+                functions=functions_of(functions) if functions is not None else {},
+                limit=limit,
+                skip_refused=skip_refused,
                 progress=progress,
-                jobs=how.jobs,
-                **how.options,
+                **options,
             )
         except LossError as loss:
             if not screen.as_json and not screen.quiet:
@@ -107,7 +102,7 @@ def run(screen: Screen, source: str, target: str | None, how: LowerOptions) -> i
     charts = len(made.pous) + len(made.refused)
     if made.path is None:
         screen.complain(f"nothing is written: {len(made.refused)} of {charts} charts are refused")
-        if made.pous and not how.skip_refused:
+        if made.pous and not skip_refused:
             screen.advise("--skip-refused leaves them as they are and lowers the others.")
         if any(isinstance(each, UntestedError) and each.verdict.interrupted for each in made.refused.values()):
             return INTERRUPTED

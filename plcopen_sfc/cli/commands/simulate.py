@@ -23,50 +23,48 @@ _FINDINGS = 1
 
 @dataclass(frozen=True)
 class SimulateOptions:
-    """Options of the command."""
+    """Options of the command. The last ones are the files to save the trace in, and the language of the page."""
 
-    pou: str | None = None
-    inputs: str | None = None
-    seed: int | None = None
-    system_inputs: bool = False
-    scans: int | None = None
-    profile: str | None = None
-    scan_time: str = "10ms"
-    settings: Sequence[str] = ()
-    record: Sequence[str] = ()
-    free: Sequence[str] = ()
-    functions: str | None = None
-    as_tool: bool = False
+    pou: str | None
+    inputs: str | None
+    seed: int | None
+    system_inputs: bool
+    scans: int | None
+    profile: str | None
+    scan_time: str
+    settings: Sequence[str] | None
+    record: Sequence[str] | None
+    free: Sequence[str] | None
+    functions: str | None
+    as_tool: bool
+    csv: Path | None
+    vcd: Path | None
+    svg: Path | None
+    html: Path | None
+    lang: str
+
+    @property
+    def written(self) -> list[Path]:
+        """The files that are asked for."""
+        return [path for path in (self.csv, self.vcd, self.svg, self.html) if path is not None]
 
 
-@dataclass(frozen=True)
-class TraceFiles:
-    """The files to save the trace in. `lang` is the language of the page."""
-
-    csv: Path | None = None
-    vcd: Path | None = None
-    svg: Path | None = None
-    html: Path | None = None
-    lang: str = "en"
-
-
-def run(screen: Screen, file: str, how: SimulateOptions, *, files: TraceFiles) -> int:
+def run(screen: Screen, file: str, how: SimulateOptions) -> int:
     """Run what is asked for; prints the scans in which something happens."""
     if how.inputs is not None and how.seed is not None:
         raise InputError("inputs come from a file or from chance, not from both", hint="Leave out --inputs or --seed.")
     project = load_input(screen, file, as_tool=how.as_tool)
-    for wanted in (files.csv, files.vcd, files.svg, files.html):
-        if wanted is not None:
-            refuse_unwritable(wanted)
+    for wanted in how.written:
+        refuse_unwritable(wanted)
     simulation = Simulation(
         resolve(project, how.pou),
         profile=how.profile,
         scan_time=how.scan_time,
         record=how.record or None,
-        free_inputs=how.free,
+        free_inputs=how.free or (),
         functions=functions_of(how.functions) if how.functions is not None else None,
     )
-    for setting in how.settings:
+    for setting in how.settings or ():
         name, sign, value = setting.partition("=")
         if not sign:
             raise InputError(f"{setting!r} sets nothing", hint="Write it as NAME=VALUE.")
@@ -79,7 +77,7 @@ def run(screen: Screen, file: str, how: SimulateOptions, *, files: TraceFiles) -
         screen.result(data | ({"error": str(failure)} if failure is not None else {}))
     if not screen.as_json:
         _show(screen, trace)
-    _save(screen, files, trace, project)
+    _save(screen, how, trace, project)
     if failure is not None:
         screen.error(_in_file(failure, project))
         return _FINDINGS
@@ -96,20 +94,19 @@ def _in_file(failure: SimulationError, project: Project) -> SimulationError:
     return failure
 
 
-def _save(screen: Screen, files: TraceFiles, trace: Trace, project: Project) -> None:
-    if files.csv is not None:
-        trace.save_csv(files.csv)
-    if files.vcd is not None:
-        trace.save_vcd(files.vcd)
-    if files.svg is not None:
-        write_atomic(files.svg, trace.to_svg().encode("ascii"))
-    if files.html is not None:
+def _save(screen: Screen, how: SimulateOptions, trace: Trace, project: Project) -> None:
+    if how.csv is not None:
+        trace.save_csv(how.csv)
+    if how.vcd is not None:
+        trace.save_vcd(how.vcd)
+    if how.svg is not None:
+        write_atomic(how.svg, trace.to_svg().encode("ascii"))
+    if how.html is not None:
         from plcopen_sfc.pages import page  # noqa: PLC0415  # brings the checks with it
 
-        write_atomic(files.html, page(project, lang=files.lang, trace=trace).encode("ascii"))
-    for path in (files.csv, files.vcd, files.svg, files.html):
-        if path is not None:
-            screen.note(f"written: {path}")
+        write_atomic(how.html, page(project, lang=how.lang, trace=trace).encode("ascii"))
+    for path in how.written:
+        screen.note(f"written: {path}")
 
 
 def _drive(screen: Screen, simulation: Simulation, how: SimulateOptions) -> SimulationError | None:

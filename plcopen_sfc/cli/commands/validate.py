@@ -17,7 +17,7 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.whole_numbers import counted
 
 
-def run(screen: Screen, files: ManyFiles, tool: str = "") -> int:
+def run(screen: Screen, files: ManyFiles, tool: str) -> int:
     """Print all findings of all files. `tool`: also what this tool would not do of them, or may not read."""
     outcomes = for_each(screen, [*files.found], partial(_validate, tool), "Validating", jobs=files.jobs)
     failed = {"valid": False}

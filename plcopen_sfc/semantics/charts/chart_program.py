@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Container, Iterator
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.errors import Location, SimulationError, UnknownBehaviourError, UnstableChartError
 from plcopen_sfc.model import ActionAssociation, SfcFlag, SfcNetwork
+from plcopen_sfc.model.sfc import Condition as Stated
 from plcopen_sfc.semantics.charts.chart_actions import (
     Actions,
     Owner,
@@ -17,8 +18,9 @@ from plcopen_sfc.semantics.charts.chart_actions import (
 from plcopen_sfc.semantics.charts.grafcet.grafcet_program import Grafcet, has_grafcet
 from plcopen_sfc.semantics.charts.graph.interlock_conditions import check_no_graph
 from plcopen_sfc.semantics.charts.qualifier_control import SituationChange
+from plcopen_sfc.semantics.charts.running_chart import RunningChart
 from plcopen_sfc.semantics.charts.sfc_flags import FlagEffect, Flags, Tip, analysis
-from plcopen_sfc.semantics.charts.step_state import Reached, Steps, forgetting, tick
+from plcopen_sfc.semantics.charts.step_state import forgetting, tick
 from plcopen_sfc.semantics.charts.transition_firing import (
     NOTHING,
     Cleared,
@@ -27,15 +29,13 @@ from plcopen_sfc.semantics.charts.transition_firing import (
     Plans,
     Run,
     Watch,
-    choice,
     testing_order,
-    watched,
 )
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder, StepVariables
 from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.runtime import fail
-from plcopen_sfc.semantics.programs.runtime_types import BOOL, ELEMENTARY, INSTANT, LINT, Frame
+from plcopen_sfc.semantics.programs.runtime_types import BOOL, ELEMENTARY, INSTANT, Frame
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope
@@ -43,25 +43,15 @@ if TYPE_CHECKING:
 Condition = Callable[[Frame], bool]
 
 
-class ChartProgram:
-    """A chart of a POU under a profile. One object serves all instances; what they are in is in their frames."""
+class ChartProgram(RunningChart):
+    """A chart of IEC 61131-3 or GRAFCET."""
 
     def __init__(self, chart: SfcNetwork, scope: Scope, path: str, profile: Profile) -> None:
-        self.net = Net.of(chart)
-        self.path = path
-        self.reached = Reached()
-        self._chart = chart
-        self._scope = scope
+        super().__init__(Net.of(chart), chart, scope, path, profile)
         self._profile = profile
-        self._clock = scope.clock
-        self._situation = scope.declare(f"{path}: situation", LINT, hidden=True)
-        self._shown = scope.declare(f"{path}: situation shown", LINT, hidden=True)
-        self._started = scope.declare(f"{path}: started", BOOL, hidden=True)
         self._paused = scope.declare(f"{path}: paused", INSTANT, hidden=True)
-        self._steps = Steps(self.net, scope, path, profile)
-        self._owned = self._associations()
+        self._owned = [*self._associations(), *self._of_macros()]
         self._grafcet: Grafcet | None = None
-        self._refused: UnknownBehaviourError | None = None
         try:
             check_associations(self._owned, profile, path)
             check_step_actions(self.net, profile, path)
@@ -75,7 +65,6 @@ class ChartProgram:
         self._flags = Flags(chart, scope, path, profile)
         self._has_flags = bool(self._flags.used)
         self._step_actions = StepActions(self.net, self.reached)
-        self._choose = choice(profile)
         self._tested = testing_order(self.net) if profile.numbered_first else None
         self._until_stable = profile.evolution is Evolution.UNTIL_STABLE
         self._order = profile.order
@@ -83,7 +72,6 @@ class ChartProgram:
         if self._order is ScanOrder.RETIMED:
             self._pending = scope.declare(f"{path}: transitions pending", BOOL, hidden=True)
         self._plans = Plans(self._plan)
-        self._moves: tuple[Move, ...] = ()
         self._waits: dict[int, Condition] = {}
         self._watches: dict[int, Watch] = {}
         self._logic: Run | None = None
@@ -98,22 +86,15 @@ class ChartProgram:
         simple = self._profile.step_variables is not StepVariables.FLAG and not self.net.macros
         return simple and not whole and not self._until_stable
 
-    def _associations(self) -> list[tuple[Owner, ActionAssociation]]:
-        owners = [
-            (Owner(s.path, s.bit, self._steps.since[s.index], s.step.negated), s.step.actions) for s in self.net.steps
-        ]
+    def _of_macros(self) -> Iterator[tuple[Owner, ActionAssociation]]:
         for macro in self.net.macros:
             name = macro.step.name.casefold()
             since = next(n.since for n in self._steps.names if n.name.casefold() == name)
-            owners.append((Owner(macro.path, macro.steps, since, macro.step.negated), macro.step.actions))
-        return [(owner, model) for owner, models in owners for model in models if not model.exclude]
+            owner = Owner(macro.path, macro.steps, since, macro.step.negated)
+            yield from ((owner, model) for model in macro.step.actions if not model.exclude)
 
     def forgetting(self, anywhere: Container[str], read: Container[str]) -> Callable[[Frame, int], None]:
-        """Return a function that sets back times of steps that no later scan sees, so that fewer states are different.
-
-        `read` are the steps whose time a text reads (names in lower case), `anywhere` those of which one does elsewhere
-        than in the conditions behind them, and so also when they are not active.
-        """
+        """See `RunningChart`."""
         used = {self._steps.since[index] for index in (*self._waits, *self._watches)} | self._actions.step_times
         if self._grafcet is not None:
             used |= self._grafcet.step_times
@@ -132,7 +113,7 @@ class ChartProgram:
         self._step_actions.translate(self._scope, self.path)
         if self._chart.logic:
             self._logic = Routines(self._scope).chart_logic(self._chart, self.path)
-        self._moves = tuple(self._move(transition) for transition in self.net.transitions)
+        self._moves = tuple(self._move(each, _missing_condition) for each in self.net.transitions)
         for step in self.net.steps:
             where = f"{self.path} / step {step.path}"
             if self._profile.minimum_times and step.step.min_time:
@@ -142,16 +123,10 @@ class ChartProgram:
                 reasons = analysis(self.net, step.index, self._scope, where)
                 self._watches[step.index] = Watch(step.step.name, self._steps.since[step.index], time, reasons)
 
-    def _move(self, transition: NetTransition) -> Move:
-        model = transition.transition
-        where = f"{self.path} / transition {transition.path}"
-        stated = self._grafcet.condition(transition.index) if self._grafcet is not None else model.condition
-        if stated is None:
-            condition = _missing_condition(where)
-        else:
-            condition = Routines(self._scope).condition(stated, where, chart=transition.chart)
-        numbered = model.priority is not None
-        return Move(transition.pre, transition.post, transition.bit, condition, numbered, transition.path)
+    def _stated(self, transition: NetTransition) -> Stated | None:
+        if self._grafcet is not None:
+            return self._grafcet.condition(transition.index)
+        return transition.transition.condition
 
     def _wait(self, index: int, text: str, where: str) -> Condition:
         time = Routines(self._scope).expression(text, where, ELEMENTARY["TIME"])
@@ -184,16 +159,6 @@ class ChartProgram:
 
     # -- looking
 
-    def watch(self, looks: Mapping[int, Callable[[Frame], None]]) -> None:
-        """Call something each time the condition of a transition is tested, by the index of the transition."""
-        self._moves = tuple(watched(move, looks.get(index)) for index, move in enumerate(self._moves))
-        self._plans.clear()
-
-    def marking(self, frame: Frame) -> int:
-        """Return the active steps as programs see them, as bits of `net`."""
-        shown: int = frame.v[self._shown]
-        return shown
-
     def situation(self, frame: Frame) -> int:
         """The steps whose transitions the next scan looks at; with actions first they may not have been active yet."""
         following: int = frame.v[self._situation]
@@ -202,10 +167,6 @@ class ChartProgram:
     def step_flags(self) -> dict[str, int]:
         """Return the BOOL variables that the chart has for its steps (``X3``), with the steps as bits of `net`."""
         return {name.name: name.steps for name in self._steps.names if name.flag}
-
-    def active(self, frame: Frame) -> tuple[str, ...]:
-        """Return the paths of the active steps."""
-        return self.net.names(self.marking(frame))
 
     # -- running
 

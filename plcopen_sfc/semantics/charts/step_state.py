@@ -76,7 +76,7 @@ class StepName:
 
 
 class Steps:
-    """The steps of a chart in a frame."""
+    """The steps of a chart in a frame. `times` are the slots of times in the structure of one."""
 
     def __init__(self, net: Net, scope: Scope, path: str, profile: Profile) -> None:
         self.net = net
@@ -91,8 +91,9 @@ class Steps:
             named[name.casefold()] = (name, bits | macro.steps)
         simple = profile.step_variables is StepVariables.FLAG and not any(s.step.actions for s in net.steps)
         members: Mapping[str, ScalarType] = {"X": BOOL, "T": ELAPSED}
+        self.times: tuple[int, ...] = (T,)
         if profile.step_variables is StepVariables.GRAPH:
-            members = step_data.STEP
+            members, self.times = step_data.STEP, (T, step_data.U)
         self._announces = profile.order is not ScanOrder.TRANSITIONS_FIRST and not simple
         if self._announces:
             members = {**members, "_X": BOOL}
@@ -206,28 +207,29 @@ def tick(frame: Frame, timed: tuple[tuple[int, int], ...], now: int) -> None:
 def forgetting(
     steps: Steps, anywhere: Container[str], read: Container[str], used: Container[int]
 ) -> Callable[[Frame, int], None]:
-    """See `ChartProgram.forgetting`; what is given back gets a frame and the present time.
+    """See `RunningChart.forgetting`; what is given back gets a frame and the present time.
 
     `used` are the slots of starts that the chart itself depends on.
     """
     seen = [name for name in steps.names if not name.flag]
     timed = {name.slot for name in seen if name.name.casefold() in read or name.since in used}
-    timeless = tuple(name.slot for name in seen if name.slot not in timed)
+    timeless = tuple((name.slot, time) for name in seen if name.slot not in timed for time in steps.times)
     # a macro-step with one step inside has the start of that step
     kept = {name.since for name in seen if name.slot in timed}
     unread = tuple({name.since for name in seen} - kept)
-    own = tuple(n.slot for n in seen if n.slot in timed and n.name.casefold() not in anywhere)
+    own = [name.slot for name in seen if name.slot in timed and name.name.casefold() not in anywhere]
+    inactive = tuple((slot, time) for slot in own for time in steps.times)
 
     def forget(frame: Frame, now: int) -> None:
         v = frame.v
-        for slot in timeless:
-            v[slot].v[T] = 0
+        for slot, time in timeless:
+            v[slot].v[time] = 0
         for since in unread:
             if v[since] is not None:
                 v[since] = now
-        for slot in own:
+        for slot, time in inactive:
             values = v[slot].v
             if not values[X]:
-                values[T] = 0
+                values[time] = 0
 
     return forget

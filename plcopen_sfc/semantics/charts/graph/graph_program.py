@@ -11,32 +11,32 @@ wants it so.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from plcopen_sfc.errors import Location, UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, ActionEvent, Qualifier, SfcNetwork
+from plcopen_sfc.model.sfc import Condition as Stated
 from plcopen_sfc.semantics.charts.chart_actions import Owner, check_associations, check_step_actions, missing_time
 from plcopen_sfc.semantics.charts.graph import step_data
 from plcopen_sfc.semantics.charts.graph.graph_parameters import Commands, Mode, Parameters
 from plcopen_sfc.semantics.charts.graph.interlock_conditions import CheckedSteps, StepConditions, programmed
-from plcopen_sfc.semantics.charts.step_state import ActionOrigin, Reached, Steps, T, X, override, tick
+from plcopen_sfc.semantics.charts.running_chart import RunningChart
+from plcopen_sfc.semantics.charts.step_state import ActionOrigin, Reached, forgetting, override, tick
 from plcopen_sfc.semantics.charts.transition_firing import (
     NOTHING,
     Move,
     Plans,
     Run,
     Write,
-    choice,
     execution,
-    watched,
 )
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.runtime import fail
-from plcopen_sfc.semantics.programs.runtime_types import BOOL, ELAPSED, ELEMENTARY, INSTANT, LINT, Frame
+from plcopen_sfc.semantics.programs.runtime_types import ELAPSED, ELEMENTARY, INSTANT, LINT, Frame
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope
@@ -313,24 +313,15 @@ _EVENT_SLOTS = {
 }
 
 
-class GraphProgram:
+class GraphProgram(RunningChart):
     """A sequencer under a profile with the parameters of S7-GRAPH."""
 
     def __init__(self, chart: SfcNetwork, scope: Scope, path: str, profile: Profile) -> None:
-        self.net = Net.of_sequencer(chart)
-        self.path = path
-        self.reached = Reached()
-        self._chart = chart
-        self._scope = scope
-        self._clock = scope.clock
-        self._situation = scope.declare(f"{path}: situation", LINT, hidden=True)
-        self._shown = scope.declare(f"{path}: situation shown", LINT, hidden=True)
+        super().__init__(Net.of_sequencer(chart), chart, scope, path, profile)
         self._valid = scope.declare(f"{path}: valid transitions", LINT, hidden=True)
         self._eventful = scope.declare(f"{path}: steps with events", LINT, hidden=True)
         self._before = scope.declare(f"{path}: cycle before", INSTANT, hidden=True)
         self._display = scope.declare(f"{path}: step displayed", LINT, hidden=True)
-        self._started = scope.declare(f"{path}: started", BOOL, hidden=True)
-        self._steps = Steps(self.net, scope, path, profile)
         self._slots = self._steps.slots
         structure = scope.structure("SFC_TRANSITION", step_data.TRANSITION)
         self._transitions = [
@@ -344,15 +335,12 @@ class GraphProgram:
             self._slots,
             acknowledged=bool(settings is not None and settings.acknowledge_errors_required),
         )
-        self._choose = choice(profile)
-        self._moves: tuple[Move, ...] = ()
-        self._enabled = Plans(self._moves_in)
+        self._plans = Plans(self._moves_in)
         self._timed = Plans(self._steps.timed)
         self._pre: tuple[Run, ...] = ()
         self._post: tuple[Run, ...] = ()
-        self._refused: UnknownBehaviourError | None = None
         self._actions: GraphActions | None = None
-        owned = self._associations()
+        owned = [*self._associations()]
         try:
             if self.net.macros or self.net.hierarchy:
                 raise UnknownBehaviourError("S7-GRAPH has no macro-steps, enclosing steps and forcing orders")
@@ -362,48 +350,17 @@ class GraphProgram:
         except UnknownBehaviourError as error:
             self._refused = error
 
-    def _associations(self) -> list[tuple[Owner, ActionAssociation]]:
-        return [
-            (Owner(s.path, s.bit, self._steps.since[s.index], s.step.negated), model)
-            for s in self.net.steps
-            for model in s.step.actions
-            if not model.exclude
-        ]
-
     def forgetting(self, anywhere: Container[str], read: Container[str]) -> Callable[[Frame, int], None]:
-        """Return a function that sets back times of steps that no later scan sees, so that fewer states are different.
-
-        `read` are the steps whose time a text reads (names in lower case), `anywhere` those of which one does elsewhere
-        than in the conditions behind them, and so also when they are not active.
-        """
+        """See `RunningChart`."""
         # conditions are also evaluated for steps that are not active yet
         ahead = self._skips or any(a.qualifier in SWITCHES for s in self.net.steps for a in s.step.actions)
-        timeless: list[tuple[int, int]] = []
-        own: list[int] = []
-        for step, slot, since in zip(self.net.steps, self._slots, self._steps.since, strict=True):
-            name = step.step.name.casefold()
-            if name not in read and not any(a.duration for a in step.step.actions):
-                timeless.append((slot, since))
-            elif name not in read or (name not in anywhere and not ahead):
-                own.append(slot)
-
-        def forget(frame: Frame, now: int) -> None:
-            v = frame.v
-            for slot, since in timeless:
-                v[slot].v[T] = v[slot].v[step_data.U] = 0
-                if v[since] is not None:
-                    v[since] = now
-            for slot in own:
-                values = v[slot].v
-                if not values[X]:
-                    values[T] = values[step_data.U] = 0
-
-        return forget
+        used = {self._steps.since[s.index] for s in self.net.steps if any(a.duration for a in s.step.actions)}
+        return forgetting(self._steps, read if ahead else anywhere, read, used)
 
     # -- preparing
 
     def translate(self) -> None:
-        """Prepare conditions, bodies and parameters. Anything unknown to the profile is an error of the first scan."""
+        """Prepare conditions and bodies. Anything unknown to the profile is an error of the first scan."""
         if self._refused is not None or self._actions is None:
             return
         # drawn operations first: they tell the types of instances that others only name
@@ -414,7 +371,7 @@ class GraphProgram:
         self._actions.translate()
         self._parameters.translate()
         self._conditions.translate(self._scope, self.path)
-        self._moves = tuple(self._move(transition) for transition in self.net.transitions)
+        self._moves = tuple(self._move(each, lambda _: _satisfied) for each in self.net.transitions)
         self._limits = tuple(
             (
                 self._slots[s.index],
@@ -426,15 +383,8 @@ class GraphProgram:
             if text
         )
 
-    def _move(self, transition: NetTransition) -> Move:
-        model = transition.transition
-        stated = programmed(model.condition)
-        where = f"{self.path} / transition {transition.path}"
-        condition = (
-            Routines(self._scope).condition(stated, where, chart=transition.chart) if stated is not None else _satisfied
-        )
-        numbered = model.priority is not None
-        return Move(transition.pre, transition.post, transition.bit, condition, numbered, transition.path)
+    def _stated(self, transition: NetTransition) -> Stated | None:
+        return programmed(transition.transition.condition)
 
     def _bodies(self, bodies: list[tuple[Any, str]]) -> tuple[Run, ...]:
         return tuple(
@@ -444,22 +394,6 @@ class GraphProgram:
         )
 
     # -- looking
-
-    def watch(self, looks: Mapping[int, Callable[[Frame], None]]) -> None:
-        """Call something each time the condition of a transition is tested, by the index of the transition."""
-        self._moves = tuple(watched(move, looks.get(index)) for index, move in enumerate(self._moves))
-        self._enabled.clear()
-
-    def marking(self, frame: Frame) -> int:
-        """Return the active steps as programs see them, as bits of `net`."""
-        shown: int = frame.v[self._shown]
-        return shown
-
-    situation = marking
-
-    def active(self, frame: Frame) -> tuple[str, ...]:
-        """Return the paths of the active steps."""
-        return self.net.names(self.marking(frame))
 
     # -- running
 
@@ -542,7 +476,7 @@ class GraphProgram:
                 situation &= ~selected
             self._show_transitions(frame, (), {}, 0)
             return situation
-        enabled = self._enabled[situation]
+        enabled = self._plans[situation]
         satisfied = {move.bit: bool(move.condition(frame)) for move in enabled}
         free = [move for move in enabled if not move.sources & checked.held]
         switching = [move._replace(condition=_satisfied) for move in free if _switches(commands, satisfied[move.bit])]
@@ -564,7 +498,7 @@ class GraphProgram:
                 if not bit & entered or bit & passed:
                     continue
                 passed |= bit
-                onward = next((m for m in self._enabled[bit] if m.sources == bit and m.condition(frame)), None)
+                onward = next((m for m in self._plans[bit] if m.sources == bit and m.condition(frame)), None)
                 if onward is not None:
                     self.reached.transitions |= onward.bit
                     entered = entered & ~bit | onward.targets
