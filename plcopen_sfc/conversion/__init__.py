@@ -15,19 +15,8 @@
 `scan_order`              charts whose actions see other inputs, as they are executed before the transitions
 """
 
-from plcopen_sfc.conversion.executed_parts import Detail, Part
-from plcopen_sfc.conversion.executed_projects import executed
-from plcopen_sfc.conversion.execution_differences import ExecutionDifference, compare
-from plcopen_sfc.conversion.reporting import report_errors, report_execution
-from plcopen_sfc.conversion.scan_order import report_scan_order
-
-__all__ = [
-    "Detail",
-    "ExecutionDifference",
-    "Part",
-    "compare",
-    "executed",
-    "report_errors",
-    "report_execution",
-    "report_scan_order",
-]
+from plcopen_sfc.conversion.executed_parts import Detail as Detail, Part as Part
+from plcopen_sfc.conversion.executed_projects import executed as executed
+from plcopen_sfc.conversion.execution_differences import ExecutionDifference as ExecutionDifference, compare as compare
+from plcopen_sfc.conversion.reporting import report_errors as report_errors, report_execution as report_execution
+from plcopen_sfc.conversion.scan_order import report_scan_order as report_scan_order

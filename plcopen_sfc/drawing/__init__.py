@@ -9,22 +9,13 @@
 * `document_order`: symbols and logic in document order, and new ids in that order
 """
 
-from plcopen_sfc.drawing.document_order import renumber
-from plcopen_sfc.drawing.drawing_style import DrawingStyle, fits
-from plcopen_sfc.drawing.drawing_upkeep import all_charts, prepare, prepare_body, redraw
-from plcopen_sfc.drawing.new_drawing import draw, limits
-from plcopen_sfc.drawing.symbol_layout import has_positions, layout
-
-__all__ = [
-    "DrawingStyle",
-    "all_charts",
-    "draw",
-    "fits",
-    "has_positions",
-    "layout",
-    "limits",
-    "prepare",
-    "prepare_body",
-    "redraw",
-    "renumber",
-]
+from plcopen_sfc.drawing.document_order import renumber as renumber
+from plcopen_sfc.drawing.drawing_style import DrawingStyle as DrawingStyle, fits as fits
+from plcopen_sfc.drawing.drawing_upkeep import (
+    all_charts as all_charts,
+    prepare as prepare,
+    prepare_body as prepare_body,
+    redraw as redraw,
+)
+from plcopen_sfc.drawing.new_drawing import draw as draw, limits as limits
+from plcopen_sfc.drawing.symbol_layout import has_positions as has_positions, layout as layout

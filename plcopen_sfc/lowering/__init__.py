@@ -19,22 +19,18 @@
 `code_texts`         titles, comments and names in the code, in English and German
 """
 
-from plcopen_sfc.lowering.chart_lowering import LoweredPou, LoweredProject, lower, lower_project
-from plcopen_sfc.lowering.faults.fault_kinds import Fault, FaultKind, FaultScan
-from plcopen_sfc.lowering.lowering_options import ActionPlace, Construction, Language, OperatingMode, States, Style
-
-__all__ = [
-    "ActionPlace",
-    "Construction",
-    "Fault",
-    "FaultKind",
-    "FaultScan",
-    "Language",
-    "LoweredPou",
-    "LoweredProject",
-    "OperatingMode",
-    "States",
-    "Style",
-    "lower",
-    "lower_project",
-]
+from plcopen_sfc.lowering.chart_lowering import (
+    LoweredPou as LoweredPou,
+    LoweredProject as LoweredProject,
+    lower as lower,
+    lower_project as lower_project,
+)
+from plcopen_sfc.lowering.faults.fault_kinds import Fault as Fault, FaultKind as FaultKind, FaultScan as FaultScan
+from plcopen_sfc.lowering.lowering_options import (
+    ActionPlace as ActionPlace,
+    Construction as Construction,
+    Language as Language,
+    OperatingMode as OperatingMode,
+    States as States,
+    Style as Style,
+)

@@ -12,38 +12,22 @@
 """
 
 from plcopen_sfc.drawing.pictures.chart_picture import (
-    ChartPart,
-    PairedChart,
-    chart_figure,
-    chart_svg,
-    charts_in,
-    chosen_theme,
-    paired_figures,
-    part_prefix,
+    ChartPart as ChartPart,
+    PairedChart as PairedChart,
+    chart_figure as chart_figure,
+    chart_svg as chart_svg,
+    charts_in as charts_in,
+    chosen_theme as chosen_theme,
+    paired_figures as paired_figures,
+    part_prefix as part_prefix,
 )
-from plcopen_sfc.drawing.pictures.graph_texts import dot_text, mermaid_text
-from plcopen_sfc.drawing.pictures.network_picture import body_figure, body_svg
-from plcopen_sfc.drawing.pictures.picture_sheets import sheets
-from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme, escape, style_rules
-from plcopen_sfc.drawing.pictures.symbol_pictures import PictureStyle
-
-__all__ = [
-    "Canvas",
-    "ChartPart",
-    "PairedChart",
-    "PictureStyle",
-    "Theme",
-    "body_figure",
-    "body_svg",
-    "chart_figure",
-    "chart_svg",
-    "charts_in",
-    "chosen_theme",
-    "dot_text",
-    "escape",
-    "mermaid_text",
-    "paired_figures",
-    "part_prefix",
-    "sheets",
-    "style_rules",
-]
+from plcopen_sfc.drawing.pictures.graph_texts import dot_text as dot_text, mermaid_text as mermaid_text
+from plcopen_sfc.drawing.pictures.network_picture import body_figure as body_figure, body_svg as body_svg
+from plcopen_sfc.drawing.pictures.picture_sheets import sheets as sheets
+from plcopen_sfc.drawing.pictures.svg_canvas import (
+    Canvas as Canvas,
+    Theme as Theme,
+    escape as escape,
+    style_rules as style_rules,
+)
+from plcopen_sfc.drawing.pictures.symbol_pictures import PictureStyle as PictureStyle

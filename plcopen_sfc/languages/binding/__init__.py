@@ -13,49 +13,27 @@ views. `symbols` are declarations, `name_scopes` where they are visible,
 """
 
 from plcopen_sfc.languages.binding.bound_bodies import (
-    BoundBody,
-    BoundText,
-    UnknownPart,
-    actions_by_name,
-    bind,
-    called_actions,
-    is_named_elsewhere,
-    names_in,
-    step_effects,
-    texts_in,
-    uncalled_actions,
-    with_called,
+    BoundBody as BoundBody,
+    BoundText as BoundText,
+    UnknownPart as UnknownPart,
+    actions_by_name as actions_by_name,
+    bind as bind,
+    called_actions as called_actions,
+    is_named_elsewhere as is_named_elsewhere,
+    names_in as names_in,
+    step_effects as step_effects,
+    texts_in as texts_in,
+    uncalled_actions as uncalled_actions,
+    with_called as with_called,
 )
-from plcopen_sfc.languages.binding.name_uses import Names, find_uses
-from plcopen_sfc.languages.binding.shared_scans import STORING, Row, SharedScans, told_orders, told_step_actions
-from plcopen_sfc.languages.effects import ANYTHING, Effects, Path
-from plcopen_sfc.model.declaration import Declaration, Kind
-from plcopen_sfc.report import Use
-
-__all__ = [
-    "ANYTHING",
-    "STORING",
-    "BoundBody",
-    "BoundText",
-    "Declaration",
-    "Effects",
-    "Kind",
-    "Names",
-    "Path",
-    "Row",
-    "SharedScans",
-    "UnknownPart",
-    "Use",
-    "actions_by_name",
-    "bind",
-    "called_actions",
-    "find_uses",
-    "is_named_elsewhere",
-    "names_in",
-    "step_effects",
-    "texts_in",
-    "told_orders",
-    "told_step_actions",
-    "uncalled_actions",
-    "with_called",
-]
+from plcopen_sfc.languages.binding.name_uses import Names as Names, find_uses as find_uses
+from plcopen_sfc.languages.binding.shared_scans import (
+    STORING as STORING,
+    Row as Row,
+    SharedScans as SharedScans,
+    told_orders as told_orders,
+    told_step_actions as told_step_actions,
+)
+from plcopen_sfc.languages.effects import ANYTHING as ANYTHING, Effects as Effects, Path as Path
+from plcopen_sfc.model.declaration import Declaration as Declaration, Kind as Kind
+from plcopen_sfc.report import Use as Use

@@ -5,37 +5,20 @@
 """
 
 from plcopen_sfc.languages.declarations.declaration_reading import (
-    Declared,
-    DeclaredUnit,
-    Found,
-    Head,
-    Units,
-    read_declarations,
-    read_interface,
-    split_units,
+    Declared as Declared,
+    DeclaredUnit as DeclaredUnit,
+    Found as Found,
+    Head as Head,
+    Units as Units,
+    read_declarations as read_declarations,
+    read_interface as read_interface,
+    split_units as split_units,
 )
 from plcopen_sfc.languages.declarations.declaration_writing import (
-    write_data_type,
-    write_listing,
-    write_section,
-    write_type,
-    write_value,
-    write_variable,
+    write_data_type as write_data_type,
+    write_listing as write_listing,
+    write_section as write_section,
+    write_type as write_type,
+    write_value as write_value,
+    write_variable as write_variable,
 )
-
-__all__ = [
-    "Declared",
-    "DeclaredUnit",
-    "Found",
-    "Head",
-    "Units",
-    "read_declarations",
-    "read_interface",
-    "split_units",
-    "write_data_type",
-    "write_listing",
-    "write_section",
-    "write_type",
-    "write_value",
-    "write_variable",
-]

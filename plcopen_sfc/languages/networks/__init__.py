@@ -13,62 +13,36 @@ a transition and `chart_statements` the rest of the logic drawn in a chart. `dra
 """
 
 from plcopen_sfc.languages.networks.condition_reading import (
-    chart_statements,
-    condition_expression,
-    condition_reader,
-    feeding_nodes,
-    is_empty_network,
-    kept_conditions,
-    shown_body,
-    shown_condition,
-    shown_named_condition,
-    wired_steps,
+    chart_statements as chart_statements,
+    condition_expression as condition_expression,
+    condition_reader as condition_reader,
+    feeding_nodes as feeding_nodes,
+    is_empty_network as is_empty_network,
+    kept_conditions as kept_conditions,
+    shown_body as shown_body,
+    shown_condition as shown_condition,
+    shown_named_condition as shown_named_condition,
+    wired_steps as wired_steps,
 )
-from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, declared_rules
+from plcopen_sfc.languages.networks.drawing_rules import DrawingRules as DrawingRules, declared_rules as declared_rules
 from plcopen_sfc.languages.networks.network_drawing import (
-    DrawnBody,
-    DrawnExpression,
-    draw_fbd,
-    draw_fbd_expression,
-    draw_ld,
-    draw_ld_expression,
+    DrawnBody as DrawnBody,
+    DrawnExpression as DrawnExpression,
+    draw_fbd as draw_fbd,
+    draw_fbd_expression as draw_fbd_expression,
+    draw_ld as draw_ld,
+    draw_ld_expression as draw_ld_expression,
 )
-from plcopen_sfc.languages.networks.network_reading import body_statements, network_expression, network_statements
+from plcopen_sfc.languages.networks.network_reading import (
+    body_statements as body_statements,
+    network_expression as network_expression,
+    network_statements as network_statements,
+)
 from plcopen_sfc.languages.networks.results import (
-    Helper,
-    NetworkExpression,
-    NetworkProblem,
-    NetworkStatements,
-    NetworkText,
+    Helper as Helper,
+    NetworkExpression as NetworkExpression,
+    NetworkProblem as NetworkProblem,
+    NetworkStatements as NetworkStatements,
+    NetworkText as NetworkText,
 )
-from plcopen_sfc.languages.networks.wires import normal_form
-
-__all__ = [
-    "DrawingRules",
-    "DrawnBody",
-    "DrawnExpression",
-    "Helper",
-    "NetworkExpression",
-    "NetworkProblem",
-    "NetworkStatements",
-    "NetworkText",
-    "body_statements",
-    "chart_statements",
-    "condition_expression",
-    "condition_reader",
-    "declared_rules",
-    "draw_fbd",
-    "draw_fbd_expression",
-    "draw_ld",
-    "draw_ld_expression",
-    "feeding_nodes",
-    "is_empty_network",
-    "kept_conditions",
-    "network_expression",
-    "network_statements",
-    "normal_form",
-    "shown_body",
-    "shown_condition",
-    "shown_named_condition",
-    "wired_steps",
-]
+from plcopen_sfc.languages.networks.wires import normal_form as normal_form

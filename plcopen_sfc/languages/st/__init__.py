@@ -8,28 +8,18 @@ makes `nodes` and `declaration_nodes` of. `walking` goes through trees, `printin
 """
 
 from plcopen_sfc.languages.st.parsing import (
-    Parsed,
-    parse_body,
-    parse_condition,
-    parse_declarations,
-    parse_expression,
-    parse_statements,
+    Parsed as Parsed,
+    parse_body as parse_body,
+    parse_condition as parse_condition,
+    parse_declarations as parse_declarations,
+    parse_expression as parse_expression,
+    parse_statements as parse_statements,
 )
-from plcopen_sfc.languages.st.printing import print_node, render
-from plcopen_sfc.languages.st.walking import children, names_of, transform, walk, without_parentheses
-
-__all__ = [
-    "Parsed",
-    "children",
-    "names_of",
-    "parse_body",
-    "parse_condition",
-    "parse_declarations",
-    "parse_expression",
-    "parse_statements",
-    "print_node",
-    "render",
-    "transform",
-    "walk",
-    "without_parentheses",
-]
+from plcopen_sfc.languages.st.printing import print_node as print_node, render as render
+from plcopen_sfc.languages.st.walking import (
+    children as children,
+    names_of as names_of,
+    transform as transform,
+    walk as walk,
+    without_parentheses as without_parentheses,
+)

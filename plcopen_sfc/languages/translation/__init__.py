@@ -5,27 +5,17 @@
 `call_translation`      calls, with `arithmetic_translation`, `literal_translation` and `name_translation` for the rest
 """
 
-from plcopen_sfc.languages.translation.renames import NameScope, Rename, Renames
+from plcopen_sfc.languages.translation.renames import NameScope as NameScope, Rename as Rename, Renames as Renames
 from plcopen_sfc.languages.translation.text_translation import (
-    TextKind,
-    Translated,
-    is_foreign,
-    translate,
-    translate_text,
+    TextKind as TextKind,
+    Translated as Translated,
+    is_foreign as is_foreign,
+    translate as translate,
+    translate_text as translate_text,
 )
-from plcopen_sfc.languages.translation.translation_context import Note, StepNotation, StepReferences, TranslationContext
-
-__all__ = [
-    "NameScope",
-    "Note",
-    "Rename",
-    "Renames",
-    "StepNotation",
-    "StepReferences",
-    "TextKind",
-    "Translated",
-    "TranslationContext",
-    "is_foreign",
-    "translate",
-    "translate_text",
-]
+from plcopen_sfc.languages.translation.translation_context import (
+    Note as Note,
+    StepNotation as StepNotation,
+    StepReferences as StepReferences,
+    TranslationContext as TranslationContext,
+)

@@ -13,26 +13,19 @@
 * the whole: `project_library` (POUs and types), `controller`
 """
 
-from plcopen_sfc.semantics.programs import runtime_types
-from plcopen_sfc.semantics.programs.controller import Controller, Instance, InstanceVariable
-from plcopen_sfc.semantics.programs.routines import ChartCompiler, Routines
-from plcopen_sfc.semantics.programs.runtime import Processor
-from plcopen_sfc.semantics.programs.runtime_types import Direction, Field, Frame, Layout, Type
-from plcopen_sfc.semantics.programs.scopes import CompiledChart, Scope
-
-__all__ = [
-    "ChartCompiler",
-    "CompiledChart",
-    "Controller",
-    "Direction",
-    "Field",
-    "Frame",
-    "Instance",
-    "InstanceVariable",
-    "Layout",
-    "Processor",
-    "Routines",
-    "Scope",
-    "Type",
-    "runtime_types",
-]
+from plcopen_sfc.semantics.programs import runtime_types as runtime_types
+from plcopen_sfc.semantics.programs.controller import (
+    Controller as Controller,
+    Instance as Instance,
+    InstanceVariable as InstanceVariable,
+)
+from plcopen_sfc.semantics.programs.routines import ChartCompiler as ChartCompiler, Routines as Routines
+from plcopen_sfc.semantics.programs.runtime import Processor as Processor
+from plcopen_sfc.semantics.programs.runtime_types import (
+    Direction as Direction,
+    Field as Field,
+    Frame as Frame,
+    Layout as Layout,
+    Type as Type,
+)
+from plcopen_sfc.semantics.programs.scopes import CompiledChart as CompiledChart, Scope as Scope
