@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from operator import itemgetter, or_
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Unpack
 
 from plcopen_sfc.analysis.dead_variables import dead_cells
 from plcopen_sfc.analysis.domains import NotProvableError, Probe, Split, Symbolic, Unasked, asked
@@ -43,6 +43,7 @@ from plcopen_sfc.semantics.programs.runtime_types import (
     ScalarType,
     Type,
 )
+from plcopen_sfc.semantics.programs.scopes import RunOptions
 from plcopen_sfc.semantics.programs.unknown_calls import UnknownCalls
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.subjects import (
@@ -149,36 +150,26 @@ class ProgramSystem:
         profile: Profile,
         clock: Clocking,
         *,
-        functions: Mapping[str, Callable[..., Any]] | None = None,
-        free_inputs: Iterable[str] = (),
-        not_free: Iterable[str] = (),
         times: StepTimes | None = None,
-        known_types: Mapping[str, Type] | None = None,
+        **options: Unpack[RunOptions],
     ) -> None:
         self.subject = subject = executed_alone(subject)
         self.clock = clock
         self.profile = profile
-        self._free_inputs = tuple(free_inputs)
-        self._not_free = tuple(not_free)
-        self._functions = functions or {}
-        self._known_types = known_types or {}
+        self._options = options
         self._names: dict[str, str] = {}
         self._fixed: dict[str, Value] = {}
         self._source: InputReader = _no_input
         self.unknown_calls = FreeCalls()
         self._observes_calls = False
-        self._controller = Controller(
-            subject.project,
-            profile,
-            unknown_calls=self.unknown_calls,
-            functions=self._functions,
-            chart_compiler=compile_chart,
-            read_input=self._input,
-            free_inputs=self._free_inputs,
-            not_free=self._not_free,
-            marking=True,
-            known_types=self._known_types,
-        )
+        run: RunOptions = {
+            **options,
+            "unknown_calls": self.unknown_calls,
+            "chart_compiler": compile_chart,
+            "read_input": self._input,
+            "marking": True,
+        }
+        self._controller = Controller(subject.project, profile, **run)
         self.instance: Instance = self._controller.instance(subject.pou)
         self.variables: dict[str, Watched] = watched(self.instance)
         self.members: dict[str, Watched]
@@ -281,7 +272,8 @@ class ProgramSystem:
 
     def frozen(self) -> list[str]:
         """Return the variables that it reads, that nothing writes, and that are no inputs."""
-        return sorted(set(self._controller.library.use.frozen()) - {*self._fixed, *self._not_free}, key=str.casefold)
+        inputs = {*self._fixed, *self._options.get("not_free", ())}
+        return sorted(set(self._controller.library.use.frozen()) - inputs, key=str.casefold)
 
     def bit_patterns(self, signal: Signal) -> Iterator[int]:
         """Yield the integers of a type by which its bits may be told apart; none where it looks at no bits.
@@ -404,15 +396,7 @@ class ProgramSystem:
 
     def part(self, pou: Pou, observations: Sequence[Observation]) -> ProgramSystem:
         """Return a system of a part of its POU, at the same times, in which some of the same things are observed."""
-        made = ProgramSystem(
-            replace(self.subject, pou=pou),
-            self.profile,
-            self.clock,
-            functions=self._functions,
-            free_inputs=self._free_inputs,
-            not_free=self._not_free,
-            known_types=self._known_types,
-        )
+        made = ProgramSystem(replace(self.subject, pou=pou), self.profile, self.clock, **self._options)
         made.delay(begins=self._begins, kept=self._kept, alone=self._alone, at_rest=self._at_rest, late=self._late)
         made.also_counted = self.also_counted
         for name, kind in self.not_followed.items():

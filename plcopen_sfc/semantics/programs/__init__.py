@@ -19,7 +19,8 @@ from plcopen_sfc.semantics.programs.controller import (
     Instance as Instance,
     InstanceVariable as InstanceVariable,
 )
-from plcopen_sfc.semantics.programs.routines import ChartCompiler as ChartCompiler, Routines as Routines
+from plcopen_sfc.semantics.programs.routines import Routines as Routines
+from plcopen_sfc.semantics.programs.scopes import ChartCompiler as ChartCompiler
 from plcopen_sfc.semantics.programs.runtime import Processor as Processor
 from plcopen_sfc.semantics.programs.runtime_types import (
     Direction as Direction,

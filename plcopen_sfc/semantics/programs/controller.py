@@ -7,11 +7,11 @@ holds numbers only (decision 0018). It stores one flat tuple.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, Unpack
 
 from plcopen_sfc.errors import Location, ModelError, SimulationError
 from plcopen_sfc.languages.binding.name_resolution import Resolver, circle_text
@@ -28,11 +28,9 @@ from plcopen_sfc.semantics.programs.code_generation import Writer
 from plcopen_sfc.semantics.programs.expressions import Translator
 from plcopen_sfc.semantics.programs.places import Place, Unknown
 from plcopen_sfc.semantics.programs.project_library import Library
-from plcopen_sfc.semantics.programs.routines import ChartCompiler
 from plcopen_sfc.semantics.programs.runtime import UNREAD, bits_set, coerced
 from plcopen_sfc.semantics.programs.runtime_types import Direction, Field, Frame, Layout, Type, leaves
-from plcopen_sfc.semantics.programs.scopes import CompiledChart, TranslatedPou
-from plcopen_sfc.semantics.programs.unknown_calls import UnknownCalls
+from plcopen_sfc.semantics.programs.scopes import CompiledChart, RunOptions, TranslatedPou
 
 _Store = Callable[[list[Any], int], tuple[Hashable, ...]]
 _Load = Callable[[list[Any], Any, int], None]
@@ -200,31 +198,13 @@ class Controller:
         project: Project,
         profile: str | Profile | None = None,
         *,
-        functions: Mapping[str, Callable[..., Any]] | None = None,
-        chart_compiler: ChartCompiler | None = None,
-        read_input: Callable[[str], Any] | None = None,
         max_steps: int = _MOST_STEPS,
-        free_inputs: Iterable[str] = (),
-        not_free: Iterable[str] = (),
-        marking: bool = False,
-        unknown_calls: UnknownCalls | None = None,
-        known_types: Mapping[str, t.Type] | None = None,
+        **options: Unpack[RunOptions],
     ) -> None:
         self.project = project
         self.profile = default_profile(project) if profile is None else profile_of(profile)
         self.max_steps = max_steps
-        self.library = Library(
-            project,
-            self.profile,
-            functions or {},
-            chart_compiler,
-            read_input,
-            free_inputs=free_inputs,
-            not_free=not_free,
-            marking=marking,
-            unknown_calls=unknown_calls,
-        )
-        self.library.known_types = known_types or {}
+        self.library = Library(project, self.profile, options)
         self.snapshots = Snapshots()
         self._initialised: dict[int, Frame] = {}
 

@@ -6,7 +6,6 @@ Declared types become those of running programs, and initial values Python sourc
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -29,10 +28,9 @@ from plcopen_sfc.semantics.programs.code_generation import Writer
 from plcopen_sfc.semantics.programs.expressions import Translator
 from plcopen_sfc.semantics.programs.marks import UNSEEN
 from plcopen_sfc.semantics.programs.places import Place, Space
-from plcopen_sfc.semantics.programs.routines import ChartCompiler, declare, translate
+from plcopen_sfc.semantics.programs.routines import declare, translate
 from plcopen_sfc.semantics.programs.runtime_types import Direction, Field, Frame, Layout
-from plcopen_sfc.semantics.programs.scopes import Scope, TranslatedPou, TranslatedProject
-from plcopen_sfc.semantics.programs.unknown_calls import UnknownCalls
+from plcopen_sfc.semantics.programs.scopes import RunOptions, Scope, TranslatedPou, TranslatedProject
 from plcopen_sfc.semantics.programs.value_code import Code
 from plcopen_sfc.semantics.programs.variable_use import is_plain
 
@@ -291,36 +289,15 @@ _RUNTIME = """
 class Library(TranslatedProject):
     """All that a controller runs of a project. Edits of the project make it wrong."""
 
-    def __init__(
-        self,
-        project: Project,
-        profile: Profile,
-        functions: Mapping[str, Callable[..., Any]],
-        chart_compiler: ChartCompiler | None,
-        read_input: Callable[[str], Any] | None,
-        *,
-        free_inputs: Iterable[str] = (),
-        not_free: Iterable[str] = (),
-        marking: bool = False,
-        unknown_calls: UnknownCalls | None = None,
-    ) -> None:
-        super().__init__(
-            project,
-            profile,
-            functions,
-            asks=read_input is not None,
-            free_inputs=free_inputs,
-            not_free=not_free,
-            marking=marking,
-            unknown_calls=unknown_calls,
-        )
-        self.read_input = read_input
+    def __init__(self, project: Project, profile: Profile, options: RunOptions) -> None:
+        super().__init__(project, profile, options)
+        self.read_input = options.get("read_input")
         self.image = Image(self.add, by_bytes=project.address_dialect in COUNTING_BYTES)
         self.free_cells: dict[tuple[int, int], str] = {}
         """The paths of free inputs by the lists that hold them and the places in these."""
         self.version = 0
         """Grows when new things were linked."""
-        self._chart_compiler = chart_compiler
+        self._chart_compiler = options.get("chart_compiler")
         initials = Initials(self)
         self._types = TypeReader(self, initials)
         self.at_address, self.give_initial = self.image.place, initials.give

@@ -28,11 +28,9 @@ from plcopen_sfc.semantics.programs.expressions import Translator
 from plcopen_sfc.semantics.programs.instruction_list import InstructionTranslator
 from plcopen_sfc.semantics.programs.places import Broken, Place, Unknown
 from plcopen_sfc.semantics.programs.runtime_types import Direction, Frame, Layout
-from plcopen_sfc.semantics.programs.scopes import Callee, CompiledChart, Scope, TranslatedMethod, TranslatedPou
+from plcopen_sfc.semantics.programs.scopes import Callee, ChartCompiler, Scope, TranslatedMethod, TranslatedPou
 from plcopen_sfc.semantics.programs.statements import StatementTranslator
 from plcopen_sfc.semantics.programs.value_code import Code, settled, truth
-
-ChartCompiler = Callable[[SfcNetwork, Scope, str], CompiledChart]
 
 _DIRECTIONS = {
     SectionKind.INPUT: Direction.INPUT,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any, Protocol, TypedDict
 
 from plcopen_sfc.errors import Location, SimulationError
 from plcopen_sfc.languages.binding.name_resolution import preferred
@@ -19,6 +19,7 @@ from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Method, Pou, PouKind
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.text import local_name
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs import runtime_types as t
@@ -47,6 +48,19 @@ _GLOBAL = frozenset(
 _VALUES = frozenset({Kind.VARIABLE, Kind.DATA_BLOCK, Kind.INSTANCE, Kind.ENUM_VALUE})
 
 
+class RunOptions(TypedDict, total=False):
+    """Options of a run of a project; see `Controller`."""
+
+    functions: Mapping[str, Callable[..., Any]] | None
+    chart_compiler: ChartCompiler | None
+    read_input: Callable[[str], Any] | None
+    free_inputs: Iterable[str]
+    not_free: Iterable[str]
+    marking: bool
+    unknown_calls: UnknownCalls | None
+    known_types: Mapping[str, t.Type] | None
+
+
 class TranslatedProject(ABC):
     """Tables that the translations of all texts of a project share.
 
@@ -61,24 +75,13 @@ class TranslatedProject(ABC):
     named_type: Callable[[str, Scope], t.Type]
     give_initial: Callable[[Field, m.Value | None, Scope], None]
 
-    def __init__(
-        self,
-        project: Project,
-        profile: Profile,
-        functions: Mapping[str, Callable[..., Any]],
-        *,
-        asks: bool,
-        free_inputs: Iterable[str],
-        not_free: Iterable[str],
-        marking: bool,
-        unknown_calls: UnknownCalls | None,
-    ) -> None:
+    def __init__(self, project: Project, profile: Profile, options: RunOptions) -> None:
         self.project = project
         self.profile = profile
         """For charts: how they are executed. The controller sets it."""
         self.dialect = project.dialect
         self.is_codesys = self.dialect in (Dialect.CODESYS, Dialect.TWINCAT)
-        self.functions = {name.casefold(): function for name, function in functions.items()}
+        self.functions = {name.casefold(): each for name, each in (options.get("functions") or {}).items()}
         self.names = Scopes(project)
         self.processor = Processor()
         self.linker = Linker()
@@ -89,11 +92,11 @@ class TranslatedProject(ABC):
         self.undeclared: dict[str, t.Type] = {}
         self.assumed: set[str] = set()
         """Undeclared paths, in lower case, that are BOOL because their first use tells no type."""
-        self.known_types: Mapping[str, t.Type] = {}
+        self.known_types: Mapping[str, t.Type] = options.get("known_types") or {}
         """Types of undeclared paths, in lower case, that are known from elsewhere."""
         self.missing: dict[str, str] = {}
         self.problems: list[SimulationError] = []
-        self.marks = Marks() if marking else None
+        self.marks = Marks() if options.get("marking") else None
         self.implicits: dict[str, Place] = {}
         """External variables that the project does not declare, by their paths in lower case."""
         self._members: dict[str, list[tuple[str, int, t.ScalarType, bool]]] = {}
@@ -103,15 +106,16 @@ class TranslatedProject(ABC):
         self.units: dict[int, TranslatedPou] = {}
         """The POUs that were needed so far, by the identity of their models."""
         self.unknown: UnknownBlocks | None = None
+        unknown_calls = options.get("unknown_calls")
         if unknown_calls is not None:
             self.unknown = UnknownBlocks(self.globals, self.frame, self.processor, self._members_of, unknown_calls)
         self.use = VariableUse(
             self.linker,
             self.globals,
-            asks=asks,
+            asks=options.get("read_input") is not None,
             owned=self.unknown.owns if self.unknown is not None else lambda _: False,
-            free_inputs=free_inputs,
-            not_free=not_free,
+            free_inputs=options.get("free_inputs", ()),
+            not_free=options.get("not_free", ()),
         )
         self.scope = Scope(self, "", self.globals)
         """The scope of the global variables."""
@@ -412,6 +416,10 @@ class CompiledChart(Protocol):
 
     def execute(self, frame: Frame) -> None:
         """One call of the body."""
+
+
+ChartCompiler = Callable[[SfcNetwork, Scope, str], CompiledChart]
+"""Makes the program of a chart of a POU; the text is the path of its body."""
 
 
 class Callee:
