@@ -403,7 +403,8 @@ def unique_declaration(names: Names, path: str) -> Declaration:
     if found:
         kinds = ", ".join(declaration.kind for declaration in found)
         raise ModelError(
-            f"several things are called {path!r}: {kinds}", hint="Give the object itself instead of its path."
+            f"several things are called {path!r}: {kinds}",
+            hint="In a script, give the object itself instead of its path.",
         )
     last = path.rpartition(".")[2].casefold()
     paths = sorted({d.path for d in names.declarations()})
