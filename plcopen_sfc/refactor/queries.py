@@ -17,6 +17,7 @@ from plcopen_sfc.languages.effects import effects
 from plcopen_sfc.languages.networks.condition_reading import condition_reader, shown_condition
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.base import Model
+from plcopen_sfc.model.declaration import check_kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.owners import Owned
 from plcopen_sfc.model.pou import Pou
@@ -253,8 +254,8 @@ def _check_patterns(called: str, *patterns: str | None) -> None:
 def find_declared(project: Project, pattern: str, kind: str | None = None) -> list[Declaration]:
     """Return the declarations of a project that fit a pattern, by the path or the end of it."""
     check_argument(pattern, str, 'find needs a pattern: "Motor*"')
-    if kind is not None and kind not in [*Kind]:
-        raise ModelError(f"{kind!r} is no kind of declaration{nearest(kind, [*Kind])}")
+    if kind is not None:
+        check_kind(kind)
     names = Names(project)
     found = (each for each in names.declarations() if kind is None or each.kind == kind)
     return list(dict.fromkeys(names.resolver.original(each) for each in found if matches(pattern, each.path)))
@@ -297,8 +298,8 @@ def _code(action: Any) -> str | None:
 
 def cross_references(project: Project, kind: str | None = Kind.VARIABLE) -> list[dict[str, Any]]:
     """Return the rows of `Project.cross_references`, in the order of the texts."""
-    if kind is not None and kind not in [*Kind]:
-        raise ModelError(f"{kind!r} is no kind of declaration{nearest(kind, [*Kind])}")
+    if kind is not None:
+        check_kind(kind)
     rows: list[dict[str, Any]] = []
     for occurrence in Names(project).everything:
         declaration = occurrence.meaning.declaration

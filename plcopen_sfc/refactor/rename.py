@@ -27,7 +27,7 @@ from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.languages.words import needs_quotes
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.chart_settings import SfcFlag
-from plcopen_sfc.model.declaration import Declaration, Kind
+from plcopen_sfc.model.declaration import Declaration, Kind, check_kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
@@ -189,18 +189,20 @@ def rename_many(
     return _rename(names, wanted, journal)
 
 
-def names_by_pattern(project: Project, kind: Kind, pattern: str, new: str) -> dict[Declaration, str]:
+def names_by_pattern(project: Project, kind: Kind | str, pattern: str, new: str) -> dict[Declaration, str]:
     r"""Return the table for `rename_many` of all things of a kind whose whole path matches a regular expression.
 
     `new` is the new name, with groups of the pattern: ``Main\.S(\d+)`` and ``N\1``. Case does not matter. Raises
-    `ModelError` where the pattern is no regular expression, or `new` asks for a group that it does not have.
+    `ModelError` where the pattern is no regular expression, `new` asks for a group that it does not have, and for a
+    kind that there is not.
     """
+    check_kind(kind)
     names = Names(project)
     table: dict[Declaration, str] = {}
     try:
         expression = re.compile(pattern, re.IGNORECASE)
         for declaration in names.declarations():
-            found = expression.fullmatch(declaration.path) if declaration.kind is kind else None
+            found = expression.fullmatch(declaration.path) if declaration.kind == kind else None
             if found is not None:
                 table.setdefault(names.resolver.original(declaration), found.expand(new))
     except (re.error, IndexError) as error:

@@ -72,6 +72,14 @@ def test_pattern_with_groups_names_all_things_of_a_kind() -> None:
     assert main.sfc.transitions[0].condition.text == "N10.x AND N200.x"  # type: ignore[union-attr]
 
 
+def test_a_kind_may_be_given_as_its_word() -> None:
+    """A word gave an empty table, and the batch told that nothing changed."""
+    made = project(sfc("Main", "S1 S2"))
+    assert [*names_by_pattern(made, "step", r"Main\.(S1)", r"N\1").values()] == ["NS1"]
+    with pytest.raises(ModelError, match="'stp' is no kind of declaration"):
+        names_by_pattern(made, "stp", r"Main\.(S1)", r"N\1")
+
+
 @pytest.mark.parametrize(("pattern", "new"), [("S(", "N"), ("Main.(S1)", r"\2"), ("Main.(S1)", r"\g<no>")])
 def test_wrong_pattern_is_an_error_of_ours(pattern: str, new: str) -> None:
     with pytest.raises(ModelError, match="no pattern"):
