@@ -9,13 +9,14 @@ declarations.
 from __future__ import annotations
 
 import re
-from collections.abc import Hashable, Iterable, Iterator, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import SequenceMatcher
 from typing import Any, TypeAlias
 
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.formats.text_encoding import SourceText
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.declarations import Declared, Found, Head, write_variable
 from plcopen_sfc.languages.declarations.declaration_writing import indent_of, section_head, section_rest
 from plcopen_sfc.languages.declarations.kept_texts import kept
@@ -453,8 +454,10 @@ def _merged(source: str, old: str, new: str) -> str | None:
         if operation == "equal":
             continue
         at = [place.get(index, -1) for index in range(low, high)]
-        first = at[0] if at else place.get(low - 1, -1) + 1 if low else 0
-        if -1 in at or at != list(range(first, first + high - low)) or (not at and low and low - 1 not in place):
+        first = min(at) if at else _behind(old_marks, place, low)
+        if new_low == new_high:
+            at.sort()  # what is removed may have its comment above it
+        if first < position or at != list(range(first, first + high - low)):
             return None
         words_after += marks[position:first] + new_marks[new_low:new_high]
         position = first + high - low
@@ -464,6 +467,17 @@ def _merged(source: str, old: str, new: str) -> str | None:
     words_after += marks[position:]
     # An edit beside a comment or a string may join or swallow words: then the block is laid out as a whole.
     return text if [_mark(word) for word in _WORDS.findall(text)] == words_after else None
+
+
+def _behind(old: Sequence[str], place: Mapping[int, int], index: int) -> int:
+    """Return the place in the source behind the word before `index`, and behind what its comments belong to.
+
+    A writer puts a comment behind a declaration, and the source may have it above. -1 where the word is not found.
+    """
+    last = next((i for i in range(index - 1, -1, -1) if not old[i].startswith("//")), -1)
+    if last >= 0 and last not in place:
+        return -1
+    return 1 + max((place[i] for i in range(max(last, 0), index) if i in place), default=-1)
 
 
 _LINE_START = re.compile(r"(?<=\n)[ \t]*")
@@ -501,6 +515,13 @@ def _mark(word: str) -> str:
 
 
 def _places(old: Sequence[str], words: Sequence[str]) -> dict[int, int]:
-    """Return the word of the source for each old word."""
+    """Return the word of the source for each old word. Comments may be elsewhere: above what they are about."""
     matcher = SequenceMatcher(a=old, b=words, autojunk=False)
-    return {block.a + i: block.b + i for block in matcher.get_matching_blocks() for i in range(block.size)}
+    places = {block.a + i: block.b + i for block in matcher.get_matching_blocks() for i in range(block.size)}
+    found = {*places.values()}
+    mine = grouped((mark, i) for i, mark in enumerate(words) if i not in found and mark.startswith("//"))
+    written = grouped((mark, i) for i, mark in enumerate(old) if i not in places and mark.startswith("//"))
+    for mark, numbers in written.items():
+        if len(numbers) == len(mine.get(mark, ())):
+            places |= zip(numbers, mine[mark], strict=True)
+    return places

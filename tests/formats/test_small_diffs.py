@@ -71,6 +71,42 @@ def test_one_edit_changes_few_lines(path: Path) -> None:
         assert 1 <= len(changed_lines(data, saved.getvalue())) <= MOST_LINES
 
 
+DECLARED = b"""FUNCTION_BLOCK F
+VAR
+	//one
+	a : BOOL;
+	(* two *)
+	b : INT;
+	c : bool; // three
+
+	// four
+	d : TON := (PT := T#1s);
+END_VAR
+a := TRUE;
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.mark.parametrize(("name", "gone"), [("a", ["-\t//one", "-\ta : BOOL;"]), ("c", ["-\tc : bool; // three"])])
+def test_a_variable_is_removed_with_the_comment_above_it(name: str, gone: list[str]) -> None:
+    """Comments above variables made every removal and addition lay out the whole section."""
+    project = sfc.loads(DECLARED)
+    section = project.pous[0].interface.sections[0]  # type: ignore[union-attr]
+    section.variables = [each for each in section.variables if each.name != name]
+    assert changed_lines(DECLARED, sfc.dumps(project)) == gone
+
+
+@pytest.mark.parametrize("place", range(5))
+def test_a_variable_is_added_beside_comments_above_others(place: int) -> None:
+    project = sfc.loads(DECLARED)
+    section = project.pous[0].interface.sections[0]  # type: ignore[union-attr]
+    section.variables.insert(place, sfc.Variable(name="New", type="INT"))
+    data = sfc.dumps(project)
+    assert changed_lines(DECLARED, data) == ["+\tNew : INT;"]
+    again = sfc.loads(data).pous[0].variables()
+    assert [(each.name, each.comment) for each in again] == [(each.name, each.comment) for each in section.variables]
+
+
 MIXING_PLANT = (FIXTURES / "iectext" / "mixing_plant.st").read_bytes()
 
 
