@@ -33,7 +33,8 @@ class ActionLine:
 
     `qualifier` is also the kind of an action of GRAFCET (`KINDS`), ``entry``, ``main`` or ``exit`` of a step action,
     and ``macro`` or ``encloses`` of a step that has other charts inside, in the language of the reader, as
-    `excluded` is, which is empty where the action is executed. `indicator` is the variable that tells that it is done.
+    `excluded` is, which is empty where the action is executed. `indicator` is the variable that tells that it is done,
+    `interlock` is ``C`` where it depends on the interlock of its step.
     """
 
     what: str
@@ -43,10 +44,11 @@ class ActionLine:
     condition: str = ""
     indicator: str = ""
     excluded: str = ""
+    interlock: str = ""
 
     def __str__(self) -> str:
-        """Return the action in one line: ``D T#2s Lamp (Lit)``, ``on event n := 5 [a]``."""
-        when = self.event, self.qualifier, self.duration
+        """Return the action in one line: ``D T#2s Lamp (Lit)``, ``C N Drill``, ``on event n := 5 [a]``."""
+        when = self.interlock, self.event, self.qualifier, self.duration
         condition = f"[{self.condition}]" if self.condition else ""
         indicator = f"({self.indicator})" if self.indicator else ""
         return " ".join(filter(None, (*when, self.what, condition, indicator, self.excluded)))
@@ -125,10 +127,16 @@ class Wording:
         return _one_line(print_node(tree))
 
     def actions(self, step: Step) -> Iterator[ActionLine]:
-        """Return the actions of a step: step actions and associations, each as ``N Motor`` or ``D T#2s Lamp``."""
+        """Return the actions of a step: step actions and associations, each as ``N Motor`` or ``D T#2s Lamp``.
+
+        Behind them, what else decides on its actions and its end: interlock, supervision, charts inside.
+        """
         yield from (line for line, _ in self.step_actions(step))
         for association in step.actions:
             yield self.association(association)
+        for label, part in (("interlock", step.interlock), ("supervision", step.supervision)):
+            if part is not None and part.condition is not None:
+                yield ActionLine(self.condition(part.condition), self.told(label))
         if step.macro is not None:
             yield ActionLine(step.macro.expansion or "", self.told("macro"))
         for enclosure in step.encloses or ():
@@ -158,6 +166,7 @@ class Wording:
             self.condition(association.condition),
             association.indicator or "",
             self.told(EXCLUDED) if association.exclude else "",
+            "C" if association.interlock else "",
         )
 
 

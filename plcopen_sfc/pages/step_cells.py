@@ -151,8 +151,7 @@ class StepCells:
 
     def _association(self, association: ActionAssociation) -> Html:
         line = self._wording.association(association)
-        mark = "C" if association.interlock else ""
-        when = " ".join(filter(None, (mark, line.event, line.qualifier, line.duration)))
+        when = " ".join(filter(None, (line.interlock, line.event, line.qualifier, line.duration)))
         parts: list[str] = [element("b", when), " "] if when else []
         if association.target and association.forcing is None:
             parts += ["NOT " if association.negated else "", self._index.linked(association, "target")]

@@ -238,3 +238,15 @@ def test_an_edge_and_a_negation_in_words(fixtures):
     assert words.condition(WiredCondition(input=InputPin())) == "(not wired)"
     assert words.condition(WiredCondition(input=InputPin(connections=[Connection(source=999999)]))) == "(logic)"
     assert words.condition(Expression(text="(a) AND (b)", negated=True)) == "NOT ((a) AND (b))"
+
+
+def test_interlocks_and_supervisions_are_told(fixtures):
+    """Outlines had an action with C as if it did not depend on the interlock, and told of no supervision."""
+    chart = sfc.load("simaticml/FB_Drill.xml").pou("FB_Drill").sfc
+    assert chart is not None
+    found = ("".join(piece for piece, _ in line) for line in outline(chart, dialect=sfc.Dialect.SCL))
+    lines = [line.strip() for line in found]
+    assert "[Clamp part]  C S #Clamp, interlock #GuardClosed" in lines
+    (drill,) = (line for line in lines if "[Drill]" in line)
+    assert "C N #Spindle" in drill
+    assert drill.endswith("supervision #Pressure < #MIN_PRESSURE")

@@ -149,8 +149,7 @@ def _rows(step: Step, sheet: PictureSheet) -> Iterator[_Row]:
         row.remark = wrap(plain(association.comment), 11, 160)
         mark, qualifier, _, indicator = row.cells
         indicator += wrap(association.indicator or "", SIZE, width // 2)
-        if association.interlock:
-            mark.append("C")
+        mark += filter(None, [line.interlock])
         row.above = wrap(_above(step, association, words), SIZE, width)
         if association.kind is not None:
             row.kind = association.kind
