@@ -88,8 +88,9 @@ class ActionAssociation(Element):
     def parse(cls, text: str, id: int) -> Self:
         """Return the association that a text describes, as people write it into an action block.
 
-        ``N Valve``, ``D T#2s Lamp``, ``S Count := Count + 1``; with an event of S7-GRAPH ``S1 R Valve`` (``C``: it
-        needs the interlock); ``Valve`` alone is N. Raises `ModelError` for a text that is no such line.
+        ``N Valve``, ``D T#2s Lamp``, ``S Count := Count + 1``; with an event of S7-GRAPH ``S1 R Valve`` (``C R Valve``
+        or ``RC Valve``: it needs the interlock), with a timer ``S1 TL T#5s Wait``; ``Valve`` alone is N. Raises
+        `ModelError` for a text that is no such line.
         """
         check_argument(text, str, 'an action is a text: "N Valve"')
         words = text.split(maxsplit=1)
@@ -98,11 +99,14 @@ class ActionAssociation(Element):
             event = ActionEvent(words[0].upper())
             fields |= {"interlock": True} if event is ActionEvent.C else {"event": event}
             words = words[1].split(maxsplit=1)
-        if len(words) == 2 and words[0].upper() in Qualifier.__members__:
-            qualifier = fields["qualifier"] = Qualifier(words[0].upper())
+        sign = words[0].upper() if len(words) == 2 else ""
+        if sign.endswith("C") and sign[:-1] in Qualifier.__members__:  # as S7-GRAPH V5 writes it: NC, DC
+            fields["interlock"], sign = True, sign[:-1]
+        if sign in Qualifier.__members__:
+            qualifier = fields["qualifier"] = Qualifier(sign)
             words = words[1:]
-            if qualifier.needs_duration:
-                duration, _, target = words[0].partition(" ")
+            duration, _, target = words[0].partition(" ")
+            if qualifier.needs_duration or duration.upper().startswith(("T#", "TIME#", "S5T#", "S5TIME#")):
                 fields["duration"], words = duration, [target]
         target, assigns, value = " ".join(words).partition(":=")
         wrong = not target.strip() or (assigns and not value.strip()) or len(_ENCLOSED.sub("", target).split()) > 1

@@ -27,6 +27,7 @@ from plcopen_sfc.languages.binding.text_sites import Role, Site
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition
 from plcopen_sfc.languages.st.walking import children
+from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Condition, SfcNetwork, Step, StepKey, Transition, step_codes
@@ -243,8 +244,9 @@ def declare_named(
 ) -> None:
     """Declare in the POU of a chart what steps and transitions name and nothing declares.
 
-    Targets without a value become BOOL outputs, durations TIME inputs, operands of conditions BOOL inputs. `codes` are
-    statements of actions by their names. All others stay undeclared: their types are not known.
+    Targets without a value become BOOL outputs, counters of S7-GRAPH INT variables, durations TIME inputs, operands of
+    conditions BOOL inputs. `codes` are statements of actions by their names. All others stay undeclared: their types
+    are not known.
     """
     pou, project = pou_of(chart), chart.project
     if pou is None:
@@ -266,17 +268,25 @@ def _wanted(
     steps: Iterable[Step], transitions: Iterable[Transition], names: Names
 ) -> Iterator[tuple[str, str, SectionKind]]:
     """Yield names with the types that their places give them, and the sections that they are declared in."""
+    steps = list(steps)
     associations = [association for each in steps for association in each.actions]
     for association in associations:
-        if association.value is None:
+        if association.qualifier in _COUNTERS:
+            yield from ((name, "INT", SectionKind.LOCAL) for name in _operands(association.target, names))
+        elif association.value is None and association.qualifier not in _NO_VARIABLES:
             yield from ((name, "BOOL", SectionKind.OUTPUT) for name in _operands(association.target, names))
     for association in associations:
         yield from ((name, "TIME", SectionKind.INPUT) for name in _operands(association.duration, names))
     conditions = [each.condition for each in transitions]
+    conditions += [each.condition for step in steps for each in (step.interlock, step.supervision) if each is not None]
     texts = [each.text for each in conditions if isinstance(each, Expression)]
     for text in texts:
         yield from ((name, "BOOL", SectionKind.INPUT) for name in _operands(text, names))
 
+
+_COUNTERS = frozenset({Qualifier.CS, Qualifier.CU, Qualifier.CD, Qualifier.CR})
+_NO_VARIABLES = frozenset({Qualifier.ON, Qualifier.OFF, Qualifier.CALL})
+"""Their targets are steps and blocks."""
 
 _JOINING = n.CONNECTIVES | {n.Operator.NOT}
 

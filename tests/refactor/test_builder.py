@@ -58,6 +58,16 @@ def test_what_it_names_is_declared_once() -> None:
     assert pou.action("Pour").body == sfc.StBody(text="Pump := NOT Empty;")
 
 
+def test_steps_and_counters_of_a_sequencer_are_no_boolean_outputs() -> None:
+    """A step that ON named was declared as an output too, so that the step got another name in TIA Portal."""
+    rows = ["NC Motor", "S1 CU Parts", "S1 ON Rinse", "CALL Log"]
+    parts = [step("Wait", initial=True), "Start", step("Fill", actions=rows, interlock="Guard", supervision="NOT Flow")]
+    pou = sfc.Project().add_function_block("Filler", *parts, "Full", step("Rinse"))
+    found = {(v.name, v.type.name, section.kind) for section in pou.interface.sections for v in section.variables}
+    inputs = {(name, "BOOL", "input") for name in ("Start", "Full", "Guard", "Flow")}
+    assert found == {*inputs, ("Motor", "BOOL", "output"), ("Parts", "INT", "local")}
+
+
 @pytest.mark.parametrize("format", ["plcopen", "codesys", "iec-text", "json"])
 def test_the_chart_goes_into_files_and_does_the_same(format: str) -> None:
     project = sfc.Project(name="Plant")

@@ -182,7 +182,10 @@ def test_a_trace_is_a_table() -> None:
 LINES = ["N Valve", "D T#2s Lamp", "S Count := Count + 1", "S1 R Valve", "C N Valve", "SD tMax Motor.ACT_Stop", "P1 A"]
 
 
-@pytest.mark.parametrize("text", [*LINES, 'N "My valve"', "S a[i + 1]"])
+GRAPH_LINES = ["S1 TL T#5s Wait", "TF T#5s Wait", "S1 CU Parts", "S1 ON Fill", "P T#2s Lamp"]
+
+
+@pytest.mark.parametrize("text", [*LINES, *GRAPH_LINES, 'N "My valve"', "S a[i + 1]"])
 def test_the_text_of_an_action_is_read_and_written(text: str) -> None:
     assert sfc.ActionAssociation.parse(text, 1).text == text
 
@@ -191,6 +194,11 @@ def test_the_text_of_an_action_is_read_and_written(text: str) -> None:
 def test_a_text_that_is_no_action_is_refused(text: str) -> None:
     with pytest.raises(ModelError, match="is no action of a step"):
         sfc.ActionAssociation.parse(text, 1)
+
+
+@pytest.mark.parametrize(("text", "usual"), [("NC Valve", "C N Valve"), ("dc T#2s Lamp", "C D T#2s Lamp")])
+def test_an_interlock_behind_the_qualifier_is_read(text: str, usual: str) -> None:
+    assert sfc.ActionAssociation.parse(text, 1).text == usual
 
 
 def test_one_of_several_values_is_wanted(chart: sfc.SfcNetwork) -> None:
