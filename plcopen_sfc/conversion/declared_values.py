@@ -22,24 +22,12 @@ from plcopen_sfc.languages.declarations.type_names import is_quoted_in_scl
 from plcopen_sfc.languages.s7_types import S7Types, number_of
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.translation.translation_context import family
+from plcopen_sfc.model import types as t
 from plcopen_sfc.model.base import Element, ExtensionData, ForeignData
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.types import (
-    ArrayType,
-    ArrayValue,
-    DataType,
-    DataTypeDeclaration,
-    DerivedType,
-    Elementary,
-    SimpleValue,
-    StructType,
-    StructValue,
-    Value,
-    Variable,
-)
 
 _DEEPEST = 32
 """Structures are not nested more deeply: types that hold themselves are."""
@@ -84,34 +72,34 @@ class StartValues:
         self._usual: dict[str, _Start] = {}  # of each type once: structures in structures have millions of members
         self._open: set[str] = set()
 
-    def meaning(self, variable: Variable) -> Meaning | None:
+    def meaning(self, variable: t.Variable) -> Meaning | None:
         """Start value of a variable; None for the usual one, and for members that have no other."""
         given = () if variable.initial is None else (variable.initial,)
         found = self._of(variable.type, given, 0)
         return Meaning.of(found, ", ".join(found.shown())) if found else None
 
-    def of_value(self, value: Value | None) -> Meaning | None:
+    def of_value(self, value: t.Value | None) -> Meaning | None:
         """Return a value that counts instead of another, so that the usual one is one too."""
         found = _Start() if value is None else self._plain(value, named=True)
         return Meaning.of(found, ", ".join(found.shown())) if found else None
 
-    def _of(self, type_: DataType, given: Sequence[Value], depth: int) -> _Start:
+    def _of(self, type_: t.DataType, given: Sequence[t.Value], depth: int) -> _Start:
         """Return the start of something of a type, of which the declarations say this much, the nearest first."""
-        given = [value for value in given if not (isinstance(value, SimpleValue) and not (value.text or "").strip())]
+        given = [value for value in given if not (isinstance(value, t.SimpleValue) and not (value.text or "").strip())]
         if depth > _DEEPEST:
             return _Start()
-        if isinstance(type_, DerivedType):
+        if isinstance(type_, t.DerivedType):
             return self._of_named(type_, given, depth)
-        if isinstance(type_, StructType):
+        if isinstance(type_, t.StructType):
             return self._of_members(type_.members, given, depth)
-        if isinstance(type_, ArrayType):
+        if isinstance(type_, t.ArrayType):
             return self._of_array(type_, given, depth)
         if not given:
-            start = self._types.start(Variable(name="x", type=type_))
+            start = self._types.start(t.Variable(name="x", type=type_))
             given = [] if start is None else [start]
         return self._plain(given[0]) if given else _Start()
 
-    def _of_named(self, type_: DerivedType, given: Sequence[Value], depth: int) -> _Start:
+    def _of_named(self, type_: t.DerivedType, given: Sequence[t.Value], depth: int) -> _Start:
         key = type_.name.replace('"', "").casefold()
         declared = self._declared.get(key)
         if declared is not None:
@@ -130,7 +118,7 @@ class StartValues:
             return self._plain(given[0], named=True) if given else _Start()
         own_values = {variable.name.casefold(): variable for variable in block.variables()}
         parts = []
-        for name in sorted({m.member.casefold() for v in given if isinstance(v, StructValue) for m in v.members}):
+        for name in sorted({m.member.casefold() for v in given if isinstance(v, t.StructValue) for m in v.members}):
             variable = own_values.get(name)
             values = _members(given, name)
             if variable is None:
@@ -143,16 +131,16 @@ class StartValues:
         return _Start(parts=tuple(parts))
 
     def _of_declared(
-        self, type_: DerivedType, declared: DataTypeDeclaration, given: Sequence[Value], depth: int
+        self, type_: t.DerivedType, declared: t.DataTypeDeclaration, given: Sequence[t.Value], depth: int
     ) -> _Start:
-        if isinstance(declared.type, StructType | ArrayType | DerivedType):
+        if isinstance(declared.type, t.StructType | t.ArrayType | t.DerivedType):
             own = () if declared.initial is None else (declared.initial,)
             return self._of(declared.type, (*given, *own), depth + 1)
-        start = self._types.start(Variable(name="x", type=type_, initial=given[0] if given else None))
+        start = self._types.start(t.Variable(name="x", type=type_, initial=given[0] if given else None))
         return self._of(declared.type, () if start is None else (start,), depth + 1)
 
-    def _of_members(self, members: Sequence[Variable], given: Sequence[Value], depth: int) -> _Start:
-        whole = next((value for value in given if isinstance(value, SimpleValue)), None)
+    def _of_members(self, members: Sequence[t.Variable], given: Sequence[t.Value], depth: int) -> _Start:
+        whole = next((value for value in given if isinstance(value, t.SimpleValue)), None)
         if whole is not None:
             return self._plain(whole)
         parts = []
@@ -163,7 +151,7 @@ class StartValues:
                 parts.append((member.name.casefold(), start))
         return _Start(parts=tuple(sorted(parts, key=lambda part: str(part[0]))))
 
-    def _of_array(self, type_: ArrayType, given: Sequence[Value], depth: int) -> _Start:
+    def _of_array(self, type_: t.ArrayType, given: Sequence[t.Value], depth: int) -> _Start:
         bounds = [(number_of(d.lower), number_of(d.upper)) for d in type_.dimensions]
         size = 1
         for lower, upper in bounds:
@@ -171,7 +159,7 @@ class StartValues:
                 return self._plain(given[0]) if given else _Start()
             size *= max(upper - lower + 1, 0)
         first = (bounds[0][0] or 0) if len(bounds) == 1 else 0
-        if any(isinstance(value, SimpleValue) for value in given):
+        if any(isinstance(value, t.SimpleValue) for value in given):
             return self._plain(given[0])
         layers = [list(_runs(value)) for value in given]
         cuts = {0, size, *(place for layer in layers for place, _, _ in layer)}
@@ -188,13 +176,13 @@ class StartValues:
                 parts.append(((first + runs[0][0], sum(count for _, count, _ in runs)), element))
         return _Start(parts=tuple(parts))
 
-    def _plain(self, value: Value, *, named: bool = False) -> _Start:
+    def _plain(self, value: t.Value, *, named: bool = False) -> _Start:
         """Return a value as it is written; `named`: of a type that nothing declares, whose usual value is unknown."""
-        if isinstance(value, StructValue):
+        if isinstance(value, t.StructValue):
             members = sorted(value.members, key=lambda each: each.member.casefold())
             parts = tuple((each.member.casefold(), self._plain(each.value, named=True)) for each in members)
             return _Start(parts=tuple(part for part in parts if part[1]))
-        if isinstance(value, ArrayValue):
+        if isinstance(value, t.ArrayValue):
             runs = [(place, count, self._plain(each, named=True)) for place, count, each in _runs(value)]
             return _Start(parts=tuple(((place, count), start) for place, count, start in runs if start))
         text = (value.text or "").strip()
@@ -205,18 +193,18 @@ class StartValues:
         return _Start() if literal in _ZEROS and not named else _Start(literal, text)
 
 
-def _members(given: Sequence[Value], name: str) -> list[Value]:
+def _members(given: Sequence[t.Value], name: str) -> list[t.Value]:
     """Start value of one member among those of a structure."""
-    return [m.value for v in given if isinstance(v, StructValue) for m in v.members if m.member.casefold() == name]
+    return [m.value for v in given if isinstance(v, t.StructValue) for m in v.members if m.member.casefold() == name]
 
 
-def _runs(value: Value) -> Iterator[tuple[int, int, Value]]:
+def _runs(value: t.Value) -> Iterator[tuple[int, int, t.Value]]:
     """Yield the values of an array: the place of the first, how many, and the value.
 
     One value is for the first element.
     """
     place = 0
-    for item in value.items if isinstance(value, ArrayValue) else ():
+    for item in value.items if isinstance(value, t.ArrayValue) else ():
         count = number_of(item.repetitions) if item.repetitions is not None else 1
         yield place, count or 0, item.value
         place += count or 0
@@ -257,7 +245,7 @@ _TYPES_OF_TOOLS = {
 """Types that tools have besides those of IEC 61131-3, in capitals. Those of S7 stand without quotes."""
 
 
-def tell_type(part: Part, kind: DataType, declaration: DataTypeDeclaration | None = None) -> None:
+def tell_type(part: Part, kind: t.DataType, declaration: t.DataTypeDeclaration | None = None) -> None:
     """Note that a type is a UNION, or has one in it, and what its declaration extends."""
     if _has_union(kind):
         part.tell("union", Meaning.of(True, "UNION"))
@@ -265,10 +253,10 @@ def tell_type(part: Part, kind: DataType, declaration: DataTypeDeclaration | Non
     part.tell("extends", Meaning.of(base.casefold(), base) if base else None)
 
 
-def _has_union(kind: DataType) -> bool:
-    while isinstance(kind, ArrayType):
+def _has_union(kind: t.DataType) -> bool:
+    while isinstance(kind, t.ArrayType):
         kind = kind.base
-    if not isinstance(kind, StructType):
+    if not isinstance(kind, t.StructType):
         return False
     return "union" in kept(kind.extension_data) or any(_has_union(member.type) for member in kind.members)
 
@@ -327,7 +315,7 @@ def add_kept(whole: Part, project: Project, text_sites: Iterable[TextSite], tool
     for text_site in text_sites:
         if isinstance(text_site.holder, ForeignData):
             _add_data(whole, text_site, tool)
-        elif text_site.role is Role.TYPE and isinstance(text_site.holder, DerivedType | Block | DataBlock):
+        elif text_site.role is Role.TYPE and isinstance(text_site.holder, t.DerivedType | Block | DataBlock):
             types.setdefault(text_site.text.replace('"', ""), text_site)
     declared = {thing.name.casefold() for thing in (*project.pous, *project.data_types)}
     declared |= {name.rpartition(".")[2].casefold() for _, name in chain.from_iterable(texts)}
@@ -375,6 +363,6 @@ def _add_data(whole: Part, text_site: TextSite, tool: Dialect) -> None:
 def _has(dialect: Dialect, name: str) -> bool:
     """True if tools of a dialect have a type without anybody declaring it."""
     word = name.upper()
-    if not word or word in Elementary.__members__ or standard_block(word) is not None:
+    if not word or word in t.Elementary.__members__ or standard_block(word) is not None:
         return True
     return not is_quoted_in_scl(name) if dialect is Dialect.SCL else word in _TYPES_OF_TOOLS[family(dialect)]

@@ -36,6 +36,7 @@ from plcopen_sfc.languages.networks import NetworkExpression, chart_statements, 
 from plcopen_sfc.languages.sfc_flag_uses import OPERATING_FLAGS, WATCHING_FLAGS
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform
+from plcopen_sfc.model import sfc
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import IlBody, StBody
@@ -44,18 +45,6 @@ from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import (
-    ActionAssociation,
-    Body,
-    BodyCondition,
-    Condition,
-    PermanentOperation,
-    SfcBody,
-    SfcNetwork,
-    Step,
-    Transition,
-    leaving_steps,
-)
 from plcopen_sfc.model.text import Text
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts.sfc_flags import flags_in_use
@@ -77,7 +66,7 @@ class Around(Protocol):
     def naming(self, result: str = "") -> Renaming:
         """Return how names in the POU that is read now become names that all tools could have."""
 
-    def code(self, body: Body | None, result: str = "") -> Meaning | None:
+    def code(self, body: sfc.Body | None, result: str = "") -> Meaning | None:
         """Meaning of a body."""
 
     def target(self, name: str) -> str:
@@ -95,21 +84,21 @@ class Around(Protocol):
     def tell_text(self, part: Part, aspect: str, text: Text | None) -> None:
         """Note a text for people, in all its languages where that is wanted."""
 
-    def tell_networks(self, part: Part, body: Body | None, aspect: str = "networks") -> None:
+    def tell_networks(self, part: Part, body: sfc.Body | None, aspect: str = "networks") -> None:
         """Note the titles and comments of networks."""
 
 
 _OF_STEPS = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.P1, Qualifier.P0})
 """Qualifiers without time and memory: their step alone determines what is executed."""
 _RESTARTS = frozenset({SfcFlag.INIT, SfcFlag.RESET})
-_Executed = tuple[Step, Qualifier]
+_Executed = tuple[sfc.Step, Qualifier]
 """A step that executes an action, and how."""
 
 
 class ExecutedChartReader:
     """Reads one chart: steps, transitions, actions, permanent instructions, partial charts."""
 
-    def __init__(self, owner: Around, pou: Pou, chart: SfcNetwork, path: str, called: set[str]) -> None:
+    def __init__(self, owner: Around, pou: Pou, chart: sfc.SfcNetwork, path: str, called: set[str]) -> None:
         self.owner = owner
         self.pou = pou
         self.chart = chart
@@ -131,7 +120,7 @@ class ExecutedChartReader:
         self._named = owner.naming()
         self._read_condition = condition_reader(chart, owner.dialect, transitions=pou.transitions)
 
-    def condition_of(self, condition: Condition) -> NetworkExpression:
+    def condition_of(self, condition: sfc.Condition) -> NetworkExpression:
         """Return a condition as an expression in which names of lists of global variables are left out."""
         found = self._read_condition(condition)
         named = self._named
@@ -171,7 +160,7 @@ class ExecutedChartReader:
 
     # -- steps
 
-    def _step(self, chart: Part, step: Step) -> None:
+    def _step(self, chart: Part, step: sfc.Step) -> None:
         path = f"{self.path} / step {step.name}"
         part = chart.add("step", step.name, path, step)
         part.tell("initial", Meaning.of(step.initial, "initial step" if step.initial else "no initial step"))
@@ -204,18 +193,18 @@ class ExecutedChartReader:
             inner = part.add("macro-step", step.name, path)
             if step.macro.expansion is not None:
                 inner.tell("expansion", Meaning.of(step.macro.expansion.casefold(), step.macro.expansion))
-            if isinstance(step.macro.body, SfcBody):
+            if isinstance(step.macro.body, sfc.SfcBody):
                 ExecutedChartReader(self.owner, self.pou, step.macro.body.chart, path, self.called).read(inner)
         for enclosure in step.encloses or ():
             inner = part.add("enclosed chart", enclosure.chart, path)
             steps = enclosure.activated_steps
             inner.tell("activated steps", Meaning.of(tuple(map(str.casefold, steps)), ", ".join(steps) or "none"))
 
-    def _tell_all(self, part: Part, thing: Step | Transition | ActionAssociation) -> None:
+    def _tell_all(self, part: Part, thing: sfc.Step | sfc.Transition | sfc.ActionAssociation) -> None:
         """Note what no controller executes."""
         self.owner.tell_comment(part, thing)
         part.tell("excluded", Meaning.of(True, "excluded from the program") if thing.exclude else None)
-        number = None if isinstance(thing, ActionAssociation) or not self.is_written else thing.number
+        number = None if isinstance(thing, sfc.ActionAssociation) or not self.is_written else thing.number
         part.tell("number", Meaning.of(number) if number is not None else None)
 
     def _uses_maximum_times(self) -> bool:
@@ -224,7 +213,7 @@ class ExecutedChartReader:
             return False  # an alarm for people; `.T_MAX` is a variable like others
         return self.owner.profile.maximum_times and SfcFlag.ERROR in self.flags
 
-    def _step_action(self, step: Part, event: str, action: str | Body) -> None:
+    def _step_action(self, step: Part, event: str, action: str | sfc.Body) -> None:
         """An entry (S1), main or exit (S0) action of CODESYS."""
         if isinstance(action, str) and not self.is_written and self.pou.find_action(action) is None:
             action = StBody(text=f"{action}();")  # of which a text has the call
@@ -234,7 +223,7 @@ class ExecutedChartReader:
         part.tell("trigger", Meaning.of(event if self.is_written else (when, ALONE), _STEP_ACTIONS[event]))
         part.tell("code", code)
 
-    def _function(self, body: Body | None) -> Pou | None:
+    def _function(self, body: sfc.Body | None) -> Pou | None:
         """Return the function added for an action that a row does nothing but call, with the variables of the block."""
         if not isinstance(body, StBody) or not self.owner.added_functions:
             return None
@@ -248,11 +237,11 @@ class ExecutedChartReader:
             return None
         return function
 
-    def _final_calls(self, step: Step) -> list[tuple[ActionAssociation, ActionAssociation]]:
+    def _final_calls(self, step: sfc.Step) -> list[tuple[sfc.ActionAssociation, sfc.ActionAssociation]]:
         """The rows that call an added function once more when the step ends, each with the row that calls it before."""
         calls = [row for row in step.actions if not row.exclude and self._function(row.body) is not None]
         lasting = [row for row in calls if row.event is None]
-        found: list[tuple[ActionAssociation, ActionAssociation]] = []
+        found: list[tuple[sfc.ActionAssociation, sfc.ActionAssociation]] = []
         for row in (each for each in calls if each.event is ActionEvent.S0):
             pairs = (each for each in lasting if each.body == row.body and all(each is not first for _, first in found))
             first = next(pairs, None)
@@ -260,7 +249,7 @@ class ExecutedChartReader:
                 found.append((row, first))
         return found
 
-    def _association(self, step: Part, of: Step, association: ActionAssociation, *, ends: bool = False) -> None:
+    def _association(self, step: Part, of: sfc.Step, association: sfc.ActionAssociation, *, ends: bool = False) -> None:
         """Note an association. `ends`: another one executes it once more when the step ends."""
         function = self._function(association.body)
         name, code = self._code_of(association.target, association.body if function is None else function.body)
@@ -294,7 +283,7 @@ class ExecutedChartReader:
             order = association.forcing
             part.tell("forcing", Meaning.of((order.chart, order.situation.value, *order.steps), str(order)))
 
-    def _stored(self, part: Part, step: Step) -> None:
+    def _stored(self, part: Part, step: sfc.Step) -> None:
         """Values that the rows S and R of a step leave in each operand: the last one counts in S7-GRAPH, else R."""
         for association in step.actions:
             name = association.target
@@ -314,7 +303,7 @@ class ExecutedChartReader:
         rows = [(step, row) for step, row in self.chart.associations() if self._is_boolean(row)]
         trees = [parse_expression(row.target or "", self.owner.dialect).tree for _, row in rows]
         own = [self._path(path_of(tree)) for tree in trees]
-        acting: dict[Path, list[ActionAssociation]] = {}
+        acting: dict[Path, list[sfc.ActionAssociation]] = {}
         for path, (step, row) in zip(own, rows, strict=True):
             if not (step.exclude or row.exclude) and path != ANYTHING:
                 acting.setdefault(path, []).append(row)
@@ -330,7 +319,7 @@ class ExecutedChartReader:
         by_code, elsewhere = (frozenset(map(".".join, each)) for each in (paths & inside, outside))
         return BooleanActions(rules, by_code, elsewhere, spelled)
 
-    def _written_at(self, rows: Sequence[ActionAssociation]) -> tuple[str, str]:
+    def _written_at(self, rows: Sequence[sfc.ActionAssociation]) -> tuple[str, str]:
         """Return when the variable of these rows is written, and when, if only other POUs look."""
         profile = self.owner.profile
         if not profile.graph_parameters:
@@ -338,7 +327,7 @@ class ExecutedChartReader:
         are_coils = all(row.qualifier in _COILS for row in rows)
         return BY_STEPS, WRITTEN[BooleanTargets.WHEN_EXECUTED] if are_coils else BY_STEPS
 
-    def _is_boolean(self, row: ActionAssociation) -> bool:
+    def _is_boolean(self, row: sfc.ActionAssociation) -> bool:
         """True for a row whose action is a variable that follows its control; in S7-GRAPH a coil, or S and R."""
         if row.target is None or row.body is not None or row.value is not None or row.kind is not None:
             return False
@@ -356,7 +345,7 @@ class ExecutedChartReader:
         """Return the path of a variable as all tools could have it: without the list of a global variable."""
         return tuple(map(plain_name, path[1:] if len(path) > 1 and path[0] in self.owner.lists else path))
 
-    def _code_of(self, action: str | Body | None, body: Body | None = None) -> tuple[str, Meaning | None]:
+    def _code_of(self, action: str | sfc.Body | None, body: sfc.Body | None = None) -> tuple[str, Meaning | None]:
         """Name of an action, and its program; none for a variable."""
         if isinstance(action, str):
             found = self.pou.find_action(action)
@@ -365,13 +354,13 @@ class ExecutedChartReader:
             self.called.add(found.name.casefold())
             if self.is_written:
                 return found.name, None
-            if isinstance(found.body, SfcBody):
+            if isinstance(found.body, sfc.SfcBody):
                 order = self.owner.profile.order.value.replace("_", " ")
                 return found.name, Meaning.of(("chart", found.name.casefold(), order), f"a chart, {order}")
             return found.name, self.owner.code(found.body) or Meaning.of("", "an empty action")
         return "in place", self.owner.code(action or body)
 
-    def _trigger(self, association: ActionAssociation, *, is_code: bool) -> Meaning:
+    def _trigger(self, association: sfc.ActionAssociation, *, is_code: bool) -> Meaning:
         """Return when an action is executed, the same for all tools: qualifier, event and kind."""
         qualifier, event = association.qualifier, association.event
         if event in (ActionEvent.C, None):
@@ -400,7 +389,7 @@ class ExecutedChartReader:
             shown = f"{shown} with a final scan"
         return Meaning.of(("R" if qualifier is Qualifier.R0 else qualifier.value, control), shown)
 
-    def _control(self, association: ActionAssociation, *, is_code: bool) -> str:
+    def _control(self, association: sfc.ActionAssociation, *, is_code: bool) -> str:
         """Return the control of an action of several associations: one control for all, or each step for itself.
 
         It makes a difference for programs, and for what has a time or a pulse.
@@ -451,7 +440,7 @@ class ExecutedChartReader:
         plain = {name: used for name, used in rows.items() if all(qualifier in _OF_STEPS for _, qualifier in used)}
         return frozenset(name for name, used in plain.items() if not scans.are_switched and are_apart(used))
 
-    def _is_plain_but_for(self, pulse: ActionAssociation) -> bool:
+    def _is_plain_but_for(self, pulse: sfc.ActionAssociation) -> bool:
         """True if all other associations with the variable of a pulse are N."""
         name = plain_name(pulse.target or "")
         others = (
@@ -461,7 +450,7 @@ class ExecutedChartReader:
 
     # -- transitions
 
-    def _transition(self, chart: Part, transition: Transition) -> Key:
+    def _transition(self, chart: Part, transition: sfc.Transition) -> Key:
         sources = "+".join(sorted(plain_name(self.names.get(i, "?")) for i in transition.sources))
         targets = "+".join(sorted(plain_name(self.names.get(i, "?")) for i in transition.targets))
         name = f"{sources} -> {targets}"
@@ -478,7 +467,7 @@ class ExecutedChartReader:
             self._tell_all(part, transition)
         return next(reversed(chart.parts))
 
-    def _is_never(self, transition: Transition) -> bool:
+    def _is_never(self, transition: sfc.Transition) -> bool:
         """True for a transition that never fires: it is excluded, or its condition is FALSE, and no SFCTip fires it."""
         if transition.exclude or transition.condition is None:
             return transition.exclude
@@ -490,7 +479,7 @@ class ExecutedChartReader:
         tree = n.bare(found.tree) if found.tree is not None else None
         return isinstance(tree, n.Literal) and tree.text.upper() == "FALSE" and not found.before
 
-    def _waiting(self, transition: Transition) -> Meaning | None:
+    def _waiting(self, transition: sfc.Transition) -> Meaning | None:
         """Return the condition together with the minimum times of the steps that a transition leaves."""
         condition = transition.condition
         sources = [step for step in self.timed if step.id in transition.sources]
@@ -509,7 +498,7 @@ class ExecutedChartReader:
 
     def _priorities(self, chart: Part, keys: dict[int, Key]) -> None:
         """The order in which competing transitions of each step are tried."""
-        for source, leaving in leaving_steps(self.chart.transitions).items():
+        for source, leaving in sfc.leaving_steps(self.chart.transitions).items():
             order = [keys[each.id] for each in leaving if each.id in keys]
             if source in self.names and len(order) > 1:
                 step = chart.steps_named(plain_name(self.names[source]))[0]
@@ -517,11 +506,11 @@ class ExecutedChartReader:
                 step.tell("order of transitions", Meaning.of(names, ", ".join(names)))
                 step.order = tuple(order)
 
-    def _tell_networks(self, part: Part, aspect: str, condition: Condition) -> None:
-        if isinstance(condition, BodyCondition):
+    def _tell_networks(self, part: Part, aspect: str, condition: sfc.Condition) -> None:
+        if isinstance(condition, sfc.BodyCondition):
             self.owner.tell_networks(part, condition.body, f"the {aspect}")
 
-    def _condition(self, condition: Condition) -> Meaning:
+    def _condition(self, condition: sfc.Condition) -> Meaning:
         if self.is_written and condition.kind == "named":
             return Meaning.of(("named", condition.name.casefold(), condition.negated), _shown_name(condition))
         # two names or wires that cannot be followed may lead to different things; a pin without wires leads nowhere
@@ -531,7 +520,11 @@ class ExecutedChartReader:
         raw = plain(condition) if is_whole else object()
         read = Once(lambda: self.condition_of(condition))
         meaning = condition_meaning(read, raw)
-        if not self.owner.detail or not isinstance(condition, BodyCondition) or not isinstance(condition.body, IlBody):
+        if (
+            not self.owner.detail
+            or not isinstance(condition, sfc.BodyCondition)
+            or not isinstance(condition.body, IlBody)
+        ):
             return meaning
         text = condition.body.text.strip()
         return replace(meaning, shown=lambda: meaning.show() if read().tree is not None else text)
@@ -589,7 +582,7 @@ class ExecutedChartReader:
         meaning = Meaning(lambda: text, text, lambda: program_form(drawn, self._named), text=lambda: text)
         return meaning if text.strip() else None
 
-    def _permanent(self, chart: Part, operation: PermanentOperation, when: str) -> None:
+    def _permanent(self, chart: Part, operation: sfc.PermanentOperation, when: str) -> None:
         code = self.owner.code(operation.body)
         if code is not None:
             part = chart.add(f"permanent instruction {when} the sequence", "", self.path)
@@ -607,7 +600,7 @@ def _shown_name(condition: NamedCondition) -> str:
     return f"NOT {condition.name}" if condition.negated else condition.name
 
 
-def _executed_by(step: Step) -> Iterator[tuple[str, Qualifier]]:
+def _executed_by(step: sfc.Step) -> Iterator[tuple[str, Qualifier]]:
     """Yield the names of what a step executes, with entry and exit actions as P1 and P0.
 
     Every association and step action counts; assignments share no control.

@@ -54,6 +54,7 @@ from plcopen_sfc.languages.s7_types import is_system_data
 from plcopen_sfc.languages.sfc_flag_uses import flags_at_rest, named_flags
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.translation.call_translation import has_function
+from plcopen_sfc.model import types as t
 from plcopen_sfc.model.base import Element, ForeignData
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.chart_settings import SfcFlag
@@ -65,21 +66,6 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, Step
 from plcopen_sfc.model.text import MultilingualText, Text
 from plcopen_sfc.model.text import plain as words_of
-from plcopen_sfc.model.types import (
-    ArrayType,
-    DataType,
-    DerivedType,
-    Dimension,
-    Elementary,
-    ElementaryType,
-    EnumType,
-    MemberValue,
-    SimpleValue,
-    StringType,
-    StructType,
-    StructValue,
-    Variable,
-)
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.semantics.charts.graph.graph_parameters import ALL_INPUTS
 from plcopen_sfc.semantics.profile import Profile, default_profile
@@ -177,7 +163,7 @@ class _Reader:
     def _read(self) -> None:
         self.names.text_sites()  # what looks for some words only has them then
         for declaration in self.project.data_types:
-            if not isinstance(declaration.type, StructType) and not self.detail:
+            if not isinstance(declaration.type, t.StructType) and not self.detail:
                 continue  # other types are compared where they are used, by what they stand for
             part = self.whole.add("type", declaration.name, declaration.report_path, declaration)
             tell_type(part, declaration.type, declaration)
@@ -186,8 +172,8 @@ class _Reader:
             else:
                 tell_acting_attributes(part, declaration, typed_attributes(declaration.declaration).get("", ()))
             self.tell_comment(part, declaration)
-            whole = Variable(name=declaration.name, type=declaration.type, initial=declaration.initial)
-            if self.detail and isinstance(declaration.type, StructType):
+            whole = t.Variable(name=declaration.name, type=declaration.type, initial=declaration.initial)
+            if self.detail and isinstance(declaration.type, t.StructType):
                 for member in declaration.type.members:
                     self._variable(part, "member", member, VariableSection(), "")
             else:
@@ -314,30 +300,30 @@ class _Reader:
             return text
         return _MEMBER.sub(lambda found: found[2] if found[1].casefold() in self.lists else found[0], text)
 
-    def _plain_type(self, kind: DataType, depth: int = 0) -> DataType:
+    def _plain_type(self, kind: t.DataType, depth: int = 0) -> t.DataType:
         """Return a type without other names for types and without initial values."""
-        if isinstance(kind, DerivedType):
+        if isinstance(kind, t.DerivedType):
             declared = self.declared.get(kind.name.replace('"', "").casefold())
-            stays = declared is None or isinstance(declared, StructType) or depth > _DEEPEST
+            stays = declared is None or isinstance(declared, t.StructType) or depth > _DEEPEST
             return kind if declared is None or stays else self._plain_type(declared, depth + 1)
-        if isinstance(kind, StringType) and kind.length is None:
+        if isinstance(kind, t.StringType) and kind.length is None:
             known = STRING_LENGTHS.get(self.source.dialect) or STRING_LENGTHS.get(self.dialect)
-            return StringType(wide=kind.wide, length=known or STRING_LENGTHS[Dialect.CODESYS])
-        if isinstance(kind, StringType) and kind.length is not None:
-            return StringType(wide=kind.wide, length=self._number(kind.length))
-        if isinstance(kind, EnumType):
-            return kind.base or ElementaryType(name=Elementary.INT)
-        if isinstance(kind, ArrayType):
+            return t.StringType(wide=kind.wide, length=known or STRING_LENGTHS[Dialect.CODESYS])
+        if isinstance(kind, t.StringType) and kind.length is not None:
+            return t.StringType(wide=kind.wide, length=self._number(kind.length))
+        if isinstance(kind, t.EnumType):
+            return kind.base or t.ElementaryType(name=t.Elementary.INT)
+        if isinstance(kind, t.ArrayType):
             bounds = [
-                Dimension(lower=self._number(each.lower), upper=self._number(each.upper)) for each in kind.dimensions
+                t.Dimension(lower=self._number(each.lower), upper=self._number(each.upper)) for each in kind.dimensions
             ]
-            return ArrayType(dimensions=bounds, base=self._plain_type(kind.base, depth + 1))
-        if isinstance(kind, StructType):
+            return t.ArrayType(dimensions=bounds, base=self._plain_type(kind.base, depth + 1))
+        if isinstance(kind, t.StructType):
             members = [
-                Variable(name=shown_name(member.name), type=self._plain_type(member.type, depth + 1))
+                t.Variable(name=shown_name(member.name), type=self._plain_type(member.type, depth + 1))
                 for member in kind.members
             ]
-            return StructType(members=members)
+            return t.StructType(members=members)
         return kind
 
     def code(self, body: Body | None, result: str = "") -> Meaning | None:
@@ -402,7 +388,7 @@ class _Reader:
     def _named_flags(self) -> frozenset[str]:
         return named_flags(self.names)
 
-    def _type(self, kind: DataType) -> Meaning | None:
+    def _type(self, kind: t.DataType) -> Meaning | None:
         return type_meaning(kind if self.detail is Detail.WRITTEN else self._plain_type(kind), self.dialect)
 
     def target(self, name: str) -> str:
@@ -417,7 +403,7 @@ class _Reader:
         for section in self.project.global_sections():
             self._typed = typed_attributes(section.declaration)
             for variable in section.variables:
-                if variable.name.casefold() in self.structures and isinstance(variable.type, StructType):
+                if variable.name.casefold() in self.structures and isinstance(variable.type, t.StructType):
                     for member in _members(variable, variable.type):
                         self._variable(self.whole, "global variable", member, section, variable.name)
                 else:
@@ -441,7 +427,7 @@ class _Reader:
                     self._variable(self.whole, "global variable", variable, section, block.name)
         for table in self.project.tag_tables:
             for tag in table.tags:
-                variable = Variable(name=tag.name, type=type_named(tag.type) or DerivedType(name=tag.type))
+                variable = t.Variable(name=tag.name, type=type_named(tag.type) or t.DerivedType(name=tag.type))
                 part = self._variable(self.whole, "global variable", variable, VariableSection(), "")
                 part.tell("address", address_meaning(tag.address, Dialect.SCL))
             for constant in table.constants:
@@ -460,7 +446,7 @@ class _Reader:
             names = [variable.name.casefold() for variable in declaring.variables()] if declaring is not None else []
             part.tell("variables", Meaning.of(frozenset(names)))
 
-    def _local(self, part: Part, pou: Pou, kind: str, variable: Variable, section: VariableSection) -> None:
+    def _local(self, part: Part, pou: Pou, kind: str, variable: t.Variable, section: VariableSection) -> None:
         """A variable of a POU; one that is a tag in S7 is global wherever it is."""
         tag = self.tags.get(pou.name.casefold(), {}).get(variable.name.casefold())
         if tag is None:
@@ -469,13 +455,13 @@ class _Reader:
             as_tag = variable.model_copy(update={"name": tag.name})
             self._variable(self.whole, "global variable", as_tag, section.model_copy(update={"name": None}), "")
 
-    def _variable(self, owner: Part, kind: str, variable: Variable, section: VariableSection, around: str) -> Part:
+    def _variable(self, owner: Part, kind: str, variable: t.Variable, section: VariableSection, around: str) -> Part:
         place = f"{around}.{variable.name}" if around and owner is self.whole else variable.name
         path = f"{kind} {place}" if owner is self.whole else f"{owner.path} / {variable.name}"
         part = owner.add(kind.removesuffix(" of a function"), variable.name, path, variable)
-        is_listed = bool(self.detail) and isinstance(variable.type, StructType)
+        is_listed = bool(self.detail) and isinstance(variable.type, t.StructType)
         part.tell("type", Meaning.of("STRUCT") if is_listed else self._type(variable.type))
-        for member in variable.type.members if self.detail and isinstance(variable.type, StructType) else ():
+        for member in variable.type.members if self.detail and isinstance(variable.type, t.StructType) else ():
             self._variable(part, "member", member, VariableSection(), "")
         if not is_listed or variable.initial is not None:
             part.tell("initial value", self.starts.meaning(variable))
@@ -588,8 +574,8 @@ class _Reader:
         shown = shown_named_condition(named, self.dialect) if isinstance(named.body, OpaqueBody) else None
         return StBody(text=shown[0]) if shown is not None else named.body
 
-    def _result(self, part: Part, kind: DataType | None) -> None:
-        if not (isinstance(kind, DerivedType) and kind.name.casefold() == "void"):  # S7 has it for functions without
+    def _result(self, part: Part, kind: t.DataType | None) -> None:
+        if not (isinstance(kind, t.DerivedType) and kind.name.casefold() == "void"):  # S7 has it for functions without
             part.tell("result", type_meaning(kind, self.dialect))
 
     def _body(self, part: Part, pou: Pou, body: Body, path: str, called: set[str], *, number: int = 0) -> None:
@@ -615,25 +601,25 @@ def _in_languages(text: Text | None) -> Iterator[tuple[str, str]]:
             yield language, words
 
 
-def _members(variable: Variable, type_: StructType) -> Iterator[Variable]:
+def _members(variable: t.Variable, type_: t.StructType) -> Iterator[t.Variable]:
     """Yield the members of a structure as variables, with the values that it gives them."""
-    values = variable.initial.members if isinstance(variable.initial, StructValue) else []
+    values = variable.initial.members if isinstance(variable.initial, t.StructValue) else []
     given = {each.member.casefold(): each.value for each in values}
     for member in type_.members:
         yield member.model_copy(update={"initial": given.get(member.name.casefold(), member.initial)})
 
 
-def _instance(block: DataBlock) -> Variable:
+def _instance(block: DataBlock) -> t.Variable:
     """Return the variable that an instance data block is, with its start values."""
     given = (
         [variable for variable in block.interface.variables() if variable.initial is not None]
         if block.interface is not None
         else []
     )
-    members = [MemberValue(member=each.name, value=each.initial) for each in given if each.initial is not None]
+    members = [t.MemberValue(member=each.name, value=each.initial) for each in given if each.initial is not None]
     type_name = (block.type_name or "").strip('"')
-    return Variable(
-        name=block.name, type=DerivedType(name=type_name), initial=StructValue(members=members) if members else None
+    return t.Variable(
+        name=block.name, type=t.DerivedType(name=type_name), initial=t.StructValue(members=members) if members else None
     )
 
 
@@ -658,7 +644,7 @@ def _values(project: Project, listed: Mapping[str, int]) -> dict[str, str]:
     found: dict[str, str] = {}
     for declaration in project.data_types:
         number = -1
-        for value in declaration.type.values if isinstance(declaration.type, EnumType) else ():
+        for value in declaration.type.values if isinstance(declaration.type, t.EnumType) else ():
             given = (value.value or "").strip()
             size = whole_number(given.removeprefix("-"))
             number = number + 1 if size is None else -size if given.startswith("-") else size
@@ -668,7 +654,7 @@ def _values(project: Project, listed: Mapping[str, int]) -> dict[str, str]:
     groups += [("", table.constants) for table in project.tag_tables]
     for around, constants in groups:
         for constant in constants:
-            if isinstance(constant.initial, SimpleValue) and constant.initial.text is not None:
+            if isinstance(constant.initial, t.SimpleValue) and constant.initial.text is not None:
                 name = constant.name.casefold()
                 found[f"{around}.{name}".casefold() if listed.get(name, 0) > 1 else name] = constant.initial.text
     return found

@@ -11,31 +11,13 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from plcopen_sfc.model import types as t
 from plcopen_sfc.model.project import Project, TagTable
-from plcopen_sfc.model.types import (
-    ArrayType,
-    ArrayValue,
-    DataType,
-    DataTypeDeclaration,
-    DerivedType,
-    Dimension,
-    Elementary,
-    ElementaryType,
-    EnumType,
-    RepeatedValue,
-    SimpleValue,
-    StringType,
-    StructType,
-    StructValue,
-    SubrangeType,
-    Value,
-    Variable,
-)
 from plcopen_sfc.whole_numbers import whole_number
 
 NO_START = "parameters of functions and temporary variables have no start value in S7"
 """Why an initial value is not written."""
-_INT = ElementaryType(name=Elementary.INT)
+_INT = t.ElementaryType(name=t.Elementary.INT)
 _NUMBER = re.compile(r"(?:\w+#)?([-+]?\d[\d_]*)|(?:\w+#)?(2|8|16)#([\dA-Fa-f_]+)")
 _DEEPEST = 32
 
@@ -56,7 +38,7 @@ class S7Types:
     `values`: texts in the place of constants that declarations name, by their names in lower case.
     """
 
-    def __init__(self, declarations: Iterable[DataTypeDeclaration], values: Mapping[str, str] | None = None) -> None:
+    def __init__(self, declarations: Iterable[t.DataTypeDeclaration], values: Mapping[str, str] | None = None) -> None:
         self._values = values or {}
         self._declared = {each.name.casefold(): each for each in declarations}
         self.declared = {name: self._with_members(each.type) for name, each in self._declared.items()}
@@ -66,12 +48,12 @@ class S7Types:
         counts = Counter(each.value.casefold() for each in self.constants)
         self._alone = {each.value.casefold(): each for each in self.constants if counts[each.value.casefold()] == 1}
 
-    def _with_members(self, type_: DataType) -> DataType:
+    def _with_members(self, type_: t.DataType) -> t.DataType:
         """Return a declared type, whose members have the types that S7 has for them."""
-        if isinstance(type_, ArrayType):
+        if isinstance(type_, t.ArrayType):
             base = self._with_members(type_.base)
             return type_ if base is type_.base else type_.model_copy(update={"base": base})
-        if not isinstance(type_, StructType):
+        if not isinstance(type_, t.StructType):
             return type_
         types = [self._with_members(self.type(member.type)) for member in type_.members]
         if all(new is member.type for new, member in zip(types, type_.members, strict=True)):
@@ -79,30 +61,30 @@ class S7Types:
         pairs = zip(types, type_.members, strict=True)
         return type_.model_copy(update={"members": [m.model_copy(update={"type": new}) for new, m in pairs]})
 
-    def type(self, type_: DataType) -> DataType:
+    def type(self, type_: t.DataType) -> t.DataType:
         """Return the type that S7 has for `type_`: itself, if it is one of S7."""
         return self._type(type_, 0)
 
-    def _type(self, type_: DataType, depth: int) -> DataType:
-        if isinstance(type_, EnumType):
+    def _type(self, type_: t.DataType, depth: int) -> t.DataType:
+        if isinstance(type_, t.EnumType):
             return self._type(type_.base, depth + 1) if type_.base is not None else _INT
-        if isinstance(type_, SubrangeType):
+        if isinstance(type_, t.SubrangeType):
             return self._type(type_.base, depth + 1)
-        if isinstance(type_, ArrayType):
+        if isinstance(type_, t.ArrayType):
             base, bounds = self._type(type_.base, depth + 1), [self._bound(each) for each in type_.dimensions]
             if base is type_.base and bounds == type_.dimensions:
                 return type_
             return type_.model_copy(update={"base": base, "dimensions": bounds})
-        if isinstance(type_, StringType) and type_.length is not None:
+        if isinstance(type_, t.StringType) and type_.length is not None:
             length = self._value(type_.length)
             return type_ if length == type_.length else type_.model_copy(update={"length": length})
-        if isinstance(type_, DerivedType) and depth < _DEEPEST:
+        if isinstance(type_, t.DerivedType) and depth < _DEEPEST:
             declared = self._declared.get(type_.name.casefold())
-            if declared is not None and not isinstance(declared.type, StructType):
+            if declared is not None and not isinstance(declared.type, t.StructType):
                 return self._type(declared.type, depth + 1)
         return type_
 
-    def _bound(self, bound: Dimension) -> Dimension:
+    def _bound(self, bound: t.Dimension) -> t.Dimension:
         """Return the bounds of an array with the values of constants."""
         lower, upper = self._value(bound.lower), self._value(bound.upper)
         if (lower, upper) == (bound.lower, bound.upper):
@@ -113,54 +95,54 @@ class S7Types:
         """Return the value of the constant that a text names; any other text as it is."""
         return self._values.get(text.strip().strip('"').casefold(), text) if self._values else text
 
-    def bounds(self, type_: DataType) -> Dimension | None:
+    def bounds(self, type_: t.DataType) -> t.Dimension | None:
         """Return the bounds of a subrange or of elements in one, which S7 does not have; None for other types."""
         for _ in range(_DEEPEST):
-            declared = self._declared.get(type_.name.casefold()) if isinstance(type_, DerivedType) else None
-            inner = type_.base if isinstance(type_, ArrayType) else declared.type if declared is not None else None
+            declared = self._declared.get(type_.name.casefold()) if isinstance(type_, t.DerivedType) else None
+            inner = type_.base if isinstance(type_, t.ArrayType) else declared.type if declared is not None else None
             if inner is None:
                 break
             type_ = inner
-        return type_.bounds if isinstance(type_, SubrangeType) else None
+        return type_.bounds if isinstance(type_, t.SubrangeType) else None
 
-    def start(self, variable: Variable) -> Value | None:
+    def start(self, variable: t.Variable) -> t.Value | None:
         """Return the start value of a variable as S7 writes it; that of its type, where it has none of its own."""
         if variable.initial is not None:
             return self._number(variable.initial)
         return self._start_of(variable.type, 0)
 
-    def _start_of(self, type_: DataType, depth: int) -> Value | None:
-        if isinstance(type_, DerivedType) and depth < _DEEPEST:
+    def _start_of(self, type_: t.DataType, depth: int) -> t.Value | None:
+        if isinstance(type_, t.DerivedType) and depth < _DEEPEST:
             declared = self._declared.get(type_.name.casefold())
-            if declared is None or isinstance(declared.type, StructType):
+            if declared is None or isinstance(declared.type, t.StructType):
                 return None
             if declared.initial is not None:
                 return self._number(declared.initial, declared.name)
-            if isinstance(declared.type, EnumType):
+            if isinstance(declared.type, t.EnumType):
                 first = next((each for each in self.constants if each.type == declared.name), None)
-                return SimpleValue(text=str(first.number)) if first is not None and first.number else None
+                return t.SimpleValue(text=str(first.number)) if first is not None and first.number else None
             return self._start_of(declared.type, depth + 1)
-        if isinstance(type_, SubrangeType) and number_of(type_.bounds.lower) != 0:
-            return SimpleValue(text=type_.bounds.lower)
-        if isinstance(type_, ArrayType):
+        if isinstance(type_, t.SubrangeType) and number_of(type_.bounds.lower) != 0:
+            return t.SimpleValue(text=type_.bounds.lower)
+        if isinstance(type_, t.ArrayType):
             element, count = self._start_of(type_.base, depth + 1), _elements(type_)
             if element is not None and count is not None:
-                return ArrayValue(items=[RepeatedValue(value=element, repetitions=str(count))])
+                return t.ArrayValue(items=[t.RepeatedValue(value=element, repetitions=str(count))])
         return None
 
-    def _number(self, value: Value, type_: str = "") -> Value:
+    def _number(self, value: t.Value, type_: str = "") -> t.Value:
         """Return a value with numbers for the values of enumerations and constants."""
-        if isinstance(value, ArrayValue):
+        if isinstance(value, t.ArrayValue):
             items = [item.model_copy(update={"value": self._number(item.value, type_)}) for item in value.items]
             return value if items == value.items else value.model_copy(update={"items": items})
-        if isinstance(value, StructValue):
+        if isinstance(value, t.StructValue):
             members = [each.model_copy(update={"value": self._number(each.value)}) for each in value.members]
             return value if members == value.members else value.model_copy(update={"members": members})
-        if not isinstance(value, SimpleValue) or value.text is None:
+        if not isinstance(value, t.SimpleValue) or value.text is None:
             return value
         found = self.constant(value.text, type_)
         text = self._value(value.text) if found is None else str(found.number)
-        return value if text == value.text else SimpleValue(text=text)
+        return value if text == value.text else t.SimpleValue(text=text)
 
     def constant(self, text: str, type_: str = "") -> Constant | None:
         """The value of an enumeration that a text names: ``"Type_value"``, ``Type.value``, ``Type#value`` or ``value``.
@@ -189,20 +171,20 @@ class S7Types:
         tables: dict[str, TagTable] = {}
         for each in self.constants:
             table = tables.setdefault(each.type, TagTable(name=each.type))
-            kind = self.type(DerivedType(name=each.type))
-            initial = SimpleValue(text=str(each.number))
-            table.constants.append(Variable(name=each.name, type=kind, initial=initial))
+            kind = self.type(t.DerivedType(name=each.type))
+            initial = t.SimpleValue(text=str(each.number))
+            table.constants.append(t.Variable(name=each.name, type=kind, initial=initial))
         return list(tables.values())
 
 
-def is_system_data(variable: Variable) -> bool:
+def is_system_data(variable: t.Variable) -> bool:
     """True for what TIA Portal declares in a block of S7-GRAPH: its run-time data, its steps and transitions."""
-    return isinstance(variable.type, DerivedType) and variable.type.name.strip('"').upper().startswith("G7_")
+    return isinstance(variable.type, t.DerivedType) and variable.type.name.strip('"').upper().startswith("G7_")
 
 
-def constants_of(declaration: DataTypeDeclaration) -> list[Constant]:
+def constants_of(declaration: t.DataTypeDeclaration) -> list[Constant]:
     """Return the values of an enumeration with their numbers; none for one whose numbers are not known."""
-    if not isinstance(declaration.type, EnumType):
+    if not isinstance(declaration.type, t.EnumType):
         return []
     found: list[Constant] = []
     following = 0
@@ -215,7 +197,7 @@ def constants_of(declaration: DataTypeDeclaration) -> list[Constant]:
     return found
 
 
-def _elements(type_: ArrayType) -> int | None:
+def _elements(type_: t.ArrayType) -> int | None:
     """Return how many elements an array has; None where its bounds are no numbers."""
     count = 1
     for dimension in type_.dimensions:
@@ -246,9 +228,9 @@ def s7_types(project: Project, values: Mapping[str, str] | None = None) -> S7Typ
 _LONGEST_TEXTS = {False: 254, True: 16382}
 
 
-def is_too_long(type_: DataType) -> bool:
+def is_too_long(type_: t.DataType) -> bool:
     """True for strings longer than S7 has: 254 characters, of WSTRING 16382 (TIA Portal help, "STRING", "WSTRING")."""
-    while isinstance(type_, ArrayType):
+    while isinstance(type_, t.ArrayType):
         type_ = type_.base
-    length = whole_number(type_.length or "") if isinstance(type_, StringType) else None
-    return isinstance(type_, StringType) and length is not None and length > _LONGEST_TEXTS[type_.wide]
+    length = whole_number(type_.length or "") if isinstance(type_, t.StringType) else None
+    return isinstance(type_, t.StringType) and length is not None and length > _LONGEST_TEXTS[type_.wide]

@@ -7,21 +7,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from plcopen_sfc.drawing.pictures import body_figure
 from plcopen_sfc.drawing.wording import Wording
 from plcopen_sfc.languages.networks import shown_body
+from plcopen_sfc.model import sfc
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.sfc import (
-    ActionAssociation,
-    Body,
-    BodyCondition,
-    Condition,
-    SfcBody,
-    SfcNetwork,
-    Step,
-    Transition,
-    by_priority,
-    leaving_steps,
-)
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.pages.html_text import Html, element, joined, link, picture_figure
 from plcopen_sfc.pages.page_index import PageIndex, row_anchor
@@ -35,7 +24,7 @@ class Bodies:
         self._index, self._words = index, words
         self._drawn = 0
 
-    def content(self, body: Body | None) -> Html:
+    def content(self, body: sfc.Body | None) -> Html:
         """Return a body; nothing for a chart, which has a section of its own."""
         if isinstance(body, StBody | IlBody):
             return element("pre", element("code", self._index.linked(body, "text"))) if body.text else Html("")
@@ -65,7 +54,7 @@ class StepCells:
 
     def __init__(
         self,
-        chart: SfcNetwork,
+        chart: sfc.SfcNetwork,
         index: PageIndex,
         bodies: Bodies,
         words: Words,
@@ -78,9 +67,9 @@ class StepCells:
         self._index, self._bodies, self._told, self._pou = index, bodies, told, pou
         self._wording = Wording(chart, index.project.dialect, words)
         self._steps = {step.id: step for step in chart.steps}
-        self._leaving = leaving_steps(chart.transitions)
+        self._leaving = sfc.leaving_steps(chart.transitions)
 
-    def name(self, step: Step) -> Iterator[Html]:
+    def name(self, step: sfc.Step) -> Iterator[Html]:
         """Yield the name of a step as a link to its picture, its times, and its conditions that supervise it."""
         number = [element("small", str(step.number)), " "] if step.number is not None else []
         yield link(self._index.anchor(step), *number, step.name)
@@ -95,18 +84,18 @@ class StepCells:
                 yield joined(told, comment_lines(part.title, part.alarm))
         yield comment_lines(step.title, step.comment)
 
-    def actions(self, step: Step) -> Html:
+    def actions(self, step: sfc.Step) -> Html:
         """Return the list of the actions of a step."""
         items = [element("li", each) for each in self._actions(step)]
         return element("ul", *items) if items else Html("")
 
-    def leaving(self, step: Step | None) -> Html:
+    def leaving(self, step: sfc.Step | None) -> Html:
         """Return the list of the transitions that leave a step; None: of those that have no source."""
         if step is not None:
-            leaving: Sequence[Transition] = self._leaving.get(step.id, [])
+            leaving: Sequence[sfc.Transition] = self._leaving.get(step.id, [])
         else:
             leaving = [each for each in self.chart.transitions if self._steps.keys().isdisjoint(each.sources)]
-        ordered = by_priority(leaving)
+        ordered = sfc.by_priority(leaving)
         many = len(leaving) > 1 and step is not None
         items = [
             element("li", self._transition(each, step, many=many), id=self._row(each, step), data_name=each.name)
@@ -114,11 +103,11 @@ class StepCells:
         ]
         return element("ul", *items) if items else Html("")
 
-    def row(self, step: Step) -> str:
+    def row(self, step: sfc.Step) -> str:
         """Return the anchor of the row of a step."""
         return row_anchor(self._index.anchor(step))
 
-    def _row(self, transition: Transition, step: Step | None) -> str:
+    def _row(self, transition: sfc.Transition, step: sfc.Step | None) -> str:
         """Return the anchor of a transition where it is told of first: at the first step that it waits for."""
         first = next((each for each in transition.sources if each in self._steps), None)
         return row_anchor(self._index.anchor(transition)) if first == (step.id if step is not None else None) else ""
@@ -129,10 +118,10 @@ class StepCells:
         items = [element("li", comment_lines(each.title), self._bodies.content(each.body)) for each in operations]
         return joined(element("h4", self.words("Permanent instructions")), element("ul", *items)) if items else Html("")
 
-    def _excluded(self, thing: Step | Transition | ActionAssociation) -> Html:
+    def _excluded(self, thing: sfc.Step | sfc.Transition | sfc.ActionAssociation) -> Html:
         return joined(" ", element("em", self.words("excluded"))) if thing.exclude else Html("")
 
-    def _actions(self, step: Step) -> Iterator[Html]:
+    def _actions(self, step: sfc.Step) -> Iterator[Html]:
         named = {"entry": "entry_action", "main": "main_action", "exit": "exit_action"}
         for label, key in named.items():
             action = getattr(step, key)
@@ -149,7 +138,7 @@ class StepCells:
             name = line.what or self.words("chart")
             yield joined(element("b", line.qualifier), " ", link(anchor, name) if anchor else name)
 
-    def _association(self, association: ActionAssociation) -> Html:
+    def _association(self, association: sfc.ActionAssociation) -> Html:
         line = self._wording.association(association)
         when = " ".join(filter(None, (line.interlock, line.event, line.qualifier, line.duration)))
         parts: list[str] = [element("b", when), " "] if when else []
@@ -157,7 +146,7 @@ class StepCells:
             parts += ["NOT " if association.negated else "", self._index.linked(association, "target")]
             if association.value is not None:
                 parts += [" := ", self._index.linked(association, "value")]
-        elif association.body is not None and not isinstance(association.body, SfcBody):
+        elif association.body is not None and not isinstance(association.body, sfc.SfcBody):
             parts.append(self._bodies.content(association.body))
         else:
             parts.append(line.what)
@@ -172,7 +161,7 @@ class StepCells:
         action = self._pou.find_action(name) if self._pou is not None and name else None
         return self._bodies.content(action.body) if action is not None else Html("")
 
-    def _transition(self, transition: Transition, step: Step | None, *, many: bool) -> Html:
+    def _transition(self, transition: sfc.Transition, step: sfc.Step | None, *, many: bool) -> Html:
         anchor, names = self._index.anchor(transition), self._steps
         condition = self._condition(transition.condition)
         others = [names[each].name for each in transition.sources if each in names and names[each] is not step]
@@ -190,13 +179,13 @@ class StepCells:
             *(comment_lines(transition.comment), self._told(anchor)),
         )
 
-    def _condition(self, condition: Condition | None) -> Html:
+    def _condition(self, condition: sfc.Condition | None) -> Html:
         if isinstance(condition, Expression | NamedCondition):
             text = self._index.linked(condition, "text" if isinstance(condition, Expression) else "name")
             return element("code", *(["NOT (", text, ")"] if condition.negated else [text]))
         told = self._wording.condition(condition)
         text = element("code", told) if told else element("em", self.words("condition missing"))
-        body = condition.body if isinstance(condition, BodyCondition) else None
+        body = condition.body if isinstance(condition, sfc.BodyCondition) else None
         if isinstance(body, FbdBody | LdBody) and self._pou is None:
             drawn = element("details", element("summary", body.language), self._bodies.networks(body))
             return joined(text, drawn)
@@ -204,7 +193,7 @@ class StepCells:
 
 
 def steps_side_by_side(
-    one: Sequence[StepCells], other: Sequence[StepCells], same: Mapping[int, Step], captions: Sequence[str]
+    one: Sequence[StepCells], other: Sequence[StepCells], same: Mapping[int, sfc.Step], captions: Sequence[str]
 ) -> Html:
     """Return the table of the steps of two pictures, each with its actions and the transitions that leave it.
 
@@ -228,7 +217,7 @@ def steps_side_by_side(
     return element("div", element("table", head, element("tbody", *rows), class_="side"), class_="scroll")
 
 
-def _step_cell(found: tuple[StepCells, Step] | None) -> Html:
+def _step_cell(found: tuple[StepCells, sfc.Step] | None) -> Html:
     if found is None:
         return element("td", "\u2013", class_="comment")
     cells, step = found

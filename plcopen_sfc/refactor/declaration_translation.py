@@ -26,16 +26,9 @@ from plcopen_sfc.model import (
     Qualifier,
     Variable,
 )
+from plcopen_sfc.model import types as t
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import STRING_LENGTHS, Dialect
-from plcopen_sfc.model.types import (
-    ArrayType,
-    DerivedType,
-    ElementaryType,
-    SimpleValue,
-    StringType,
-    StructType,
-)
 from plcopen_sfc.model.variables import SectionKind, VariableSection
 from plcopen_sfc.whole_numbers import whole_number
 
@@ -96,7 +89,7 @@ def start_by_statements(project: Project) -> list[str]:
         kinds = _BEGUN_BY_CALLS if pou.kind is PouKind.FUNCTION else (SectionKind.TEMP,)
         statements = ""
         for variable in (v for each in pou.interface.sections if each.kind in kinds for v in _variables(each)):
-            if isinstance(variable.initial, SimpleValue):
+            if isinstance(variable.initial, t.SimpleValue):
                 statements += f"{variable.name} := {variable.initial.text};\n"
                 variable.initial = None
                 found.append(f"{pou.report_path} / variable {variable.name}")
@@ -146,8 +139,8 @@ def _rename_instances(project: Project, source: Dialect, target: Dialect) -> Non
     sections = [section for interface in interfaces if interface is not None for section in interface.sections]
     sections += project.global_sections()
     for variable in (variable for section in sections for variable in section.variables):
-        if isinstance(variable.type, DerivedType) and variable.type.name.upper() in names:
-            variable.type = DerivedType(name=names[variable.type.name.upper()])
+        if isinstance(variable.type, t.DerivedType) and variable.type.name.upper() in names:
+            variable.type = t.DerivedType(name=names[variable.type.name.upper()])
             if variable.attributes.get("Version") == S7_VERSION:
                 variable.attributes = {key: text for key, text in variable.attributes.items() if key != "Version"}
 
@@ -161,7 +154,7 @@ def _rename_declarations(project: Project, renames: Renames, target: Dialect) ->
     def rename(variables: list[Variable], scope: NameScope) -> None:
         for variable in variables:
             variable.name = renamed(scope, variable.name) or variable.name
-            if isinstance(variable.type, StructType):
+            if isinstance(variable.type, t.StructType):
                 rename(variable.type.members, NameScope.MEMBER)
 
     def rename_sections(sections: list[VariableSection], scope: NameScope) -> None:
@@ -174,7 +167,7 @@ def _rename_declarations(project: Project, renames: Renames, target: Dialect) ->
             if interface is not None:
                 rename_sections(interface.sections, NameScope.LOCAL)
     for declaration in project.data_types:
-        if isinstance(declaration.type, StructType):
+        if isinstance(declaration.type, t.StructType):
             rename(declaration.type.members, NameScope.MEMBER)
     resources = [*project.resources()]
     globals_ = [project.global_variables, *(c.global_variables for c in project.configurations)]
@@ -193,9 +186,9 @@ def _say_lengths(project: Project, source: Dialect, target: Dialect) -> None:
     types += [interface.return_type for interface in _all_interfaces(project) if interface.return_type is not None]
     while types:
         for type_ in inside(types.pop()):
-            if isinstance(type_, StringType) and type_.length is None:
+            if isinstance(type_, t.StringType) and type_.length is None:
                 type_.length = length
-            elif isinstance(type_, StructType):
+            elif isinstance(type_, t.StructType):
                 types += [member.type for member in type_.members]
 
 
@@ -205,18 +198,18 @@ def _say_starts(project: Project, source: Dialect, target: Dialect) -> Iterator[
         return
     for path, variable in _kept_variables(project):
         type_, start = variable.type, variable.initial
-        while isinstance(type_, ArrayType):
+        while isinstance(type_, t.ArrayType):
             type_ = type_.base
-        name = type_.name.value if isinstance(type_, ElementaryType) else ""
+        name = type_.name.value if isinstance(type_, t.ElementaryType) else ""
         why, severity = "", Severity.INFO
         if name in _FIRST_DAYS and start is None:
-            if source is Dialect.SCL and not isinstance(variable.type, ArrayType):
-                variable.initial = SimpleValue(text=_FIRST_DAYS[name])
+            if source is Dialect.SCL and not isinstance(variable.type, t.ArrayType):
+                variable.initial = t.SimpleValue(text=_FIRST_DAYS[name])
                 why = f"it starts as {_FIRST_DAYS[name]}, as in S7"
             else:
                 why = f"{name} starts as {_FIRST_DAYS[name]} in S7, and as 1970-01-01 in CODESYS"
                 severity = Severity.WARNING
-        if target is Dialect.SCL and isinstance(type_, StringType) and isinstance(start, SimpleValue):
+        if target is Dialect.SCL and isinstance(type_, t.StringType) and isinstance(start, t.SimpleValue):
             length = whole_number(type_.length or STRING_LENGTHS.get(source))
             cut = _cut_text(start.text or "", length, target) if length is not None else None
             if cut is not None:
@@ -244,11 +237,11 @@ def _kept_variables(project: Project) -> Iterator[tuple[str, Variable]]:
         sections = block.interface.sections if block.interface is not None and block.type_name is None else []
         waiting += [(block.report_path, variable) for section in sections for variable in section.variables]
     for declared in project.data_types:
-        if isinstance(declared.type, StructType):
+        if isinstance(declared.type, t.StructType):
             waiting += [(declared.report_path, member) for member in declared.type.members]
     while waiting:
         path, variable = waiting.pop(0)
-        if isinstance(variable.type, StructType):
+        if isinstance(variable.type, t.StructType):
             waiting += [(f"{path} / {variable.name}", member) for member in variable.type.members]
         yield path, variable
 

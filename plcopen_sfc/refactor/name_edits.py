@@ -23,6 +23,7 @@ from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.languages.words import needs_quotes, objection
+from plcopen_sfc.model import sfc
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.base import Element, Model
 from plcopen_sfc.model.body import IlBody, StBody
@@ -32,16 +33,6 @@ from plcopen_sfc.model.network import Connection, InputPin, OutputPin
 from plcopen_sfc.model.numbering import models_in
 from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import (
-    ActionAssociation,
-    Body,
-    BodyCondition,
-    Condition,
-    SfcBody,
-    SfcNetwork,
-    Step,
-    Transition,
-)
 from plcopen_sfc.model.variables import SectionKind, VariableSection
 from plcopen_sfc.refactor.chart_edits import refused
 from plcopen_sfc.refactor.journal import Journal
@@ -214,7 +205,9 @@ def _named_there(names: Names, use: Occurrence, declaration: Declaration) -> Edi
 # -- steps
 
 
-def check_new_steps(names: Names, pou: Pou, steps: Iterable[Step], texts: Mapping[tuple[int, str | int], str]) -> None:
+def check_new_steps(
+    names: Names, pou: Pou, steps: Iterable[sfc.Step], texts: Mapping[tuple[int, str | int], str]
+) -> None:
     """Raise `ModelError` where new steps of a POU have names that are taken, or that its `texts` name already.
 
     `texts`, by their object and field, are those from before: what is new may name the steps.
@@ -250,7 +243,7 @@ def check_new_steps(names: Names, pou: Pou, steps: Iterable[Step], texts: Mappin
 # -- conditions
 
 
-def check_free(names: Names, pou: Pou, name: str, condition: Condition | None = None) -> None:
+def check_free(names: Names, pou: Pou, name: str, condition: sfc.Condition | None = None) -> None:
     """Raise `ModelError` where a POU cannot declare something of this name; `condition` may give it its value."""
     problem = objection(name, names.project.dialect)
     if problem:
@@ -262,7 +255,7 @@ def check_free(names: Names, pou: Pou, name: str, condition: Condition | None = 
         raise ModelError(f"{name!r} is named already, and would mean something else", hint="Take another name.")
 
 
-def extract_condition(journal: Journal, chart: SfcNetwork, link: Transition, name: str) -> NamedTransition:
+def extract_condition(journal: Journal, chart: sfc.SfcNetwork, link: sfc.Transition, name: str) -> NamedTransition:
     """Make the condition of a transition a named transition of the POU, which other conditions can name too.
 
     One of this name with the same body is used as it is.
@@ -273,10 +266,10 @@ def extract_condition(journal: Journal, chart: SfcNetwork, link: Transition, nam
     if Names(_project(chart)).is_in_grafcet(Site(pou, charts=(chart,))):
         raise refused(what, "a GRAFCET has no named transitions")
     condition = link.condition
-    body: Body | None = None
+    body: sfc.Body | None = None
     if isinstance(condition, Expression):
         body = StBody(text=condition.text)
-    elif isinstance(condition, BodyCondition):
+    elif isinstance(condition, sfc.BodyCondition):
         body = condition.body
     if condition is None or body is None:
         raise refused(what, "it is named already, drawn in the chart, or there is none")
@@ -288,13 +281,13 @@ def extract_condition(journal: Journal, chart: SfcNetwork, link: Transition, nam
     named = NamedCondition(name=known.name, negated=condition.negated)
     read = condition_reader(chart, dialect_in(chart), transitions=pou.transitions)
     if read(condition).complete and not read(named).complete:
-        own = condition.name if isinstance(condition, BodyCondition) else ""
+        own = condition.name if isinstance(condition, sfc.BodyCondition) else ""
         raise refused(what, f"its code gives a value to {own or 'something else'}, not to {name}", f'name="{own}"')
     journal.put(link, "condition", named)
     return known
 
 
-def inline_condition(journal: Journal, chart: SfcNetwork, link: Transition) -> Condition:
+def inline_condition(journal: Journal, chart: sfc.SfcNetwork, link: sfc.Transition) -> sfc.Condition:
     """Put what a named condition names in its place."""
     what = f"the condition of {chart.label(link)} cannot be inlined"
     condition = link.condition
@@ -307,7 +300,7 @@ def inline_condition(journal: Journal, chart: SfcNetwork, link: Transition) -> C
     if isinstance(body, StBody):
         text = _value(body.text, condition.name, dialect_in(chart))
         made = Expression(text=text, negated=condition.negated) if text is not None else None
-    put = made or BodyCondition(body=body.model_copy(deep=True), name=found[0].name, negated=condition.negated)
+    put = made or sfc.BodyCondition(body=body.model_copy(deep=True), name=found[0].name, negated=condition.negated)
     journal.put(link, "condition", put)
     return put
 
@@ -326,7 +319,7 @@ def _value(text: str, name: str, dialect: Dialect) -> str | None:
 # -- actions
 
 
-def extract_action(journal: Journal, step: Step, name: str, at: str | int) -> Action:
+def extract_action(journal: Journal, step: sfc.Step, name: str, at: str | int) -> Action:
     """Make code in place of a step an action of the POU: of an association by its number, or of a step action."""
     chart = step.chart
     what = f"the action of the step {step.name!r} cannot be extracted"
@@ -337,13 +330,13 @@ def extract_action(journal: Journal, step: Step, name: str, at: str | int) -> Ac
     body = getattr(holder, field)
     if body is None or isinstance(body, str):
         raise refused(what, "there is no code in place")
-    if isinstance(holder, ActionAssociation) and holder.target:
+    if isinstance(holder, sfc.ActionAssociation) and holder.target:
         raise refused(what, f"it names {holder.target!r} too")
     check_free(Names(_project(chart)), pou, name)
     action = Action(name=name, body=body)
     journal.put(pou, "actions", [*pou.actions, action])
     journal.put(holder, field, None)
-    journal.put(holder, "target" if isinstance(holder, ActionAssociation) else field, name)
+    journal.put(holder, "target" if isinstance(holder, sfc.ActionAssociation) else field, name)
     _refuse_other_order(what, pou, action, _project(chart).dialect)
     return action
 
@@ -356,7 +349,7 @@ def _refuse_other_order(what: str, pou: Pou, action: Action, dialect: Dialect) -
         raise refused(what, why, "In place it has no name, and would be executed before them.")
 
 
-def _code_of(step: Step, at: str | int, what: str) -> tuple[Any, str]:
+def _code_of(step: sfc.Step, at: str | int, what: str) -> tuple[Any, str]:
     if isinstance(at, str):
         if at not in STEP_ACTIONS:
             raise refused(what, f"{at!r} is none of {', '.join(STEP_ACTIONS)}")
@@ -376,12 +369,12 @@ def inline_action(journal: Journal, project: Project, action: Action) -> None:
     pou = pou_of(action)
     if pou is None or action.body is None:
         raise refused(what, "it has no code, or is in no POU")
-    if isinstance(action.body, SfcBody):
+    if isinstance(action.body, sfc.SfcBody):
         raise refused(what, "it is a chart, which tools execute in actions of a POU alone")
     names = Names(project)
     uses = [use for use in names.uses(names.declaration_of(action)) if use.reference.role is not Role.OBJECT]
     holders = [use.text_site.holder for use in uses]
-    others = [str(use.use) for use in uses if not isinstance(use.text_site.holder, ActionAssociation | Step)]
+    others = [str(use.use) for use in uses if not isinstance(use.text_site.holder, sfc.ActionAssociation | sfc.Step)]
     if others:
         raise refused(what, (f"{each} calls it" for each in others))
     if len(holders) != 1:
@@ -390,7 +383,7 @@ def inline_action(journal: Journal, project: Project, action: Action) -> None:
     if uses[0].text_site.site.pou is not pou:
         raise refused(what, f"{uses[0].use} is in another POU, where its names mean something else")
     body = action.body.model_copy(deep=True)
-    if isinstance(holder, ActionAssociation):
+    if isinstance(holder, sfc.ActionAssociation):
         if holder.body is not None:
             raise refused(what, "the association has code in place too")
         if family(project.dialect) is Dialect.CODESYS and not isinstance(body, StBody | IlBody):
@@ -403,7 +396,7 @@ def inline_action(journal: Journal, project: Project, action: Action) -> None:
     remove_declared(journal, project, [names.declaration_of(action)])
 
 
-def change_association(journal: Journal, association: ActionAssociation, fields: Mapping[str, Any]) -> None:
+def change_association(journal: Journal, association: sfc.ActionAssociation, fields: Mapping[str, Any]) -> None:
     """Give an association another qualifier, duration, target ..; a timed qualifier needs a duration."""
     for name, value in fields.items():
         journal.put(association, name, value)
@@ -412,14 +405,14 @@ def change_association(journal: Journal, association: ActionAssociation, fields:
         raise refused(f"{association.text!r} cannot be an action", f"{qualifier} needs a duration", 'duration="T#2s"')
 
 
-def _pou(chart: SfcNetwork) -> Pou:
+def _pou(chart: sfc.SfcNetwork) -> Pou:
     pou = pou_of(chart)
     if pou is None:
         raise ModelError("the chart is in no POU", hint="Put it into a POU of a project first.")
     return pou
 
 
-def _project(chart: SfcNetwork) -> Project:
+def _project(chart: sfc.SfcNetwork) -> Project:
     return chart.project or Project(pous=[_pou(chart)])
 
 

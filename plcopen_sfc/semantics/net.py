@@ -13,16 +13,7 @@ from enum import StrEnum
 from functools import cached_property
 
 from plcopen_sfc.errors import CompetingTransitionsError
-from plcopen_sfc.model.sfc import (
-    Macro,
-    PartialChart,
-    PartialChartKind,
-    SfcBody,
-    SfcNetwork,
-    Step,
-    Transition,
-    by_priority,
-)
+from plcopen_sfc.model import sfc
 
 
 class Competing(StrEnum):
@@ -42,8 +33,8 @@ class NetStep:
     """A step of the net. `path` is how people and programs name it: ``S3``, in a macro-step ``M1.E``."""
 
     index: int
-    step: Step
-    chart: SfcNetwork
+    step: sfc.Step
+    chart: sfc.SfcNetwork
     path: str
 
     @cached_property
@@ -60,8 +51,8 @@ class NetTransition:
     """
 
     index: int
-    transition: Transition
-    chart: SfcNetwork
+    transition: sfc.Transition
+    chart: sfc.SfcNetwork
     path: str
     sources: tuple[int, ...]
     targets: tuple[int, ...]
@@ -90,8 +81,8 @@ class NetMacro:
     `entry` and `exit` are the indexes of the entry and exit step, None where the expansion has none.
     """
 
-    step: Step
-    chart: SfcNetwork
+    step: sfc.Step
+    chart: sfc.SfcNetwork
     path: str
     steps: int
     entry: int | None
@@ -116,8 +107,8 @@ class NetProblem:
     """Something broken in the chart, and what the net made of it. `path` names the step or transition."""
 
     kind: NetProblemKind
-    chart: SfcNetwork
-    element: Step | Transition
+    chart: sfc.SfcNetwork
+    element: sfc.Step | sfc.Transition
     path: str
     message: str
 
@@ -132,7 +123,7 @@ class Net:
     does not exist is left out, for it can never be enabled.
     """
 
-    chart: SfcNetwork
+    chart: sfc.SfcNetwork
     steps: tuple[NetStep, ...]
     transitions: tuple[NetTransition, ...]
     macros: tuple[NetMacro, ...]
@@ -141,12 +132,12 @@ class Net:
     problems: tuple[NetProblem, ...]
 
     @staticmethod
-    def of(chart: SfcNetwork) -> Net:
+    def of(chart: sfc.SfcNetwork) -> Net:
         """Return the net of a chart, whatever is broken in it."""
         return _Builder(chart).net()
 
     @staticmethod
-    def of_sequencer(chart: SfcNetwork) -> Net:
+    def of_sequencer(chart: sfc.SfcNetwork) -> Net:
         """Return the net of an S7-GRAPH chart: a sequence without an initial step starts with its first step."""
         net = Net.of(chart)
         of_id = {step.step.id: step.bit for step in reversed(net.steps) if step.chart is chart}
@@ -292,7 +283,7 @@ def indexes(bits: int) -> Iterator[int]:
 class _Place:
     """A chart at its place in the net: what its steps are called before their name, and the macro-steps it is in."""
 
-    chart: SfcNetwork
+    chart: sfc.SfcNetwork
     prefix: str
     inside: tuple[int, ...]
 
@@ -306,7 +297,7 @@ class _Ends:
 
 
 class _Builder:
-    def __init__(self, chart: SfcNetwork) -> None:
+    def __init__(self, chart: sfc.SfcNetwork) -> None:
         self._root = chart
         self._partials = {p.name.casefold(): p for p in reversed(chart.partial_charts)}
         self._steps: list[NetStep] = []
@@ -320,11 +311,11 @@ class _Builder:
     def net(self) -> Net:
         """Return the net of the chart and its partial charts."""
         self._add(_Place(self._root, "", ()), initial=True)
-        enclosed: list[PartialChart] = []
+        enclosed: list[sfc.PartialChart] = []
         for partial in self._root.partial_charts:
-            if partial.kind is PartialChartKind.GLOBAL:
+            if partial.kind is sfc.PartialChartKind.GLOBAL:
                 self._add(_Place(partial.chart, f"{partial.name}.", ()), initial=True)
-            elif partial.kind is PartialChartKind.ENCLOSED:
+            elif partial.kind is sfc.PartialChartKind.ENCLOSED:
                 enclosed.append(partial)
         self._add_enclosed(enclosed)
         return Net(
@@ -337,7 +328,7 @@ class _Builder:
             problems=tuple(self._problems),
         )
 
-    def _add_enclosed(self, waiting: list[PartialChart]) -> None:
+    def _add_enclosed(self, waiting: list[sfc.PartialChart]) -> None:
         """Enclosed charts start with their initial steps if their enclosing step is initial (IEC 60848:2013, 7.3)."""
         while waiting:
             active = {
@@ -357,7 +348,7 @@ class _Builder:
         for step in place.chart.steps:
             if not step.exclude and step.id not in ends:
                 ends[step.id] = self._add_step(place, step, initial=initial and step.initial)
-        ordered = by_priority(place.chart.transitions)
+        ordered = sfc.by_priority(place.chart.transitions)
         excluded = {step.id for step in place.chart.steps if step.exclude}
         labels = place.chart.labels()
         for transition in ordered:
@@ -365,7 +356,7 @@ class _Builder:
                 self._add_transition(place, transition, ends, excluded, place.prefix + labels[transition.id])
         return ends
 
-    def _add_step(self, place: _Place, step: Step, *, initial: bool) -> _Ends:
+    def _add_step(self, place: _Place, step: sfc.Step, *, initial: bool) -> _Ends:
         path = place.prefix + step.name
         self._hierarchy = self._hierarchy or bool(step.encloses) or any(a.forcing is not None for a in step.actions)
         if step.macro is not None:
@@ -378,12 +369,12 @@ class _Builder:
             self._initial.add(index)
         return _Ends(index, index)
 
-    def _expand(self, place: _Place, step: Step, macro: Macro, path: str, *, initial: bool) -> _Ends | None:
+    def _expand(self, place: _Place, step: sfc.Step, macro: sfc.Macro, path: str, *, initial: bool) -> _Ends | None:
         """The expansion of a macro-step in its place; None where there is none: then it is a step like others."""
         entry_name: str | None = None
         exit_name: str | None = None
-        chart: SfcNetwork | None = None
-        if isinstance(macro.body, SfcBody):
+        chart: sfc.SfcNetwork | None = None
+        if isinstance(macro.body, sfc.SfcBody):
             chart = macro.body.chart
         elif (partial := self._partials.get((macro.expansion or "").casefold())) is not None:
             chart, entry_name, exit_name = partial.chart, partial.entry_step, partial.exit_step
@@ -406,7 +397,7 @@ class _Builder:
         return _Ends(entry, exit_)
 
     def _end(
-        self, place: _Place, macro: Step, path: str, name: str | None, ends: dict[int, _Ends], *, entry: bool
+        self, place: _Place, macro: sfc.Step, path: str, name: str | None, ends: dict[int, _Ends], *, entry: bool
     ) -> int | None:
         steps = [step for step in place.chart.steps if not step.exclude]
         transitions = [t for t in place.chart.transitions if not t.exclude]
@@ -429,7 +420,7 @@ class _Builder:
         return ends[chosen.id].entry if entry else ends[chosen.id].exit
 
     def _add_transition(
-        self, place: _Place, transition: Transition, ends: dict[int, _Ends], excluded: set[int], path: str
+        self, place: _Place, transition: sfc.Transition, ends: dict[int, _Ends], excluded: set[int], path: str
     ) -> None:
         sources = [ends[i].exit for i in transition.sources if i in ends]
         if len(sources) < len(transition.sources):
@@ -453,6 +444,6 @@ class _Builder:
         )
 
     def _report(
-        self, kind: NetProblemKind, place: _Place, element: Step | Transition, path: str, consequence: str
+        self, kind: NetProblemKind, place: _Place, element: sfc.Step | sfc.Transition, path: str, consequence: str
     ) -> None:
         self._problems.append(NetProblem(kind, place.chart, element, path, f"{path}: {kind}; {consequence}"))

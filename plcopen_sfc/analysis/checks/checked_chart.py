@@ -29,23 +29,13 @@ from plcopen_sfc.languages.networks import NetworkExpression, condition_expressi
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_statements, walk
 from plcopen_sfc.languages.translation.call_translation import has_function
+from plcopen_sfc.model import sfc
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import (
-    ActionAssociation,
-    Body,
-    Enclosure,
-    PartialChart,
-    SfcBody,
-    SfcNetwork,
-    Step,
-    Transition,
-    leaving_steps,
-)
 from plcopen_sfc.model.types import (
     DataType,
     DataTypeDeclaration,
@@ -144,18 +134,18 @@ class CheckedSheet:
     `partial` is the partial chart, `macro` the macro-step that it belongs to.
     """
 
-    chart: SfcNetwork
+    chart: sfc.SfcNetwork
     place: FindingPlace
-    partial: PartialChart | None = None
-    macro: Step | None = None
+    partial: sfc.PartialChart | None = None
+    macro: sfc.Step | None = None
 
     @cached_property
-    def steps(self) -> tuple[Step, ...]:
+    def steps(self) -> tuple[sfc.Step, ...]:
         """The steps that are in the program."""
         return tuple(step for step in self.chart.steps if not step.exclude)
 
     @cached_property
-    def transitions(self) -> tuple[Transition, ...]:
+    def transitions(self) -> tuple[sfc.Transition, ...]:
         """The transitions that are in the program."""
         return tuple(transition for transition in self.chart.transitions if not transition.exclude)
 
@@ -165,11 +155,11 @@ class CheckedSheet:
         return {step.id: step.name for step in self.chart.steps}
 
     @cached_property
-    def leaving(self) -> dict[int, list[Transition]]:
+    def leaving(self) -> dict[int, list[sfc.Transition]]:
         """The transitions that leave each step (by its id), in the order in which they are tried."""
-        return leaving_steps(self.transitions)
+        return sfc.leaving_steps(self.transitions)
 
-    def label(self, transition: Transition) -> str:
+    def label(self, transition: sfc.Transition) -> str:
         """Return the label of a transition, as `SfcNetwork.label`."""
         return self._transition_labels[id(transition)]
 
@@ -179,16 +169,16 @@ class CheckedSheet:
         labels = self.chart.labels()
         return {id(transition): labels[transition.id] for transition in self.chart.transitions}
 
-    def actions(self) -> Iterator[tuple[Step, ActionAssociation]]:
+    def actions(self) -> Iterator[tuple[sfc.Step, sfc.ActionAssociation]]:
         """Yield the action associations that are in the program, with their steps."""
         for step in self.steps:
             for association in step.actions:
                 if not association.exclude:
                     yield step, association
 
-    def at(self, element: Step | Transition, association: ActionAssociation | None = None) -> FindingPlace:
+    def at(self, element: sfc.Step | sfc.Transition, association: sfc.ActionAssociation | None = None) -> FindingPlace:
         """Return the place of a step, of an association of it, or of a transition."""
-        if isinstance(element, Transition):
+        if isinstance(element, sfc.Transition):
             return self._below(f"transition {self.label(element)}", element)
         if association is None:
             return self._below(f"step {element.name}", element)
@@ -316,14 +306,14 @@ class CheckedProject:
 
     def _misfits(self) -> Iterator[Misfit]:
         for each in self.named.text_sites():
-            if isinstance(each.holder, ActionAssociation) and each.key in ("target", "indicator"):
+            if isinstance(each.holder, sfc.ActionAssociation) and each.key in ("target", "indicator"):
                 tree = parse_condition(each.text, self.dialect).tree
                 constant = constant_written(tree, self.named.resolver, each.site)
                 yield from (Misfit(each, f"{constant} is a constant, and written: {each.text}"),) if constant else ()
             if not each.is_program_text:
                 continue
             is_value, text = each.reading is SiteKind.EXPRESSION, each.text
-            if each.key == "value" and isinstance(each.holder, ActionAssociation) and each.holder.target:
+            if each.key == "value" and isinstance(each.holder, sfc.ActionAssociation) and each.holder.target:
                 is_value, text = False, f"{each.holder.target} := {text};"
             parsed = (parse_condition if is_value else parse_statements)(text, self.dialect)
             if not parsed.problems:
@@ -375,7 +365,7 @@ class CheckedProject:
         first = next(self._charts() if pou is None else self.charts_of(pou), None)
         return first is checked.chart if first is not None else (pou or self.project.pous[0]) is checked.pou
 
-    def charts_of(self, pou: Pou) -> Iterator[SfcNetwork]:
+    def charts_of(self, pou: Pou) -> Iterator[sfc.SfcNetwork]:
         """Yield the charts of a POU, those of macro-steps and partial charts too."""
         for _, _, body in pou.named_bodies():
             yield from charts_inside(body)
@@ -402,7 +392,7 @@ class CheckedProject:
         path = path_of(tree) if isinstance(tree, n.Operand) else ()
         return path[-1] if path else ""
 
-    def _charts(self) -> Iterator[SfcNetwork]:
+    def _charts(self) -> Iterator[sfc.SfcNetwork]:
         for pou in self.project.pous:
             yield from self.charts_of(pou)
 
@@ -417,7 +407,7 @@ class CheckedChart:
     """A chart with all that rules ask about it. Nothing is worked out before it is asked for."""
 
     def __init__(
-        self, around: CheckedProject, pou: Pou | None, place: FindingPlace, chart: SfcNetwork, profile: Profile
+        self, around: CheckedProject, pou: Pou | None, place: FindingPlace, chart: sfc.SfcNetwork, profile: Profile
     ) -> None:
         self.around = around
         self.dialect = around.dialect
@@ -438,19 +428,19 @@ class CheckedChart:
         """The networks that the chart consists of; the chart itself is the first."""
         return tuple(_sheets(self.root, frozenset()))
 
-    def steps(self) -> Iterator[tuple[CheckedSheet, Step]]:
+    def steps(self) -> Iterator[tuple[CheckedSheet, sfc.Step]]:
         """Yield the steps of all networks that are in the program."""
         return ((sheet, step) for sheet in self.sheets for step in sheet.steps)
 
-    def transitions(self) -> Iterator[tuple[CheckedSheet, Transition]]:
+    def transitions(self) -> Iterator[tuple[CheckedSheet, sfc.Transition]]:
         """Yield the transitions of all networks that are in the program."""
         return ((sheet, transition) for sheet in self.sheets for transition in sheet.transitions)
 
-    def actions(self) -> Iterator[tuple[CheckedSheet, Step, ActionAssociation]]:
+    def actions(self) -> Iterator[tuple[CheckedSheet, sfc.Step, sfc.ActionAssociation]]:
         """Yield the action associations of all networks that are in the program, with their steps."""
         return ((sheet, step, association) for sheet in self.sheets for step, association in sheet.actions())
 
-    def enclosures(self) -> Iterator[tuple[CheckedSheet, Step, Enclosure]]:
+    def enclosures(self) -> Iterator[tuple[CheckedSheet, sfc.Step, sfc.Enclosure]]:
         """Yield what steps enclose."""
         return ((sheet, step, each) for sheet, step in self.steps() for each in step.encloses or ())
 
@@ -511,7 +501,7 @@ class CheckedChart:
         """The places of steps and transitions by the objects (`id`) that hold their texts."""
         found: dict[int, FindingPlace] = {}
         for sheet in self.sheets:
-            elements: list[Step | Transition] = [*sheet.chart.steps, *sheet.chart.transitions]
+            elements: list[sfc.Step | sfc.Transition] = [*sheet.chart.steps, *sheet.chart.transitions]
             for step, association in sheet.actions():
                 for text in texts_in(association, self.dialect):
                     found.setdefault(id(text.text_site.holder), sheet.at(step, association))
@@ -548,7 +538,7 @@ class CheckedChart:
         is_grafcet = self.family == "grafcet"
         return JudgedTerms(each.text for each in conditions if is_grafcet and isinstance(each, Expression))
 
-    def condition(self, sheet: CheckedSheet, transition: Transition) -> NetworkExpression:
+    def condition(self, sheet: CheckedSheet, transition: sfc.Transition) -> NetworkExpression:
         """Return the condition of a transition as an expression."""
         found = self._conditions.get(id(transition))
         if found is None:
@@ -573,7 +563,7 @@ class CheckedChart:
         """Return a text about conditions with edges and times as a GRAFCET has them."""
         return self._terms.shown(text)
 
-    def truth(self, sheet: CheckedSheet, transition: Transition) -> Truth:
+    def truth(self, sheet: CheckedSheet, transition: sfc.Transition) -> Truth:
         """Return the answer to whether a condition is always or never true."""
         found = self._truths.get(id(transition))
         if found is None:
@@ -588,7 +578,7 @@ class CheckedChart:
             self._truths[id(transition)] = found
         return found
 
-    def overlaps(self, sheet: CheckedSheet, leaving: Sequence[Transition]) -> list[tuple[int, int]]:
+    def overlaps(self, sheet: CheckedSheet, leaving: Sequence[sfc.Transition]) -> list[tuple[int, int]]:
         """Return the places of two competing transitions that are not known to exclude each other, in order.
 
         With each later one at most `MOST_TOGETHER` others are paired.
@@ -602,7 +592,7 @@ class CheckedChart:
             self._overlaps[key] = sorted(found)
         return self._overlaps[key]
 
-    def exclusive(self, sheet: CheckedSheet, first: Transition, second: Transition) -> Exclusivity:
+    def exclusive(self, sheet: CheckedSheet, first: sfc.Transition, second: sfc.Transition) -> Exclusivity:
         """Return whether the conditions of two competing transitions exclude each other."""
         key = id(first), id(second)
         if key not in self._exclusive:
@@ -639,7 +629,7 @@ def _sheets(sheet: CheckedSheet, around: frozenset[int]) -> Iterator[CheckedShee
     around = around | {id(sheet.chart)}
     yield sheet
     for step in sheet.steps:
-        if step.macro is not None and isinstance(step.macro.body, SfcBody):
+        if step.macro is not None and isinstance(step.macro.body, sfc.SfcBody):
             yield from _sheets(CheckedSheet(step.macro.body.chart, sheet.at(step), macro=step), around)
     for partial in sheet.chart.partial_charts:
         place = sheet._below(partial.name, partial)
@@ -663,7 +653,7 @@ def is_plain(tree: n.Node) -> bool:
 
 
 _DURATIONS = frozenset({"duration", "min_time", "max_time", "warning_time"})
-_NO_CHART = SfcNetwork()
+_NO_CHART = sfc.SfcNetwork()
 
 
 def code_of(around: CheckedProject, pou: Pou, profile: Profile) -> CheckedChart:
@@ -674,7 +664,7 @@ def code_of(around: CheckedProject, pou: Pou, profile: Profile) -> CheckedChart:
 def charts_of(around: CheckedProject, pou: Pou, profile: Profile) -> Iterator[CheckedChart]:
     """Yield every chart of a POU: its body, those of its actions, and charts inside of steps."""
     path = f"POU {pou.name}"
-    parts: list[tuple[str, Element, Body | None]] = [
+    parts: list[tuple[str, Element, sfc.Body | None]] = [
         *((f"{path} / action {a.name}", a, a.body) for a in pou.actions),
         *((f"{path} / transition {t.name}", t, t.body) for t in pou.transitions),
         *((f"{path} / method {m.name}", m, m.body) for m in pou.methods),
@@ -686,9 +676,9 @@ def charts_of(around: CheckedProject, pou: Pou, profile: Profile) -> Iterator[Ch
 
 
 def _charts_in(
-    body: Body | str | None, place: FindingPlace, around: CheckedProject, pou: Pou, profile: Profile
+    body: sfc.Body | str | None, place: FindingPlace, around: CheckedProject, pou: Pou, profile: Profile
 ) -> Iterator[CheckedChart]:
-    if not isinstance(body, SfcBody):
+    if not isinstance(body, sfc.SfcBody):
         return
     chart = body.chart
     checked = CheckedChart(around, pou, FindingPlace(place.path, (chart, body, *place.elements)), chart, profile)
@@ -698,7 +688,7 @@ def _charts_in(
             yield from _charts_in(inner, at, around, pou, profile)
 
 
-def _bodies_in(sheet: CheckedSheet) -> Iterator[tuple[FindingPlace, Body | str | None]]:
+def _bodies_in(sheet: CheckedSheet) -> Iterator[tuple[FindingPlace, sfc.Body | str | None]]:
     """Return the bodies that steps have in place."""
     for step in sheet.steps:
         actions = (step.entry_action, step.main_action, step.exit_action)

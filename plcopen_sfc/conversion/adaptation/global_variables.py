@@ -36,22 +36,12 @@ from plcopen_sfc.languages.translation import NameScope, Renames
 from plcopen_sfc.languages.translation.literal_translation import translated_address
 from plcopen_sfc.languages.translation.renames import kept_renames
 from plcopen_sfc.languages.words import identifier, take_name
+from plcopen_sfc.model import types as t
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, TagTable, Task, TaskSettings
 from plcopen_sfc.model.sfc import SfcBody
-from plcopen_sfc.model.types import (
-    ArrayType,
-    DataType,
-    DerivedType,
-    Elementary,
-    ElementaryType,
-    MemberValue,
-    StructType,
-    StructValue,
-    Variable,
-)
 from plcopen_sfc.model.variables import SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -115,7 +105,7 @@ def report_types(project: Project, host: ChartHost, report: ConversionReport) ->
     """Report the variables whose type the target does not have: their declarations do not compile."""
     declared = {thing.name.casefold() for thing in (*project.pous, *project.data_types)}
 
-    def look_at(variables: Iterable[Variable], path: str) -> None:
+    def look_at(variables: Iterable[t.Variable], path: str) -> None:
         for variable in variables:
             foreign = is_foreign_type(variable.type, host)
             if foreign is not None and foreign.casefold() not in declared:
@@ -129,20 +119,20 @@ def report_types(project: Project, host: ChartHost, report: ConversionReport) ->
     for section in project.global_sections():
         look_at(section.variables, f"list of global variables {section.name}" if section.name else "global variables")
     for declaration in project.data_types:
-        if isinstance(declaration.type, StructType):
+        if isinstance(declaration.type, t.StructType):
             look_at(declaration.type.members, declaration.report_path)
 
 
-def is_foreign_type(kind: DataType, host: ChartHost) -> str | None:
+def is_foreign_type(kind: t.DataType, host: ChartHost) -> str | None:
     """Return the name of a data type in `kind` that the target does not have; None where there is none."""
     match kind:
-        case DerivedType(name=name) if name.strip('"').upper() in _OF_S7:
+        case t.DerivedType(name=name) if name.strip('"').upper() in _OF_S7:
             return name
-        case ElementaryType(name=Elementary.CHAR | Elementary.WCHAR as name) if host.is_codesys:
+        case t.ElementaryType(name=t.Elementary.CHAR | t.Elementary.WCHAR as name) if host.is_codesys:
             return name.value
-        case ArrayType(base=base):
+        case t.ArrayType(base=base):
             return is_foreign_type(base, host)
-        case StructType(members=members):
+        case t.StructType(members=members):
             return next((found for member in members if (found := is_foreign_type(member.type, host))), None)
         case _:
             return None
@@ -167,8 +157,8 @@ class _Globals:
         found: list[VariableSection] = []
         for table in self.project.tag_tables:
             found += self._table(table)
-        instances: list[Variable] = []
-        retained: list[Variable] = []
+        instances: list[t.Variable] = []
+        retained: list[t.Variable] = []
         for block in self.project.data_blocks:
             kept = _retained(block)
             found += self._block(block, retained if kept and all(kept) else instances)
@@ -187,13 +177,13 @@ class _Globals:
     def _named(self, name: str) -> str:
         return self.names.new_name(NameScope.GLOBAL, name) or identifier(name)
 
-    def _list(self, name: str, variables: list[Variable]) -> VariableSection:
+    def _list(self, name: str, variables: list[t.Variable]) -> VariableSection:
         return VariableSection(kind=SectionKind.GLOBAL, name=name, variables=variables)
 
     # -- tags
 
     def _table(self, table: TagTable) -> list[VariableSection]:
-        tags: list[Variable] = []
+        tags: list[t.Variable] = []
         counted: list[str] = []
         for tag in table.tags:
             path = f"{table.report_path} / tag {tag.name}"
@@ -208,10 +198,10 @@ class _Globals:
             if address.severity is not None:
                 counted.append(f"{tag.name} AT {address.text}")
             tags.append(
-                Variable(name=self._named(tag.name), type=kind, address=address.text or None, comment=tag.comment)
+                t.Variable(name=self._named(tag.name), type=kind, address=address.text or None, comment=tag.comment)
             )
         constants = [
-            Variable(name=self._named(c.name), type=c.type, initial=c.initial, comment=c.comment)
+            t.Variable(name=self._named(c.name), type=c.type, initial=c.initial, comment=c.comment)
             for c in table.constants
         ]
         if counted:
@@ -226,7 +216,7 @@ class _Globals:
 
     # -- data blocks
 
-    def _block(self, block: DataBlock, instances: list[Variable]) -> list[VariableSection]:
+    def _block(self, block: DataBlock, instances: list[t.Variable]) -> list[VariableSection]:
         name, path = self._named(block.name), block.report_path
         if block.type_name is not None or block.kind is DataBlockKind.INSTANCE:
             type_name = (block.type_name or "").strip('"')
@@ -251,7 +241,7 @@ class _Globals:
         else:
             initial = _struct_value(members)
             plain = [member.model_copy(update={"initial": None}) for member in members]
-            whole = Variable(name=name, type=StructType(members=plain), initial=initial, comment=block.comment)
+            whole = t.Variable(name=name, type=t.StructType(members=plain), initial=initial, comment=block.comment)
             section = self._list(f"{name}_data", [whole])
             self._note(Outcome.TRANSLATED, "data block", path, f"the global structure {name}")
             self._note(Outcome.TRANSLATED, "global variables", f"global variables {name}", "members of a structure")
@@ -265,7 +255,7 @@ class _Globals:
             self._note(Outcome.NOT_EXECUTED, "retain", path, why)
         return [section]
 
-    def _instance(self, name: str, type_name: str, block: DataBlock) -> Variable:
+    def _instance(self, name: str, type_name: str, block: DataBlock) -> t.Variable:
         """Return the variable for an instance, with the start values that it has and its type has not."""
         own = next((pou for pou in self.project.pous if pou.name.casefold() == type_name.casefold()), None)
         usual = {v.name.casefold(): v.initial for v in own.variables()} if own is not None else {}
@@ -274,25 +264,27 @@ class _Globals:
             for variable in (block.interface.variables() if block.interface is not None else ())
             if variable.initial is not None and variable.initial != usual.get(variable.name.casefold())
         ]
-        type_ = DerivedType(name=self._named(type_name))
-        return Variable(name=name, type=type_, initial=_struct_value(given), comment=block.comment)
+        type_ = t.DerivedType(name=self._named(type_name))
+        return t.Variable(name=name, type=type_, initial=_struct_value(given), comment=block.comment)
 
-    def _member(self, variable: Variable, path: str) -> Variable:
+    def _member(self, variable: t.Variable, path: str) -> t.Variable:
         foreign = is_foreign_type(variable.type, self.host)
         if foreign is not None:
             why = f"{self.host.title} has no type {foreign}: it does not compile"
             self._note(Outcome.NOT_EXECUTED, "data type", f"{path} / variable {variable.name}", why)
         name = self.names.new_name(NameScope.MEMBER, variable.name) or identifier(variable.name)
         kind = variable.type
-        if isinstance(kind, StructType):
-            kind = StructType(members=[self._member(member, path) for member in kind.members])
+        if isinstance(kind, t.StructType):
+            kind = t.StructType(members=[self._member(member, path) for member in kind.members])
         initial = None if variable.initial is None else filled(variable.initial, variable.type, self.types)
-        return Variable(name=name, type=kind, initial=initial, comment=variable.comment)
+        return t.Variable(name=name, type=kind, initial=initial, comment=variable.comment)
 
 
-def _struct_value(members: Iterable[Variable]) -> StructValue | None:
-    values = [MemberValue(member=member.name, value=member.initial) for member in members if member.initial is not None]
-    return StructValue(members=values) if values else None
+def _struct_value(members: Iterable[t.Variable]) -> t.StructValue | None:
+    values = [
+        t.MemberValue(member=member.name, value=member.initial) for member in members if member.initial is not None
+    ]
+    return t.StructValue(members=values) if values else None
 
 
 def _retained(block: DataBlock) -> list[bool]:

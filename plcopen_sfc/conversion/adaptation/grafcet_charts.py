@@ -40,22 +40,13 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform, walk
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, conjunction, simplified
 from plcopen_sfc.lowering.reading.text_reading import ActionTargets
+from plcopen_sfc.model import sfc
 from plcopen_sfc.model.actions import ActionEvent, ActionKind, ForcedSituation, Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import (
-    ActionAssociation,
-    Condition,
-    PermanentOperation,
-    SfcNetwork,
-    Step,
-    Supervised,
-    connected_parts,
-)
-from plcopen_sfc.model.sfc import Sequence as GraphSequence
 from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.report import ORDER_OF_ACTIONS, Outcome
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import rising
@@ -64,7 +55,7 @@ from plcopen_sfc.semantics.profile import Profile, ScanOrder
 
 _CONTINUOUS = frozenset({ActionKind.CONTINUOUS, ActionKind.CONDITIONAL, ActionKind.DELAYED, ActionKind.LIMITED})
 _BOOL = ElementaryType(name=Elementary.BOOL)
-_Use: TypeAlias = tuple[Step, ActionAssociation]
+_Use: TypeAlias = tuple[sfc.Step, sfc.ActionAssociation]
 _COMPARED = {ActionKind.DELAYED: ">=", ActionKind.LIMITED: "<"}
 _TRUE = ("TRUE", "1")
 _CONSTANTS = {None: "TRUE", "TRUE": "TRUE", "1": "TRUE", "FALSE": "FALSE", "0": "FALSE"}
@@ -78,12 +69,12 @@ def put_into_sfc(project: Project, note: Note, target: Profile) -> None:
             _Chart(project, pou, chart, note, target).run()
 
 
-def _has_hierarchy(chart: SfcNetwork) -> bool:
+def _has_hierarchy(chart: sfc.SfcNetwork) -> bool:
     forces = any(each.forcing is not None for _, each in chart.associations())
     return forces or bool(chart.partial_charts) or any(step.macro or step.encloses for step in chart.steps)
 
 
-def _forced_steps(chart: SfcNetwork) -> set[str]:
+def _forced_steps(chart: sfc.SfcNetwork) -> set[str]:
     """Return the names that the steps to which forcing orders lead have in the target."""
     charts = {each.name: each.chart for each in chart.partial_charts}
     orders = [each.forcing for part in charts.values() for _, each in part.associations() if each.forcing is not None]
@@ -95,7 +86,7 @@ def _forced_steps(chart: SfcNetwork) -> set[str]:
 
 
 class _Chart:
-    def __init__(self, project: Project, pou: Pou, chart: SfcNetwork, note: Note, target: Profile) -> None:
+    def __init__(self, project: Project, pou: Pou, chart: sfc.SfcNetwork, note: Note, target: Profile) -> None:
         self._project, self._pou = project, pou
         self._chart = chart
         self._note = note
@@ -220,7 +211,7 @@ class _Chart:
             why = f"where it leaves {starts[0].name}, stored actions miss it: they have not seen the step"
             self._note(Outcome.APPROXIMATED, FIRST_SCAN, path, why)
 
-    def _is_missed(self, each: ActionAssociation) -> bool:
+    def _is_missed(self, each: sfc.ActionAssociation) -> bool:
         """True if an action of the initial step changes something when that is left at once."""
         if each.kind is ActionKind.ON_ACTIVATION and each.value in ("FALSE", "0"):
             initial = {variable.name.casefold(): variable.initial for variable in self._pou.variables()}
@@ -237,7 +228,7 @@ class _Chart:
             self._note(Outcome.TRANSLATED, "partial chart", f"{path} / {name}", "its steps are in the one chart")
         return flat
 
-    def _start(self, starts: list[Step], path: str) -> None:
+    def _start(self, starts: list[sfc.Step], path: str) -> None:
         """Let a chart with several initial steps begin with one that leads to them all."""
         first = self._chart.add_step(self._terms.new_name("Start"), initial=True)
         self._chart.steps.insert(0, self._chart.steps.pop())
@@ -248,11 +239,11 @@ class _Chart:
         self._note(Outcome.APPROXIMATED, START, f"{path} / step {first.name}", why)
 
     def _sequences(self) -> None:
-        parts = connected_parts(self._chart.steps, self._chart.transitions)
+        parts = sfc.connected_parts(self._chart.steps, self._chart.transitions)
         if len(parts) > 1 and not self._chart.sequences:
-            self._chart.sequences = [GraphSequence(steps=[step.id for step in steps]) for steps in parts]
+            self._chart.sequences = [sfc.Sequence(steps=[step.id for step in steps]) for steps in parts]
 
-    def _keep_memories(self, path: str, starts: Sequence[Step]) -> None:
+    def _keep_memories(self, path: str, starts: Sequence[sfc.Step]) -> None:
         """Let every scan keep what edges need: before the transitions, or behind all of them."""
         first = [*self._terms.times, *self._events, *self._in_order(), *self._second_events]
         if not self._terms.memories and not self._terms.times and not first:
@@ -270,19 +261,19 @@ class _Chart:
             follow = {i for t in self._chart.transitions if {s.id for s in starts} & {*t.sources} for i in t.targets}
             for step in self._chart.steps:
                 if step.initial or (step.id in follow and not self._actions_first and len(starts) == 1):
-                    added = ActionAssociation(id=self._chart.new_id(), qualifier=Qualifier.S, target=name)
+                    added = sfc.ActionAssociation(id=self._chart.new_id(), qualifier=Qualifier.S, target=name)
                     step.actions.insert(0, added)
             why = f"the action {name}, which is executed in every scan"
         for operand, rises in self._terms.edges:
             self._note(Outcome.TRANSLATED, "edge", f"{path} / {shown_edge(operand, rising=rises)}", why)
 
-    def _drawn(self, text: str) -> PermanentOperation:
+    def _drawn(self, text: str) -> sfc.PermanentOperation:
         drawn = draw_ld(parse_statements(text).tree.statements, declared_rules(self._pou.variables()))
-        return PermanentOperation(body=drawn.body)
+        return sfc.PermanentOperation(body=drawn.body)
 
     # -- conditions
 
-    def _read(self, condition: Condition | None, place: str, terms: TextTerms) -> Condition | None:
+    def _read(self, condition: sfc.Condition | None, place: str, terms: TextTerms) -> sfc.Condition | None:
         if not isinstance(condition, Expression):
             return condition
         try:
@@ -301,7 +292,7 @@ class _Chart:
         """
         conditional: dict[str, list[_Use]] = {}
         timed: dict[str, list[_Use]] = {}
-        stored: dict[str, list[ActionAssociation]] = {}
+        stored: dict[str, list[sfc.ActionAssociation]] = {}
         for step, each in self._chart.associations():
             if each.target is not None and each.kind in (ActionKind.CONTINUOUS, ActionKind.CONDITIONAL):
                 conditional.setdefault(each.target.casefold(), []).append((step, each))
@@ -345,7 +336,7 @@ class _Chart:
                 constant = (each.target or "").casefold() in constants
                 self._store(step, each, place, constant=constant and each.body is None)
 
-    def _misfit(self, each: ActionAssociation) -> str:
+    def _misfit(self, each: sfc.ActionAssociation) -> str:
         """Return why no tool compiles what an action stores; empty where that is not known."""
         targets = ActionTargets(self._pou, self._project, Dialect.IEC)
         tree = parse_statements(stored_text(each)).tree
@@ -356,7 +347,7 @@ class _Chart:
         statements = tree.statements if each.kind not in _CONTINUOUS else ()
         return next((why for statement in statements for why in targets.mistakes(statement)), "")
 
-    def _put_flags(self, each: ActionAssociation, flag: Callable[[n.Node], n.Node]) -> None:
+    def _put_flags(self, each: sfc.ActionAssociation, flag: Callable[[n.Node], n.Node]) -> None:
         """Put the flags of steps, as the tool has them, into what an action stores."""
         if each.value is not None:
             each.value = self._terms.flagged(each.value, flag)
@@ -379,7 +370,7 @@ class _Chart:
         steps = {step.id for step, _ in uses}
         follow = any(steps & {*t.sources} and steps & {*t.targets} for t in self._chart.transitions)
         follow |= any(step.name in self._forced for step, _ in uses)
-        connected = connected_parts(self._chart.steps, self._chart.transitions)
+        connected = sfc.connected_parts(self._chart.steps, self._chart.transitions)
         parts = [part for each in connected if steps & (part := {step.id for step in each})]
         branched = any(len(t.targets) > 1 and parts[0] & {*t.targets} for t in self._chart.transitions)
         return follow or branched or len(parts) > 1 or len({each.duration for _, each in uses}) > 1
@@ -426,8 +417,8 @@ class _Chart:
             return False  # it is told for each of them
         return any(wanted.setdefault(id(step), interlock) != interlock for step, interlock in found)
 
-    def _as_interlock(self, condition: Expression) -> Supervised:
-        return Supervised(
+    def _as_interlock(self, condition: Expression) -> sfc.Supervised:
+        return sfc.Supervised(
             condition=Expression(text=self._terms.text(condition.text, TextTerms(self._terms, in_action=True)))
         )
 
@@ -452,7 +443,7 @@ class _Chart:
             each.kind, each.condition = ActionKind.CONTINUOUS, None
             self._note(Outcome.TRANSLATED, "action", place, "its condition is the interlock of the step")
 
-    def _continuous(self, each: ActionAssociation, place: str) -> None:
+    def _continuous(self, each: sfc.ActionAssociation, place: str) -> None:
         if each.condition is not None or each.value not in (None, *_TRUE):
             why = f"{each.kind} with a condition has no qualifier: lower the GRAFCET, which makes proven code of it"
             self._note(Outcome.NOT_EXECUTED, "action", place, why)
@@ -461,7 +452,7 @@ class _Chart:
         each.qualifier = qualifiers.get(each.kind or ActionKind.CONTINUOUS, Qualifier.N)
         each.kind = each.value = None
 
-    def _store(self, step: Step, each: ActionAssociation, place: str, *, constant: bool) -> None:
+    def _store(self, step: sfc.Step, each: sfc.ActionAssociation, place: str, *, constant: bool) -> None:
         kind = each.kind.words if each.kind is not None else ""
         if constant and each.kind is ActionKind.ON_ACTIVATION:
             each.qualifier = Qualifier.S if _CONSTANTS[each.value] == "TRUE" else Qualifier.R
@@ -499,7 +490,7 @@ class _Chart:
         self._note(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, path, f"{why}, a GRAFCET executes it before")
         return set()
 
-    def _store_in_order(self, step: Step, each: ActionAssociation, place: str) -> None:
+    def _store_in_order(self, step: sfc.Step, each: sfc.ActionAssociation, place: str) -> None:
         """Let the action that keeps the edges execute a stored action, where its order matters."""
         before, now, text = self._terms.activity_before(step), print_node(step_flag(step)), stored_text(each)
         if each.kind is ActionKind.ON_DEACTIVATION:
@@ -520,7 +511,7 @@ class _Chart:
             first = [f"IF NOT {started} THEN", f"    {started} := TRUE;", *self._begun, "END_IF;"]
         return [*first, *self._deactivations, *self._activations]
 
-    def _on_event(self, step: Step, each: ActionAssociation, place: str) -> None:
+    def _on_event(self, step: sfc.Step, each: sfc.ActionAssociation, place: str) -> None:
         """Let the action that keeps the edges execute an action on an event.
 
         The step must have been active before the transitions of the scan: actions that are executed first see it so
@@ -554,7 +545,9 @@ class _Chart:
         where = "permanent instruction" if self._of_graph else "action"
         self._note(Outcome.TRANSLATED, "action", place, f"a statement of the {where} that keeps the edges")
 
-    def _at_event(self, step: Step, each: ActionAssociation, text: str, event: EventEvolution | None) -> list[str]:
+    def _at_event(
+        self, step: sfc.Step, each: sfc.ActionAssociation, text: str, event: EventEvolution | None
+    ) -> list[str]:
         """Return the statements for an event that comes in one evolution of the scan."""
         is_now = self._of_graph or event is EventEvolution.SECOND
         flag = self._terms.flag if is_now else self._terms.flag_before
@@ -604,14 +597,14 @@ def _are_plain(uses: list[_Use]) -> bool:
     return all(each.condition is None and each.value in (None, *_TRUE) for _, each in uses)
 
 
-def _problem_of(each: ActionAssociation) -> str:
+def _problem_of(each: sfc.ActionAssociation) -> str:
     """Return why the value or the statements of an action cannot be read; empty where they can."""
     value = parse_expression(each.value).problems if each.value else ()
     body = parse_statements(each.body.text).problems if isinstance(each.body, StBody) else ()
     return next((problem.message for problem in (*value, *body)), "")
 
 
-def _is_constant(each: ActionAssociation) -> bool:
+def _is_constant(each: sfc.ActionAssociation) -> bool:
     return each.kind is ActionKind.ON_ACTIVATION and each.value in _CONSTANTS and each.body is None
 
 

@@ -12,24 +12,15 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.iectext.object_declarations import METHOD, declaration_of, read, unit_of
 from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.declarations import write_type, write_value
+from plcopen_sfc.model import types as t
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Method, Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.types import (
-    ArrayValue,
-    DataType,
-    DataTypeDeclaration,
-    SimpleValue,
-    StructType,
-    StructValue,
-    Value,
-    Variable,
-)
 from plcopen_sfc.model.variables import Interface, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
-Declared = Interface | DataTypeDeclaration | VariableSection
+Declared = Interface | t.DataTypeDeclaration | VariableSection
 """What has a declaration as text."""
 
 _SECTION = ("kind", "constant", "retain", "nonretain", "persistent", "nonpersistent")
@@ -112,15 +103,15 @@ def _edited(text: str, things: Sequence[Declared], old: Sequence[Declared]) -> s
     else:
         if len(declared.data_types) != 1:
             raise _UnfitError
-        _retype(declared.data_types[0], before if isinstance(before, DataTypeDeclaration) else None, thing)
+        _retype(declared.data_types[0], before if isinstance(before, t.DataTypeDeclaration) else None, thing)
     return declaration_of(declared, text)
 
 
-def _retype(known: DataTypeDeclaration, old: DataTypeDeclaration | None, new: DataTypeDeclaration) -> None:
+def _retype(known: t.DataTypeDeclaration, old: t.DataTypeDeclaration | None, new: t.DataTypeDeclaration) -> None:
     if old is not None and _content(old, "name", "type", "initial") != _content(new, "name", "type", "initial"):
         raise _UnfitError
-    if isinstance(known.type, StructType) and isinstance(new.type, StructType):
-        members = old.type.members if old is not None and isinstance(old.type, StructType) else []
+    if isinstance(known.type, t.StructType) and isinstance(new.type, t.StructType):
+        members = old.type.members if old is not None and isinstance(old.type, t.StructType) else []
         groups = [[VariableSection(variables=each)] for each in (known.type.members, members, new.type.members)]
         known.type.members = [each for section in _merged(*groups) for each in section.variables]
     elif old is None or old.type != new.type:
@@ -129,14 +120,14 @@ def _retype(known: DataTypeDeclaration, old: DataTypeDeclaration | None, new: Da
         known.initial = new.initial
 
 
-_Place = tuple[tuple[object, ...], Variable]
+_Place = tuple[tuple[object, ...], t.Variable]
 
 
 def _places(sections: Iterable[VariableSection]) -> dict[str, _Place]:
     return {v.name.casefold(): (_kind(section), v) for section in sections for v in section.variables}
 
 
-def _renamed(old: Sequence[VariableSection], new: Sequence[VariableSection]) -> list[tuple[Variable, Variable]]:
+def _renamed(old: Sequence[VariableSection], new: Sequence[VariableSection]) -> list[tuple[t.Variable, t.Variable]]:
     """Return what renamed variables were, and are: those at the same place, where the old name is gone."""
     before, after = _places(old), _places(new)
     sections = zip(old, new, strict=False)
@@ -167,7 +158,7 @@ def _merged(
             section.variables = kept
     result = [section for section in known if section.variables or not after]
     for section in new:
-        previous: Variable | None = None
+        previous: t.Variable | None = None
         for variable in section.variables:
             name = variable.name.casefold()
             was, mine = before.get(name), found.get(name)
@@ -185,8 +176,8 @@ def _stays(name: str, before: dict[str, _Place], after: dict[str, _Place]) -> bo
 
 
 def _insert(
-    result: list[VariableSection], section: VariableSection, previous: Variable | None, variable: Variable
-) -> Variable:
+    result: list[VariableSection], section: VariableSection, previous: t.Variable | None, variable: t.Variable
+) -> t.Variable:
     """Put a variable behind `previous`, or at the end of the last section of its kind, or into a new one."""
     added = variable.model_copy(deep=True)
     alike = [each for each in result if _kind(each) == _kind(section)]
@@ -202,7 +193,7 @@ def _insert(
     return added
 
 
-def _update(known: Variable, old: Variable | None, new: Variable) -> None:
+def _update(known: t.Variable, old: t.Variable | None, new: t.Variable) -> None:
     """Give a variable of the text what was edited; of one that was not there before, what the text says otherwise."""
     if old is None:
         for name in ("type", "address", "initial"):
@@ -216,8 +207,8 @@ def _update(known: Variable, old: Variable | None, new: Variable) -> None:
             setattr(known, name, getattr(new, name))
 
 
-def _written(value: str | DataType | Value | None) -> str:
-    if isinstance(value, SimpleValue | ArrayValue | StructValue):
+def _written(value: str | t.DataType | t.Value | None) -> str:
+    if isinstance(value, t.SimpleValue | t.ArrayValue | t.StructValue):
         return write_value(value, Dialect.CODESYS).casefold()
     if value is None or isinstance(value, str):
         return (value or "").casefold()

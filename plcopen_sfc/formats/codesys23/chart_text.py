@@ -32,21 +32,12 @@ from plcopen_sfc.languages.networks import shown_body, shown_condition
 from plcopen_sfc.languages.networks.exported_networks import EXPORTS
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.st.parsing import parse_expression
+from plcopen_sfc.model import sfc
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou
-from plcopen_sfc.model.sfc import (
-    ActionAssociation,
-    Body,
-    BodyCondition,
-    Condition,
-    SfcBody,
-    SfcNetwork,
-    Step,
-    Transition,
-)
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.whole_numbers import whole_number
@@ -84,7 +75,7 @@ def is_chart(text: str, span: Span) -> bool:
     return _ELEMENT.match(text, after_comments(text, *span), span[1]) is not None
 
 
-def read_text_body(text: str, span: Span) -> Body | None:
+def read_text_body(text: str, span: Span) -> sfc.Body | None:
     """Return the body in `span`, which is no chart: in a language by its marker, or instructions, or statements."""
     content = plain_lines(text[span[0] : span[1]])
     if not content:
@@ -105,7 +96,7 @@ def called_alone(text: str, span: Span) -> str:
     return found[1] if found is not None else ""
 
 
-def body_text(body: Body | None) -> str:
+def body_text(body: sfc.Body | None) -> str:
     """Return the text of a body: drawn ones as structured text, none where there is no text for it."""
     match body:
         case StBody(text=text) | IlBody(text=text):
@@ -125,7 +116,7 @@ def body_text(body: Body | None) -> str:
 class ReadChart:
     """Chart that was read: its body, and the places of its parts."""
 
-    body: SfcBody
+    body: sfc.SfcBody
     places: list[Place] = field(default_factory=list)
 
 
@@ -161,9 +152,9 @@ class _ChartReader:
         self.span = span
         self.names = names
         self.note = note
-        self.chart = SfcNetwork()
-        self.found = ReadChart(SfcBody(chart=self.chart))
-        self.ends: list[tuple[Transition, tuple[list[str], list[str]], int]] = []
+        self.chart = sfc.SfcNetwork()
+        self.found = ReadChart(sfc.SfcBody(chart=self.chart))
+        self.ends: list[tuple[sfc.Transition, tuple[list[str], list[str]], int]] = []
         self.starts: list[int] = []
         self.next_id = 1
 
@@ -212,7 +203,7 @@ class _ChartReader:
 
     def _step(self, element: re.Match[str], following: int) -> int:
         name = element[2]
-        step = Step(id=self._number(), name=name, initial=element[1].upper() == "INITIAL_STEP")
+        step = sfc.Step(id=self._number(), name=name, initial=element[1].upper() == "INITIAL_STEP")
         start = element.start(1)
         end = self._end(element.end(), following, "END_STEP", f"the step {name}", start)
         places: list[Place] = [(("head", ""), (start, element.end()), ())]
@@ -255,9 +246,9 @@ class _ChartReader:
         self.found.places.append((key, (start, position), block_span(key, (start, position), places).spans))
         return position
 
-    def _associations(self, inside: Span) -> list[ActionAssociation]:
+    def _associations(self, inside: Span) -> list[sfc.ActionAssociation]:
         """Return the associations that a step consists of; empty where it has an action in place."""
-        found: list[ActionAssociation] = []
+        found: list[sfc.ActionAssociation] = []
         position, first = inside[0], self.next_id
         while position < inside[1]:
             one = _ASSOCIATION.match(self.text, position, inside[1])
@@ -265,7 +256,7 @@ class _ChartReader:
                 self.next_id = first
                 return []
             qualifier = _QUALIFIERS[one[2].upper()]
-            found.append(ActionAssociation(id=self._number(), qualifier=qualifier, target=one[1], duration=one[3]))
+            found.append(sfc.ActionAssociation(id=self._number(), qualifier=qualifier, target=one[1], duration=one[3]))
             position = one.end()
         return found
 
@@ -276,7 +267,7 @@ class _ChartReader:
             message = "a transition is TRANSITION FROM steps TO steps := condition END_TRANSITION"
             self.note("EXP103", message, start)
             return end[1]
-        transition = Transition(id=self._number(), name=header[1] or "")
+        transition = sfc.Transition(id=self._number(), name=header[1] or "")
         transition.priority = whole_number(header[2])
         inside = _condition_core(self.text, (header.end(), end[0]))
         transition.condition = _read_condition(self.text, inside)
@@ -319,13 +310,13 @@ def _condition_core(text: str, span: Span) -> Span:
     return start, end
 
 
-def _read_condition(text: str, span: Span) -> Condition | None:
+def _read_condition(text: str, span: Span) -> sfc.Condition | None:
     content = plain_lines(text[span[0] : span[1]])
     # before instructions, of which some are expressions too: NOT Full
     if content and not _MARKED.match(content) and not parse_expression(content, Dialect.CODESYS).problems:
         return Expression(text=content)
     body = read_text_body(text, span)
-    return BodyCondition(body=body) if body is not None else None
+    return sfc.BodyCondition(body=body) if body is not None else None
 
 
 # -- writing
@@ -340,7 +331,7 @@ class ChartNames:
         self._report = report
         self._used = {action.name.casefold() for action in pou.actions}
 
-    def action(self, wish: str, content: str | Body | None, path: str) -> str:
+    def action(self, wish: str, content: str | sfc.Body | None, path: str) -> str:
         """Return the action with this content: the one that it names, or one that is added and called like `wish`."""
         if isinstance(content, str) and content.casefold() == wish.casefold():
             return content
@@ -361,17 +352,17 @@ class ChartNames:
             why = "CoDeSys 2.3 executes an action of this name at the step: rename the action or the step"
             self._report.add(Outcome.NOT_EXECUTED, "action", f"{path} / action {name}", why)
 
-    def leave_out(self, association: ActionAssociation, path: str) -> None:
+    def leave_out(self, association: sfc.ActionAssociation, path: str) -> None:
         """Report an association that the text does not have."""
         why = f"CoDeSys 2.3 has no qualifier {association.qualifier}: it is not executed"
         self._report.add(Outcome.NOT_EXECUTED, "action", f"{path} / action {association.target or 'in place'}", why)
 
-    def is_variable(self, association: ActionAssociation) -> bool:
+    def is_variable(self, association: sfc.ActionAssociation) -> bool:
         """True if an association drives a variable, and executes no action of the POU."""
         target = (association.target or "").casefold()
         return bool(target) and association.body is None and target not in self._used
 
-    def note_pulse(self, association: ActionAssociation, path: str) -> None:
+    def note_pulse(self, association: sfc.ActionAssociation, path: str) -> None:
         """Report P1 with a variable, which P is too: they differ in the last execution of an action only."""
         place = f"{path} / action {association.target}"
         self._report.add(Outcome.TRANSLATED, "qualifier P1", place, "P, which is the same with a variable")
@@ -398,7 +389,7 @@ class ChartNames:
         return name
 
 
-def chart_blocks(body: SfcBody, names: ChartNames, path: str) -> Iterator[WrittenBlock]:
+def chart_blocks(body: sfc.SfcBody, names: ChartNames, path: str) -> Iterator[WrittenBlock]:
     """Yield the blocks of a chart: each step, and before it the transitions up to the one that leads to it."""
     chart = body.chart
     if plain(body.comment):
@@ -420,7 +411,7 @@ def chart_blocks(body: SfcBody, names: ChartNames, path: str) -> Iterator[Writte
     yield from transition_blocks(len(waiting))
 
 
-def _in_order(chart: SfcNetwork) -> list[Transition]:
+def _in_order(chart: sfc.SfcNetwork) -> list[sfc.Transition]:
     """Return the transitions with competing ones in the order in which they are tried, which is that of the text."""
     found = list(chart.transitions)
     for step in chart.steps:
@@ -431,7 +422,7 @@ def _in_order(chart: SfcNetwork) -> list[Transition]:
     return found
 
 
-def _step_block(step: Step, names: ChartNames, path: str) -> WrittenBlock:
+def _step_block(step: sfc.Step, names: ChartNames, path: str) -> WrittenBlock:
     word = "INITIAL_STEP" if step.initial else "STEP"
     blocks = [WrittenBlock(("head", ""), f"{word} {step.name}:")]
     if associations := [*_associations(step, names, path)]:
@@ -455,7 +446,7 @@ def _step_block(step: Step, names: ChartNames, path: str) -> WrittenBlock:
     return WrittenBlock(("step", step.name), blocks=tuple(blocks))
 
 
-def _associations(step: Step, names: ChartNames, path: str) -> Iterator[str]:
+def _associations(step: sfc.Step, names: ChartNames, path: str) -> Iterator[str]:
     """Yield the associations of a step, the last its main action if it has both."""
     for number, each in enumerate(step.actions, 1):
         if each.qualifier is Qualifier.P1 and names.is_variable(each):
@@ -478,18 +469,18 @@ def _in_pragma(value: str) -> str:
     return re.sub(r"\(\*|\*\)", " ", value)
 
 
-def _transition_block(chart: SfcNetwork, transition: Transition, names: ChartNames, path: str) -> WrittenBlock:
+def _transition_block(chart: sfc.SfcNetwork, transition: sfc.Transition, names: ChartNames, path: str) -> WrittenBlock:
     sources, targets = _sides(chart, transition)
     name = f"{transition.name} " if re.fullmatch(r"[^\W\d]\w*", transition.name) else ""
     head = f"TRANSITION {name}FROM {_listed(sources)} TO {_listed(targets)}:= "
     blocks = [WrittenBlock(("head", ""), head)]
     if text := _condition_text(chart, transition, names, path):
-        blocks.append(WrittenBlock(("body", ""), text, verbatim=isinstance(transition.condition, BodyCondition)))
+        blocks.append(WrittenBlock(("body", ""), text, verbatim=isinstance(transition.condition, sfc.BodyCondition)))
     blocks.append(WrittenBlock(("end", ""), "END_TRANSITION"))
     return WrittenBlock(_transition_key(sources, targets), blocks=tuple(blocks))
 
 
-def _sides(chart: SfcNetwork, transition: Transition) -> tuple[list[str], list[str]]:
+def _sides(chart: sfc.SfcNetwork, transition: sfc.Transition) -> tuple[list[str], list[str]]:
     """Return the names of the steps before and behind a transition, also those that the chart does not have."""
     called = {step.id: step.name for step in chart.steps}
     missing = kept(transition.extension_data)
@@ -512,13 +503,13 @@ def _listed(names: list[str]) -> str:
     return names[0] if len(names) == 1 else f"({','.join(names)})"
 
 
-def _condition_text(chart: SfcNetwork, transition: Transition, names: ChartNames, path: str) -> str:
+def _condition_text(chart: sfc.SfcNetwork, transition: sfc.Transition, names: ChartNames, path: str) -> str:
     match transition.condition:
         case None:
             return ""
         case Expression(text=text, negated=negated):
             return f"NOT ({text})" if negated else text
-        case BodyCondition(body=StBody() | IlBody() | OpaqueBody(source="codesys23") as body):
+        case sfc.BodyCondition(body=StBody() | IlBody() | OpaqueBody(source="codesys23") as body):
             return body_text(body)
         case _:
             found = shown_condition(chart, transition, Dialect.CODESYS, names.objects)

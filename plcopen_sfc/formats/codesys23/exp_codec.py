@@ -57,6 +57,7 @@ from plcopen_sfc.languages.st.printing import render
 from plcopen_sfc.languages.text_edits import Edit, apply_edits, without
 from plcopen_sfc.languages.translation.call_translation import is_mixed
 from plcopen_sfc.languages.translation.text_translation import CONDITIONAL_PRAGMA
+from plcopen_sfc.model import types as t
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
@@ -64,18 +65,6 @@ from plcopen_sfc.model.pou import Action, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Body, BodyCondition, SfcBody
 from plcopen_sfc.model.text import Text, plain
-from plcopen_sfc.model.types import (
-    ArrayType,
-    DataType,
-    DataTypeDeclaration,
-    Elementary,
-    ElementaryType,
-    EnumType,
-    PointerType,
-    SimpleValue,
-    StringType,
-    StructType,
-)
 from plcopen_sfc.model.variables import SectionKind, VariableSection, sections_of
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -228,7 +217,7 @@ def _others(project: Project, known: Project) -> Project:
     """Return a project without the POUs and types that are as in `known`; the reader of a POU asks for the rest."""
     digests = {thing.report_path: content_digest(thing) for thing in (*known.pous, *known.data_types)}
 
-    def is_other(thing: Pou | DataTypeDeclaration) -> bool:
+    def is_other(thing: Pou | t.DataTypeDeclaration) -> bool:
         return digests.get(thing.report_path) != content_digest(thing)
 
     pous = [pou for pou in project.pous if is_other(pou)]
@@ -269,11 +258,11 @@ def _objects(project: Project, report: ConversionReport) -> Iterator[WrittenBloc
         yield WrittenBlock(("comment", ""), _comments(project.comment), apart=True)
 
 
-def _data_type(declaration: DataTypeDeclaration) -> WrittenBlock:
+def _data_type(declaration: t.DataTypeDeclaration) -> WrittenBlock:
     texts = kept(declaration.extension_data)
     initial = write_value(declaration.initial, _DIALECT) if declaration.initial is not None else ""
     type_ = _bare_lists(_block_comments(write_type(declaration.type, _DIALECT)))
-    is_struct = isinstance(declaration.type, StructType)
+    is_struct = isinstance(declaration.type, t.StructType)
     lines = [_comments(declaration.comment)] if plain(declaration.comment) else []
     lines += [f"TYPE {declaration.name} :", type_] if is_struct else [f"TYPE {declaration.name} : {type_}"]
     value = _bare_lists(f" := {initial};") if initial else "" if is_struct else ";"
@@ -464,7 +453,7 @@ def _inside(text: str) -> str:
     return text.replace("(*", "( *").replace("*)", "* )")
 
 
-_TYPES = frozenset({Elementary.LINT, Elementary.ULINT, Elementary.LWORD, Elementary.LTIME})
+_TYPES = frozenset({t.Elementary.LINT, t.Elementary.ULINT, t.Elementary.LWORD, t.Elementary.LTIME})
 _TYPED = re.compile(r'(?:LTIME|LINT|ULINT|LWORD)#|"', re.IGNORECASE)
 _CONVERSION = re.compile(r"TO_[A-Z]+", re.IGNORECASE)
 _LATER_FUNCTION = re.compile(r"(?:UPPER|LOWER)_BOUND|XSIZEOF|__[A-Z]+", re.IGNORECASE)
@@ -472,7 +461,7 @@ _LATER_FUNCTION = re.compile(r"(?:UPPER|LOWER)_BOUND|XSIZEOF|__[A-Z]+", re.IGNOR
 
 def replace_later_language(project: Project, report: ConversionReport) -> None:
     """Write enumerations and set statements in `project` as CoDeSys 2.3 does, and report what it does not compile."""
-    enumerations = {each.name.casefold() for each in project.data_types if isinstance(each.type, EnumType)}
+    enumerations = {each.name.casefold() for each in project.data_types if isinstance(each.type, t.EnumType)}
     plain = partial(_plain, _unique_values(project))
     functions = {pou.name.casefold(): pou for pou in project.pous if pou.kind is PouKind.FUNCTION}
     for pou in functions.values():
@@ -512,7 +501,7 @@ def replace_later_language(project: Project, report: ConversionReport) -> None:
 
 def _unique_values(project: Project) -> set[tuple[str, str]]:
     """Return the values that nothing else in the project is called as, each with its type, in lower case."""
-    types = [(each.name, each.type.values) for each in project.data_types if isinstance(each.type, EnumType)]
+    types = [(each.name, each.type.values) for each in project.data_types if isinstance(each.type, t.EnumType)]
     names = Counter(value.name.casefold() for _, values in types for value in values)
     names.update(thing.name.casefold() for thing in project.objects())
     names.update(v.name.casefold() for section in project.global_sections() for v in section.variables)
@@ -555,13 +544,13 @@ def _with_all_inputs(functions: Mapping[str, Pou], node: n.Node) -> n.Node:
         names = {argument.name.identifier.casefold() for argument in given if argument.name is not None}
         left = [variable for variable in inputs if variable.name.casefold() not in names]
     values = [variable.initial for variable in left]
-    if not left or not all(isinstance(value, SimpleValue) and value.text for value in values):
+    if not left or not all(isinstance(value, t.SimpleValue) and value.text for value in values):
         return node
     by_name = not given or given[0].name is not None
     added = tuple(
         n.Argument(parse_expression(value.text).tree, n.Name(variable.name) if by_name else None)
         for variable, value in zip(left, values, strict=True)
-        if isinstance(value, SimpleValue) and value.text is not None
+        if isinstance(value, t.SimpleValue) and value.text is not None
     )
     return replace(node, arguments=(*node.arguments, *added))
 
@@ -591,19 +580,19 @@ def _words(node: n.Node, enumerations: Collection[str]) -> Iterator[str]:
             yield f"literal {text}"
 
 
-def _later_types(kind: DataType | None) -> Iterator[str]:
+def _later_types(kind: t.DataType | None) -> Iterator[str]:
     match kind:
-        case ElementaryType(name=name) if name in _TYPES:
+        case t.ElementaryType(name=name) if name in _TYPES:
             yield name.value
-        case StringType(wide=True):
+        case t.StringType(wide=True):
             yield "WSTRING"
-        case PointerType(reference=True):
+        case t.PointerType(reference=True):
             yield "REFERENCE TO"
-        case EnumType(base=base) if base is not None:
+        case t.EnumType(base=base) if base is not None:
             yield "enumeration with a type of its values"
-        case ArrayType(base=base) | PointerType(base=base):
+        case t.ArrayType(base=base) | t.PointerType(base=base):
             yield from _later_types(base)
-        case StructType(members=members):
+        case t.StructType(members=members):
             for member in members:
                 yield from _later_types(member.type)
         case _:

@@ -29,21 +29,13 @@ from plcopen_sfc.formats.text_encoding import SourceText
 from plcopen_sfc.formats.text_patch import BlockSpan, WrittenBlock, numbered_blocks
 from plcopen_sfc.languages.declarations import write_type, write_value
 from plcopen_sfc.languages.networks.condition_reading import shown_condition
+from plcopen_sfc.model import sfc
 from plcopen_sfc.model.actions import ActionKind, ForcedSituation, ForcingOrder, Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import (
-    ActionAssociation,
-    Condition,
-    PartialChart,
-    PartialChartKind,
-    SfcNetwork,
-    Step,
-    Transition,
-)
 from plcopen_sfc.model.text import Text, plain
 from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import sections_of
@@ -94,7 +86,7 @@ class _Writer:
     def grafcet(self) -> WrittenBlock:
         pou = self._pou
         self._report.add(Outcome.KEPT, "POU", f"POU {pou.name}")
-        chart = pou.chart or SfcNetwork()
+        chart = pou.chart or sfc.SfcNetwork()
         block = " AS FUNCTION_BLOCK" if pou.kind is PouKind.FUNCTION_BLOCK else ""
         blocks = [_line(("head", ""), f"GRAFCET {_named(pou.name, f'POU {pou.name}')}{block}", pou.comment, "")]
         for section in sections_of(pou.interface):
@@ -107,16 +99,16 @@ class _Writer:
         blocks += [self._partial(partial) for partial in chart.partial_charts]
         return WrittenBlock(("grafcet", pou.name), blocks=numbered_blocks(blocks), apart=True)
 
-    def _partial(self, partial: PartialChart) -> WrittenBlock:
+    def _partial(self, partial: sfc.PartialChart) -> WrittenBlock:
         head = f"{_CHART_WORDS[partial.kind]} {_named(partial.name, f'chart {partial.name}')}"
-        if partial.kind is PartialChartKind.EXPANSION:
+        if partial.kind is sfc.PartialChartKind.EXPANSION:
             head += f" FROM {partial.entry_step}" if partial.entry_step else ""
             head += f" TO {partial.exit_step}" if partial.exit_step else ""
         blocks = [_line(("head", ""), head, partial.comment, "")]
         blocks += self._elements(partial.chart, f"POU {self._pou.name} / {partial.name}", "    ")
         return WrittenBlock(("chart", partial.name), blocks=numbered_blocks(blocks), apart=True)
 
-    def _elements(self, chart: SfcNetwork, path: str, indent: str) -> Iterator[WrittenBlock]:
+    def _elements(self, chart: sfc.SfcNetwork, path: str, indent: str) -> Iterator[WrittenBlock]:
         """Yield the steps, and below each the transitions whose steps are all above them, in the order of the model."""
         waiting = list(chart.transitions)
         written: set[int] = set()
@@ -133,7 +125,7 @@ class _Writer:
             yield from transitions(False)
         yield from transitions(True)
 
-    def _step(self, step: Step, path: str, indent: str, *, apart: bool) -> WrittenBlock:
+    def _step(self, step: sfc.Step, path: str, indent: str, *, apart: bool) -> WrittenBlock:
         text = ("INITIAL " if step.initial else "") + ("MACRO" if _expansion(step) else "STEP")
         text += f" {_named(step.name, path)}"
         text += f" #{step.number}" if step.number is not None else ""
@@ -154,7 +146,7 @@ class _Writer:
                 self._lost("step action", path, "IEC 60848 has no step actions")
         return WrittenBlock(("step", step.name), blocks=numbered_blocks(blocks), apart=apart)
 
-    def _action(self, action: ActionAssociation, path: str) -> str | None:
+    def _action(self, action: sfc.ActionAssociation, path: str) -> str | None:
         """Return the line of an action; None where GRAFCET has none that does the same."""
         if action.forcing is not None:
             return f"FORCE {_forced(action.forcing)}"
@@ -197,7 +189,7 @@ class _Writer:
             done += f" {'AFTER' if kind is ActionKind.DELAYED else 'FOR'} {_time(action.duration or '0s')}"
         return done
 
-    def _transition(self, chart: SfcNetwork, transition: Transition, path: str, indent: str) -> WrittenBlock:
+    def _transition(self, chart: sfc.SfcNetwork, transition: sfc.Transition, path: str, indent: str) -> WrittenBlock:
         names = {step.id: step.name for step in chart.steps}
         sources, targets = (
             [names[each] for each in side if each in names] for side in (transition.sources, transition.targets)
@@ -240,7 +232,7 @@ class _Writer:
         self._report.add(Outcome.NOT_EXECUTED, what, path, why)
 
 
-def _expansion(step: Step) -> str | None:
+def _expansion(step: sfc.Step) -> str | None:
     return step.macro.expansion if step.macro is not None else None
 
 
@@ -259,7 +251,7 @@ def _named(name: str, path: str) -> str:
     return name
 
 
-def _expression(condition: Condition | None) -> str:
+def _expression(condition: sfc.Condition | None) -> str:
     if not isinstance(condition, Expression):
         return ""
     text = " ".join(condition.text.split())

@@ -18,22 +18,12 @@ from plcopen_sfc.formats.text_patch import BlockSpan, Key, ReadText, numbered
 from plcopen_sfc.languages.declarations import read_declarations
 from plcopen_sfc.languages.grafcet_conditions import separated
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind
+from plcopen_sfc.model import sfc
 from plcopen_sfc.model.actions import ActionKind, ForcedSituation, ForcingOrder
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import (
-    ActionAssociation,
-    Enclosure,
-    Macro,
-    PartialChart,
-    PartialChartKind,
-    SfcBody,
-    SfcNetwork,
-    Step,
-    Transition,
-)
 from plcopen_sfc.model.times import objection
 from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection, sections_of
@@ -42,9 +32,9 @@ from plcopen_sfc.whole_numbers import whole_number
 TABLES = {"INPUTS": SectionKind.INPUT, "OUTPUTS": SectionKind.OUTPUT, "INTERNALS": SectionKind.LOCAL}
 """Heads of variable tables."""
 CHARTS = {
-    "CHART": PartialChartKind.GLOBAL,
-    "EXPANSION": PartialChartKind.EXPANSION,
-    "ENCLOSED": PartialChartKind.ENCLOSED,
+    "CHART": sfc.PartialChartKind.GLOBAL,
+    "EXPANSION": sfc.PartialChartKind.EXPANSION,
+    "ENCLOSED": sfc.PartialChartKind.ENCLOSED,
 }
 """Heads of partial charts."""
 SITUATIONS = {"INIT": ForcedSituation.INITIAL, "": ForcedSituation.EMPTY, "*": ForcedSituation.CURRENT}
@@ -117,11 +107,11 @@ class _Place:
 class _Chart:
     """A network, with what refers to steps by name until all are known."""
 
-    network: SfcNetwork
+    network: sfc.SfcNetwork
     path: str
     place: _Place
     ids: dict[str, int] = field(default_factory=dict)
-    waiting: list[tuple[Transition, list[str], list[str], int]] = field(default_factory=list)
+    waiting: list[tuple[sfc.Transition, list[str], list[str], int]] = field(default_factory=list)
     action_lines: list[int] = field(default_factory=list)
     last_id: int = 0
 
@@ -155,7 +145,7 @@ class _Reader:
         self._root: _Chart | None = None
         self._chart: _Chart | None = None
         self._section: VariableSection | None = None
-        self._step: Step | None = None
+        self._step: sfc.Step | None = None
 
     def run(self) -> GrafcetText:
         position = 1 if self._text.startswith("\ufeff") else 0
@@ -269,9 +259,9 @@ class _Reader:
         self._finish_grafcet()
         if any(each.name.casefold() == found["name"].casefold() for each in self._project.pous):
             raise self._wrong(f"there is a GRAFCET {found['name']} already", "Rename one of them.")
-        network = SfcNetwork()
+        network = sfc.SfcNetwork()
         kind = PouKind.FUNCTION_BLOCK if found["block"] else PouKind.PROGRAM
-        self._pou = Pou(name=found["name"], kind=kind, bodies=[SfcBody(chart=network)])
+        self._pou = Pou(name=found["name"], kind=kind, bodies=[sfc.SfcBody(chart=network)])
         network = self._pou.chart or network
         if not self._project.pous:
             self._project.name = found["name"]
@@ -323,14 +313,14 @@ class _Reader:
     def _partial(self, found: re.Match[str], comment_text: str | None, start: int, end: int) -> None:
         assert self._root is not None  # noqa: S101  # the caller has looked
         self._finish_chart()
-        partial = PartialChart(
+        partial = sfc.PartialChart(
             name=found["name"],
             kind=CHARTS[found["word"]],
-            chart=SfcNetwork(),
+            chart=sfc.SfcNetwork(),
             entry_step=found["entry"],
             exit_step=found["exit"],
         )
-        if (found["entry"] or found["exit"]) and partial.kind is not PartialChartKind.EXPANSION:
+        if (found["entry"] or found["exit"]) and partial.kind is not sfc.PartialChartKind.EXPANSION:
             raise self._wrong("only an expansion has an entry and an exit step")
         if any(each.name.casefold() == partial.name.casefold() for each in self._root.network.partial_charts):
             raise self._wrong(f"there is a chart {partial.name} already")
@@ -345,12 +335,12 @@ class _Reader:
         name = found["name"]
         if name.casefold() in chart.ids:
             raise self._wrong(f"there is a step {name} in this chart already")
-        step = Step(id=chart.new_id(), name=name, initial=found["initial"] is not None)
+        step = sfc.Step(id=chart.new_id(), name=name, initial=found["initial"] is not None)
         step.number = whole_number(found["number"])
         if found["number"] and step.number is None:
             raise self._wrong(f"the number of the step {name} has more digits than any tool takes")
         if found["macro"] is not None:
-            step.macro = Macro(expansion=found["expansion"] or name)
+            step.macro = sfc.Macro(expansion=found["expansion"] or name)
         elif found["expansion"] is not None:
             raise self._wrong("only a macro-step has an expansion", f"Write: MACRO {name} EXPANDS {found['expansion']}")
         if found["enclosed"] is not None:
@@ -369,19 +359,19 @@ class _Reader:
         assert self._chart is not None  # noqa: S101  # there is a head before every statement
         return self._chart
 
-    def _enclosures(self, text: str) -> list[Enclosure]:
+    def _enclosures(self, text: str) -> list[sfc.Enclosure]:
         rest = _ENCLOSURE.sub("", text).replace(",", "").strip()
         if rest:
             raise self._wrong(f"{rest!r} encloses nothing", "Write: ENCLOSES G2{10, 12}, G3")
         return [
-            Enclosure(chart=found["chart"], activated_steps=_names(found["steps"]))
+            sfc.Enclosure(chart=found["chart"], activated_steps=_names(found["steps"]))
             for found in _ENCLOSURE.finditer(text)
         ]
 
     def _transition(self, found: re.Match[str], comment_text: str | None, start: int, end: int) -> None:
         chart = self._opened()
         condition = (found["condition"] or "").strip()
-        transition = Transition(id=chart.new_id(), comment=comment_text)
+        transition = sfc.Transition(id=chart.new_id(), comment=comment_text)
         designation = (found["name"] or "").strip()
         transition.number = whole_number(designation)
         if transition.number is None:
@@ -404,7 +394,7 @@ class _Reader:
         if instead := _instead(content):
             raise self._wrong(f"{content!r} is no action", instead)
         assert self._step is not None  # noqa: S101  # the caller has looked
-        action = ActionAssociation(id=chart.new_id(), comment=comment_text)
+        action = sfc.ActionAssociation(id=chart.new_id(), comment=comment_text)
         if (found := _FORCE.match(content)) is not None:
             inside = found["situation"].strip()
             situation = SITUATIONS.get(inside.upper(), ForcedSituation.EXPLICIT)
@@ -436,7 +426,7 @@ class _Reader:
         place.commented = _adding(action)
         chart.action_lines.append(self._number)
 
-    def _done(self, action: ActionAssociation, text: str) -> None:
+    def _done(self, action: sfc.ActionAssociation, text: str) -> None:
         found = _DONE.match(text.strip())
         if found is None:
             raise self._wrong(f"{text!r} is no action", _ACTIONS)
@@ -482,7 +472,7 @@ class _Reader:
             return
         partials = {partial.name.casefold(): partial for partial in self._root.network.partial_charts}
         for partial in partials.values():
-            if partial.kind is PartialChartKind.EXPANSION:
+            if partial.kind is sfc.PartialChartKind.EXPANSION:
                 names = [step.name for step in partial.chart.steps]
                 partial.entry_step = partial.entry_step or next((each for each in names if each[:1] in "Ee"), None)
                 partial.exit_step = partial.exit_step or next((each for each in names if each[:1] in "Ss"), None)
@@ -492,7 +482,7 @@ class _Reader:
             self._lines.setdefault(f"{self._root.path} / {variable.name}", line)
         self._root = self._chart = None
 
-    def _separate(self, network: SfcNetwork) -> None:
+    def _separate(self, network: sfc.SfcNetwork) -> None:
         """Put blanks beside the dots between variables and flags, which are AND: ``a.b`` alone is a member of ``a``."""
         charts = [network, *(partial.chart for partial in network.partial_charts)]
         known = {f"x{step.name.casefold()}" for chart in charts for step in chart.steps}
@@ -540,7 +530,7 @@ def _instead(content: str) -> str:
     return ""
 
 
-_Commented = Pou | VariableSection | PartialChart | Step | Transition | ActionAssociation | Variable
+_Commented = Pou | VariableSection | sfc.PartialChart | sfc.Step | sfc.Transition | sfc.ActionAssociation | Variable
 
 
 def _adding(owner: _Commented) -> Callable[[str], None]:

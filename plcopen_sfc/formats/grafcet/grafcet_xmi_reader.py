@@ -20,21 +20,11 @@ from plcopen_sfc.formats.remainder_comments import DAMAGED, OUTDATED, put_back, 
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK
 from plcopen_sfc.formats.xml.xml_parsing import line_of
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind
+from plcopen_sfc.model import sfc
 from plcopen_sfc.model.actions import ActionKind, ForcedSituation, ForcingOrder
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import (
-    ActionAssociation,
-    Enclosure,
-    Macro,
-    PartialChart,
-    PartialChartKind,
-    SfcBody,
-    SfcNetwork,
-    Step,
-    Transition,
-)
 from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.whole_numbers import whole_number
@@ -76,8 +66,8 @@ class _Part:
     """The root, a partial chart or an expansion, with what its references lead to."""
 
     element: etree._Element
-    network: SfcNetwork
-    steps: dict[etree._Element, Step] = field(default_factory=dict)
+    network: sfc.SfcNetwork
+    steps: dict[etree._Element, sfc.Step] = field(default_factory=dict)
 
 
 class XmiReader:
@@ -88,7 +78,7 @@ class XmiReader:
         self._file = file
         self._ids = 0
         self._parts: dict[etree._Element, _Part] = {}
-        self._partials: dict[etree._Element, PartialChart] = {}
+        self._partials: dict[etree._Element, sfc.PartialChart] = {}
         self._names: dict[etree._Element, str] = {}
         self._diagnostics: list[Diagnostic] = []
         self.lines: dict[str, int] = {}
@@ -99,16 +89,16 @@ class XmiReader:
         if etree.QName(self._root).localname != "Grafcet":
             raise self._wrong("the root of a .grafcet file is grafcet:Grafcet", self._root)
         name = self._root.get("name") or UNNAMED
-        network = SfcNetwork()
-        pou = Pou(name=name, kind=PouKind.PROGRAM, bodies=[SfcBody(chart=network)])
+        network = sfc.SfcNetwork()
+        pou = Pou(name=name, kind=PouKind.PROGRAM, bodies=[sfc.SfcBody(chart=network)])
         project = Project(name=name, pous=[pou])
         self._parts[self._root] = _Part(self._root, pou.chart or network)
         for element in self._root.findall("partialGrafcets"):
             is_expansion = kind_of(element) == "MacrostepExpansion"
-            kind = PartialChartKind.EXPANSION if is_expansion else PartialChartKind.GLOBAL
+            kind = sfc.PartialChartKind.EXPANSION if is_expansion else sfc.PartialChartKind.GLOBAL
             if element.get("enclosingStep"):
-                kind = PartialChartKind.ENCLOSED
-            partial = PartialChart(name=element.get("name", ""), kind=kind, chart=SfcNetwork())
+                kind = sfc.PartialChartKind.ENCLOSED
+            partial = sfc.PartialChart(name=element.get("name", ""), kind=kind, chart=sfc.SfcNetwork())
             self._parts[self._root].network.partial_charts.append(partial)
             self._partials[element] = partial
             self._parts[element] = _Part(element, partial.chart)
@@ -138,7 +128,7 @@ class XmiReader:
             self._ids += 1
             name = element.get("id", "0")
             macro = element.tag == "macrosteps"
-            step = Step(id=self._ids, name=f"M{name}" if macro else name, initial=element.get("initial") == "true")
+            step = sfc.Step(id=self._ids, name=f"M{name}" if macro else name, initial=element.get("initial") == "true")
             if element.tag in ("entryStep", "exitStep"):
                 step.name = f"{'E' if element.tag == 'entryStep' else 'S'}{name}"
                 partial = self._partials[part.element]
@@ -194,12 +184,12 @@ class XmiReader:
                     if target not in self._partials:
                         raise self._wrong(f"the reference {reference} leads to no partial chart", element)
                     marked = [s.name for e, s in self._parts[target].steps.items() if e.get("activationLink") == "true"]
-                    step.encloses.append(Enclosure(chart=self._partials[target].name, activated_steps=marked))
+                    step.encloses.append(sfc.Enclosure(chart=self._partials[target].name, activated_steps=marked))
             elif element.tag == "macrosteps":
                 target = self._target(element.get("expansion", ""), element)
                 if target not in self._partials:
                     raise self._wrong("the macro-step has no expansion", element)
-                step.macro = Macro(expansion=self._partials[target].name)
+                step.macro = sfc.Macro(expansion=self._partials[target].name)
 
     def _transitions(self, part: _Part, path: str) -> None:
         into: dict[etree._Element, list[etree._Element]] = {}
@@ -213,7 +203,7 @@ class XmiReader:
         for element in part.element.findall("transitions"):
             self._ids += 1
             number = element.get("id", "")
-            transition = Transition(id=self._ids, number=whole_number(number))
+            transition = sfc.Transition(id=self._ids, number=whole_number(number))
             transition.name = number if transition.number is None else ""
             bars: list[etree._Element] = []
             transition.sources = [part.steps[each].id for each in self._reached(part, into, element, bars)]
@@ -304,10 +294,10 @@ class XmiReader:
         where = Location(self._file, line_of(element))
         self._diagnostics.append(Diagnostic(code, Severity.WARNING, message, where))
 
-    def _action(self, element: etree._Element) -> ActionAssociation:
+    def _action(self, element: etree._Element) -> sfc.ActionAssociation:
         self._ids += 1
         kind = kind_of(element)
-        action = ActionAssociation(id=self._ids)
+        action = sfc.ActionAssociation(id=self._ids)
         if kind == "ForcingOrder":
             chart = self._target(element.get("partialGrafcet", ""), element)
             if chart not in self._partials:
@@ -338,7 +328,7 @@ class XmiReader:
             action = action.model_copy(update={"duration": duration})  # no assignment: a file may have any text
         return action
 
-    def _step(self, reference: str, element: etree._Element) -> Step:
+    def _step(self, reference: str, element: etree._Element) -> sfc.Step:
         target = self._target(reference, element)
         for part in self._parts.values():
             if target in part.steps:

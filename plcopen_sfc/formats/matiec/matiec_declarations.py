@@ -25,26 +25,9 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import render, transform, walk
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.words import EDGES, IEC_KEYWORDS, without_accents
+from plcopen_sfc.model import types as t
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Configuration, Project, Resource
-from plcopen_sfc.model.types import (
-    ArrayType,
-    ArrayValue,
-    DataType,
-    DataTypeDeclaration,
-    DerivedType,
-    Elementary,
-    ElementaryType,
-    EnumType,
-    PointerType,
-    SimpleValue,
-    StringType,
-    StructType,
-    StructValue,
-    Value,
-    Variable,
-    used_types,
-)
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -138,7 +121,7 @@ def _steps_with_others(project: Project) -> Iterator[tuple[str, str, set[str]]]:
             continue
         others = {"x", "t"} | members[pou.name.casefold()]
         for variable in pou.variables():
-            for kind in used_types(variable.type):
+            for kind in t.used_types(variable.type):
                 block = standard_block(kind)
                 pins = (*block.inputs, *block.outputs) if block is not None else ()
                 others |= members.get(kind.casefold(), set()) | {pin.name.casefold() for pin in pins}
@@ -177,7 +160,7 @@ def _types(project: Project) -> Iterator[tuple[str, str]]:
         places += [(f"{pou.report_path} / variable {one.name}", one.type) for one in pou.variables()]
     for path, kind in places:
         yield from (
-            (name, path) for name in used_types(kind) if name.casefold() not in known and not is_of_library(name)
+            (name, path) for name in t.used_types(kind) if name.casefold() not in known and not is_of_library(name)
         )
 
 
@@ -193,12 +176,12 @@ def _programs(project: Project) -> Iterator[tuple[str, str]]:
 def _names(project: Project) -> Iterator[tuple[str, str]]:
     for occurrence in Names(project).undeclared():
         name = occurrence.reference.name
-        if not is_of_library(name) and name.upper() not in Elementary.__members__:  # BOOL#TRUE
+        if not is_of_library(name) and name.upper() not in t.Elementary.__members__:  # BOOL#TRUE
             yield name, occurrence.text_site.report_path
 
 
 _UNKNOWN = frozenset({"LTIME", "LDATE", "LTOD", "LDT", "CHAR", "WCHAR"})
-_REALS = frozenset({Elementary.REAL, Elementary.LREAL})
+_REALS = frozenset({t.Elementary.REAL, t.Elementary.LREAL})
 _WHOLE = re.compile(r"[+-]?\d[\d_]*")
 
 
@@ -208,18 +191,18 @@ class TypeFitter:
     `declared` are the data types by name; `own`: those of a project for matiec, whose strings have its length.
     """
 
-    def __init__(self, declared: Iterable[DataTypeDeclaration], report: ConversionReport, *, own: bool) -> None:
+    def __init__(self, declared: Iterable[t.DataTypeDeclaration], report: ConversionReport, *, own: bool) -> None:
         self._own = own
         self._declared = {one.name.casefold(): one.type for one in declared}
         self._report = report
 
-    def declaration(self, one: DataTypeDeclaration) -> None:
+    def declaration(self, one: t.DataTypeDeclaration) -> None:
         """Fit a data type."""
         path = f"type {one.name}"
         for word in ("extends", "union"):
             if word in kept(one.extension_data) or word in kept(getattr(one.type, "extension_data", None)):
                 self._lost("type", path, f"matiec has no {word.upper()}")
-        if isinstance(one.type, EnumType):
+        if isinstance(one.type, t.EnumType):
             numbers = [value.value for value in one.type.values]
             if any(number is not None and number.strip() != str(index) for index, number in enumerate(numbers)):
                 self._lost("enumeration", f"data type {one.name}", "matiec numbers enumerations from 0")
@@ -240,32 +223,32 @@ class TypeFitter:
                 self._variable(variable, place, constants)
         return constants
 
-    def _variable(self, variable: Variable, path: str, constants: Mapping[str, str]) -> None:
+    def _variable(self, variable: t.Variable, path: str, constants: Mapping[str, str]) -> None:
         variable.type = self._type(variable.type, path, constants)
         variable.initial = self._value(variable.type, variable.initial, path)
 
-    def _type(self, kind: DataType, path: str, constants: Mapping[str, str]) -> DataType:
+    def _type(self, kind: t.DataType, path: str, constants: Mapping[str, str]) -> t.DataType:
         """Return a type without lengths of strings, of which matiec finds no variables, and with numbers for limits."""
-        if isinstance(kind, ArrayType):
-            if isinstance(kind.base, ArrayType):
+        if isinstance(kind, t.ArrayType):
+            if isinstance(kind.base, t.ArrayType):
                 self._lost("type", path, "matiec has no arrays of arrays; write one of two dimensions")
             for dimension in kind.dimensions:
                 dimension.lower, dimension.upper = (
                     self._limit(text, path, constants) for text in (dimension.lower, dimension.upper)
                 )
             kind.base = self._type(kind.base, path, constants)
-        elif isinstance(kind, ElementaryType) and kind.name.value in _UNKNOWN:
+        elif isinstance(kind, t.ElementaryType) and kind.name.value in _UNKNOWN:
             self._lost("type", path, f"matiec has no {kind.name.value}")
-        elif isinstance(kind, StringType) and kind.wide:
+        elif isinstance(kind, t.StringType) and kind.wide:
             self._lost("type", path, "matiec has no WSTRING")
-        elif isinstance(kind, PointerType) and not kind.reference:
+        elif isinstance(kind, t.PointerType) and not kind.reference:
             self._lost("type", path, "matiec has no pointers")
-        elif isinstance(kind, StructType):
+        elif isinstance(kind, t.StructType):
             for member in kind.members:
                 self._variable(member, f"{path} / {member.name}", constants)
-        elif isinstance(kind, StringType) and (kind.length is not None or not self._own):
+        elif isinstance(kind, t.StringType) and (kind.length is not None or not self._own):
             self._report.add(Outcome.APPROXIMATED, "string", path, "matiec has strings of its own length")
-            return StringType(wide=kind.wide)
+            return t.StringType(wide=kind.wide)
         return kind
 
     def _limit(self, text: str, path: str, constants: Mapping[str, str]) -> str:
@@ -274,34 +257,34 @@ class TypeFitter:
             self._lost("type", path, f"matiec takes numbers as limits of arrays, not {text}")
         return number
 
-    def _value(self, kind: DataType, value: Value | None, path: str) -> Value | None:
+    def _value(self, kind: t.DataType, value: t.Value | None, path: str) -> t.Value | None:
         """Return an initial value; None for one that matiec does not take."""
         kind = self._plain(kind)
         wrong = ""
-        if isinstance(kind, ElementaryType) and isinstance(value, ArrayValue | StructValue):
+        if isinstance(kind, t.ElementaryType) and isinstance(value, t.ArrayValue | t.StructValue):
             wrong = "a list is no value of an elementary type"
-        elif isinstance(value, ArrayValue) and any(isinstance(item.value, StructValue) for item in value.items):
+        elif isinstance(value, t.ArrayValue) and any(isinstance(item.value, t.StructValue) for item in value.items):
             wrong = "matiec has no values of structures in values of arrays"
         if wrong:
             self._lost("initial value", path, wrong)
             return None
-        if isinstance(value, SimpleValue) and isinstance(kind, ElementaryType) and kind.name in _REALS:
+        if isinstance(value, t.SimpleValue) and isinstance(kind, t.ElementaryType) and kind.name in _REALS:
             is_whole = value.text is not None and _WHOLE.fullmatch(value.text.strip()) is not None
-            return SimpleValue(text=f"{value.text}.0") if is_whole else value
-        if isinstance(value, ArrayValue) and isinstance(kind, ArrayType):
+            return t.SimpleValue(text=f"{value.text}.0") if is_whole else value
+        if isinstance(value, t.ArrayValue) and isinstance(kind, t.ArrayType):
             for item in value.items:
                 item.value = self._value(kind.base, item.value, path) or item.value
-        if isinstance(value, StructValue) and isinstance(kind, StructType):
+        if isinstance(value, t.StructValue) and isinstance(kind, t.StructType):
             types = {member.name.casefold(): member.type for member in kind.members}
             for one in value.members:
                 if one.member.casefold() in types:
                     one.value = self._value(types[one.member.casefold()], one.value, path) or one.value
         return value
 
-    def _plain(self, kind: DataType) -> DataType:
+    def _plain(self, kind: t.DataType) -> t.DataType:
         """Return the type that a name means."""
         for _ in self._declared:
-            found = self._declared.get(kind.name.casefold()) if isinstance(kind, DerivedType) else None
+            found = self._declared.get(kind.name.casefold()) if isinstance(kind, t.DerivedType) else None
             if found is None:
                 break
             kind = found
@@ -313,7 +296,7 @@ class TypeFitter:
 
 def _constants(sections: Iterable[VariableSection]) -> dict[str, str]:
     constants = [variable for section in sections if section.constant for variable in section.variables]
-    texts = {one.name.casefold(): one.initial.text for one in constants if isinstance(one.initial, SimpleValue)}
+    texts = {one.name.casefold(): one.initial.text for one in constants if isinstance(one.initial, t.SimpleValue)}
     return {name: text.strip() for name, text in texts.items() if text is not None and _WHOLE.fullmatch(text.strip())}
 
 
@@ -321,9 +304,9 @@ def name_structures(project: Project, report: ConversionReport) -> None:
     """Give a name to the structures and enumerations in declarations of variables and in other structures."""
     namer = _Namer(project)
     for declaration in list(project.data_types):
-        if isinstance(declaration.type, StructType):
+        if isinstance(declaration.type, t.StructType):
             namer.fit(declaration.type.members, declaration.name)
-        elif isinstance(declaration.type, ArrayType):
+        elif isinstance(declaration.type, t.ArrayType):
             declaration.type.base = namer.named(declaration.type.base, f"{declaration.name}_element")
     for pou in project.pous:
         namer.fit(pou.variables(), pou.name)
@@ -331,7 +314,7 @@ def name_structures(project: Project, report: ConversionReport) -> None:
         for variable in section.variables:
             wish = f"{section.name or 'global'}_{variable.name}"
             variable.type = namer.named(variable.type, wish)
-            if isinstance(variable.type, ArrayType):  # VAR_EXTERNAL must name the same type
+            if isinstance(variable.type, t.ArrayType):  # VAR_EXTERNAL must name the same type
                 variable.type = namer.declared(variable.type, wish)
     for name in namer.given:
         report.add(Outcome.TRANSLATED, "data type", f"type {name}", "a type without a name got one")
@@ -343,23 +326,23 @@ class _Namer:
         self.used = {one.name.casefold() for one in (*project.data_types, *project.pous)}
         self.given: list[str] = []
 
-    def fit(self, variables: Iterable[Variable], owner: str) -> None:
+    def fit(self, variables: Iterable[t.Variable], owner: str) -> None:
         """Give names to what the types of `variables` hold."""
         for variable in variables:
             variable.type = self.named(variable.type, f"{owner}_{variable.name}")
 
-    def named(self, kind: DataType, wish: str) -> DataType:
+    def named(self, kind: t.DataType, wish: str) -> t.DataType:
         """Return the type, or the new name of one that has none."""
-        if isinstance(kind, ArrayType):
+        if isinstance(kind, t.ArrayType):
             kind.base = self.named(kind.base, f"{wish}_element")
             return kind
-        if not isinstance(kind, StructType | EnumType):
+        if not isinstance(kind, t.StructType | t.EnumType):
             return kind
-        if isinstance(kind, StructType):
+        if isinstance(kind, t.StructType):
             self.fit(kind.members, wish)
         return self.declared(kind, wish)
 
-    def declared(self, kind: DataType, wish: str) -> DerivedType:
+    def declared(self, kind: t.DataType, wish: str) -> t.DerivedType:
         """Return a new data type for `kind`."""
         name, number = matiec_name(f"T_{wish}"), 1
         while name.casefold() in self.used:
@@ -367,8 +350,8 @@ class _Namer:
             name = matiec_name(f"T_{wish}_{number}")
         self.used.add(name.casefold())
         self.given.append(name)
-        self.project.data_types.append(DataTypeDeclaration(name=name, type=kind))
-        return DerivedType(name=name)
+        self.project.data_types.append(t.DataTypeDeclaration(name=name, type=kind))
+        return t.DerivedType(name=name)
 
 
 def declare_globals(project: Project, report: ConversionReport) -> None:
@@ -415,9 +398,9 @@ def declare_globals(project: Project, report: ConversionReport) -> None:
         section.extension_data = None
 
 
-def _is_block(variable: Variable, project: Project) -> bool:
+def _is_block(variable: t.Variable, project: Project) -> bool:
     """True for an instance of a function block of the project."""
-    name = variable.type.name.casefold() if isinstance(variable.type, DerivedType) else ""
+    name = variable.type.name.casefold() if isinstance(variable.type, t.DerivedType) else ""
     return any(pou.name.casefold() == name for pou in project.pous)
 
 
@@ -426,7 +409,7 @@ class _Globals:
 
     def __init__(self, sections: list[VariableSection]) -> None:
         self.lists: dict[str, set[str]] = {}
-        self.by_name: dict[str, tuple[Variable, VariableSection]] = {}
+        self.by_name: dict[str, tuple[t.Variable, VariableSection]] = {}
         self.used: dict[str, dict[str, None]] = {}
         for section in sections:
             for variable in section.variables:
@@ -475,12 +458,12 @@ def _steps(pou: Pou) -> Iterator[str]:
         yield from (step.name.casefold() for step in pou.chart.steps)
 
 
-def _declare(pou: Pou, found: list[tuple[Variable, VariableSection]]) -> None:
+def _declare(pou: Pou, found: list[tuple[t.Variable, VariableSection]]) -> None:
     if pou.interface is None:
         pou.interface = Interface()
     for constant in (False, True):
         variables = [
-            Variable(name=variable.name, type=variable.type)
+            t.Variable(name=variable.name, type=variable.type)
             for variable, section in found
             if section.constant is constant
         ]
@@ -497,22 +480,22 @@ def variable_names(project: Project) -> Iterator[str]:
         yield from (variable.name.casefold() for variable in pou.variables())
 
 
-def with_quotes(variable: Variable, names: Container[str], wide: bool | None = None) -> Variable:
+def with_quotes(variable: t.Variable, names: Container[str], wide: bool | None = None) -> t.Variable:
     """Return the variable with its value as a literal, if it is a string; a value of `names` is that of a constant.
 
     `wide` is that of the type of strings that the type of the variable names.
     """
     value = variable.initial
-    if isinstance(variable.type, StringType):
+    if isinstance(variable.type, t.StringType):
         wide = variable.type.wide
-    if wide is None or not isinstance(value, SimpleValue) or value.text is None:
+    if wide is None or not isinstance(value, t.SimpleValue) or value.text is None:
         return variable
     quote = '"' if wide else "'"
     text = value.text.strip()
     if text[:1] in ("'", '"') or _TYPED.match(text) or text.casefold() in names:
         return variable
     inner = _ESCAPES.sub(lambda found: found[0] if found[0] not in ("$", quote) else f"${found[0]}", text)
-    return variable.model_copy(update={"initial": SimpleValue(text=f"{quote}{inner}{quote}")})
+    return variable.model_copy(update={"initial": t.SimpleValue(text=f"{quote}{inner}{quote}")})
 
 
 _TYPED = re.compile(r"W?STRING(?:\[\d+\])?#", re.IGNORECASE)
@@ -525,19 +508,19 @@ def quote_strings(project: Project, names: Container[str]) -> None:
     wide = {
         declaration.name.casefold(): declaration.type.wide
         for declaration in project.data_types
-        if isinstance(declaration.type, StringType)
+        if isinstance(declaration.type, t.StringType)
     }
 
-    def quoted(variable: Variable) -> Variable:
-        named = variable.type.name.casefold() if isinstance(variable.type, DerivedType) else ""
+    def quoted(variable: t.Variable) -> t.Variable:
+        named = variable.type.name.casefold() if isinstance(variable.type, t.DerivedType) else ""
         return with_quotes(variable, names, wide.get(named))
 
     lists = [pou.interface.sections for pou in project.pous if pou.interface is not None]
     for section in (section for sections in (*lists, project.global_sections()) for section in sections):
         section.variables = [quoted(variable) for variable in section.variables]
     for declaration in project.data_types:
-        if isinstance(declaration.type, StructType):
+        if isinstance(declaration.type, t.StructType):
             declaration.type.members = [quoted(member) for member in declaration.type.members]
-        elif isinstance(declaration.type, StringType):
-            of_type = Variable(name=declaration.name, type=declaration.type, initial=declaration.initial)
+        elif isinstance(declaration.type, t.StringType):
+            of_type = t.Variable(name=declaration.name, type=declaration.type, initial=declaration.initial)
             declaration.initial = with_quotes(of_type, names).initial

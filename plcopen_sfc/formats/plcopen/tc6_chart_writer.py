@@ -32,25 +32,15 @@ from plcopen_sfc.formats.plcopen.tc6_writing import (
     write_point,
 )
 from plcopen_sfc.formats.xml.extension_data import fields_left
+from plcopen_sfc.model import sfc
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.drawing import STEPS, ActionEntry, Drawing, StepActionKind, Symbol, SymbolKind
 from plcopen_sfc.model.network import Node
-from plcopen_sfc.model.sfc import (
-    ActionAssociation,
-    Body,
-    BodyCondition,
-    Condition,
-    SfcNetwork,
-    Step,
-    Transition,
-    by_priority,
-    leaving_steps,
-)
 from plcopen_sfc.report import Outcome
 
-BodyWriter = Callable[[Tc6WriteContext, etree._Element, str, Body, dict[str, str]], None]
+BodyWriter = Callable[[Tc6WriteContext, etree._Element, str, sfc.Body, dict[str, str]], None]
 
 _STEP = frozenset({"id", "name", "initial", "actions", "negated"})
 _TRANSITION = frozenset({"id", "sources", "targets", "condition", "priority"})
@@ -64,7 +54,7 @@ _ASSOCIATION = frozenset({"id", "target", "body", "duration", "indicator", "nega
 class Tc6ChartWriter:
     """Writes one chart. `write_body` writes the bodies inside it."""
 
-    def __init__(self, ctx: Tc6WriteContext, chart: SfcNetwork, write_body: BodyWriter) -> None:
+    def __init__(self, ctx: Tc6WriteContext, chart: sfc.SfcNetwork, write_body: BodyWriter) -> None:
         self.ctx = ctx
         self.chart = chart
         self.write_body = write_body
@@ -95,7 +85,7 @@ class Tc6ChartWriter:
             if symbol is not None and symbol.kind is SymbolKind.TRANSITION:
                 drawn.update(dict.fromkeys(symbol.transitions or [symbol.id]))
         place = {number: position for position, number in enumerate(drawn)}
-        leaving = leaving_steps(self.chart.transitions).values()
+        leaving = sfc.leaving_steps(self.chart.transitions).values()
         competing = [[each.id for each in order] for order in leaving if len(order) > 1]
 
         def tried(number: int) -> tuple[bool, int, int]:
@@ -106,7 +96,8 @@ class Tc6ChartWriter:
             return {number: priority for number, priority in given.items() if priority is not None}
         every = {number for order in competing for number in order}
         return {
-            t.id: rank for rank, t in enumerate((t for t in by_priority(self.chart.transitions) if t.id in every), 1)
+            t.id: rank
+            for rank, t in enumerate((t for t in sfc.by_priority(self.chart.transitions) if t.id in every), 1)
         }
 
     def _drawn_step_actions(self) -> dict[int, set[StepActionKind]]:
@@ -126,7 +117,7 @@ class Tc6ChartWriter:
             raise ModelError("a chart has to be drawn before it can be written as a picture")
         return self.chart.drawing
 
-    def transition_of(self, symbol: Symbol) -> Transition:
+    def transition_of(self, symbol: Symbol) -> sfc.Transition:
         """Return the transition of a symbol, or the first of several."""
         return self.transitions[symbol.transitions[0] if symbol.transitions else symbol.id]
 
@@ -185,7 +176,7 @@ class Tc6ChartWriter:
         for output in symbol.outputs:
             write_output(self.ctx, element, output)
 
-    def write_step(self, parent: etree._Element, symbol: Symbol, step: Step) -> None:
+    def write_step(self, parent: etree._Element, symbol: Symbol, step: sfc.Step) -> None:
         """Write ``step`` or ``macroStep``."""
         ctx = self.ctx
         macro = symbol.kind is SymbolKind.MACRO_STEP
@@ -210,7 +201,7 @@ class Tc6ChartWriter:
         finish_element(ctx, element, step, "macroStep" if macro else "step", native, also=self._order(symbol))
         ctx.place.pop()
 
-    def write_transition(self, parent: etree._Element, symbol: Symbol, transition: Transition) -> None:
+    def write_transition(self, parent: etree._Element, symbol: Symbol, transition: sfc.Transition) -> None:
         """Write ``transition``."""
         ctx = self.ctx
         native = _TRANSITION
@@ -249,7 +240,7 @@ class Tc6ChartWriter:
         """Return the ids of the transitions that one symbol draws; tools that draw so get them by counting."""
         return {SHARED_FIELD: symbol.transitions} if symbol.transitions and not self.ctx.counts_ids else {}
 
-    def _left_of_wire(self, symbol: Symbol, transition: Transition) -> dict[str, Any]:
+    def _left_of_wire(self, symbol: Symbol, transition: sfc.Transition) -> dict[str, Any]:
         """Return fields of the pin of a wired condition, which has no element of its own in TC6 1.01."""
         condition = transition.condition
         pin = condition.input if isinstance(condition, WiredCondition) else symbol.condition
@@ -260,14 +251,14 @@ class Tc6ChartWriter:
             left |= {"kind": condition.kind, "negated": condition.negated}
         return {"condition": left} if left["input"] or len(left) > 1 else {}
 
-    def write_condition(self, parent: etree._Element, symbol: Symbol, condition: Condition) -> None:
+    def write_condition(self, parent: etree._Element, symbol: Symbol, condition: sfc.Condition) -> None:
         """Write ``condition`` in the form in which it is drawn."""
         ctx = self.ctx
         element = add_child(ctx, parent, "condition", {"negated": "true" if condition.negated else None})
         if isinstance(condition, NamedCondition):
             add_child(ctx, element, "reference", {"name": condition.name})
             return
-        if isinstance(condition, BodyCondition):
+        if isinstance(condition, sfc.BodyCondition):
             self.write_body(ctx, element, "inline", condition.body, {"name": condition.name})
             return
         pin = symbol.condition if isinstance(condition, Expression) else condition.input
@@ -352,7 +343,7 @@ class Tc6ChartWriter:
         if action is None:
             return
         qualifier = STEP_ACTION_QUALIFIERS[kind]
-        association = ActionAssociation(
+        association = sfc.ActionAssociation(
             id=entry.association,
             qualifier=qualifier,
             target=action if isinstance(action, str) else None,
@@ -373,7 +364,7 @@ class Tc6ChartWriter:
         self,
         parent: etree._Element,
         entry: ActionEntry,
-        association: ActionAssociation,
+        association: sfc.ActionAssociation,
         also: dict[str, str] | None = None,
     ) -> None:
         """Write ``action`` of a block. `also` are more extension data."""
@@ -412,7 +403,7 @@ class Tc6ChartWriter:
         ctx.place.pop()
 
 
-def unchanged_symbols(before: SfcNetwork, after: SfcNetwork) -> frozenset[int]:
+def unchanged_symbols(before: sfc.SfcNetwork, after: sfc.SfcNetwork) -> frozenset[int]:
     """Return the ids of symbols whose elements are the same in the file, whichever of two charts is written.
 
     None where what an element has may depend on all others: symbols, transitions or ids are others, or a step action
@@ -453,14 +444,14 @@ def unchanged_symbols(before: SfcNetwork, after: SfcNetwork) -> frozenset[int]:
 _NONE: frozenset[int] = frozenset()
 
 
-def _skeleton(chart: SfcNetwork, drawing: Drawing) -> list[object]:
+def _skeleton(chart: sfc.SfcNetwork, drawing: Drawing) -> list[object]:
     """Return the references of elements of a chart to others: order, ids and links."""
     symbols = [(symbol.id, symbol.local_id, symbol.kind, symbol.transitions) for symbol in drawing.symbols]
     links = [(each.id, each.priority, each.sources, each.targets) for each in chart.transitions]
     return [symbols, links, [step.id for step in chart.steps], [node.id for node in chart.logic], drawing.order]
 
 
-T = TypeVar("T", Step, Transition, ActionAssociation, Symbol)
+T = TypeVar("T", sfc.Step, sfc.Transition, sfc.ActionAssociation, Symbol)
 
 
 def _equal_by_id(before: Iterable[T], after: Iterable[T]) -> frozenset[int]:
@@ -469,7 +460,7 @@ def _equal_by_id(before: Iterable[T], after: Iterable[T]) -> frozenset[int]:
     return frozenset(thing.id for thing in after if known.get(thing.id) == thing)
 
 
-def _drawn_conditions(chart: SfcNetwork) -> dict[int, str]:
+def _drawn_conditions(chart: sfc.SfcNetwork) -> dict[int, str]:
     """Return the text of each drawn expression, by the id of its symbol."""
     texts: dict[int, str] = {}
     transitions = {transition.id: transition for transition in chart.transitions}
@@ -481,7 +472,7 @@ def _drawn_conditions(chart: SfcNetwork) -> dict[int, str]:
     return texts
 
 
-def _features(condition: Condition | None) -> list[str]:
+def _features(condition: sfc.Condition | None) -> list[str]:
     """Return the features that a condition needs in a reader."""
     if condition is None:
         return []

@@ -24,23 +24,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
 from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, add_child, finish_element
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, attributes
 from plcopen_sfc.languages.standard_blocks import Tool
-from plcopen_sfc.model.types import (
-    ArrayType,
-    ArrayValue,
-    DataType,
-    DataTypeDeclaration,
-    DerivedType,
-    Dimension,
-    Elementary,
-    ElementaryType,
-    EnumType,
-    PointerType,
-    SimpleValue,
-    StringType,
-    StructType,
-    Value,
-    Variable,
-)
+from plcopen_sfc.model import types as t
 from plcopen_sfc.model.variables import (
     AccessSection,
     AccessVariable,
@@ -69,7 +53,7 @@ def read_data_type(ctx: Tc6ReadContext, holder: etree._Element, fields: Fields) 
 
 
 def _read_type(ctx: Tc6ReadContext, element: etree._Element, local: str) -> Fields | None:
-    if local in Elementary.__members__:
+    if local in t.Elementary.__members__:
         return {"kind": "elementary", "name": local}
     if local in ("string", "wstring"):
         fields: Fields = {"kind": "string", "wide": local == "wstring", "length": element.get("length")}
@@ -88,7 +72,7 @@ def _read_derived(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
             read_foreign_data(ctx, fields, child, "derived")
         else:
             keep_element(ctx, fields, child)
-    if name in Elementary.__members__ and (name not in ctx.version.elements) and "extension_data" not in fields:
+    if name in t.Elementary.__members__ and (name not in ctx.version.elements) and "extension_data" not in fields:
         # an elementary type that this version of TC6 does not list
         return {"kind": "elementary", "name": name}
     return fields
@@ -185,29 +169,29 @@ _TYPE_READERS = {
 _NEVER = frozenset({"kind"})
 
 
-def write_data_type(ctx: Tc6WriteContext, parent: etree._Element, holder: str, kind: DataType) -> None:
+def write_data_type(ctx: Tc6WriteContext, parent: etree._Element, holder: str, kind: t.DataType) -> None:
     """Write a type inside a new element `holder`."""
     element = add_child(ctx, parent, holder)
-    if isinstance(kind, ElementaryType):
+    if isinstance(kind, t.ElementaryType):
         _write_elementary(ctx, element, kind)
-    elif isinstance(kind, StringType):
+    elif isinstance(kind, t.StringType):
         _write_string(ctx, element, kind)
-    elif isinstance(kind, DerivedType):
+    elif isinstance(kind, t.DerivedType):
         derived = add_child(ctx, element, "derived", {"name": kind.name})
         finish_element(ctx, derived, kind, "derived", _NEVER | {"name"}, documents=False)
-    elif isinstance(kind, ArrayType):
+    elif isinstance(kind, t.ArrayType):
         array = add_child(ctx, element, "array")
         for dimension in kind.dimensions:
             _write_bounds(ctx, array, "dimension", dimension)
         write_data_type(ctx, array, "baseType", kind.base)
-    elif isinstance(kind, StructType):
+    elif isinstance(kind, t.StructType):
         struct = add_child(ctx, element, "struct")
         for member in kind.members:
             write_variable(ctx, struct, member)
         finish_element(ctx, struct, kind, "struct", _NEVER | {"members"})
-    elif isinstance(kind, EnumType):
+    elif isinstance(kind, t.EnumType):
         _write_enum(ctx, element, kind)
-    elif isinstance(kind, PointerType):
+    elif isinstance(kind, t.PointerType):
         write_data_type(ctx, add_child(ctx, element, "pointer"), "baseType", kind.base)
     else:
         subrange = add_child(ctx, element, "subrangeUnsigned" if kind.unsigned else "subrangeSigned")
@@ -215,7 +199,7 @@ def write_data_type(ctx: Tc6WriteContext, parent: etree._Element, holder: str, k
         write_data_type(ctx, subrange, "baseType", kind.base)
 
 
-def _write_string(ctx: Tc6WriteContext, element: etree._Element, kind: StringType) -> None:
+def _write_string(ctx: Tc6WriteContext, element: etree._Element, kind: t.StringType) -> None:
     string = add_child(ctx, element, "wstring" if kind.wide else "string")
     length = kind.length
     if length is None:
@@ -239,12 +223,16 @@ def _constant_number(ctx: Tc6WriteContext, name: str) -> str | None:
     for section in ctx.project.global_sections():
         for variable in section.variables if section.constant else ():
             value = variable.initial
-            if variable.name.casefold() == wanted and isinstance(value, SimpleValue) and (value.text or "").isdecimal():
+            if (
+                variable.name.casefold() == wanted
+                and isinstance(value, t.SimpleValue)
+                and (value.text or "").isdecimal()
+            ):
                 return value.text
     return None
 
 
-def _write_elementary(ctx: Tc6WriteContext, element: etree._Element, kind: ElementaryType) -> None:
+def _write_elementary(ctx: Tc6WriteContext, element: etree._Element, kind: t.ElementaryType) -> None:
     name = kind.name.value
     if name not in ctx.version.elements:
         # TC6 does not list the 64 bit times and the characters, 1.01 no generic types either: named like a user type
@@ -256,7 +244,7 @@ def _write_elementary(ctx: Tc6WriteContext, element: etree._Element, kind: Eleme
         add_child(ctx, element, name)
 
 
-def _write_enum(ctx: Tc6WriteContext, element: etree._Element, kind: EnumType) -> None:
+def _write_enum(ctx: Tc6WriteContext, element: etree._Element, kind: t.EnumType) -> None:
     enum = add_child(ctx, element, "enum")
     values = add_child(ctx, enum, "values")
     for value in kind.values:
@@ -265,7 +253,7 @@ def _write_enum(ctx: Tc6WriteContext, element: etree._Element, kind: EnumType) -
         write_data_type(ctx, enum, "baseType", kind.base)
 
 
-def _write_bounds(ctx: Tc6WriteContext, parent: etree._Element, name: str, bounds: Dimension) -> None:
+def _write_bounds(ctx: Tc6WriteContext, parent: etree._Element, name: str, bounds: t.Dimension) -> None:
     add_child(ctx, parent, name, {"lower": bounds.lower, "upper": bounds.upper})
 
 
@@ -292,11 +280,11 @@ def read_value(ctx: Tc6ReadContext, holder: etree._Element) -> Fields | None:
     return None
 
 
-def write_value(ctx: Tc6WriteContext, holder: etree._Element, value: Value) -> None:
+def write_value(ctx: Tc6WriteContext, holder: etree._Element, value: t.Value) -> None:
     """Write a value into `holder`."""
-    if isinstance(value, SimpleValue):
+    if isinstance(value, t.SimpleValue):
         add_child(ctx, holder, "simpleValue", {"value": value.text})
-    elif isinstance(value, ArrayValue):
+    elif isinstance(value, t.ArrayValue):
         array = add_child(ctx, holder, "arrayValue")
         for item in value.items:
             write_value(ctx, add_child(ctx, array, "value", {"repetitionValue": item.repetitions}), item.value)
@@ -333,14 +321,14 @@ def _read_declared(
 
 
 def _write_declared(
-    ctx: Tc6WriteContext, element: etree._Element, kind: DataType, initial: Value | None, holder: str = "type"
+    ctx: Tc6WriteContext, element: etree._Element, kind: t.DataType, initial: t.Value | None, holder: str = "type"
 ) -> None:
     write_data_type(ctx, element, holder, kind)
     if initial is not None:
         write_value(ctx, add_child(ctx, element, "initialValue"), initial)
 
 
-def write_variable(ctx: Tc6WriteContext, parent: etree._Element, variable: Variable) -> None:
+def write_variable(ctx: Tc6WriteContext, parent: etree._Element, variable: t.Variable) -> None:
     """Write ``variable``."""
     element = add_child(ctx, parent, "variable", {"name": variable.name, "address": variable.address})
     _write_declared(ctx, element, variable.type, variable.initial)
@@ -521,7 +509,7 @@ def read_data_type_declaration(ctx: Tc6ReadContext, element: etree._Element, pla
 
 
 def write_data_type_declaration(
-    ctx: Tc6WriteContext, parent: etree._Element, declaration: DataTypeDeclaration, *, in_place: bool
+    ctx: Tc6WriteContext, parent: etree._Element, declaration: t.DataTypeDeclaration, *, in_place: bool
 ) -> None:
     """Write ``dataType``. `in_place`: it is in its `place`, which then need not be kept."""
     element = add_child(ctx, parent, "dataType", {"name": declaration.name})

@@ -57,6 +57,7 @@ from plcopen_sfc.languages.s7_programs import is_void, report_program, report_ta
 from plcopen_sfc.languages.s7_types import NO_START, S7Types, is_too_long, s7_types
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.text_edits import Edit, apply_edits, without
+from plcopen_sfc.model import types as t
 from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.compare import in_order_of, path_of
@@ -65,17 +66,6 @@ from plcopen_sfc.model.pou import DataBlock, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcBody
 from plcopen_sfc.model.text import Text, plain
-from plcopen_sfc.model.types import (
-    ArrayType,
-    DataTypeDeclaration,
-    DerivedType,
-    MemberValue,
-    PointerType,
-    SimpleValue,
-    StructType,
-    StructValue,
-    Variable,
-)
 from plcopen_sfc.model.variables import SectionKind, VariableSection, sections_of
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -318,61 +308,61 @@ def _note_foreign(project: Project, pou: Pou, types: S7Types, tags: Container[st
                 why = f"variables of blocks have no address in S7: it is not connected to {variable.address}"
                 report.add(Outcome.NOT_EXECUTED, "address", path, why)
             whole = inner = types.type(variable.type)
-            while isinstance(inner, ArrayType):
+            while isinstance(inner, t.ArrayType):
                 inner = inner.base
-            if isinstance(inner, PointerType):
+            if isinstance(inner, t.PointerType):
                 report.add(Outcome.NOT_EXECUTED, "type", path, f"TIA Portal has no type {write_type(inner, _SCL)}")
-            elif is_too_long(whole) or (isinstance(whole, ArrayType) and isinstance(whole.base, ArrayType)):
+            elif is_too_long(whole) or (isinstance(whole, t.ArrayType) and isinstance(whole.base, t.ArrayType)):
                 report.add(Outcome.NOT_EXECUTED, "type", path, f"TIA Portal has no type {write_type(whole, _SCL)}")
 
 
 _FOREIGN_SECTIONS = frozenset({SectionKind.GLOBAL, SectionKind.ACCESS})
 
 
-def _data_type(declaration: DataTypeDeclaration, types: S7Types) -> str:
+def _data_type(declaration: t.DataTypeDeclaration, types: S7Types) -> str:
     return write_data_type(declaration.model_copy(update={"type": _struct(declaration, types)}), _SCL)
 
 
-def _struct(declaration: DataTypeDeclaration, types: S7Types) -> StructType:
+def _struct(declaration: t.DataTypeDeclaration, types: S7Types) -> t.StructType:
     """Return the structure for a data type: SCL declares no others."""
-    if isinstance(declaration.type, StructType):
+    if isinstance(declaration.type, t.StructType):
         members = [_in_s7(member, types) for member in declaration.type.members]
         return declaration.type.model_copy(update={"members": members})
-    return StructType(members=[Variable(name="Value", type=types.type(declaration.type))])
+    return t.StructType(members=[t.Variable(name="Value", type=types.type(declaration.type))])
 
 
-def _in_s7(variable: Variable, types: S7Types) -> Variable:
+def _in_s7(variable: t.Variable, types: S7Types) -> t.Variable:
     """Return a variable with the type and the start value that S7 has for its own."""
     type_ = types.type(variable.type)
-    if isinstance(type_, StructType):
+    if isinstance(type_, t.StructType):
         type_ = type_.model_copy(update={"members": [_in_s7(member, types) for member in type_.members]})
     address = None if (variable.address or "").startswith("%") else variable.address  # AT names another variable in SCL
     return variable.model_copy(update={"type": type_, "initial": types.start(variable), "address": address})
 
 
-def _in_block(variable: Variable, types: S7Types) -> Variable:
+def _in_block(variable: t.Variable, types: S7Types) -> t.Variable:
     """Return a variable of a data block in S7: assignments give the values of members that no declaration can have."""
     found = _in_s7(variable, types)
-    if not isinstance(found.type, StructType) or found.initial is not None:
+    if not isinstance(found.type, t.StructType) or found.initial is not None:
         return found
     type_, value = _without_elements(found.type)
     return found if value is None else found.model_copy(update={"type": type_, "initial": value})
 
 
-def _without_elements(type_: StructType) -> tuple[StructType, StructValue | None]:
+def _without_elements(type_: t.StructType) -> tuple[t.StructType, t.StructValue | None]:
     """Return a structure without start values of single elements and of structures, and these values."""
-    members: list[Variable] = []
-    values: list[MemberValue] = []
+    members: list[t.Variable] = []
+    values: list[t.MemberValue] = []
     for member in type_.members:
-        kind, value = _without_elements(member.type) if isinstance(member.type, StructType) else (member.type, None)
+        kind, value = _without_elements(member.type) if isinstance(member.type, t.StructType) else (member.type, None)
         own = member.initial if member.initial is not None and not write_value(member.initial, _SCL) else None
         given = own or value
         if given is not None:
-            values.append(MemberValue(member=member.name, value=given))
+            values.append(t.MemberValue(member=member.name, value=given))
         members.append(member.model_copy(update={"type": kind, "initial": None if own is not None else member.initial}))
     if not values:
         return type_, None
-    return type_.model_copy(update={"members": members}), StructValue(members=values)
+    return type_.model_copy(update={"members": members}), t.StructValue(members=values)
 
 
 def _has_start_values(section: VariableSection, pou: Pou) -> bool:
@@ -404,7 +394,7 @@ def _literals(project: Project) -> dict[str, str]:
     """Values of enumerations and of constants of lists, by their names in lower case: a source declares neither."""
     found = {each.name.casefold(): str(each.number) for each in s7_types(project).constants}
     for constant in (each for table in tag_tables_of(project) for each in table.constants):
-        if isinstance(constant.initial, SimpleValue) and constant.initial.text:
+        if isinstance(constant.initial, t.SimpleValue) and constant.initial.text:
             found[constant.name.casefold()] = constant.initial.text
     return found
 
@@ -493,7 +483,7 @@ def _data_block(block: DataBlock, types: S7Types) -> Iterator[WrittenBlock]:
     type_name = ""
     if block.type_name is not None:
         quoting: dict[str, str] = {name: "" for name in ("quoted", "unquoted") if name in texts}
-        type_name = "\n" + write_type(DerivedType(name=block.type_name, extension_data=keep(quoting)), _SCL)
+        type_name = "\n" + write_type(t.DerivedType(name=block.type_name, extension_data=keep(quoting)), _SCL)
     for piece in _head("DATA_BLOCK", block.name, "", block.title, _retained(block)):
         yield WrittenBlock(piece.key, piece.text + type_name)
     yield from _comment(block.comment)
@@ -516,7 +506,7 @@ def _data_block(block: DataBlock, types: S7Types) -> Iterator[WrittenBlock]:
     yield WrittenBlock(("end", ""), "END_DATA_BLOCK")
 
 
-def _begin(texts: dict[str, str], variables: list[Variable], types: S7Types) -> str | None:
+def _begin(texts: dict[str, str], variables: list[t.Variable], types: S7Types) -> str | None:
     """Return the text between BEGIN and END_DATA_BLOCK as it was read; None where the initial values are others now."""
     text = texts.get("begin")
     if text is None:
@@ -529,7 +519,7 @@ def _begin(texts: dict[str, str], variables: list[Variable], types: S7Types) -> 
     return text if values == [variable.initial for variable in variables] else None
 
 
-def _declared(variable: Variable, texts: dict[str, str]) -> Variable:
+def _declared(variable: t.Variable, texts: dict[str, str]) -> t.Variable:
     """Return a variable of a data block with the value of its declaration, which assignments may replace."""
     if "inline" not in texts:
         return _without_value(variable)
@@ -542,7 +532,7 @@ def _declared(variable: Variable, texts: dict[str, str]) -> Variable:
     return variable.model_copy(update={"initial": initial})
 
 
-def _without_value(variable: Variable) -> Variable:
+def _without_value(variable: t.Variable) -> t.Variable:
     return variable.model_copy(update={"initial": None})
 
 

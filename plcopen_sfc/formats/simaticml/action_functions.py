@@ -33,6 +33,7 @@ from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, S7_VERSION, StandardBlock, standard_block
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.words import identifier, take_name
+from plcopen_sfc.model import types as t
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import NamedCondition
 from plcopen_sfc.model.dialect import Dialect
@@ -40,15 +41,6 @@ from plcopen_sfc.model.network import BlockVariable, Coil, OutputPin, OutputVari
 from plcopen_sfc.model.pou import Action, Method, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
-from plcopen_sfc.model.types import (
-    ArrayType,
-    DataType,
-    DerivedType,
-    Elementary,
-    ElementaryType,
-    StringType,
-    Variable,
-)
 from plcopen_sfc.model.variables import PASSED, Interface, SectionKind, VariableSection, sections_of
 
 _OF_EDGES = frozenset({"R_TRIG", "F_TRIG", "BOOL"})
@@ -57,7 +49,7 @@ _LONGEST = 120
 """Most characters of a name: TIA Portal takes 125, and a number may follow."""
 _LOCAL = (n.Quoting.LOCAL, n.Quoting.LOCAL_QUOTED)
 _NO_TEXT = "its network is no list of statements"
-_STEP_DATA = {"X": Elementary.BOOL, "T": Elementary.TIME}
+_STEP_DATA = {"X": t.Elementary.BOOL, "T": t.Elementary.TIME}
 """The data of steps that calls pass, with their types."""
 
 
@@ -73,7 +65,7 @@ class ControlNetwork:
 class ActionControls:
     """The action controls of a chart: added variables and networks, and the associations that need no row."""
 
-    variables: list[Variable] = field(default_factory=list)
+    variables: list[t.Variable] = field(default_factory=list)
     networks: list[ControlNetwork] = field(default_factory=list)
     controlled: dict[tuple[int, int], str] = field(default_factory=dict)
     """Facts told of each association, by the ids of its step and its own."""
@@ -86,7 +78,7 @@ class ActionChart:
     owner: Pou
     action: Action
     block: Pou
-    instance: Variable
+    instance: t.Variable
 
     @property
     def call(self) -> str:
@@ -100,7 +92,7 @@ class _DrawnText:
     """A network as statements, None where it is none, and the variables that are temporary in them."""
 
     text: str | None
-    temporary: Sequence[Variable]
+    temporary: Sequence[t.Variable]
 
 
 class ActionFunctions:
@@ -117,7 +109,7 @@ class ActionFunctions:
         """Blocks for charts of actions, by their names in lower case."""
         self._of_actions: dict[int, ActionChart | str] = {}
         self._of_methods: dict[int, MethodFunction | str] = {}
-        self._edges: dict[str, list[Variable]] = {}
+        self._edges: dict[str, list[t.Variable]] = {}
         self._drawn: dict[tuple[str, str, int], _DrawnText] = {}
         self._found: dict[tuple[str, str, str], Pou | str] = {}
         self._step_data: dict[str, dict[str, str]] = {}
@@ -132,7 +124,7 @@ class ActionFunctions:
         self._passed = frozenset(_passed_inputs(project))
         self._kept_inside: dict[str, frozenset[str]] = {}
         types = (each.type for other in project.pous for each in other.variables())
-        self._instanced = {type_.name.strip('"').casefold() for type_ in types if isinstance(type_, DerivedType)}
+        self._instanced = {type_.name.strip('"').casefold() for type_ in types if isinstance(type_, t.DerivedType)}
 
     def function(self, pou: Pou, label: str, body: Body) -> Pou | str:
         """Return the function for the body of an action of `pou`; a reason where there is none."""
@@ -187,7 +179,7 @@ class ActionFunctions:
         passed = ", ".join(f"{name} := {value}" for name, value in self.arguments(function).items())
         return f'"{function.name}"({passed});'
 
-    def instances(self, pou: Pou) -> list[Variable]:
+    def instances(self, pou: Pou) -> list[t.Variable]:
         """Return the variables that `pou` gets: instances of blocks for charts of its actions, and of drawn edges."""
         charts = [chart.instance for chart in self.charts.values() if chart.owner.name == pou.name]
         return charts + self._edges.get(pou.name, [])
@@ -265,7 +257,7 @@ class ActionFunctions:
             actions=owner.actions,
             transitions=owner.transitions,
         )
-        return ActionChart(owner, action, block, Variable(name=name, type=DerivedType(name=block.name)))
+        return ActionChart(owner, action, block, t.Variable(name=name, type=t.DerivedType(name=block.name)))
 
     def _make_method(self, owner: Pou, method: Method) -> MethodFunction | str:
         """Make the function for a method, with the parameters of that and the variables of the block that it uses."""
@@ -325,7 +317,7 @@ class ActionFunctions:
             if is_input and name in written:
                 return f"it writes the input {variable.name}"
             kind = SectionKind.INPUT if is_input else SectionKind.IN_OUT
-            sections[kind].variables.append(Variable(name=variable.name, type=variable.type))
+            sections[kind].variables.append(t.Variable(name=variable.name, type=variable.type))
         return Interface(sections=[section for section in sections.values() if section.variables])
 
     def effects(self, pou: Pou, tree: n.Statements) -> Effects:
@@ -352,7 +344,7 @@ class ActionFunctions:
                 found[path] = block
         return found
 
-    def _make(self, pou: Pou, label: str, body: StBody, temporary: Sequence[Variable]) -> Pou | str:
+    def _make(self, pou: Pou, label: str, body: StBody, temporary: Sequence[t.Variable]) -> Pou | str:
         parsed = parse_statements(body.text, Dialect.SCL)
         if parsed.problems:
             return "its text cannot be read"
@@ -403,14 +395,14 @@ class ActionFunctions:
                 found |= {name.casefold(): (name, f"#{chart.instance.name}") for name in names}
         return found
 
-    def _with_step_data(self, pou: Pou, text: str, tree: n.Statements) -> tuple[str, list[tuple[Variable, str]]]:
+    def _with_step_data(self, pou: Pou, text: str, tree: n.Statements) -> tuple[str, list[tuple[t.Variable, str]]]:
         """Return a text with variables in place of data of steps, and each of them with the data that it replaces."""
         charts = [body.chart for body in pou.bodies if isinstance(body, SfcBody)]
         steps = {step.name.casefold(): step.name for chart in charts for step in chart.steps}
         inside = self._steps_inside(pou, tree, steps.keys())
         steps |= {name: step for name, (step, _) in inside.items()}
         taken = {variable.name.casefold() for variable in pou.variables()} | steps.keys()
-        found: dict[tuple[str, str], tuple[Variable, str]] = {}
+        found: dict[tuple[str, str], tuple[t.Variable, str]] = {}
         edits: list[Edit] = []
         for node in walk(tree):
             if not isinstance(node, n.Member) or not isinstance(node.base, n.Name) or node.span is None:
@@ -423,16 +415,16 @@ class ActionFunctions:
                 while name.casefold() in taken:
                     name += "_"
                 taken.add(name.casefold())
-                variable = Variable(name=name, type=ElementaryType(name=_STEP_DATA[member]))
+                variable = t.Variable(name=name, type=t.ElementaryType(name=_STEP_DATA[member]))
                 of_step = text[slice(*node.span)]
                 _, instance = inside.get(step.casefold(), ("", ""))
                 found[step, member] = (variable, f"{instance}.{of_step.removeprefix('#')}" if instance else of_step)
             edits.append(Edit(*node.span, f"#{found[step, member][0].name}"))
         return apply_edits(text, edits), list(found.values())
 
-    def _block(self, type_: DataType) -> Pou | StandardBlock | None:
+    def _block(self, type_: t.DataType) -> Pou | StandardBlock | None:
         """Return the function block that a variable of this type is an instance of; None for other types."""
-        if not isinstance(type_, DerivedType):
+        if not isinstance(type_, t.DerivedType):
             return None
         name = type_.name.strip('"')
         made = next((each for each in self.made if each.name.casefold() == name.casefold()), None)
@@ -441,12 +433,12 @@ class ActionFunctions:
             return own if own.kind is PouKind.FUNCTION_BLOCK else None
         return standard if standard is not None and standard.stateful else None
 
-    def _is_passed(self, type_: DataType) -> bool:
+    def _is_passed(self, type_: t.DataType) -> bool:
         """True for types of parameters. A type that nothing declares is taken for one: the block has it by name too."""
-        if isinstance(type_, ArrayType):
+        if isinstance(type_, t.ArrayType):
             return self._is_passed(type_.base)
-        return isinstance(type_, ElementaryType | StringType) or (
-            isinstance(type_, DerivedType)
+        return isinstance(type_, t.ElementaryType | t.StringType) or (
+            isinstance(type_, t.DerivedType)
             and (type_.name.casefold() in self._types or type_.name.casefold() not in self._pous)
         )
 
@@ -525,12 +517,12 @@ class _Uses:
                 self.names |= {name} - actions
 
 
-def _helper(helper: Helper) -> Variable:
+def _helper(helper: Helper) -> t.Variable:
     """Return the variable for one that a network needs."""
-    if helper.type_name == Elementary.BOOL.value:
-        return Variable(name=helper.name, type=ElementaryType(name=Elementary.BOOL))
-    type_ = DerivedType(name=helper.type_name or "")
-    return Variable(name=helper.name, type=type_, attributes={"Version": S7_VERSION})
+    if helper.type_name == t.Elementary.BOOL.value:
+        return t.Variable(name=helper.name, type=t.ElementaryType(name=t.Elementary.BOOL))
+    type_ = t.DerivedType(name=helper.type_name or "")
+    return t.Variable(name=helper.name, type=type_, attributes={"Version": S7_VERSION})
 
 
 def _text(body: Body) -> str | None:

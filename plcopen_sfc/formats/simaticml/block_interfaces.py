@@ -43,17 +43,7 @@ from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, counting_fi
 from plcopen_sfc.formats.xml.extension_data import attributes, attributes_of, elements_of, extension_data, legal_text
 from plcopen_sfc.languages.s7_globals import open_address
 from plcopen_sfc.languages.s7_types import NO_START
-from plcopen_sfc.model.types import (
-    ArrayType,
-    DataType,
-    DerivedType,
-    ElementaryType,
-    SimpleValue,
-    StringType,
-    StructType,
-    StructValue,
-    Variable,
-)
+from plcopen_sfc.model import types as t
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import Outcome
 
@@ -64,7 +54,7 @@ _SPELLED = frozenset({"elementary", "string", "array", "struct", "derived"})
 """Kinds of types that TIA Portal spells; others are kept."""
 _INTEGERS = frozenset({"Offset", "PaddedSize"})
 _ADDABLE = frozenset({"Static", "Base", "Input", "Output", "Return"})
-_ELEMENTARY_TYPES: dict[str, ElementaryType] = {}
+_ELEMENTARY_TYPES: dict[str, t.ElementaryType] = {}
 _NAMES = {kind: name for name, kind in SECTIONS.items()}
 
 
@@ -109,7 +99,7 @@ def write_interface(
     *,
     graph: bool = False,
     static: bool = True,
-    added: Sequence[Variable] = (),
+    added: Sequence[t.Variable] = (),
     kept_inside: Set[str] = frozenset(),
 ) -> etree._Element:
     """Write ``Interface``. `renamed` are new names of members that the chart of the block names.
@@ -151,7 +141,7 @@ def write_interface(
     return element
 
 
-def _add_static(ctx: DocumentWriting, sections: etree._Element, added: Sequence[Variable]) -> None:
+def _add_static(ctx: DocumentWriting, sections: etree._Element, added: Sequence[t.Variable]) -> None:
     """Add static variables that a reader drops."""
     section = next((each for each in children(sections) if each.get("Name") == "Static"), None)
     if section is None:
@@ -219,7 +209,7 @@ def read_members(ctx: DocumentReading, element: etree._Element) -> Fields | None
     return None
 
 
-def write_members(ctx: DocumentWriting, parent: etree._Element, struct: StructType) -> None:
+def write_members(ctx: DocumentWriting, parent: etree._Element, struct: t.StructType) -> None:
     """Write the ``Interface`` of a data type."""
     sections = ctx.root("Interface", "Sections", sub(parent, "Interface"))
     section = sub(sections, "Section", {"Name": "None"})
@@ -280,7 +270,7 @@ def read_member(ctx: DocumentReading, element: etree._Element) -> Fields:
 def write_member(
     ctx: DocumentWriting,
     parent: etree._Element,
-    variable: Variable,
+    variable: t.Variable,
     name: str | None = None,
     *,
     starts: bool = True,
@@ -325,14 +315,14 @@ def write_member(
     if not starts and starts_itself and not ctx.options.same and ctx.s7_types.start(variable) is not None:
         reported.add("initial")
         ctx.note(Outcome.NOT_EXECUTED, "initial", variable.name, NO_START)
-    if isinstance(start, StructValue) and isinstance(type_, StructType):
+    if isinstance(start, t.StructValue) and isinstance(type_, t.StructType):
         if write_nested(element, type_, start, ctx.s7_types.declared):
             native.discard("type")  # read, the values are those of its members
             reported |= {"type", "initial"}
     elif has_nested(element) or (start is not None and _is_nested(type_)):
         if write_nested(element, type_, start, ctx.s7_types.declared):
             native.add("initial")
-    elif isinstance(start, SimpleValue):
+    elif isinstance(start, t.SimpleValue):
         sub(element, "StartValue", _marks(kept, "StartValue")).text = legal_text(start.text or "") or None
         (native if start == variable.initial else reported).add("initial")
     elif start is not None and write_elements(element, type_, start):
@@ -340,7 +330,7 @@ def write_member(
     elif start is not None and variable.initial is None:
         why = "its elements do not start with the initial value of their type, which TIA Portal cannot express here"
         ctx.note(Outcome.NOT_EXECUTED, "initial", variable.name, why)
-    passed = ctx.action_calls.starts.of(ctx.pou) if ctx.pou is not None and isinstance(start, StructValue) else {}
+    passed = ctx.action_calls.starts.of(ctx.pou) if ctx.pou is not None and isinstance(start, t.StructValue) else {}
     if (by_calls := passed.get(variable.name.casefold())) is not None and "initial" not in native:
         reported.add("initial")
         why = "calls pass it" if by_calls.values else "without effect: all calls pass these inputs"
@@ -356,7 +346,7 @@ def write_member(
     finish(ctx, element, variable, frozenset(native), also=also, reported=frozenset(reported))
 
 
-def _reports_type(ctx: DocumentWriting, variable: Variable, type_: DataType, spelled: str) -> bool:
+def _reports_type(ctx: DocumentWriting, variable: t.Variable, type_: t.DataType, spelled: str) -> bool:
     """Report the type of a variable that is written as `type_`, if that is another one or none of TIA Portal."""
     if type_ is not variable.type:
         why = f"it is a variable of the type {spelled}"
@@ -371,12 +361,12 @@ def _reports_type(ctx: DocumentWriting, variable: Variable, type_: DataType, spe
     return type_ is not variable.type or not is_tia_type(type_)
 
 
-def _is_nested(type_: DataType) -> bool:
+def _is_nested(type_: t.DataType) -> bool:
     """True if members have the start values of a type: it is a PLC data type, or an array of structures."""
     base = type_
-    while isinstance(base, ArrayType):
+    while isinstance(base, t.ArrayType):
         base = base.base
-    return isinstance(base, DerivedType) or (isinstance(base, StructType) and base is not type_)
+    return isinstance(base, t.DerivedType) or (isinstance(base, t.StructType) and base is not type_)
 
 
 def _keep_marks(fields: Fields, element: etree._Element, name: str) -> None:
@@ -428,7 +418,7 @@ def spelled_as(fields: Fields) -> str:
     return write_type(_light(fields))
 
 
-def spelling(type: DataType, kept: dict[str, str]) -> str:
+def spelling(type: t.DataType, kept: dict[str, str]) -> str:
     """Return the spelling of the file as long as it is the same type, else that of TIA Portal."""
     spelled = kept.get("Datatype")
     if spelled is not None and _without_members(type) == read_type(spelled):
@@ -436,26 +426,26 @@ def spelling(type: DataType, kept: dict[str, str]) -> str:
     return write_type(type)
 
 
-def _light(fields: Fields) -> DataType:
+def _light(fields: Fields) -> t.DataType:
     kind = fields["kind"]
     if kind == "elementary":
-        return _ELEMENTARY_TYPES.setdefault(fields["name"], ElementaryType(name=fields["name"]))
+        return _ELEMENTARY_TYPES.setdefault(fields["name"], t.ElementaryType(name=fields["name"]))
     if kind == "string":
-        return StringType(wide=fields["wide"], length=fields["length"])
+        return t.StringType(wide=fields["wide"], length=fields["length"])
     if kind == "struct":
-        return StructType()
+        return t.StructType()
     if kind == "array":
-        return ArrayType.model_validate({**fields, "base": _light(fields["base"])})
-    return DerivedType(name=fields["name"])
+        return t.ArrayType.model_validate({**fields, "base": _light(fields["base"])})
+    return t.DerivedType(name=fields["name"])
 
 
-def _without_members(type: DataType) -> object:
-    if isinstance(type, ArrayType):
+def _without_members(type: t.DataType) -> object:
+    if isinstance(type, t.ArrayType):
         return {"kind": "array", "dimensions": [d.model_dump() for d in type.dimensions]} | {
             "base": _without_members(type.base)
         }
-    if isinstance(type, StructType):
+    if isinstance(type, t.StructType):
         return {"kind": "struct", "members": []}
-    if isinstance(type, DerivedType):
+    if isinstance(type, t.DerivedType):
         return {"kind": "derived", "name": type.name}
     return type.model_dump()

@@ -14,43 +14,34 @@ from typing import Any
 from plcopen_sfc.formats.simaticml.element_reader import Fields
 from plcopen_sfc.languages.s7_types import is_too_long
 from plcopen_sfc.languages.standard_blocks import S7_VERSION
-from plcopen_sfc.model.types import (
-    ArrayType,
-    DataType,
-    DerivedType,
-    Elementary,
-    ElementaryType,
-    StringType,
-    StructType,
-    Variable,
-)
+from plcopen_sfc.model import types as t
 from plcopen_sfc.model.variables import SectionKind, VariableSection
 
 _ELEMENTARY = {
-    "Bool": Elementary.BOOL,
-    "Byte": Elementary.BYTE,
-    "Word": Elementary.WORD,
-    "DWord": Elementary.DWORD,
-    "LWord": Elementary.LWORD,
-    "SInt": Elementary.SINT,
-    "Int": Elementary.INT,
-    "DInt": Elementary.DINT,
-    "LInt": Elementary.LINT,
-    "USInt": Elementary.USINT,
-    "UInt": Elementary.UINT,
-    "UDInt": Elementary.UDINT,
-    "ULInt": Elementary.ULINT,
-    "Real": Elementary.REAL,
-    "LReal": Elementary.LREAL,
-    "Time": Elementary.TIME,
-    "LTime": Elementary.LTIME,
-    "Date": Elementary.DATE,
-    "Time_Of_Day": Elementary.TOD,
-    "LTime_Of_Day": Elementary.LTOD,
-    "Date_And_Time": Elementary.DT,
-    "LDT": Elementary.LDT,
-    "Char": Elementary.CHAR,
-    "WChar": Elementary.WCHAR,
+    "Bool": t.Elementary.BOOL,
+    "Byte": t.Elementary.BYTE,
+    "Word": t.Elementary.WORD,
+    "DWord": t.Elementary.DWORD,
+    "LWord": t.Elementary.LWORD,
+    "SInt": t.Elementary.SINT,
+    "Int": t.Elementary.INT,
+    "DInt": t.Elementary.DINT,
+    "LInt": t.Elementary.LINT,
+    "USInt": t.Elementary.USINT,
+    "UInt": t.Elementary.UINT,
+    "UDInt": t.Elementary.UDINT,
+    "ULInt": t.Elementary.ULINT,
+    "Real": t.Elementary.REAL,
+    "LReal": t.Elementary.LREAL,
+    "Time": t.Elementary.TIME,
+    "LTime": t.Elementary.LTIME,
+    "Date": t.Elementary.DATE,
+    "Time_Of_Day": t.Elementary.TOD,
+    "LTime_Of_Day": t.Elementary.LTOD,
+    "Date_And_Time": t.Elementary.DT,
+    "LDT": t.Elementary.LDT,
+    "Char": t.Elementary.CHAR,
+    "WChar": t.Elementary.WCHAR,
 }
 _IN_ANY_CASE = {name.casefold(): kind for name, kind in _ELEMENTARY.items()}
 _SPELLED = {kind: name for name, kind in _ELEMENTARY.items()}
@@ -92,41 +83,41 @@ def read_type(text: str, members: list[Fields] | None = None) -> Fields:
     return {"kind": "derived", "name": text}
 
 
-def write_type(type: DataType) -> str:
+def write_type(type: t.DataType) -> str:
     """Return the spelling of TIA Portal for a data type."""
-    if isinstance(type, ElementaryType):
+    if isinstance(type, t.ElementaryType):
         return _SPELLED.get(type.name, "Variant")
-    if isinstance(type, StringType):
+    if isinstance(type, t.StringType):
         return ("WString" if type.wide else "String") + (f"[{type.length}]" if type.length is not None else "")
-    if isinstance(type, ArrayType):
+    if isinstance(type, t.ArrayType):
         bounds = ", ".join(d.lower if d.lower == d.upper == "*" else f"{d.lower}..{d.upper}" for d in type.dimensions)
         return f"Array[{bounds}] of {write_type(type.base)}"
-    if isinstance(type, StructType):
+    if isinstance(type, t.StructType):
         return "Struct"
-    if isinstance(type, DerivedType):
+    if isinstance(type, t.DerivedType):
         return type.name if _SYSTEM.fullmatch(type.name) else f'"{type.name}"'
     return "Variant"
 
 
-def version_of(type: DataType) -> str | None:
+def version_of(type: t.DataType) -> str | None:
     """Return the version that a declaration names of a type of the system; None: it names none."""
-    return S7_VERSION if isinstance(type, DerivedType) and _VERSIONED.fullmatch(type.name) else None
+    return S7_VERSION if isinstance(type, t.DerivedType) and _VERSIONED.fullmatch(type.name) else None
 
 
-def struct_of(type: DataType) -> StructType | None:
+def struct_of(type: t.DataType) -> t.StructType | None:
     """Return the structure whose members a declaration of this type lists."""
-    while isinstance(type, ArrayType):
+    while isinstance(type, t.ArrayType):
         type = type.base
-    return type if isinstance(type, StructType) else None
+    return type if isinstance(type, t.StructType) else None
 
 
-def is_tia_type(type: DataType) -> bool:
+def is_tia_type(type: t.DataType) -> bool:
     """True if TIA Portal has this type: arrays of anything but arrays (help, "Format of ARRAY")."""
-    if isinstance(type, ArrayType):
+    if isinstance(type, t.ArrayType):
         type = type.base
-    if isinstance(type, ElementaryType):
+    if isinstance(type, t.ElementaryType):
         return type.name in _SPELLED
-    return isinstance(type, StringType | DerivedType | StructType) and not is_too_long(type)
+    return isinstance(type, t.StringType | t.DerivedType | t.StructType) and not is_too_long(type)
 
 
 SECTIONS = {
@@ -203,7 +194,7 @@ def merged_sections(
     return [found[name] for name in _ORDER if name in found], layout
 
 
-def _retained(variable: Variable, section: VariableSection) -> Variable:
+def _retained(variable: t.Variable, section: VariableSection) -> t.Variable:
     if not (section.retain or section.persistent) or _REMANENCE in variable.attributes:
         return variable
     return variable.model_copy(update={"attributes": {_REMANENCE: _RETAIN, **variable.attributes}})

@@ -28,22 +28,13 @@ from plcopen_sfc.formats.simaticml.element_reader import (
 from plcopen_sfc.formats.simaticml.element_writer import sub
 from plcopen_sfc.formats.xml.extension_data import legal_text
 from plcopen_sfc.languages.start_values import Path, ValuePathError, apart, assembled
-from plcopen_sfc.model.types import (
-    ArrayType,
-    ArrayValue,
-    DataType,
-    DerivedType,
-    SimpleValue,
-    StructType,
-    Value,
-    Variable,
-)
+from plcopen_sfc.model import types as t
 
-_TYPES: TypeAdapter[DataType] = TypeAdapter(DataType)
+_TYPES: TypeAdapter[t.DataType] = TypeAdapter(t.DataType)
 _INDICES = re.compile(r"-?\d{1,9}(?:,-?\d{1,9})*")
 
 
-def read_elements(type: Fields, elements: list[etree._Element]) -> Value | None:
+def read_elements(type: Fields, elements: list[etree._Element]) -> t.Value | None:
     """Return the value of an array whose elements have these start values; None where they hold more, or do not fit.
 
     An element without a value of its own has the default of its type: it is a value without text.
@@ -66,12 +57,12 @@ def read_elements(type: Fields, elements: list[etree._Element]) -> Value | None:
         return None
 
 
-def write_elements(parent: etree._Element, type: DataType, value: Value) -> bool:
+def write_elements(parent: etree._Element, type: t.DataType, value: t.Value) -> bool:
     """Write the start values of an array; False where they are none that TIA Portal can have."""
-    if not isinstance(type, ArrayType) or not isinstance(value, ArrayValue):
+    if not isinstance(type, t.ArrayType) or not isinstance(value, t.ArrayValue):
         return False
     for item in value.items:
-        if not isinstance(item.value, SimpleValue) or (item.value.text is not None and not item.value.text.strip()):
+        if not isinstance(item.value, t.SimpleValue) or (item.value.text is not None and not item.value.text.strip()):
             return False
     try:
         entries = list(apart(value, type, {}))
@@ -98,7 +89,7 @@ def has_nested(element: XmlNode) -> bool:
     return has_parts and any(local(each) == "StartValue" for each in element.iter())
 
 
-def read_nested(element: XmlNode) -> Value | None:
+def read_nested(element: XmlNode) -> t.Value | None:
     """Return the value of a member with its parts; None where it has none, or they do not fit."""
     try:
         return assembled(_entries(element, ()), _type_of(element), {})
@@ -116,17 +107,17 @@ def _inner(element: N) -> Iterator[N]:
                 yield from (member for member in children(section) if local(member) == "Member")
 
 
-def _type_of(element: XmlNode) -> DataType:
+def _type_of(element: XmlNode) -> t.DataType:
     """Return the type of a member, with the members that it lists in place of the name of a type."""
-    type_: DataType = _TYPES.validate_python(read_type(element.get("Datatype", "")))
-    members = [Variable(name=each.get("Name", ""), type=_type_of(each)) for each in _inner(element)]
+    type_: t.DataType = _TYPES.validate_python(read_type(element.get("Datatype", "")))
+    members = [t.Variable(name=each.get("Name", ""), type=_type_of(each)) for each in _inner(element)]
     return _with_members(type_, members) if members else type_
 
 
-def _with_members(type_: DataType, members: list[Variable]) -> DataType:
-    if isinstance(type_, ArrayType):
-        return ArrayType(dimensions=type_.dimensions, base=_with_members(type_.base, members))
-    return StructType(members=members)
+def _with_members(type_: t.DataType, members: list[t.Variable]) -> t.DataType:
+    if isinstance(type_, t.ArrayType):
+        return t.ArrayType(dimensions=type_.dimensions, base=_with_members(type_.base, members))
+    return t.StructType(members=members)
 
 
 def _entries(element: XmlNode, around: tuple[str | int, ...]) -> Iterator[tuple[Path, str]]:
@@ -168,7 +159,9 @@ def _placed(way: tuple[str | int, ...], text: str) -> Path:
     return tuple(found)
 
 
-def write_nested(element: etree._Element, type_: DataType, value: Value | None, types: Mapping[str, DataType]) -> bool:
+def write_nested(
+    element: etree._Element, type_: t.DataType, value: t.Value | None, types: Mapping[str, t.DataType]
+) -> bool:
     """Give the parts of a member that is written the start values of `value`; False where TIA Portal has none such.
 
     The members of a PLC data type are added where it is known.
@@ -194,7 +187,7 @@ def write_nested(element: etree._Element, type_: DataType, value: Value | None, 
     return True
 
 
-def _find(element: etree._Element, path: Path, types: Mapping[str, DataType]) -> tuple[etree._Element, str]:
+def _find(element: etree._Element, path: Path, types: Mapping[str, t.DataType]) -> tuple[etree._Element, str]:
     """Return the member at the end of a way, and the indices of its element."""
     indices: list[int] = []
     for part in path:
@@ -211,22 +204,22 @@ def _find(element: etree._Element, path: Path, types: Mapping[str, DataType]) ->
     return element, _joined(indices)
 
 
-def _add_members(element: etree._Element, types: Mapping[str, DataType]) -> None:
+def _add_members(element: etree._Element, types: Mapping[str, t.DataType]) -> None:
     """List the members of the PLC data type of a member."""
-    type_: DataType = _TYPES.validate_python(read_type(element.get("Datatype", "")))
-    while isinstance(type_, ArrayType):
+    type_: t.DataType = _TYPES.validate_python(read_type(element.get("Datatype", "")))
+    while isinstance(type_, t.ArrayType):
         type_ = type_.base
-    struct = types.get(type_.name.casefold()) if isinstance(type_, DerivedType) else None
-    if any(True for _ in _inner(element)) or not isinstance(struct, StructType):
+    struct = types.get(type_.name.casefold()) if isinstance(type_, t.DerivedType) else None
+    if any(True for _ in _inner(element)) or not isinstance(struct, t.StructType):
         raise ValuePathError("its type is not known")
     _list_members(sub(sub(element, "Sections"), "Section", {"Name": "None"}), struct)
 
 
-def _list_members(parent: etree._Element, struct: StructType) -> None:
+def _list_members(parent: etree._Element, struct: t.StructType) -> None:
     for member in struct.members:
         inner = sub(parent, "Member", {"Name": member.name, "Datatype": write_type(member.type)})
         base = member.type
-        while isinstance(base, ArrayType):
+        while isinstance(base, t.ArrayType):
             base = base.base
-        if isinstance(base, StructType):
+        if isinstance(base, t.StructType):
             _list_members(inner, base)

@@ -15,22 +15,13 @@ from plcopen_sfc.formats.simaticml.sequence_rules import MOST_SEQUENCES, MOST_ST
 from plcopen_sfc.languages.s7_globals import tag_tables_of
 from plcopen_sfc.languages.s7_types import is_system_data, s7_types
 from plcopen_sfc.languages.words import take_name
+from plcopen_sfc.model import sfc
 from plcopen_sfc.model.base import ExtensionData, Model
 from plcopen_sfc.model.body import BodyBase, FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import WiredCondition
 from plcopen_sfc.model.network import Connection, LogicNetwork
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou
 from plcopen_sfc.model.project import Project, Tag, TagTable
-from plcopen_sfc.model.sfc import (
-    PermanentOperation,
-    Sequence,
-    SfcNetwork,
-    Step,
-    Supervised,
-    Transition,
-    by_priority,
-    connected_parts,
-)
 from plcopen_sfc.model.text import MultilingualText
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -39,7 +30,7 @@ TAB = 4
 _TEXTS = ("comment", "title", "alarm")
 _WITH_TEXTS = (
     *(Pou, DataBlock, DataTypeDeclaration, TagTable, Tag, Variable, BodyBase, LogicNetwork),
-    *(Sequence, Step, Transition, Supervised, PermanentOperation),
+    *(sfc.Sequence, sfc.Step, sfc.Transition, sfc.Supervised, sfc.PermanentOperation),
 )
 
 
@@ -75,7 +66,7 @@ _APART = 1 << 20
 """Ids from which on no step, transition or action of a file gets one when it is read."""
 
 
-def _shift_logic(chart: SfcNetwork) -> None:
+def _shift_logic(chart: sfc.SfcNetwork) -> None:
     """Give logic beside the steps ids that do not collide with those of steps when the file is read."""
     old = {node.id for node in chart.logic}
     if not old or min(old) >= _APART:
@@ -175,7 +166,9 @@ def _languages(thing: Any, language: str) -> None:
             _languages(item, language)
 
 
-def _numbers(chart: SfcNetwork, place: str, variables: set[str], report: ConversionReport, *, renames: bool) -> None:
+def _numbers(
+    chart: sfc.SfcNetwork, place: str, variables: set[str], report: ConversionReport, *, renames: bool
+) -> None:
     _number(chart.steps)
     _number(chart.transitions)
     used = {step.name.casefold() for step in chart.steps} | variables | system_members(variables)
@@ -192,19 +185,19 @@ def _numbers(chart: SfcNetwork, place: str, variables: set[str], report: Convers
             why = "it got a name, as S7-GRAPH requires"
             report.add(Outcome.TRANSLATED, "name", f"{place} / transition {transition.name}", why)
     if not chart.sequences and chart.steps:
-        parts = connected_parts(chart.steps, chart.transitions)
-        chart.sequences = [Sequence(steps=[step.id for step in part]) for part in parts]
+        parts = sfc.connected_parts(chart.steps, chart.transitions)
+        chart.sequences = [sfc.Sequence(steps=[step.id for step in part]) for part in parts]
     _limits(chart, place, report)
-    competing: dict[tuple[int, ...], list[Transition]] = {}
+    competing: dict[tuple[int, ...], list[sfc.Transition]] = {}
     for transition in chart.transitions:
         competing.setdefault(tuple(sorted(transition.sources)), []).append(transition)
     for group in competing.values():
         if len(group) > 1:
-            for rank, transition in enumerate(by_priority(group), 1):
+            for rank, transition in enumerate(sfc.by_priority(group), 1):
                 transition.priority = rank
 
 
-def _report_names(chart: SfcNetwork, place: str, variables: set[str], report: ConversionReport) -> None:
+def _report_names(chart: sfc.SfcNetwork, place: str, variables: set[str], report: ConversionReport) -> None:
     """Report steps with the name of a variable: all of these are members of the block."""
     called = variables | system_members(variables)
     for step in chart.steps:
@@ -213,7 +206,7 @@ def _report_names(chart: SfcNetwork, place: str, variables: set[str], report: Co
             report.add(Outcome.NOT_EXECUTED, "step", f"{place} / step {step.name}", why)
 
 
-def _limits(chart: SfcNetwork, place: str, report: ConversionReport) -> None:
+def _limits(chart: sfc.SfcNetwork, place: str, report: ConversionReport) -> None:
     """Report content beyond the limits of one block."""
     counts = (
         ("sequences", len(chart.sequences), MOST_SEQUENCES),

@@ -23,21 +23,12 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Operator
 from plcopen_sfc.languages.st.parsing import parse_condition
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, BlockKind, StandardBlock, standard_block
+from plcopen_sfc.model import types as t
 from plcopen_sfc.model.body import IlBody
 from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.sfc import Body
-from plcopen_sfc.model.types import (
-    ArrayType,
-    DerivedType,
-    Dimension,
-    ElementaryType,
-    StringType,
-    StructType,
-    SubrangeType,
-    Variable,
-)
 
 
 def compile_mistakes(body: Body | None, pou: Pou, dialect: Dialect, names: Set[str]) -> Iterator[str]:
@@ -148,15 +139,15 @@ class _TypesAt:
         charts = (chart for _, _, body in pou.named_bodies() for chart in charts_inside(body))
         return any(each.name.casefold() == step for chart in charts for each in chart.steps)
 
-    def dimensions_of(self, value: n.Expression) -> list[Dimension]:
+    def dimensions_of(self, value: n.Expression) -> list[t.Dimension]:
         """Return the dimensions of an array; none where it is not known."""
         type_ = self._resolver.type_of(value, self._site)
-        return type_.dimensions if isinstance(type_, ArrayType) else []
+        return type_.dimensions if isinstance(type_, t.ArrayType) else []
 
     def type_of_value(self, text_site: TextSite) -> str:
         """Return the type that an initial value is for, with arrays those of their items."""
         type_ = self._resolver.type_of_value(text_site.owner, self._site)
-        while isinstance(type_, ArrayType):
+        while isinstance(type_, t.ArrayType):
             type_ = self._resolver.settled(type_.base, self._site.place)
         return self._name(type_)
 
@@ -178,9 +169,9 @@ class _TypesAt:
     def mistakes_of(self, call: n.Call) -> Iterator[str]:
         """Yield why a call of a variable without statements, or with too many arguments, does not compile."""
         called = self._resolver.called(call.callee, self._site)
-        if called is not None and isinstance(called.holder, Variable):
+        if called is not None and isinstance(called.holder, t.Variable):
             type_ = self._resolver.type_of_declaration(called)
-            if isinstance(type_, ElementaryType | StringType):
+            if isinstance(type_, t.ElementaryType | t.StringType):
                 yield f"{self._name(type_)} cannot be called"
         if isinstance(call.callee, n.Name):
             block = standard_block(call.callee.identifier) if called is None else None
@@ -201,15 +192,15 @@ class _TypesAt:
 
     def _name(self, type_: Type) -> str:
         match type_:
-            case ElementaryType(name=name):
+            case t.ElementaryType(name=name):
                 return name.value
-            case StringType():
+            case t.StringType():
                 return "STRING"
-            case SubrangeType(base=base):
+            case t.SubrangeType(base=base):
                 return self._name(base)
-            case ArrayType():
+            case t.ArrayType():
                 return "ARRAY"
-            case StructType() if "union" not in kept(type_.extension_data):
+            case t.StructType() if "union" not in kept(type_.extension_data):
                 return "STRUCT"
             case Pou(kind=PouKind.FUNCTION_BLOCK):
                 return "INSTANCE"
@@ -376,9 +367,9 @@ class _Check:
         """Return the block that a variable is an instance of, the name of an elementary type, or None for others."""
         variable = self._variables.get(name.identifier.casefold())
         kind = variable.type if variable is not None else None
-        if isinstance(kind, ElementaryType):
+        if isinstance(kind, t.ElementaryType):
             return kind.name.value
-        block = standard_block(BLOCKS_OF_S7.get(kind.name, kind.name)) if isinstance(kind, DerivedType) else None
+        block = standard_block(BLOCKS_OF_S7.get(kind.name, kind.name)) if isinstance(kind, t.DerivedType) else None
         return block if block is not None and block.stateful else None
 
     def _elementary(self, expression: Expression) -> str:
@@ -386,7 +377,7 @@ class _Check:
             case n.Name(identifier):
                 variable = self._variables.get(identifier.casefold())
                 kind = variable.type if variable is not None else None
-                return kind.name.value if isinstance(kind, ElementaryType) else ""
+                return kind.name.value if isinstance(kind, t.ElementaryType) else ""
             case n.Member(n.Name() as base, name):
                 block = self._block(base)
                 pins = {pin.name: pin.type for pin in block.outputs} if isinstance(block, StandardBlock) else {}

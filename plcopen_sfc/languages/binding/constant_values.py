@@ -26,19 +26,9 @@ from plcopen_sfc.languages.st.literals import (
     real_literal,
     write_literal,
 )
+from plcopen_sfc.model import types as t
 from plcopen_sfc.model.declaration import Declaration
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.types import (
-    ArrayType,
-    Dimension,
-    ElementaryType,
-    EnumValue,
-    RepeatedValue,
-    SimpleValue,
-    StringType,
-    SubrangeType,
-    Variable,
-)
 from plcopen_sfc.model.variables import SectionKind
 
 _DEEPEST = 32
@@ -70,7 +60,7 @@ class ConstantValues:
 
     def is_calculated(self, text_site: TextSite) -> bool:
         """True if TIA Portal takes no such text at this place of a declaration."""
-        if not isinstance(text_site.holder, SimpleValue | Dimension | StringType | EnumValue | RepeatedValue):
+        if not isinstance(text_site.holder, t.SimpleValue | t.Dimension | t.StringType | t.EnumValue | t.RepeatedValue):
             return False
         parsed = parse_expression(text_site.text, self._resolver.dialect)
         tree = parsed.tree
@@ -81,9 +71,9 @@ class ConstantValues:
         if not isinstance(tree, n.Name | n.Member):
             return isinstance(tree, n.Unary | n.Operation | n.Parenthesized | n.Call)
         found = self._declaration(tree, text_site.site)
-        if found is None or not isinstance(found.holder, Variable):
+        if found is None or not isinstance(found.holder, t.Variable):
             return False
-        is_number = isinstance(text_site.holder, EnumValue | RepeatedValue)
+        is_number = isinstance(text_site.holder, t.EnumValue | t.RepeatedValue)
         return is_number or id(text_site.holder) in self._user_values or id(found.holder) not in self._constants
 
     def literal(self, text_site: TextSite) -> str | None:
@@ -92,7 +82,7 @@ class ConstantValues:
         wanted = ""
         if isinstance(text_site.owner, ValueOf):
             type_ = self._resolver.type_of_value(text_site.owner, text_site.site)
-            while isinstance(type_, ArrayType):
+            while isinstance(type_, t.ArrayType):
                 type_ = type_.base
             wanted = _elementary(type_)
             if not wanted:
@@ -138,9 +128,9 @@ class ConstantValues:
     def _named(self, tree: n.Name | n.Member, site: Site, depth: int) -> LiteralValue | None:
         found = self._declaration(tree, site)
         holder = found.holder if found is not None else None
-        if found is None or not isinstance(holder, Variable) or id(holder) not in self._constants:
+        if found is None or not isinstance(holder, t.Variable) or id(holder) not in self._constants:
             return None
-        if not isinstance(holder.initial, SimpleValue) or not holder.initial.text:
+        if not isinstance(holder.initial, t.SimpleValue) or not holder.initial.text:
             return None
         around = Site(pou=found.pou, place=found.pou.place if found.pou is not None else site.place)
         parsed = parse_expression(holder.initial.text, self._resolver.dialect)
@@ -149,9 +139,9 @@ class ConstantValues:
 
 
 def _elementary(type_: object) -> str:
-    if isinstance(type_, SubrangeType):
+    if isinstance(type_, t.SubrangeType):
         return _elementary(type_.base)
-    return type_.name.value if isinstance(type_, ElementaryType) else ""
+    return type_.name.value if isinstance(type_, t.ElementaryType) else ""
 
 
 def _signed(operator: n.Operator, value: LiteralValue) -> LiteralValue | None:

@@ -29,7 +29,6 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, DataBlock, Method, NamedTransition, Pou
 from plcopen_sfc.model.project import Configuration, Project, Resource, TreeNode
 from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
-from plcopen_sfc.model.types import DataType, DerivedType, EnumType, StructType
 from plcopen_sfc.model.variables import PASSED, Interface, SectionKind, VariableSection
 
 _T = TypeVar("_T")
@@ -98,7 +97,7 @@ class Scopes:
         for variable in level:
             type_ = getattr(variable.holder, "type", None)
             # text that names the variable means the step: a rename of either has to take the other with it
-            if isinstance(type_, DerivedType) and _OF_STEPS.fullmatch(type_.name):
+            if isinstance(type_, t.DerivedType) and _OF_STEPS.fullmatch(type_.name):
                 for other in level.named(variable.name):
                     if other.kind in (Kind.STEP, Kind.TRANSITION):
                         self._steps.setdefault(id(variable.holder), other)
@@ -123,7 +122,7 @@ class Scopes:
         if isinstance(thing, Pou):
             last = _chain(thing, self.base)[-1]
             return bool(inheritance(last.interface).extends) and self.base(last) is None
-        if isinstance(thing, StructType) and len(self.structure_levels(thing)):
+        if isinstance(thing, t.StructType) and len(self.structure_levels(thing)):
             end = _chain(thing, self._extended)[-1]
             declaration = (self._declared or {}).get(id(end))
             extends = kept_inheritance(declaration.extension_data).extends if declaration is not None else ()
@@ -175,17 +174,17 @@ class Scopes:
         """Return the steps of a chart, without those of charts in it."""
         return self._level(chart, steps_of(chart, pou.name if pou is not None else "", pou))
 
-    def structure(self, type_: StructType) -> Level:
+    def structure(self, type_: t.StructType) -> Level:
         """Return the members of a structure."""
         return self._level(type_, members_of(type_, *self._owner_of(type_)))
 
-    def structure_levels(self, type_: StructType) -> tuple[Level, ...]:
+    def structure_levels(self, type_: t.StructType) -> tuple[Level, ...]:
         """Return the members of a structure, and those of what it extends."""
         if self._declared is None:
             self._declared = {id(each.type): each for each in self._project.data_types}
         return tuple(map(self.structure, _chain(type_, self._extended)))
 
-    def _extended(self, type_: StructType) -> StructType | None:
+    def _extended(self, type_: t.StructType) -> t.StructType | None:
         """Return the structure that this one extends, as its declaration names it."""
         declaration = (self._declared or {}).get(id(type_))
         if declaration is None:
@@ -193,15 +192,15 @@ class Scopes:
         for name in kept_inheritance(declaration.extension_data).extends:
             for level in self.outer(declaration.place):
                 for found in level.named(name.rpartition(".")[2]):
-                    if isinstance(found.holder, t.DataTypeDeclaration) and isinstance(found.holder.type, StructType):
+                    if isinstance(found.holder, t.DataTypeDeclaration) and isinstance(found.holder.type, t.StructType):
                         return found.holder.type
         return None
 
-    def enumeration(self, type_: EnumType) -> Level:
+    def enumeration(self, type_: t.EnumType) -> Level:
         """Return the values of an enumeration."""
         return self._level(type_, values_of(type_, *self._owner_of(type_)))
 
-    def _owner_of(self, type_: StructType | EnumType) -> tuple[str, Pou | None]:
+    def _owner_of(self, type_: t.StructType | t.EnumType) -> tuple[str, Pou | None]:
         """Return the path of what a type is declared in, and the POU that this belongs to."""
         if self._owners is None:
             self._owners = {id(inner): (path, pou) for inner, path, pou in _types(self._project)}
@@ -217,9 +216,9 @@ class Scopes:
     def every_type(self) -> Iterator[Level]:
         """Yield the members of every type that is declared in place."""
         for type_, _, _ in _types(self._project):
-            if isinstance(type_, StructType):
+            if isinstance(type_, t.StructType):
                 yield self.structure(type_)
-            elif isinstance(type_, EnumType):
+            elif isinstance(type_, t.EnumType):
                 yield self.enumeration(type_)
 
     def objects(self) -> Iterator[Declaration]:
@@ -268,7 +267,7 @@ class Scopes:
                     self._places.setdefault(place, Level()).add(declaration)
             for type_declaration in self._project.data_types:
                 type_ = type_declaration.type
-                if isinstance(type_, EnumType) and not qualified_only(type_declaration):
+                if isinstance(type_, t.EnumType) and not qualified_only(type_declaration):
                     for value in values_of(type_, type_declaration.name, None):
                         self._values.add(value)
         return self._places
@@ -328,9 +327,9 @@ def given(call: n.Call, parameters: Iterable[str]) -> dict[str, n.Expression]:
     return found
 
 
-def is_instance(type_: DataType, project: Project) -> bool:
+def is_instance(type_: t.DataType, project: Project) -> bool:
     """True for the type of an instance: of a function block of the project, or of a standard one."""
-    name = type_.name.rpartition(".")[2].casefold() if isinstance(type_, DerivedType) else ""
+    name = type_.name.rpartition(".")[2].casefold() if isinstance(type_, t.DerivedType) else ""
     standard = standard_block(name.upper())
     return any(pou.name.casefold() == name for pou in project.pous) or (standard is not None and standard.stateful)
 
@@ -381,7 +380,7 @@ def variables_in(section: VariableSection) -> Iterator[Declaration]:
     for variable in section.variables:
         yield variable_of(variable, section.name or "", None)
         for type_ in inside(variable.type):
-            if isinstance(type_, EnumType):
+            if isinstance(type_, t.EnumType):
                 yield from values_of(type_, section.name or "", None)
 
 
@@ -424,7 +423,7 @@ def _steps(body: Body | None, path: str, pou: Pou) -> Iterator[Declaration]:
         yield from steps_of(chart, path, pou)
 
 
-def _types(project: Project) -> Iterator[tuple[DataType, str, Pou | None]]:
+def _types(project: Project) -> Iterator[tuple[t.DataType, str, Pou | None]]:
     """Yield every type that is declared in place, with the path and the POU of what it is declared in."""
     for declaration in project.data_types:
         yield from _inner(declaration.type, declaration.name, None)
@@ -442,10 +441,10 @@ def _types(project: Project) -> Iterator[tuple[DataType, str, Pou | None]]:
             yield from _inner(variable.type, path, None)
 
 
-def _inner(type_: DataType, path: str, pou: Pou | None) -> Iterator[tuple[DataType, str, Pou | None]]:
+def _inner(type_: t.DataType, path: str, pou: Pou | None) -> Iterator[tuple[t.DataType, str, Pou | None]]:
     for inner in inside(type_):
         yield inner, path, pou
-        if isinstance(inner, StructType):
+        if isinstance(inner, t.StructType):
             for member in inner.members:
                 yield from _inner(member.type, f"{path}.{member.name}", pou)
 

@@ -21,20 +21,12 @@ from plcopen_sfc.languages.words import take_name, without_accents
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, assignment
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.lowering_options import LOCAL, LoweringRules
+from plcopen_sfc.model import types as t
 from plcopen_sfc.model.dialect import COUNTING_BYTES, Dialect
 from plcopen_sfc.model.pou import DataBlock
 from plcopen_sfc.model.project import Chart, Configuration, Project, Tag, TagTable
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.text import MultilingualText, Text
-from plcopen_sfc.model.types import (
-    DataType,
-    DataTypeDeclaration,
-    DerivedType,
-    Elementary,
-    ElementaryType,
-    SimpleValue,
-    Variable,
-)
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 
@@ -52,10 +44,10 @@ class Naming:
         self.taken = {name.casefold() for name in taken}
         self._numbers: dict[str, int] = {}
 
-    def system_type(self, kind: DerivedType) -> DerivedType:
+    def system_type(self, kind: t.DerivedType) -> t.DerivedType:
         """Return the type of instances of a standard function block in the dialect: ``TON_TIME`` in SCL."""
         name = S7_INSTANCES.get(kind.name) if self._local is n.Quoting.LOCAL else None
-        return DerivedType(name=name) if name is not None else kind
+        return t.DerivedType(name=name) if name is not None else kind
 
     def fresh(self, wanted: str) -> str:
         """Return `wanted` as an identifier, with a number behind it if that is taken."""
@@ -93,9 +85,9 @@ def names_of(project: Project) -> set[str]:
     return {name.casefold() for name in found}
 
 
-BOOL = ElementaryType(name=Elementary.BOOL)
-INT = ElementaryType(name=Elementary.INT)
-TIME = ElementaryType(name=Elementary.TIME)
+BOOL = t.ElementaryType(name=t.Elementary.BOOL)
+INT = t.ElementaryType(name=t.Elementary.INT)
+TIME = t.ElementaryType(name=t.Elementary.TIME)
 _LARGEST_INT = 32_767
 
 _FIRST = re.compile(r"%?MX?(\d{1,9})\.([0-7])", re.IGNORECASE)
@@ -113,7 +105,7 @@ class FlagPlaces:
 
     def __init__(self, rules: LoweringRules, pou: str, project: Project, tool: Tool | None) -> None:
         self.tool = tool
-        self.variables: list[Variable] = []
+        self.variables: list[t.Variable] = []
         self._pou = pou
         self._quoting = n.Quoting.GLOBAL if project.dialect is Dialect.SCL else n.Quoting.NONE
         self._surroundings = names_of(project)
@@ -149,11 +141,11 @@ class FlagPlaces:
         return f"M{bit // _BYTE}.{bit % _BYTE}" if bit is not None else ""
 
     @property
-    def external(self) -> list[Variable]:
+    def external(self) -> list[t.Variable]:
         """Variables that the POU must declare to see them (IEC 61131-3, VAR_EXTERNAL); tools do not ask for that."""
         if self.tool is not None:
             return []
-        return [Variable(name=variable.name, type=variable.type) for variable in self.variables]
+        return [t.Variable(name=variable.name, type=variable.type) for variable in self.variables]
 
     def address_of(self, name: str) -> str:
         """Return the address of a flag as people write it (``M20.0``); empty where it has none."""
@@ -166,9 +158,9 @@ class FlagPlaces:
         name = naming.fresh(wanted)
         if not is_member:
             name = take_name(name, self._surroundings)
-        variable = Variable(name=name, type=BOOL, comment=comment)
+        variable = t.Variable(name=name, type=BOOL, comment=comment)
         if initial and self.have_values:
-            variable.initial = SimpleValue(text="TRUE")
+            variable.initial = t.SimpleValue(text="TRUE")
         if self._bits:
             variable.address = self._next_address(name, path)
         self.variables.append(variable)
@@ -273,9 +265,9 @@ def _taken_bits(project: Project) -> Iterator[tuple[int, str]]:
             yield from ((bit, name) for bit in range(found.start, found.start + found.width))
 
 
-def integer(largest: int) -> ElementaryType:
+def integer(largest: int) -> t.ElementaryType:
     """Return the type of numbers up to `largest`: INT where it holds them, else DINT."""
-    return INT if largest <= _LARGEST_INT else ElementaryType(name=Elementary.DINT)
+    return INT if largest <= _LARGEST_INT else t.ElementaryType(name=t.Elementary.DINT)
 
 
 StepValue: TypeAlias = Callable[[int], n.Expression]
@@ -311,11 +303,11 @@ class LoweredCode:
 
     naming: Naming
     networks: list[CodeNetwork] = field(default_factory=list)
-    variables: list[Variable] = field(default_factory=list)
-    inputs: list[Variable] = field(default_factory=list)
-    outputs: list[Variable] = field(default_factory=list)
-    constants: list[Variable] = field(default_factory=list)
-    data_types: list[DataTypeDeclaration] = field(default_factory=list)
+    variables: list[t.Variable] = field(default_factory=list)
+    inputs: list[t.Variable] = field(default_factory=list)
+    outputs: list[t.Variable] = field(default_factory=list)
+    constants: list[t.Variable] = field(default_factory=list)
+    data_types: list[t.DataTypeDeclaration] = field(default_factory=list)
     at_rest: dict[str, bool] = field(default_factory=dict)
     left_out: n.Name | None = None
     drawn: bool = False
@@ -343,24 +335,24 @@ class LoweredCode:
         same = len(kept) <= len(statements) and all(map(is_, kept, statements))
         return (len(kept), text) if same else (0, "")
 
-    def declare(self, wanted: str, kind: DataType = BOOL, *, initial: str | None = None, comment: str = "") -> n.Name:
+    def declare(self, wanted: str, kind: t.DataType = BOOL, *, initial: str | None = None, comment: str = "") -> n.Name:
         """Declare a local variable that is called `wanted`, if that is free, and return its name."""
         name = self.naming.fresh(wanted)
-        if isinstance(kind, DerivedType):
+        if isinstance(kind, t.DerivedType):
             kind = self.naming.system_type(kind)
-        value = SimpleValue(text=initial) if initial is not None else None
-        self.variables.append(Variable(name=name, type=kind, initial=value, comment=self.caption(comment)))
+        value = t.SimpleValue(text=initial) if initial is not None else None
+        self.variables.append(t.Variable(name=name, type=kind, initial=value, comment=self.caption(comment)))
         return self.naming.local(name)
 
     def caption(self, text: str) -> Text | None:
         """Return a title or comment as text of the model, if there is any."""
         return MultilingualText(texts={self.culture: text}) if text and self.culture else text or None
 
-    def declare_constant(self, wanted: str, kind: DataType, value: str, comment: str) -> n.Name:
+    def declare_constant(self, wanted: str, kind: t.DataType, value: str, comment: str) -> n.Name:
         """Declare a local constant that is called `wanted`, if that is free, and return its name."""
         name = self.naming.fresh(wanted)
         text = self.caption(comment)
-        self.constants.append(Variable(name=name, type=kind, initial=SimpleValue(text=value), comment=text))
+        self.constants.append(t.Variable(name=name, type=kind, initial=t.SimpleValue(text=value), comment=text))
         return self.naming.local(name)
 
     @property
@@ -406,20 +398,20 @@ class LoweredCode:
         if self.first_scan is not None:
             self.add(self.texts.first_scan, [assignment(self.first_scan, FALSE)])
 
-    def declare_as(self, name: str, kind: DataType) -> None:
+    def declare_as(self, name: str, kind: t.DataType) -> None:
         """Declare a local variable of this very name."""
-        self.variables.append(Variable(name=name, type=kind))
+        self.variables.append(t.Variable(name=name, type=kind))
 
     def declare_helpers(self, helpers: Iterable[Helper]) -> None:
         """Declare the variables that drawings need when they are read as text."""
         for helper in helpers:
             wanted = helper.type_name or "BOOL"
-            known = Elementary.__members__.get(wanted)
-            self.declare_as(helper.name, ElementaryType(name=known) if known else DerivedType(name=wanted))
+            known = t.Elementary.__members__.get(wanted)
+            self.declare_as(helper.name, t.ElementaryType(name=known) if known else t.DerivedType(name=wanted))
 
-    def declare_input(self, name: str, comment: str, kind: DataType = BOOL, *, at_rest: bool | None = None) -> n.Name:
+    def declare_input(self, name: str, comment: str, kind: t.DataType = BOOL, *, at_rest: bool | None = None) -> n.Name:
         """Declare an input of this very name; `at_rest` is its value while it is not used."""
-        self.inputs.append(Variable(name=name, type=kind, comment=self.caption(comment)))
+        self.inputs.append(t.Variable(name=name, type=kind, comment=self.caption(comment)))
         if at_rest is not None:
             self.at_rest[name] = at_rest
         return self.naming.local(name)
@@ -427,7 +419,7 @@ class LoweredCode:
     def declare_output(self, wanted: str, comment: str) -> n.Name:
         """Declare a Boolean output that is called `wanted`, if that is free, and return its name."""
         name = self.naming.fresh(wanted)
-        self.outputs.append(Variable(name=name, type=BOOL, comment=self.caption(comment)))
+        self.outputs.append(t.Variable(name=name, type=BOOL, comment=self.caption(comment)))
         return self.naming.local(name)
 
     def add(

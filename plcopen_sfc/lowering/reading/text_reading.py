@@ -25,21 +25,13 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, walk
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE
 from plcopen_sfc.lowering.reading.chart_source import ConditionText
+from plcopen_sfc.model import types as t
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.declaration import Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Body, Condition, SfcNetwork
-from plcopen_sfc.model.types import (
-    ArrayType,
-    Elementary,
-    ElementaryType,
-    EnumType,
-    StringType,
-    StructType,
-    SubrangeType,
-)
 
 
 class ActionTargets:
@@ -77,7 +69,7 @@ class ActionTargets:
 
     def is_boolean(self, target: n.Expression) -> bool:
         """Return True if a variable is known to be Boolean."""
-        return self._resolver.type_of(target, self._site) == ElementaryType(name=Elementary.BOOL)
+        return self._resolver.type_of(target, self._site) == t.ElementaryType(name=t.Elementary.BOOL)
 
     def mistakes(self, statement: n.Statement) -> Iterator[str]:
         """Yield what no tool compiles in a statement of the POU: values of another kind."""
@@ -86,12 +78,12 @@ class ActionTargets:
     def other_type(self, target: n.Expression) -> str:
         """Return the type of a variable that is known not to be Boolean; empty if it is, or can be."""
         type_ = self._resolver.type_of(target, self._site)
-        if isinstance(type_, ElementaryType):
-            return "" if type_.name is Elementary.BOOL else type_.name.value
+        if isinstance(type_, t.ElementaryType):
+            return "" if type_.name is t.Elementary.BOOL else type_.name.value
         return type_.kind if isinstance(type_, _NEVER_BOOLEAN) else ""
 
 
-_NEVER_BOOLEAN = (StringType, ArrayType, StructType, EnumType, SubrangeType)
+_NEVER_BOOLEAN = (t.StringType, t.ArrayType, t.StructType, t.EnumType, t.SubrangeType)
 
 
 REPAIR = "Repair it in its tool and export it again."

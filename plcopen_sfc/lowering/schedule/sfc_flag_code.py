@@ -26,16 +26,8 @@ from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.lowered_code import BOOL, INT, LoweredCode, StepValue
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, HoldingOperand, StepTimeLimit
 from plcopen_sfc.lowering.reading.step_variables import StepTimers
+from plcopen_sfc.model import types as t
 from plcopen_sfc.model.chart_settings import SfcFlag
-from plcopen_sfc.model.types import (
-    ArrayType,
-    DataTypeDeclaration,
-    DerivedType,
-    Dimension,
-    StringType,
-    StructType,
-    Variable,
-)
 
 _TYPE = "ExpressionResult"
 _LAST = n.Literal("15")
@@ -54,18 +46,18 @@ class ErrorTable:
     def __init__(self, source: ChartSource, code: LoweredCode) -> None:
         self._dialect = source.dialect
         declared = next((v for v in source.pou.variables() if v.name.casefold() == _VARIABLE.casefold()), None)
-        kind = ArrayType(dimensions=[Dimension(lower="0", upper="15")], base=DerivedType(name=_TYPE))
+        kind = t.ArrayType(dimensions=[t.Dimension(lower="0", upper="15")], base=t.DerivedType(name=_TYPE))
         if SfcFlag.ERROR_ANALYZATION_TABLE in source.undeclared_flags:
             code.declare_as(_VARIABLE, kind)
         elif declared is not None and not _is_table(declared):
             message = f"{_VARIABLE} is declared with another type than ARRAY [0..15] OF {_TYPE}"
             source.refuse(message, "Declare it so, or not at all.")
         if _TYPE.casefold() not in code.known_types:
-            members = [Variable(name=name, type=StringType()) for name in ("name", "address", "comment")]
-            members.append(Variable(name="value", type=BOOL))
+            members = [t.Variable(name=name, type=t.StringType()) for name in ("name", "address", "comment")]
+            members.append(t.Variable(name="value", type=BOOL))
             code.data_types.append(
-                DataTypeDeclaration(
-                    name=_TYPE, folder=source.pou.folder, place=source.pou.place, type=StructType(members=members)
+                t.DataTypeDeclaration(
+                    name=_TYPE, folder=source.pou.folder, place=source.pou.place, type=t.StructType(members=members)
                 )
             )
         self._table = code.naming.local(_VARIABLE)
@@ -99,13 +91,13 @@ class ErrorTable:
         ]
 
 
-def _is_table(variable: Variable) -> bool:
+def _is_table(variable: t.Variable) -> bool:
     kind = variable.type
-    base = kind.base if isinstance(kind, ArrayType) else None
-    return isinstance(base, DerivedType) and base.name.casefold().rpartition(".")[2] == _TYPE.casefold()
+    base = kind.base if isinstance(kind, t.ArrayType) else None
+    return isinstance(base, t.DerivedType) and base.name.casefold().rpartition(".")[2] == _TYPE.casefold()
 
 
-_STRING = StringType()
+_STRING = t.StringType()
 _TEXTS = (SfcFlag.ERROR_STEP, SfcFlag.ERROR_POU, SfcFlag.ERROR_ANALYZATION, SfcFlag.CURRENT_STEP)
 _EMPTY = n.Literal("''")
 _USUAL_LENGTH = "80"
@@ -332,7 +324,7 @@ class SfcFlagCode:
         """Return how many characters a variable can have; 0 where that is a constant."""
         variables = (*self._source.pou.variables(), *self._code.variables)
         declared = next((each.type for each in variables if each.name == text.identifier), None)
-        length = (declared.length or _USUAL_LENGTH) if isinstance(declared, StringType) else ""
+        length = (declared.length or _USUAL_LENGTH) if isinstance(declared, t.StringType) else ""
         return int(length) if length.isdecimal() else 0
 
     # -- parts
