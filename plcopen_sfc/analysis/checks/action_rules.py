@@ -9,6 +9,7 @@ from plcopen_sfc.analysis.checks.action_targets import (
     Manner,
     TargetUse,
     assignments,
+    body_named,
     by_operand,
     how,
     manner_of,
@@ -17,7 +18,7 @@ from plcopen_sfc.analysis.checks.action_targets import (
 )
 from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Finding, Rule, ring
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.effects import path_of
+from plcopen_sfc.languages.effects import path_of, reads
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 
@@ -119,6 +120,17 @@ ACT10 = Rule(
     severity=Severity.INFO,
 )
 
+
+def _counted_twice(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet, step, association in chart.actions():
+        if association.qualifier is Qualifier.P and chart.profile.final_scan:
+            body = association.body or body_named(association.target, chart)
+            for assigned in assignments(body, chart):
+                if path_of(assigned.target) in reads(assigned.value):
+                    what = f"{print_node(assigned.target)} := {print_node(assigned.value)}"
+                    yield Finding(sheet.at(step, association), f"P executes {what} twice")
+
+
 ACT18 = Rule(
     code="ACT18",
     title="A step does not set and reset the same operand",
@@ -128,6 +140,19 @@ ACT18 = Rule(
     example=ring("q(S); q(R);"),
     check=_both_at_once,
     severity=Severity.WARNING,
+)
+
+ACT21 = Rule(
+    code="ACT21",
+    title="An action with P counts nothing",
+    why="The code of an action is executed once more when it has ended (IEC 61131-3 ed. 3, 6.7.4.6, and the help of "
+    "CODESYS), so with P in two scans: what adds to a variable adds twice. A Boolean variable is TRUE in one scan. "
+    "matiec and Beremiz have no such scan.",
+    hint="Use P1, where the tool has it, or an entry action.",
+    example=ring("Count(P);") + "ACTION Count: n := n + 1; END_ACTION\n",
+    check=_counted_twice,
+    severity=Severity.WARNING,
+    severities=dict.fromkeys(("s7graph", "grafcet", "matiec", "beremiz")),
 )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -11,9 +11,11 @@ from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.binding.text_sites import Site
 from plcopen_sfc.languages.effects import Path, path_of, target_of
+from plcopen_sfc.languages.il import statements
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, print_node, walk
 from plcopen_sfc.model.actions import ActionKind, Qualifier
+from plcopen_sfc.model.body import IlBody
 from plcopen_sfc.model.sfc import ActionAssociation, Body, Step
 from plcopen_sfc.model.variables import SectionKind
 
@@ -116,8 +118,15 @@ def output_operands(chart: CheckedChart) -> set[Path]:
 
 def assignments(body: Body | None, chart: CheckedChart) -> list[n.Assignment]:
     """Return the assignments of the code of an action, as far as it can be read."""
-    trees = bind(body, chart.dialect).statements if body is not None else ()
-    return [node for tree in trees for node in walk(tree) if isinstance(node, n.Assignment)]
+    return [node for tree in _statements(body, chart) for node in walk(tree) if isinstance(node, n.Assignment)]
+
+
+def _statements(body: Body | None, chart: CheckedChart) -> Sequence[n.Statement]:
+    """Return the code of an action; of an instruction list what does the same, if structured text has words for it."""
+    if isinstance(body, IlBody):
+        tree = statements(body.text, chart.dialect)
+        return tree.statements if tree is not None else ()
+    return bind(body, chart.dialect).statements if body is not None else ()
 
 
 def written(body: Body | None, chart: CheckedChart) -> Iterator[tuple[n.Expression, Path, str]]:
@@ -126,7 +135,7 @@ def written(body: Body | None, chart: CheckedChart) -> Iterator[tuple[n.Expressi
     Also those that loops and outputs of calls write, and standard blocks that are called, with the call as the literal.
     """
     site = Site(chart.pou, place=chart.pou.place if chart.pou is not None else "")
-    for node in (node for tree in (bind(body, chart.dialect).statements if body else ()) for node in walk(tree)):
+    for node in (node for tree in _statements(body, chart) for node in walk(tree)):
         target, value = target_of(node), ""
         if isinstance(node, n.Assignment):
             value = constant(node.value)

@@ -61,6 +61,7 @@ EXPECTED: dict[str, dict[str, int]] = {
     },
     "iectext": {
         "ACT04": 2,
+        "ACT21": 2,
         "CND02": 37,
         "EVO01": 4,
         "LOW01": 11,

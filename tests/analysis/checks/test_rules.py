@@ -472,6 +472,7 @@ for one, other, harmless, told in (
     ("FOR n := 1 TO 3 DO q := TRUE; END_FOR", "n := 2;", "arr[n] := 2;", "n is written here and in step PA"),
     ("tm(IN := a, ET => t);", "t := T#2s;", "n := 2;", "t is written here and in step PA"),
     ("arr[n] := 1;", "arr[N] := 2;", "arr[2] := 2;", "arr[N] is written here and in step PA"),
+    ("\nLD 1\nST n\n", "\nLD a\nR q\nLD 2\nST n\n", "\nLD 2\nST arr[n]\n", "n is written here and in step PA"),
 ):
     case("ACT04", text(RACE % ("X1(N);", one, other)), text(RACE % ("X1(N);", one, harmless)), told)
 CONSTANT = "VAR%s K : INT := 5; END_VAR ACTION Act: K := 6; END_ACTION"
@@ -727,6 +728,24 @@ def beside_code(actions: str) -> Callable[[], Subject]:
 
 case("ACT19", beside_code("q(S);"), beside_code("lamp(S);"), "q is assigned here, and stored (S) in step S2")
 case("ACT19", beside_code("q(DS, T#2s);"), beside_code("q(N);"), "stored (DS) in step S2", "codesys")
+
+
+def counting(association: str, code: str) -> Callable[[], Subject]:
+    """A ring of two steps, the first with an action of this code."""
+    return text(
+        f"""
+        INITIAL_STEP S1: {association} END_STEP STEP S2: END_STEP
+        TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+        TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+        ACTION Count: {code} END_ACTION
+        """
+    )
+
+
+LISTED = "\nLD n\nADD 1\nST n\n"
+"""An instruction list that counts."""
+case("ACT21", counting("Count(P);", "n := n + 1;"), counting("Count(P1);", "n := n + 1;"), "executes n := n + 1 twice")
+case("ACT21", counting("Count(P);", LISTED), counting("Count(P);", "n := 1;"), "executes n := n + 1 twice", "codesys23")
 
 # -- evolution, times, limits, lowering
 
