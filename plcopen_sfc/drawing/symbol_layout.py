@@ -17,20 +17,9 @@ from dataclasses import dataclass, field
 from plcopen_sfc.drawing.attached_symbols import block_owner
 from plcopen_sfc.drawing.document_order import feeding, input_pins_of
 from plcopen_sfc.drawing.forward_edges import ROOT, ForwardEdges
+from plcopen_sfc.model import network as net
 from plcopen_sfc.model.conditions import WiredCondition
 from plcopen_sfc.model.drawing import BARS, STEPS, ActionEntry, Drawing, Symbol, SymbolKind
-from plcopen_sfc.model.network import (
-    Block,
-    Connection,
-    InOutVariable,
-    InputPin,
-    InputVariable,
-    LeftPowerRail,
-    Node,
-    OutputPin,
-    OutputVariable,
-    Point,
-)
 from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork
 
 LETTER = 8
@@ -111,16 +100,16 @@ def _row_text(row: ActionAssociation) -> str:
     return f"{row.qualifier.value} {row.duration or ''} {longest} {row.indicator or ''}"
 
 
-def node_size(node: Node) -> tuple[int, int]:
+def node_size(node: net.Node) -> tuple[int, int]:
     """Width and height of an element of logic: its own, or one that its texts and pins fit in."""
-    if isinstance(node, Block):
+    if isinstance(node, net.Block):
         parameters = node.parameters
         left = [*parameters.inputs, *parameters.in_outs]
         rows = max(len(left), len(parameters.outputs), 1)
         names = max((len(v.name) for v in left), default=0) + max((len(v.name) for v in parameters.outputs), default=0)
         width = max(names * LETTER + 20, text_width(node.type_name) + 20, text_width(node.instance or ""), 60)
         size = (even(width), 20 * rows + 30)
-    elif isinstance(node, InputVariable | OutputVariable | InOutVariable):
+    elif isinstance(node, net.InputVariable | net.OutputVariable | net.InOutVariable):
         size = (even(max(40, text_width(node.expression) + 10)), 20)
     else:
         texts = [getattr(node, name, None) for name in ("variable", "label", "name", "content", "alternative_text")]
@@ -140,7 +129,7 @@ class WireRouting:
         self.only = only
         drawing = chart.drawing
         self.symbols = {symbol.id: symbol for symbol in drawing.symbols} if drawing is not None else {}
-        self.nodes: dict[int, Node] = {node.id: node for node in chart.logic}
+        self.nodes: dict[int, net.Node] = {node.id: node for node in chart.logic}
         sizes = SymbolSizes(chart)
         self.boxes: dict[int, tuple[float, float, float, float]] = {}
         for symbol in self.symbols.values():
@@ -173,12 +162,12 @@ class WireRouting:
         for node in self.nodes.values():
             for row, pin in enumerate(input_pins_of(node)):
                 _, _, _, height = self.boxes[node.id]
-                self._input(node.id, pin, (0, 30 + 20 * row if isinstance(node, Block) else height // 2))
+                self._input(node.id, pin, (0, 30 + 20 * row if isinstance(node, net.Block) else height // 2))
 
     def _outputs(self, symbol: Symbol) -> None:
         x, _, width, height = self.boxes[symbol.id]
         if symbol.kind is SymbolKind.EXPRESSION:
-            places: list[Point] = [(width, height // 2)]
+            places: list[net.Point] = [(width, height // 2)]
         elif symbol.kind in BARS and len(symbol.outputs) > 1:
             below = [self._axis(i) for i in self._consumers().get(symbol.id, ())]
             places = [(min(max(axis - x, 0), width), height) for axis in below]
@@ -189,13 +178,13 @@ class WireRouting:
         if symbol.action_output is not None:
             self._output(symbol.action_output, (width, height // 2))
 
-    def _node_outputs(self, node: Node) -> None:
+    def _node_outputs(self, node: net.Node) -> None:
         _, _, width, height = self.boxes[node.id]
-        if isinstance(node, Block):
+        if isinstance(node, net.Block):
             for row, variable in enumerate((*node.parameters.in_outs, *node.parameters.outputs)):
                 if variable.output is not None:
                     self._output(variable.output, (width, 30 + 20 * row))
-        elif isinstance(node, LeftPowerRail):
+        elif isinstance(node, net.LeftPowerRail):
             for pin in node.outputs:
                 self._output(pin, (width, height // 2))
         else:
@@ -203,7 +192,7 @@ class WireRouting:
             if pin_or_none is not None:
                 self._output(pin_or_none, (width, height // 2))
 
-    def _output(self, pin: OutputPin, place: Point) -> None:
+    def _output(self, pin: net.OutputPin, place: net.Point) -> None:
         pin.position = place
 
     def _is_new(self, number: int) -> bool:
@@ -226,7 +215,7 @@ class WireRouting:
             return x + width / 2
         return x + 10
 
-    def _entry(self, symbol: Symbol, pin: InputPin) -> Point:
+    def _entry(self, symbol: Symbol, pin: net.InputPin) -> net.Point:
         x, _, width, _ = self.boxes[symbol.id]
         if symbol.kind is SymbolKind.ACTION_BLOCK:
             return (0, ROW_HEIGHT // 2)
@@ -235,7 +224,7 @@ class WireRouting:
             return (min(max(axes[0] - x if axes else 10, 0), width), 0)
         return (width / 2, 0)
 
-    def _input(self, owner: int, pin: InputPin, place: Point) -> None:
+    def _input(self, owner: int, pin: net.InputPin, place: net.Point) -> None:
         if self._is_new(owner):
             pin.position = place
         elif not any(self._is_new(connection.source) for connection in pin.connections):
@@ -249,14 +238,14 @@ class WireRouting:
                 sideways = end[0] == 0 and self._leaves_sideways(owner, connection)
                 connection.points = _bends(start, self._start_of(connection, start, sideways), sideways=sideways)
 
-    def _leaves_sideways(self, owner: int, connection: Connection) -> bool:
+    def _leaves_sideways(self, owner: int, connection: net.Connection) -> bool:
         symbol = self.symbols.get(connection.source)
         consumer = self.symbols.get(owner)
         if symbol is None or symbol.kind is SymbolKind.EXPRESSION:
             return True
         return consumer is None or consumer.kind is SymbolKind.ACTION_BLOCK
 
-    def _start_of(self, connection: Connection, end: Point, sideways: bool) -> Point:
+    def _start_of(self, connection: net.Connection, end: net.Point, sideways: bool) -> net.Point:
         x, y, width, height = self.boxes[connection.source]
         symbol = self.symbols.get(connection.source)
         if sideways and symbol is not None and symbol.kind in STEPS:
@@ -270,7 +259,7 @@ class WireRouting:
         return (x + width / 2, y + height)
 
 
-def _bends(end: Point, start: Point, *, sideways: bool) -> list[Point]:
+def _bends(end: net.Point, start: net.Point, *, sideways: bool) -> list[net.Point]:
     """Return a wire from its consumer to its producer, in right angles."""
     if sideways:
         if end[1] == start[1]:
@@ -320,7 +309,7 @@ class _Layout:
         self.chart = chart
         self.sizes = SymbolSizes(chart)
         self.symbols = {symbol.id: symbol for symbol in drawing.symbols}
-        self.nodes: dict[int, Node] = {node.id: node for node in chart.logic}
+        self.nodes: dict[int, net.Node] = {node.id: node for node in chart.logic}
         self.blocks: dict[int, list[Symbol]] = {}
         self.expressions: dict[int, list[int]] = {}
         self.logic: dict[int, list[int]] = {}
@@ -528,7 +517,7 @@ class _Layout:
     def place_rest(self, top: int) -> None:
         """Place what belongs to no symbol of the flow below everything."""
         x = _MARGIN
-        loose: list[Symbol | Node] = [
+        loose: list[Symbol | net.Node] = [
             s
             for s in self.symbols.values()
             if s.id not in self.axes

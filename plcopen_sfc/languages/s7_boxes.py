@@ -18,21 +18,10 @@ from dataclasses import dataclass
 from plcopen_sfc.languages.networks.network_graph import MEMORY_PINS, is_memory_pin, wires_of
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.translation.call_translation import HALVES, is_lacking, translated_truncation
+from plcopen_sfc.model import network as net
 from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.network import (
-    Block,
-    BlockParameters,
-    BlockVariable,
-    Coil,
-    Connection,
-    InputPin,
-    LogicNetwork,
-    Node,
-    OutputPin,
-    OutputVariable,
-)
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import BodyCondition
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -50,7 +39,7 @@ def put_logic(project: Project, report: ConversionReport) -> None:
     for name, pou, body in project.bodies():
         networks = body.networks if isinstance(body, FbdBody | LdBody) else []
         for network in networks:
-            for box in [node for node in network.nodes if isinstance(node, Block) and _operand(node)]:
+            for box in [node for node in network.nodes if isinstance(node, net.Block) and _operand(node)]:
                 _replace(network, box, max(node.id for other in networks for node in other.nodes) + 1)
                 why = f"AND and OR that assign {_operand(box)}: flip-flops of other tools keep no state in a variable"
                 report.add(Outcome.TRANSLATED, "box", pou.report_path_of(name), why)
@@ -62,14 +51,14 @@ def put_boxes(project: Project) -> None:
         for network in body.networks if isinstance(body, FbdBody | LdBody) else ():
             for node in list(network.nodes):
                 if (
-                    isinstance(node, Block)
+                    isinstance(node, net.Block)
                     and node.extension_data is not None
                     and BOX in node.extension_data.attributes
                 ):
                     _put_back(network, node, node.extension_data.attributes.pop(BOX))
 
 
-def _operand(box: Block) -> str:
+def _operand(box: net.Block) -> str:
     """Return the variable of a flip-flop of S7; empty for another box."""
     if box.type_name.upper() not in _PINS:
         return ""
@@ -77,54 +66,60 @@ def _operand(box: Block) -> str:
     return next((pin.expression or "" for pin in pins), "")
 
 
-def _replace(network: LogicNetwork, box: Block, number: int) -> None:
+def _replace(network: net.LogicNetwork, box: net.Block, number: int) -> None:
     kind = box.type_name.upper()
     sets, reset = (_pin(box, name) for name in _PINS[kind])
     reset.negated = not reset.negated
-    state = BlockVariable(name="", input=InputPin(expression=_operand(box)))
+    state = net.BlockVariable(name="", input=net.InputPin(expression=_operand(box)))
     if kind == "RS":
         inner, outer = _box(number, "OR", sets, state), _box(box.id, "AND", _wired(number), reset)
     else:
         inner, outer = _box(number, "AND", state, reset), _box(box.id, "OR", sets, _wired(number))
     outer.extension_data = ExtensionData(attributes={BOX: json.dumps(box.model_dump(mode="json", exclude_none=True))})
-    wire = InputPin(connections=[Connection(source=box.id, pin="OUT")])
-    nodes: list[Node] = [inner, outer, OutputVariable(id=number + 1, expression=_operand(box), input=wire)]
+    wire = net.InputPin(connections=[net.Connection(source=box.id, pin="OUT")])
+    nodes: list[net.Node] = [inner, outer, net.OutputVariable(id=number + 1, expression=_operand(box), input=wire)]
     _rename_wires(network, box.id, "OUT")
     place = network.nodes.index(box)
     network.nodes[place : place + 1] = nodes
 
 
-def _pin(box: Block, name: str) -> BlockVariable:
+def _pin(box: net.Block, name: str) -> net.BlockVariable:
     """Return a copy of a pin of a box; one that is FALSE where the box has none."""
     found = next((pin for pin in box.parameters.inputs if pin.name.casefold() == name), None)
     if found is None or found.input is None:
-        return BlockVariable(name="", input=InputPin(expression="FALSE"))
+        return net.BlockVariable(name="", input=net.InputPin(expression="FALSE"))
     return found.model_copy(update={"extension_data": None}, deep=True)
 
 
-def _wired(source: int) -> BlockVariable:
-    return BlockVariable(name="", input=InputPin(connections=[Connection(source=source, pin="OUT")]))
+def _wired(source: int) -> net.BlockVariable:
+    return net.BlockVariable(name="", input=net.InputPin(connections=[net.Connection(source=source, pin="OUT")]))
 
 
-def _box(number: int, operator: str, *pins: BlockVariable) -> Block:
+def _box(number: int, operator: str, *pins: net.BlockVariable) -> net.Block:
     inputs = [pin.model_copy(update={"name": f"IN{place}"}) for place, pin in enumerate(pins, 1)]
-    outputs = [BlockVariable(name="OUT", output=OutputPin())]
-    return Block(id=number, type_name=operator, parameters=BlockParameters(inputs=inputs, outputs=outputs))
+    outputs = [net.BlockVariable(name="OUT", output=net.OutputPin())]
+    return net.Block(id=number, type_name=operator, parameters=net.BlockParameters(inputs=inputs, outputs=outputs))
 
 
-def _rename_wires(network: LogicNetwork, source: int, pin: str | None) -> None:
+def _rename_wires(network: net.LogicNetwork, source: int, pin: str | None) -> None:
     for wire in (wire for node in network.nodes for wire in wires_of(node)):
         if wire.source == source:
             wire.pin = pin
 
 
-def _assigns(node: Node) -> str | None:
-    return node.variable if isinstance(node, Coil) else node.expression if isinstance(node, OutputVariable) else None
+def _assigns(node: net.Node) -> str | None:
+    return (
+        node.variable
+        if isinstance(node, net.Coil)
+        else node.expression
+        if isinstance(node, net.OutputVariable)
+        else None
+    )
 
 
-def _put_back(network: LogicNetwork, outer: Block, kept: str) -> None:
+def _put_back(network: net.LogicNetwork, outer: net.Block, kept: str) -> None:
     try:
-        box = Block.model_validate_json(kept)
+        box = net.Block.model_validate_json(kept)
     except ValueError:
         return
     # All that the writer has made of the box must be there still. Where someone has edited a part of it in the tool,
@@ -134,7 +129,7 @@ def _put_back(network: LogicNetwork, outer: Block, kept: str) -> None:
         return
     wired = outer.parameters.inputs[0 if kind == "RS" else 1].input
     sources = {wire.source for wire in wired.connections} if wired is not None else set()
-    inner = next((node for node in network.nodes if isinstance(node, Block) and node.id in sources), None)
+    inner = next((node for node in network.nodes if isinstance(node, net.Block) and node.id in sources), None)
     if inner is None or inner.type_name != _INNER[kind] or len(inner.parameters.inputs) != len(_PINS[kind]):
         return
     pins = inner.parameters.inputs, outer.parameters.inputs
@@ -151,7 +146,7 @@ def _put_back(network: LogicNetwork, outer: Block, kept: str) -> None:
             own.input, own.negated = pin.input, pin.negated is (name == _PINS[kind][0])
     for own in box.parameters.inputs:
         if own.name.casefold() == MEMORY_PINS[kind]:
-            own.input = InputPin(expression=operand)
+            own.input = net.InputPin(expression=operand)
     box.id = outer.id
     network.nodes = [box if n is outer else n for n in network.nodes if n is not inner and n is not assigned]
     _rename_wires(network, box.id, box.parameters.outputs[0].name if box.parameters.outputs else None)
@@ -176,7 +171,7 @@ _SET_ENO = frozenset("ADD SUB MUL DIV MOD NEG INC DEC CONVERT ROUND TRUNC CEIL F
 class _Place:
     """A network, and where it is in the words of reports."""
 
-    network: LogicNetwork
+    network: net.LogicNetwork
     path: str
 
 
@@ -185,7 +180,7 @@ def translate_boxes(project: Project, target: Dialect, tool: str, report: Conver
     own = {thing.name.casefold() for thing in project.pous}
     for place in _networks(project):
         for node in place.network.nodes:
-            if isinstance(node, Block) and node.call is None and node.type_name.casefold() not in own:
+            if isinstance(node, net.Block) and node.call is None and node.type_name.casefold() not in own:
                 _Box(place, node, target, tool, report).translate()
 
 
@@ -210,7 +205,7 @@ def _networks(project: Project) -> Iterator[_Place]:
 class _Box:
     """One box of a network."""
 
-    def __init__(self, place: _Place, block: Block, target: Dialect, tool: str, report: ConversionReport) -> None:
+    def __init__(self, place: _Place, block: net.Block, target: Dialect, tool: str, report: ConversionReport) -> None:
         self.place = place
         self.block = block
         self.target = target
@@ -300,7 +295,7 @@ class _Box:
         targets = [
             node.expression
             for node in self.place.network.nodes
-            if isinstance(node, OutputVariable)
+            if isinstance(node, net.OutputVariable)
             and any(wire.source == self.block.id and wire.pin == "operand" for wire in wires_of(node))
         ]
         for pin in self.block.parameters.outputs:
@@ -309,11 +304,11 @@ class _Box:
         if len(targets) != 1 or self.types.get("DestType") in ("Real", "LReal"):
             return False
         self.rename(name, {"operand": "OUT"})
-        operand = InputPin(expression=targets[0])
-        one = InputPin(expression="1")
+        operand = net.InputPin(expression=targets[0])
+        one = net.InputPin(expression="1")
         self.block.parameters.inputs += [
-            BlockVariable(name="IN1", input=operand),
-            BlockVariable(name="IN2", input=one),
+            net.BlockVariable(name="IN1", input=operand),
+            net.BlockVariable(name="IN2", input=one),
         ]
         return True
 
@@ -327,7 +322,7 @@ class _Box:
             return False
         self.rename("SUB", {"in": "IN2", "out": "OUT"})
         place = next(index for index, pin in enumerate(inputs) if pin.name == "IN2")
-        inputs.insert(place, BlockVariable(name="IN1", input=InputPin(expression=zero)))
+        inputs.insert(place, net.BlockVariable(name="IN1", input=net.InputPin(expression=zero)))
         return True
 
     def square(self) -> bool:

@@ -16,24 +16,9 @@ from plcopen_sfc.languages.networks import Helper, body_statements
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, render, transform
 from plcopen_sfc.languages.words import IEC_KEYWORDS, is_plain, take_name
+from plcopen_sfc.model import network as net
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.network import (
-    Block,
-    Coil,
-    CommentBox,
-    Connector,
-    Contact,
-    Continuation,
-    Edge,
-    InOutVariable,
-    InputVariable,
-    LeftPowerRail,
-    Node,
-    OutputVariable,
-    RightPowerRail,
-    Storage,
-)
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import Body, SfcBody
 from plcopen_sfc.model.types import DataType, Variable
@@ -168,7 +153,7 @@ class FittedPou:
         if isinstance(body, FbdBody | LdBody):
             read = body_statements(body, self.dialect, taken=self.used)
             wrong = [*map(str, read.obstacles), *self.declare_helpers(read.helpers)]
-            blocks = sum(isinstance(node, Block) for network in body.networks for node in network.nodes)
+            blocks = sum(isinstance(node, net.Block) for network in body.networks for node in network.nodes)
             if not wrong and self.own and blocks > 1:
                 why = "statements follow the wires, the converter of its tool goes by the places of the blocks"
                 self.note(Outcome.APPROXIMATED, "body", path, why)
@@ -204,40 +189,40 @@ def _names(pou: Pou) -> list[str]:
 
 
 _TAKEN = (
-    Block
-    | Coil
-    | CommentBox
-    | Connector
-    | Contact
-    | Continuation
-    | InOutVariable
-    | InputVariable
-    | LeftPowerRail
-    | OutputVariable
-    | RightPowerRail
+    net.Block
+    | net.Coil
+    | net.CommentBox
+    | net.Connector
+    | net.Contact
+    | net.Continuation
+    | net.InOutVariable
+    | net.InputVariable
+    | net.LeftPowerRail
+    | net.OutputVariable
+    | net.RightPowerRail
 )
 
 
-def is_taken(nodes: Iterable[Node], dialect: Dialect) -> bool:
+def is_taken(nodes: Iterable[net.Node], dialect: Dialect) -> bool:
     """True if the converters translate these elements to what they mean."""
     return all(_is_taken(node, dialect) for node in nodes)
 
 
-def _is_taken(node: Node, dialect: Dialect) -> bool:
-    if isinstance(node, Block) and node.code is not None:
+def _is_taken(node: net.Node, dialect: Dialect) -> bool:
+    if isinstance(node, net.Block) and node.code is not None:
         return False
-    if isinstance(node, InOutVariable):
+    if isinstance(node, net.InOutVariable):
         return not (node.negated_in or node.negated_out)
-    if isinstance(node, InputVariable):
-        return node.edge is Edge.NONE and not parse_expression(node.expression, dialect).problems
-    if isinstance(node, OutputVariable):
-        return not node.negated and node.edge is Edge.NONE and node.storage is Storage.NONE
+    if isinstance(node, net.InputVariable):
+        return node.edge is net.Edge.NONE and not parse_expression(node.expression, dialect).problems
+    if isinstance(node, net.OutputVariable):
+        return not node.negated and node.edge is net.Edge.NONE and node.storage is net.Storage.NONE
     return isinstance(node, _TAKEN)
 
 
-def write_negations_out(nodes: Iterable[Node]) -> int:
+def write_negations_out(nodes: Iterable[net.Node]) -> int:
     """Write ``NOT x`` for a negated variable ``x`` that is read; returns how many there were."""
-    negated = [node for node in nodes if isinstance(node, InputVariable) and node.negated]
+    negated = [node for node in nodes if isinstance(node, net.InputVariable) and node.negated]
     for node in negated:
         node.expression = f"NOT {node.expression}" if is_plain(node.expression) else f"NOT ({node.expression})"
         node.negated = False

@@ -39,17 +39,8 @@ from plcopen_sfc.formats.plcopen.tc6_writing import (
 )
 from plcopen_sfc.formats.xml.extension_data import attributes, boolean
 from plcopen_sfc.model import network as logic
+from plcopen_sfc.model import network as net
 from plcopen_sfc.model.base import Model
-from plcopen_sfc.model.network import (
-    BlockParameters,
-    BlockVariable,
-    Edge,
-    InputPin,
-    LogicNetwork,
-    Node,
-    OutputPin,
-    Storage,
-)
 from plcopen_sfc.report import Outcome
 
 EDGES = ("none", "rising", "falling")
@@ -226,14 +217,14 @@ def _written_modifiers(thing: Model, side: str = "", *, stated: bool = False) ->
     attributes = {}
     if negated or stated:
         attributes[f"negated{side}"] = boolean(negated)
-    if storage is not Storage.NONE or stated:
+    if storage is not net.Storage.NONE or stated:
         attributes[f"storage{side}"] = storage.value
-    if edge is not Edge.NONE:
+    if edge is not net.Edge.NONE:
         attributes[f"edge{side}"] = edge.value
     return attributes
 
 
-def write_node(ctx: Tc6WriteContext, parent: etree._Element, node: Node, *features: str) -> None:
+def write_node(ctx: Tc6WriteContext, parent: etree._Element, node: net.Node, *features: str) -> None:
     """Write one FBD, LD or common element. `features`: what it asks of a reader by its place."""
     if isinstance(node, logic.VendorElement) and _is_title(ctx, node):
         _write_title(ctx, parent, node)
@@ -263,11 +254,11 @@ def write_node(ctx: Tc6WriteContext, parent: etree._Element, node: Node, *featur
     finish_element(ctx, element, node, tag, native)
 
 
-def _local_id(node: Node) -> str:
+def _local_id(node: net.Node) -> str:
     return str(node.id if node.local_id is None else node.local_id)
 
 
-def is_known(ctx: Tc6WriteContext, node: Node) -> bool:
+def is_known(ctx: Tc6WriteContext, node: net.Node) -> bool:
     """True if the version has this kind of element, and other tools than CODESYS a use for it."""
     if not isinstance(node, logic.VendorElement) or _is_title(ctx, node):
         return True
@@ -291,7 +282,7 @@ def _write_title(ctx: Tc6WriteContext, parent: etree._Element, node: logic.Vendo
     finish_element(ctx, element, node, "comment", native, also={"kind": node.kind})
 
 
-def _write_content(ctx: Tc6WriteContext, element: etree._Element, node: Node, shape: NodeElement) -> None:
+def _write_content(ctx: Tc6WriteContext, element: etree._Element, node: net.Node, shape: NodeElement) -> None:
     for name, field_ in _CONTENT.items():
         if field_ == shape.content:
             write_text(ctx, element, name, getattr(node, field_))
@@ -301,8 +292,8 @@ def _write_content(ctx: Tc6WriteContext, element: etree._Element, node: Node, sh
         write_input(ctx, element, pin)
     for output in getattr(node, "outputs", ()) if "outputs" in shape.pins else ():
         write_output(ctx, element, output)
-    pin_in: InputPin | None = getattr(node, "input", None)
-    pin_out: OutputPin | None = getattr(node, "output", None)
+    pin_in: net.InputPin | None = getattr(node, "input", None)
+    pin_out: net.OutputPin | None = getattr(node, "output", None)
     if pin_in is not None:
         write_input(ctx, element, pin_in)
     if pin_out is not None:
@@ -312,17 +303,17 @@ def _write_content(ctx: Tc6WriteContext, element: etree._Element, node: Node, sh
 
 
 def _write_parameters(
-    ctx: Tc6WriteContext, element: etree._Element, parameters: BlockParameters, *, always: bool
+    ctx: Tc6WriteContext, element: etree._Element, parameters: net.BlockParameters, *, always: bool
 ) -> None:
     for name, group in _PARAMETERS.items():
-        variables: list[BlockVariable] = getattr(parameters, group)
+        variables: list[net.BlockVariable] = getattr(parameters, group)
         if variables or always:
             holder = add_child(ctx, element, name)
             for parameter in variables:
                 write_parameter(ctx, holder, parameter)
 
 
-def write_parameter(ctx: Tc6WriteContext, parent: etree._Element, parameter: BlockVariable) -> None:
+def write_parameter(ctx: Tc6WriteContext, parent: etree._Element, parameter: net.BlockVariable) -> None:
     """Write ``variable`` of a block."""
     attributes = {"formalParameter": parameter.name}
     attributes |= _written_modifiers(parameter)
@@ -336,7 +327,7 @@ def write_parameter(ctx: Tc6WriteContext, parent: etree._Element, parameter: Blo
     finish_element(ctx, element, parameter, "parameter", _INPUT | _OUTPUT | _MODIFIERS | {"name", "hidden"})
 
 
-def write_network(ctx: Tc6WriteContext, element: etree._Element, network: LogicNetwork) -> None:
+def write_network(ctx: Tc6WriteContext, element: etree._Element, network: net.LogicNetwork) -> None:
     """Write the elements of a network onto the one sheet that a TC6 body has."""
     for node in network.nodes:
         if is_known(ctx, node):

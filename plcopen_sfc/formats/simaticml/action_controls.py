@@ -41,19 +41,11 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.languages.words import needs_quotes
+from plcopen_sfc.model import network as net
 from plcopen_sfc.model.actions import ActionKind, Qualifier
 from plcopen_sfc.model.body import LdBody, StBody
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.network import (
-    Block,
-    BlockCall,
-    BlockParameters,
-    BlockVariable,
-    InputPin,
-    LogicNetwork,
-    OutputPin,
-)
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, SfcNetwork, Step
@@ -507,21 +499,21 @@ class _Planner:
         drawn = draw_ld_expression(tree, self._rules(draft))
         if drawn.problems or drawn.negated:
             raise _ImpossibleError
-        pins = [BlockVariable(name="EN", input=InputPin(connections=list(drawn.outputs)))]
+        pins = [net.BlockVariable(name="EN", input=net.InputPin(connections=list(drawn.outputs)))]
         passed = self._functions.arguments(called)
-        pins += [BlockVariable(name=name, input=InputPin(expression=value)) for name, value in passed.items()]
-        outputs = [BlockVariable(name="ENO", output=OutputPin())]
-        parameters = BlockParameters(inputs=pins, outputs=outputs)
+        pins += [net.BlockVariable(name=name, input=net.InputPin(expression=value)) for name, value in passed.items()]
+        outputs = [net.BlockVariable(name="ENO", output=net.OutputPin())]
+        parameters = net.BlockParameters(inputs=pins, outputs=outputs)
         number = max(node.id for node in drawn.network.nodes) + 1
-        kind = BlockCall.FUNCTION if instance is None else BlockCall.FUNCTION_BLOCK
-        block = Block(id=number, type_name=called.name, instance=instance, call=kind, parameters=parameters)
+        kind = net.BlockCall.FUNCTION if instance is None else net.BlockCall.FUNCTION_BLOCK
+        block = net.Block(id=number, type_name=called.name, instance=instance, call=kind, parameters=parameters)
         mark_call(block, called)
-        return self._typed(draft, LogicNetwork(nodes=[*drawn.network.nodes, block]))
+        return self._typed(draft, net.LogicNetwork(nodes=[*drawn.network.nodes, block]))
 
-    def _typed(self, draft: _Draft, network: LogicNetwork) -> LdBody:
+    def _typed(self, draft: _Draft, network: net.LogicNetwork) -> LdBody:
         types = self._types | {f"#{v.name.lower()}": write_type(v.type) for v in draft.variables if not _is_timer(v)}
         types |= {draft.operand.lower(): "Bool"} if draft.operand else {}
-        boxes = [node.type_name for node in network.nodes if isinstance(node, Block)]
+        boxes = [node.type_name for node in network.nodes if isinstance(node, net.Block)]
         if boxes != ["TON"] and give_types(network, types) is not None:
             raise _ImpossibleError
         put_assignments(network, types)

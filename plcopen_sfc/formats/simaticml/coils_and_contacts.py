@@ -17,25 +17,8 @@ from plcopen_sfc.formats.simaticml.network_boxes import RESULTS
 from plcopen_sfc.formats.simaticml.network_operands import literal_type, parse_operand
 from plcopen_sfc.languages.networks.network_graph import wires_of
 from plcopen_sfc.languages.s7_types import s7_types
+from plcopen_sfc.model import network as net
 from plcopen_sfc.model.body import FbdBody, LdBody
-from plcopen_sfc.model.network import (
-    Block,
-    BlockCall,
-    BlockParameters,
-    BlockVariable,
-    Coil,
-    Connection,
-    Contact,
-    Edge,
-    InputPin,
-    InputVariable,
-    LeftPowerRail,
-    LogicNetwork,
-    Node,
-    OutputPin,
-    OutputVariable,
-    Storage,
-)
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Body, BodyCondition, Condition
@@ -50,7 +33,7 @@ _COMPARISONS = frozenset({"EQ", "NE", "GT", "GE", "LT", "LE"})
 _CONSTANTS = {"TRUE": True, "1": True, "FALSE": False, "0": False}
 
 
-def keep_bits_by_logic(network: LogicNetwork, bits: Collection[str]) -> None:
+def keep_bits_by_logic(network: net.LogicNetwork, bits: Collection[str]) -> None:
     """Write ``bit := EN AND value OR NOT EN AND bit`` for each of the `bits` that a box with EN writes.
 
     Names of bits are in lower case. The inputs of other boxes stay as they are.
@@ -66,10 +49,10 @@ def keep_bits_by_logic(network: LogicNetwork, bits: Collection[str]) -> None:
             box.parameters.inputs = values
             value = _wire(box.id, "OUT")
         for node in written:
-            node.input = InputPin(connections=[_logic(network, node, enable, value)])
+            node.input = net.InputPin(connections=[_logic(network, node, enable, value)])
 
 
-def keep_bits_by_contacts(network: LogicNetwork, bits: Collection[str]) -> None:
+def keep_bits_by_contacts(network: net.LogicNetwork, bits: Collection[str]) -> None:
     """Do the same in a ladder: a branch of contacts behind the condition at EN, and one of the bit behind its NOT.
 
     Values that contacts cannot express stay as they are, see `writes_bits_on_a_condition`.
@@ -82,33 +65,33 @@ def keep_bits_by_contacts(network: LogicNetwork, bits: Collection[str]) -> None:
         target = written[0]
         free = max(node.id for node in network.nodes) + 1
         inverse = _box(free, "NOT", [enable.model_copy(deep=True)])
-        wire = InputPin(connections=[Connection(source=free, pin="OUT")])
-        kept = Contact(id=free + 1, variable=target.expression, input=wire, output=OutputPin())
+        wire = net.InputPin(connections=[net.Connection(source=free, pin="OUT")])
+        kept = net.Contact(id=free + 1, variable=target.expression, input=wire, output=net.OutputPin())
         at = network.nodes.index(target)
         network.nodes[at:at] = [inverse, kept]
-        target.input = InputPin(connections=[*passed, Connection(source=kept.id)])
+        target.input = net.InputPin(connections=[*passed, net.Connection(source=kept.id)])
 
 
-def writes_bits_on_a_condition(network: LogicNetwork) -> bool:
+def writes_bits_on_a_condition(network: net.LogicNetwork) -> bool:
     """True if boxes with EN write bits in a ladder: TIA Portal has no such boxes."""
-    moves = {node.id for node in network.nodes if isinstance(node, Block) and node.type_name.upper() == "MOVE"}
+    moves = {node.id for node in network.nodes if isinstance(node, net.Block) and node.type_name.upper() == "MOVE"}
     for node in network.nodes:
-        if isinstance(node, Block) and node.type_name not in _OF_WORDS:
+        if isinstance(node, net.Block) and node.type_name not in _OF_WORDS:
             is_logic = node.type_name.upper() in BOOLEAN - _COMPARISONS
             if is_logic and any(pin.name.upper() == "EN" for pin in node.parameters.inputs):
                 return True
-        if isinstance(node, Coil | Contact) and node.input is not None:
+        if isinstance(node, net.Coil | net.Contact) and node.input is not None:
             wires = node.input.connections
             if any(wire.source in moves and (wire.pin or "").upper() != "ENO" for wire in wires):
                 return True
     return False
 
 
-def _boxes(network: LogicNetwork, bits: Collection[str]) -> list[tuple[Block, list[OutputVariable]]]:
+def _boxes(network: net.LogicNetwork, bits: Collection[str]) -> list[tuple[net.Block, list[net.OutputVariable]]]:
     """Return the boxes with a wired EN that do nothing but write bits, and the bits that each of them writes."""
     found = []
     for box in network.nodes:
-        if not isinstance(box, Block) or box.type_name.upper() not in BOOLEAN | {"MOVE"}:
+        if not isinstance(box, net.Block) or box.type_name.upper() not in BOOLEAN | {"MOVE"}:
             continue
         readers = [
             node for node in network.nodes if any(c.source == box.id for pin in _inputs(node) for c in pin.connections)
@@ -122,15 +105,15 @@ def _boxes(network: LogicNetwork, bits: Collection[str]) -> list[tuple[Block, li
 
 
 def _branches(
-    network: LogicNetwork, box: Block, enable: BlockVariable, values: list[BlockVariable]
-) -> list[Connection] | None:
+    network: net.LogicNetwork, box: net.Block, enable: net.BlockVariable, values: list[net.BlockVariable]
+) -> list[net.Connection] | None:
     """Contacts instead of `box`: where power comes out if its value is TRUE; None where contacts cannot express it."""
     kind = box.type_name.upper()
     power = enable.input.connections if enable.input is not None else []
     if kind in _COMPARISONS:  # in LAD a comparison is a contact: power comes in at `pre`, and it has no ENO
         box.parameters.inputs = [enable.model_copy(update={"name": "pre"}), *values]
         box.parameters.outputs = [pin for pin in box.parameters.outputs if pin.name.upper() != "ENO"]
-        return [Connection(source=box.id, pin="OUT")]
+        return [net.Connection(source=box.id, pin="OUT")]
     operands = [_operand(network, value) for value in values]
     plain = [operand for operand in operands if operand is not None]
     if kind == "XOR" or len(plain) != len(operands) or not plain:
@@ -142,81 +125,83 @@ def _branches(
         return None
     else:
         contacts = [
-            Contact(id=operand.id, variable=operand.expression, negated=value.negated != (kind == "NOT"))
+            net.Contact(id=operand.id, variable=operand.expression, negated=value.negated != (kind == "NOT"))
             for operand, value in zip(plain, values, strict=True)
         ]
-        branches = [Connection(source=contact.id) for contact in (contacts if kind == "OR" else contacts[-1:])]
+        branches = [net.Connection(source=contact.id) for contact in (contacts if kind == "OR" else contacts[-1:])]
         for number, contact in enumerate(contacts):
-            before = [Connection(source=contacts[number - 1].id)] if number and kind == "AND" else power
-            contact.input = InputPin(connections=[wire.model_copy(deep=True) for wire in before])
-            contact.output = OutputPin()
+            before = [net.Connection(source=contacts[number - 1].id)] if number and kind == "AND" else power
+            contact.input = net.InputPin(connections=[wire.model_copy(deep=True) for wire in before])
+            contact.output = net.OutputPin()
     at = network.nodes.index(box)
     network.nodes[at : at + 1] = contacts
     network.nodes = [node for node in network.nodes if not any(node is operand for operand in plain)]
     return [wire.model_copy(deep=True) for wire in branches]
 
 
-def _operand(network: LogicNetwork, pin: BlockVariable) -> InputVariable | None:
+def _operand(network: net.LogicNetwork, pin: net.BlockVariable) -> net.InputVariable | None:
     """Return the variable at an input, if it is there for that alone."""
     wires = pin.input.connections if pin.input is not None else []
     found = [node for node in network.nodes if any(node.id == wire.source for wire in wires)]
-    if len(wires) != 1 or len(found) != 1 or pin.edge is not Edge.NONE or pin.storage is not Storage.NONE:
+    if len(wires) != 1 or len(found) != 1 or pin.edge is not net.Edge.NONE or pin.storage is not net.Storage.NONE:
         return None
     node = found[0]
     readers = sum(
         wire.source == node.id for other in network.nodes for each in _inputs(other) for wire in each.connections
     )
-    return node if isinstance(node, InputVariable) and not node.negated and readers == 1 else None
+    return node if isinstance(node, net.InputVariable) and not node.negated and readers == 1 else None
 
 
-def _is_bit(node: Node, bits: Collection[str]) -> TypeGuard[OutputVariable]:
+def _is_bit(node: net.Node, bits: Collection[str]) -> TypeGuard[net.OutputVariable]:
     """True if one of the bits is written, by nothing but one wire from an output that is no ENO."""
-    if not isinstance(node, OutputVariable) or node.input is None or len(node.input.connections) != 1:
+    if not isinstance(node, net.OutputVariable) or node.input is None or len(node.input.connections) != 1:
         return False
     of_value = (node.input.connections[0].pin or "").upper() != "ENO"
     return of_value and node.expression.removeprefix("#").strip('"').casefold() in bits
 
 
-def _wired(pin: BlockVariable) -> bool:
+def _wired(pin: net.BlockVariable) -> bool:
     return pin.input is not None and bool(pin.input.connections)
 
 
-def _inputs(node: Node) -> list[InputPin]:
+def _inputs(node: net.Node) -> list[net.InputPin]:
     """Return the pins at which wires end at an element."""
-    if isinstance(node, Block):
+    if isinstance(node, net.Block):
         pins = [variable.input for variable in (*node.parameters.inputs, *node.parameters.in_outs)]
         return [pin for pin in pins if pin is not None]
     pin = getattr(node, "input", None)
-    return [pin] if isinstance(pin, InputPin) else []
+    return [pin] if isinstance(pin, net.InputPin) else []
 
 
-def _logic(network: LogicNetwork, target: OutputVariable, enable: BlockVariable, value: BlockVariable) -> Connection:
+def _logic(
+    network: net.LogicNetwork, target: net.OutputVariable, enable: net.BlockVariable, value: net.BlockVariable
+) -> net.Connection:
     """Put three boxes in front of `target`, and give the wire from the last one."""
     free = max(node.id for node in network.nodes) + 1
-    kept = InputVariable(id=free, expression=target.expression, output=OutputPin())
+    kept = net.InputVariable(id=free, expression=target.expression, output=net.OutputPin())
     passed = _box(free + 1, "AND", [_as_input(enable), _as_input(value)])
     held = _box(free + 2, "AND", [_as_input(enable, inverted=True), _wire(kept.id)])
     either = _box(free + 3, "OR", [_wire(passed.id, "OUT"), _wire(held.id, "OUT")])
     at = network.nodes.index(target)
     network.nodes[at:at] = [kept, passed, held, either]
-    return Connection(source=either.id, pin="OUT")
+    return net.Connection(source=either.id, pin="OUT")
 
 
-def _as_input(pin: BlockVariable, *, inverted: bool = False) -> BlockVariable:
+def _as_input(pin: net.BlockVariable, *, inverted: bool = False) -> net.BlockVariable:
     copy = pin.model_copy(deep=True)
     copy.negated = pin.negated is not inverted
     return copy
 
 
-def _wire(source: int, pin: str | None = None) -> BlockVariable:
-    return BlockVariable(name="IN", input=InputPin(connections=[Connection(source=source, pin=pin)]))
+def _wire(source: int, pin: str | None = None) -> net.BlockVariable:
+    return net.BlockVariable(name="IN", input=net.InputPin(connections=[net.Connection(source=source, pin=pin)]))
 
 
-def _box(number: int, kind: str, inputs: list[BlockVariable]) -> Block:
+def _box(number: int, kind: str, inputs: list[net.BlockVariable]) -> net.Block:
     for place, pin in enumerate(inputs, 1):
         pin.name = f"IN{place}"
-    outputs = [BlockVariable(name="OUT", output=OutputPin())]
-    return Block(id=number, type_name=kind, parameters=BlockParameters(inputs=inputs, outputs=outputs))
+    outputs = [net.BlockVariable(name="OUT", output=net.OutputPin())]
+    return net.Block(id=number, type_name=kind, parameters=net.BlockParameters(inputs=inputs, outputs=outputs))
 
 
 _OPPOSITE = {"EQ": "NE", "NE": "EQ", "GT": "LE", "LE": "GT", "LT": "GE", "GE": "LT"}
@@ -224,26 +209,26 @@ _POWER = "pre"
 """Pin of a comparison at which power comes in."""
 
 
-def lacks_power(network: LogicNetwork) -> bool:
+def lacks_power(network: net.LogicNetwork) -> bool:
     """True if a ladder has comparisons without power, or AND boxes: TIA Portal draws none."""
-    boxes = [node for node in network.nodes if isinstance(node, Block)]
+    boxes = [node for node in network.nodes if isinstance(node, net.Block)]
     return any(box.type_name == "AND" or _is_at_no_power(box) for box in boxes)
 
 
-def _is_at_no_power(box: Block) -> bool:
+def _is_at_no_power(box: net.Block) -> bool:
     return box.type_name in _OPPOSITE and not any(pin.name in (_POWER, "EN") for pin in box.parameters.inputs)
 
 
-def put_in_series(network: LogicNetwork) -> None:
+def put_in_series(network: net.LogicNetwork) -> None:
     """Give comparisons their power, and make series of AND boxes, as far as contacts and comparisons go."""
-    rail = next((node for node in network.nodes if isinstance(node, LeftPowerRail)), None)
+    rail = next((node for node in network.nodes if isinstance(node, net.LeftPowerRail)), None)
     if rail is None:
         return
-    boxes = [node for node in network.nodes if isinstance(node, Block)]
+    boxes = [node for node in network.nodes if isinstance(node, net.Block)]
     for box in boxes:
         if _is_at_no_power(box):
-            power = InputPin(connections=[Connection(source=rail.id)])
-            box.parameters.inputs.insert(0, BlockVariable(name=_POWER, input=power))
+            power = net.InputPin(connections=[net.Connection(source=rail.id)])
+            box.parameters.inputs.insert(0, net.BlockVariable(name=_POWER, input=power))
     for box in boxes:
         pins = box.parameters.inputs
         if box.type_name != "AND" or len(pins) < 2 or any(not _is_plain(pin) for pin in pins):
@@ -254,45 +239,52 @@ def put_in_series(network: LogicNetwork) -> None:
             _unfold(network, rail, box, parts)
 
 
-def _is_plain(pin: BlockVariable) -> bool:
+def _is_plain(pin: net.BlockVariable) -> bool:
     is_wired = pin.input is not None and bool(pin.input.connections)
-    return is_wired and pin.name != "EN" and pin.edge is Edge.NONE and pin.storage is Storage.NONE
+    return is_wired and pin.name != "EN" and pin.edge is net.Edge.NONE and pin.storage is net.Storage.NONE
 
 
-def _carries_power(network: LogicNetwork, pin: BlockVariable) -> bool:
+def _carries_power(network: net.LogicNetwork, pin: net.BlockVariable) -> bool:
     """True if a pin gets its value from contacts and boxes only."""
     wires = pin.input.connections if pin.input is not None else []
     sources = {wire.source for wire in wires}
-    return not pin.negated and not any(isinstance(n, InputVariable) for n in network.nodes if n.id in sources)
+    return not pin.negated and not any(isinstance(n, net.InputVariable) for n in network.nodes if n.id in sources)
 
 
-def _in_series(network: LogicNetwork, rail: LeftPowerRail, pin: BlockVariable) -> InputVariable | Block | None:
+def _in_series(
+    network: net.LogicNetwork, rail: net.LeftPowerRail, pin: net.BlockVariable
+) -> net.InputVariable | net.Block | None:
     """Element at a pin that can be in a series: a variable, or a comparison at the rail without other consumers."""
     wires = pin.input.connections if pin.input is not None else []
     node = next((node for node in network.nodes if len(wires) == 1 and node.id == wires[0].source), None)
     readers = sum(wire.source == node.id for other in network.nodes for wire in wires_of(other)) if node else 0
-    if isinstance(node, InputVariable) and not node.negated and readers == 1:
+    if isinstance(node, net.InputVariable) and not node.negated and readers == 1:
         return node
-    if not isinstance(node, Block) or node.type_name not in _OPPOSITE or readers != 1:
+    if not isinstance(node, net.Block) or node.type_name not in _OPPOSITE or readers != 1:
         return None
     power = node.parameters.inputs[0]
     at_rail = power.input is not None and [wire.source for wire in power.input.connections] == [rail.id]
     return node if power.name == _POWER and at_rail else None
 
 
-def _unfold(network: LogicNetwork, rail: LeftPowerRail, box: Block, parts: list[InputVariable | Block | None]) -> None:
+def _unfold(
+    network: net.LogicNetwork,
+    rail: net.LeftPowerRail,
+    box: net.Block,
+    parts: list[net.InputVariable | net.Block | None],
+) -> None:
     """Replace an AND box by a series."""
-    power = [Connection(source=rail.id)]
+    power = [net.Connection(source=rail.id)]
     for pin, part in zip(box.parameters.inputs, parts, strict=True):
         wires = pin.input.connections if pin.input is not None else []
-        if isinstance(part, InputVariable):
+        if isinstance(part, net.InputVariable):
             index = network.nodes.index(part)
             place = {"id": part.id, "position": part.position, "width": part.width, "height": part.height}
-            marks = {"variable": part.expression, "negated": pin.negated, "input": InputPin(connections=power)}
-            network.nodes[index] = Contact.model_validate({**place, **marks, "kind": "contact"})
-            power = [Connection(source=part.id)]
+            marks = {"variable": part.expression, "negated": pin.negated, "input": net.InputPin(connections=power)}
+            network.nodes[index] = net.Contact.model_validate({**place, **marks, "kind": "contact"})
+            power = [net.Connection(source=part.id)]
         elif part is not None:
-            part.parameters.inputs[0].input = InputPin(connections=power)
+            part.parameters.inputs[0].input = net.InputPin(connections=power)
             part.type_name = _OPPOSITE[part.type_name] if pin.negated else part.type_name
             power = wires
         else:
@@ -307,7 +299,7 @@ def _unfold(network: LogicNetwork, rail: LeftPowerRail, box: Block, parts: list[
 
 _BITS = BOOLEAN | {"R_TRIG", "F_TRIG"}
 """Boxes whose result is a bit. Edges with an instance of their own are others."""
-_CALLS = (BlockCall.FUNCTION, BlockCall.FUNCTION_BLOCK)
+_CALLS = (net.BlockCall.FUNCTION, net.BlockCall.FUNCTION_BLOCK)
 
 
 def types_of(project: Project, pou: Pou) -> dict[str, str]:
@@ -347,70 +339,72 @@ def put_coils(project: Project) -> None:
                     put_in_series(network)
 
 
-def _networks(body: Body) -> Iterator[LogicNetwork]:
+def _networks(body: Body) -> Iterator[net.LogicNetwork]:
     if isinstance(body, FbdBody | LdBody):
         yield from body.networks
 
 
-def _result(node: Node) -> Node:
+def _result(node: net.Node) -> net.Node:
     name = _target(node).removeprefix("#").strip('"')
     return _coil(node, name) if name in RESULTS else node
 
 
-def put_assignments(network: LogicNetwork, types: Mapping[str, str], blocks: Iterable[str] = ()) -> None:
+def put_assignments(network: net.LogicNetwork, types: Mapping[str, str], blocks: Iterable[str] = ()) -> None:
     """Make coils and ``Move`` boxes of the output variables of a network; `types` are those of `types_of`.
 
     The output of a box that calls one of the `blocks` of the project (lower case), or from any other box that does
     not give a bit, stays at its pin.
     """
-    if not any(isinstance(node, OutputVariable) for node in network.nodes):
+    if not any(isinstance(node, net.OutputVariable) for node in network.nodes):
         return
     own = frozenset(blocks)
     sources = {node.id: node for node in network.nodes}
     for index, node in enumerate(network.nodes):
-        if not isinstance(node, OutputVariable) or node.input is None or not node.input.connections:
+        if not isinstance(node, net.OutputVariable) or node.input is None or not node.input.connections:
             continue
         givers = [sources.get(connection.source) for connection in node.input.connections]
         if _takes_bit(node, givers, types, own):
             network.nodes[index] = _coil(node, node.expression)
-        elif len(givers) == 1 and isinstance(givers[0], InputVariable) and _is_value(node, givers[0], types):
+        elif len(givers) == 1 and isinstance(givers[0], net.InputVariable) and _is_value(node, givers[0], types):
             network.nodes[index] = _move(node)
     _put_contacts(network)
 
 
-def _put_contacts(network: LogicNetwork) -> None:
+def _put_contacts(network: net.LogicNetwork) -> None:
     """Contacts of variables at coils, in a network with a power rail: LAD has no operands there."""
-    rail = next((node for node in network.nodes if isinstance(node, LeftPowerRail)), None)
-    coils = [node.input for node in network.nodes if isinstance(node, Coil) and node.input is not None]
+    rail = next((node for node in network.nodes if isinstance(node, net.LeftPowerRail)), None)
+    coils = [node.input for node in network.nodes if isinstance(node, net.Coil) and node.input is not None]
     fed = {connection.source for pin in coils for connection in pin.connections}
     for index, node in enumerate(network.nodes):
-        if rail is not None and isinstance(node, InputVariable) and node.id in fed:
+        if rail is not None and isinstance(node, net.InputVariable) and node.id in fed:
             shared = {
-                field: getattr(node, field) for field in InputVariable.model_fields if field in Contact.model_fields
+                field: getattr(node, field)
+                for field in net.InputVariable.model_fields
+                if field in net.Contact.model_fields
             }
-            power = InputPin(connections=[Connection(source=rail.id)])
+            power = net.InputPin(connections=[net.Connection(source=rail.id)])
             marks = {"kind": "contact", "variable": node.expression, "input": power}
-            network.nodes[index] = Contact.model_validate(shared | marks)
+            network.nodes[index] = net.Contact.model_validate(shared | marks)
 
 
 def _takes_bit(
-    node: OutputVariable, givers: list[Node | None], types: Mapping[str, str], blocks: frozenset[str]
+    node: net.OutputVariable, givers: list[net.Node | None], types: Mapping[str, str], blocks: frozenset[str]
 ) -> bool:
-    if node.storage is not Storage.NONE:
+    if node.storage is not net.Storage.NONE:
         return True  # only bits are set and reset
     if all(_gives_bit(giver, types) for giver in givers):
         return True
-    called = any(isinstance(g, Block) and (g.call in _CALLS or g.type_name.casefold() in blocks) for g in givers)
+    called = any(isinstance(g, net.Block) and (g.call in _CALLS or g.type_name.casefold() in blocks) for g in givers)
     return _type(node.expression, types) == "Bool" and not called
 
 
-def _gives_bit(giver: Node | None, types: Mapping[str, str]) -> bool:
-    if isinstance(giver, Block):
+def _gives_bit(giver: net.Node | None, types: Mapping[str, str]) -> bool:
+    if isinstance(giver, net.Block):
         return giver.type_name.upper() in _BITS
-    return isinstance(giver, InputVariable) and _type(giver.expression, types) == "Bool"
+    return isinstance(giver, net.InputVariable) and _type(giver.expression, types) == "Bool"
 
 
-def _is_value(node: OutputVariable, giver: InputVariable, types: Mapping[str, str]) -> bool:
+def _is_value(node: net.OutputVariable, giver: net.InputVariable, types: Mapping[str, str]) -> bool:
     """True if something else than a bit is assigned; False if the type is not known."""
     return bool(_type(node.expression, types) or _type(giver.expression, types))
 
@@ -428,21 +422,25 @@ def _plain(text: str) -> str:
     return text.removeprefix("#").strip('"').lower()
 
 
-def _target(node: Node) -> str:
-    if isinstance(node, Coil):
+def _target(node: net.Node) -> str:
+    if isinstance(node, net.Coil):
         return node.variable
-    return node.expression if isinstance(node, OutputVariable) else ""
+    return node.expression if isinstance(node, net.OutputVariable) else ""
 
 
-def _coil(node: Node, variable: str) -> Node:
-    shared = {field: getattr(node, field) for field in OutputVariable.model_fields if field in Coil.model_fields}
-    return Coil.model_validate({**shared, "kind": "coil", "variable": variable})
+def _coil(node: net.Node, variable: str) -> net.Node:
+    shared = {
+        field: getattr(node, field) for field in net.OutputVariable.model_fields if field in net.Coil.model_fields
+    }
+    return net.Coil.model_validate({**shared, "kind": "coil", "variable": variable})
 
 
-def _move(node: OutputVariable) -> Node:
-    shared = {field: getattr(node, field) for field in OutputVariable.model_fields if field in Block.model_fields}
-    parameters = BlockParameters(
-        inputs=[BlockVariable(name="IN", input=node.input)],
-        outputs=[BlockVariable(name="OUT", output=OutputPin(expression=node.expression))],
+def _move(node: net.OutputVariable) -> net.Node:
+    shared = {
+        field: getattr(node, field) for field in net.OutputVariable.model_fields if field in net.Block.model_fields
+    }
+    parameters = net.BlockParameters(
+        inputs=[net.BlockVariable(name="IN", input=node.input)],
+        outputs=[net.BlockVariable(name="OUT", output=net.OutputPin(expression=node.expression))],
     )
-    return Block.model_validate({**shared, "kind": "block", "type_name": "MOVE", "parameters": parameters})
+    return net.Block.model_validate({**shared, "kind": "block", "type_name": "MOVE", "parameters": parameters})

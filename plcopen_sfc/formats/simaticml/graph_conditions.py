@@ -34,24 +34,11 @@ from plcopen_sfc.languages.st.parsing import parse_expression
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.walking import transform
 from plcopen_sfc.languages.standard_blocks import Tool, standard_block
+from plcopen_sfc.model import network as net
 from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import FbdBody, LdBody, OpaqueBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.network import (
-    Block,
-    BlockParameters,
-    BlockVariable,
-    Coil,
-    Connection,
-    Contact,
-    InputPin,
-    InputVariable,
-    LeftPowerRail,
-    LogicNetwork,
-    Node,
-    OutputPin,
-)
 from plcopen_sfc.model.sfc import Body, BodyCondition, Condition
 from plcopen_sfc.report import Outcome
 
@@ -63,7 +50,7 @@ _NUMBER = re.compile(r"\d[\d_]{0,400}")
 _STEP_DATA = {".t": "Time", ".u": "Time", ".x": "Bool"}
 
 
-def give_types(network: LogicNetwork, types: Mapping[str, str]) -> str | None:
+def give_types(network: net.LogicNetwork, types: Mapping[str, str]) -> str | None:
     """Give the boxes of a network, a copy, their types; or return the reason why TIA Portal has no such network.
 
     `types`: those of variables as operands name them, in lower case.
@@ -72,27 +59,27 @@ def give_types(network: LogicNetwork, types: Mapping[str, str]) -> str | None:
 
 
 class _Typing:
-    def __init__(self, network: LogicNetwork, types: Mapping[str, str]) -> None:
+    def __init__(self, network: net.LogicNetwork, types: Mapping[str, str]) -> None:
         self.network = network
         self.types = types
-        self.nodes: dict[int, Node] = {node.id: node for node in network.nodes}
+        self.nodes: dict[int, net.Node] = {node.id: node for node in network.nodes}
         self.results: dict[int, str | None] = {}
         self.problem: str | None = None
 
     def run(self) -> str | None:
         for node in self.network.nodes:
-            if isinstance(node, Block):
+            if isinstance(node, net.Block):
                 self._result(node)
         return self.problem
 
-    def _result(self, block: Block) -> str | None:
+    def _result(self, block: net.Block) -> str | None:
         """Return the type of the output of a box, which gets its types."""
         if block.id not in self.results:
             self.results[block.id] = None
             self.results[block.id] = self._typed(block)
         return self.results[block.id]
 
-    def _typed(self, block: Block) -> str | None:
+    def _typed(self, block: net.Block) -> str | None:
         standard = standard_block(block.type_name)
         if block.call is not None and block.call.value in ("functionblock", "function") and standard is None:
             return None
@@ -119,7 +106,9 @@ class _Typing:
             return target
         return "Bool" if standard.stateful else None
 
-    def _common(self, block: Block, known: Iterable[str], inputs: list[BlockVariable] | None = None) -> str | None:
+    def _common(
+        self, block: net.Block, known: Iterable[str], inputs: list[net.BlockVariable] | None = None
+    ) -> str | None:
         """Return the type of a box for values of the types `known` and for the literals among its `inputs`."""
         try:
             return type_of_box(block.type_name, set(known), [h.expression or "" for h in self._holders(inputs or [])])
@@ -127,15 +116,15 @@ class _Typing:
             self.problem = self.problem or str(error)
             return None
 
-    def _holders(self, inputs: list[BlockVariable]) -> list[InputPin | InputVariable]:
+    def _holders(self, inputs: list[net.BlockVariable]) -> list[net.InputPin | net.InputVariable]:
         """Return the pins and variables with the operands of a box."""
-        found: list[InputPin | InputVariable] = []
+        found: list[net.InputPin | net.InputVariable] = []
         for pin in (pin.input for pin in inputs if pin.input is not None):
             found += [pin] if pin.expression is not None else []
-            found += [each for w in pin.connections if isinstance(each := self.nodes.get(w.source), InputVariable)]
+            found += [each for w in pin.connections if isinstance(each := self.nodes.get(w.source), net.InputVariable)]
         return found
 
-    def _logic(self, block: Block, known: set[str], inputs: list[BlockVariable]) -> str | None:
+    def _logic(self, block: net.Block, known: set[str], inputs: list[net.BlockVariable]) -> str | None:
         if known <= {"Bool"}:
             return "Bool"
         kind = self._common(block, known)
@@ -153,7 +142,7 @@ class _Typing:
                 wire.pin = wire.pin.lower()
         return kind
 
-    def _set_type(self, block: Block, kind: str, inputs: list[BlockVariable]) -> None:
+    def _set_type(self, block: net.Block, kind: str, inputs: list[net.BlockVariable]) -> None:
         """Write the type of a box, and its constants in a form that is of this type."""
         attributes = {"SrcType": kind}
         if block.type_name in _COUNTED:
@@ -165,7 +154,7 @@ class _Typing:
             if holder.expression is not None and _NUMBER.fullmatch(holder.expression):
                 holder.expression = f"16#{int(holder.expression.replace('_', '')):X}"
 
-    def _type_of(self, pin: BlockVariable) -> str | None:
+    def _type_of(self, pin: net.BlockVariable) -> str | None:
         """Type of the value at an input; None for numbers, which may be of several, and for unknown types."""
         if pin.input is None:
             return None
@@ -173,9 +162,9 @@ class _Typing:
             return self._type_of_text(pin.input.expression)
         for wire in pin.input.connections:
             node = self.nodes.get(wire.source)
-            if isinstance(node, Block):
+            if isinstance(node, net.Block):
                 return self._result(node)
-            if isinstance(node, InputVariable):
+            if isinstance(node, net.InputVariable):
                 return self._type_of_text(node.expression)
         return None
 
@@ -229,9 +218,11 @@ def untranslated_name(label: str) -> str:
 
 def untranslated_body(result: str, label: str) -> LdBody:
     """Return a network that does not compile: its contact is a variable that nothing declares."""
-    contact = Contact(id=1, variable=f"#{untranslated_name(label)}", input=InputPin(connections=[Connection(source=0)]))
-    coil = Coil(id=2, variable=result, input=InputPin(connections=[Connection(source=1)]))
-    return LdBody(networks=[LogicNetwork(nodes=[LeftPowerRail(id=0), contact, coil])])
+    contact = net.Contact(
+        id=1, variable=f"#{untranslated_name(label)}", input=net.InputPin(connections=[net.Connection(source=0)])
+    )
+    coil = net.Coil(id=2, variable=result, input=net.InputPin(connections=[net.Connection(source=1)]))
+    return LdBody(networks=[net.LogicNetwork(nodes=[net.LeftPowerRail(id=0), contact, coil])])
 
 
 def condition_body(condition: Expression, result: str) -> FbdBody | LdBody | None:
@@ -252,10 +243,10 @@ def condition_body(condition: Expression, result: str) -> FbdBody | LdBody | Non
     following = max((node.id for node in nodes), default=0) + 1
     if drawn.negated:
         nodes.append(_inverter(following, outputs))
-        outputs = [Connection(source=following, pin="OUT")]
+        outputs = [net.Connection(source=following, pin="OUT")]
         following += 1
-    nodes.append(Coil(id=following, variable=result, input=InputPin(connections=outputs)))
-    network = LogicNetwork(nodes=nodes)
+    nodes.append(net.Coil(id=following, variable=result, input=net.InputPin(connections=outputs)))
+    network = net.LogicNetwork(nodes=nodes)
     return LdBody(networks=[network]) if is_ladder else FbdBody(networks=[network])
 
 
@@ -267,12 +258,14 @@ def _without_sign(node: n.Node) -> n.Node:
     return node
 
 
-def _inverter(number: int, sources: list[Connection]) -> Block:
+def _inverter(number: int, sources: list[net.Connection]) -> net.Block:
     """Return an inverted value in FBD: an AND box with TRUE, whose first input is negated."""
-    first = BlockVariable(name="IN1", input=InputPin(connections=sources), negated=True)
-    second = BlockVariable(name="IN2", input=InputPin(expression="TRUE"))
-    outputs = [BlockVariable(name="OUT", output=OutputPin())]
-    return Block(id=number, type_name="AND", parameters=BlockParameters(inputs=[first, second], outputs=outputs))
+    first = net.BlockVariable(name="IN1", input=net.InputPin(connections=sources), negated=True)
+    second = net.BlockVariable(name="IN2", input=net.InputPin(expression="TRUE"))
+    outputs = [net.BlockVariable(name="OUT", output=net.OutputPin())]
+    return net.Block(
+        id=number, type_name="AND", parameters=net.BlockParameters(inputs=[first, second], outputs=outputs)
+    )
 
 
 def _is_logic(tree: n.Expression) -> bool:
@@ -350,8 +343,8 @@ class ConditionWriter:
 
 def empty_network(result: str) -> LdBody:
     """Return the network that LAD shows for no condition: the rail leads to the coil."""
-    coil = Coil(id=1, variable=result, input=InputPin(connections=[Connection(source=0)]))
-    return LdBody(networks=[LogicNetwork(nodes=[LeftPowerRail(id=0), coil])])
+    coil = net.Coil(id=1, variable=result, input=net.InputPin(connections=[net.Connection(source=0)]))
+    return LdBody(networks=[net.LogicNetwork(nodes=[net.LeftPowerRail(id=0), coil])])
 
 
 def _is_flgnet(condition: BodyCondition, result: str) -> bool:
@@ -362,7 +355,7 @@ def _is_flgnet(condition: BodyCondition, result: str) -> bool:
     if body.language not in ("LD", "FBD"):
         return False
     return condition.name == result or any(
-        isinstance(node, Coil) and node.variable in RESULT_OF.values()
+        isinstance(node, net.Coil) and node.variable in RESULT_OF.values()
         for network in getattr(body, "networks", [])
         for node in network.nodes
     )

@@ -15,23 +15,8 @@ from typing import NamedTuple
 
 from plcopen_sfc.languages.networks.network_graph import apart, wires_of
 from plcopen_sfc.languages.standard_blocks import Tool
+from plcopen_sfc.model import network as net
 from plcopen_sfc.model.checked import unchecked
-from plcopen_sfc.model.network import (
-    Block,
-    BlockCall,
-    BlockParameters,
-    BlockVariable,
-    CommentBox,
-    Connection,
-    InputPin,
-    LeftPowerRail,
-    LogicNetwork,
-    Node,
-    OutputPin,
-    Point,
-    RightPowerRail,
-    VendorElement,
-)
 from plcopen_sfc.model.text import plain
 
 GRID = 10
@@ -57,8 +42,8 @@ class WireStart(NamedTuple):
 
     source: int
     pin: str | None
-    at: Point
-    route: tuple[Point, ...] = ()
+    at: net.Point
+    route: tuple[net.Point, ...] = ()
 
 
 class Area(NamedTuple):
@@ -83,37 +68,37 @@ class DrawnItem(NamedTuple):
 class Slot(NamedTuple):
     """An input of an element that is to be placed: its pin, how far below the top it is, and what feeds it."""
 
-    pin: InputPin
+    pin: net.InputPin
     row: float
     item: DrawnItem
 
 
-def input_pin(row: float) -> InputPin:
+def input_pin(row: float) -> net.InputPin:
     """Return an input at the left side of an element, `row` below its top."""
-    return unchecked(InputPin, connections=[], position=(0.0, float(row)))
+    return unchecked(net.InputPin, connections=[], position=(0.0, float(row)))
 
 
-def output_pin(width: float, row: float) -> OutputPin:
+def output_pin(width: float, row: float) -> net.OutputPin:
     """Return an output at the right side of an element."""
-    return unchecked(OutputPin, position=(float(width), float(row)))
+    return unchecked(net.OutputPin, position=(float(width), float(row)))
 
 
-def give_place(node: Node, left: float, top: float, size: tuple[float, float]) -> None:
+def give_place(node: net.Node, left: float, top: float, size: tuple[float, float]) -> None:
     """Set the place and size of an element, unchecked: three checks take a tenth of the time of drawing."""
     vars(node).update(position=(float(left), float(top)), width=float(size[0]), height=float(size[1]))
     node.__pydantic_fields_set__.update(("position", "width", "height"))
 
 
-def connect(pin: InputPin, at: Point, ends: Sequence[WireStart], channel: float) -> None:
+def connect(pin: net.InputPin, at: net.Point, ends: Sequence[WireStart], channel: float) -> None:
     """Draw wires from `ends` to the input `pin` at `at`; where they must go up or down they do it at x = `channel`."""
     for end in ends:
         bend = [(channel, at[1]), (channel, end.at[1])] if end.at[1] != at[1] else []
         points = [(float(x), float(y)) for x, y in dict.fromkeys([at, *bend, end.at, *end.route])]
-        pin.connections.append(unchecked(Connection, source=end.source, pin=end.pin, points=points))
+        pin.connections.append(unchecked(net.Connection, source=end.source, pin=end.pin, points=points))
 
 
 def placed(
-    node: Node, size: tuple[int, int], slots: Sequence[Slot], outputs: Sequence[WireStart], line: float
+    node: net.Node, size: tuple[int, int], slots: Sequence[Slot], outputs: Sequence[WireStart], line: float
 ) -> DrawnItem:
     """Return the item of an element and of all that feeds it. The places of `outputs` are relative to the element.
 
@@ -148,43 +133,43 @@ class BlockDraft:
 
     type_name: str
     instance: str | None = None
-    call: BlockCall | None = None
+    call: net.BlockCall | None = None
     code: str | None = None
     inputs: list[tuple[str, DrawnItem | None]] = field(default_factory=list)
     outputs: list[str] = field(default_factory=list)
     operand: tuple[str, str] | None = None
 
-    def draw(self, number: int, order: int | None, value: str | None) -> tuple[Block, DrawnItem]:
+    def draw(self, number: int, order: int | None, value: str | None) -> tuple[net.Block, DrawnItem]:
         """Return the block, and it as an item whose value is the output `value`."""
-        inputs: list[BlockVariable] = []
+        inputs: list[net.BlockVariable] = []
         slots: list[Slot] = []
         for row, (name, item) in enumerate(self.inputs):
             pin = input_pin(FIRST_PIN + ROW * row)
             negated = item is not None and item.negated
-            variable = unchecked(BlockVariable, name=name, input=pin, negated=negated)
+            variable = unchecked(net.BlockVariable, name=name, input=pin, negated=negated)
             inputs.append(variable)
             if item is not None:
                 slots.append(Slot(pin, FIRST_PIN + ROW * row, item))
         if self.operand is not None:
             name, text = self.operand
             place = (0, FIRST_PIN + ROW * len(inputs))
-            inputs.append(BlockVariable(name=name, input=InputPin(position=place, expression=text)))
+            inputs.append(net.BlockVariable(name=name, input=net.InputPin(position=place, expression=text)))
         longest = max((len(name) for name, _ in self.inputs), default=0) + max(map(len, self.outputs), default=0)
         texts = ["-" * (longest + 2), self.type_name, self.instance or "", self.code or ""]
         width = max(60, *map(text_width, texts))
         lines = len((self.code or "").splitlines())
         height = FIRST_PIN + ROW * max(len(inputs), len(self.outputs), lines, 1)
         rows = {name: FIRST_PIN + ROW * row for row, name in enumerate(self.outputs)}
-        outputs = [unchecked(BlockVariable, name=name, output=output_pin(width, row)) for name, row in rows.items()]
+        outputs = [unchecked(net.BlockVariable, name=name, output=output_pin(width, row)) for name, row in rows.items()]
         node = unchecked(
-            Block,
+            net.Block,
             id=number,
             type_name=self.type_name,
             instance=self.instance,
             call=self.call,
             code=self.code,
             execution_order=order,
-            parameters=unchecked(BlockParameters, inputs=inputs, in_outs=[], outputs=outputs),
+            parameters=unchecked(net.BlockParameters, inputs=inputs, in_outs=[], outputs=outputs),
         )
         ends = [WireStart(number, value, (width, rows[value]))] if value is not None else []
         line = rows[value] if value is not None else FIRST_PIN
@@ -199,14 +184,14 @@ _RIGHT_RAIL_ID = 2**31 - 2
 """The id of the right power rail in CODESYS; that of the left one is 0, and there are no others in a body."""
 
 
-def on_one_sheet(networks: Sequence[LogicNetwork], tool: Tool | None = None) -> LogicNetwork:
+def on_one_sheet(networks: Sequence[net.LogicNetwork], tool: Tool | None = None) -> net.LogicNetwork:
     """Return the same networks as one: each below the one before, executed in this order.
 
     Titles and comments are boxes above them. For CODESYS the ids tell where a network of FBD begins; in LD a comment
     and a title do, and all networks share their power rails.
     """
     copies = [network.model_copy(deep=True) for network in apart(networks)[0]]
-    is_ladder = any(isinstance(node, LeftPowerRail) for copy in copies for node in copy.nodes)
+    is_ladder = any(isinstance(node, net.LeftPowerRail) for copy in copies for node in copy.nodes)
     used = [number for copy in copies for node in copy.nodes for number in (node.id, *_starts(node))]
     order, top, free = 0, float(_MARGIN), max(used, default=0) + 1
     for copy in copies:
@@ -225,25 +210,25 @@ def on_one_sheet(networks: Sequence[LogicNetwork], tool: Tool | None = None) -> 
     if tool is Tool.CODESYS and not is_ladder:
         _number_by_network(copies)
     nodes = [node for copy in copies for node in copy.nodes]
-    return LogicNetwork(nodes=_with_common_rails(nodes) if tool is Tool.CODESYS and is_ladder else nodes)
+    return net.LogicNetwork(nodes=_with_common_rails(nodes) if tool is Tool.CODESYS and is_ladder else nodes)
 
 
-def _starts(node: Node) -> Iterator[int]:
+def _starts(node: net.Node) -> Iterator[int]:
     """Yield the ids of the elements at which the wires to an element start."""
     return (wire.source for wire in wires_of(node))
 
 
-def _heads(network: LogicNetwork, free: int, *, titled: bool) -> Iterator[Node]:
+def _heads(network: net.LogicNetwork, free: int, *, titled: bool) -> Iterator[net.Node]:
     title, comment = plain(network.title), plain(network.comment)
     text = comment if titled else "\n".join(part for part in (title, comment) if part)
     if text or titled:
         lines = len(text.splitlines())
-        yield CommentBox(id=free, content=text, width=text_width(text), height=ROW * lines)
+        yield net.CommentBox(id=free, content=text, width=text_width(text), height=ROW * lines)
     if titled:
-        yield VendorElement(id=free + 1, alternative_text=title, element_type="networktitle")
+        yield net.VendorElement(id=free + 1, alternative_text=title, element_type="networktitle")
 
 
-def _moved(nodes: Sequence[Node], top: float) -> float:
+def _moved(nodes: Sequence[net.Node], top: float) -> float:
     """Move elements and their wires to below `top`; how far down they reach then."""
     down = top - min((node.position[1] for node in nodes), default=0)
     bottom = top
@@ -255,7 +240,7 @@ def _moved(nodes: Sequence[Node], top: float) -> float:
     return bottom
 
 
-def _number_by_network(networks: Sequence[LogicNetwork]) -> None:
+def _number_by_network(networks: Sequence[net.LogicNetwork]) -> None:
     new = {
         node.id: _NETWORK_IDS * number + place
         for number, network in enumerate(networks, 1)
@@ -264,11 +249,11 @@ def _number_by_network(networks: Sequence[LogicNetwork]) -> None:
     _renumber([node for network in networks for node in network.nodes], new)
 
 
-def _with_common_rails(nodes: Sequence[Node]) -> list[Node]:
+def _with_common_rails(nodes: Sequence[net.Node]) -> list[net.Node]:
     """Return the elements of all networks between one left and one right power rail, counted from 0."""
-    lefts = [node for node in nodes if isinstance(node, LeftPowerRail)]
-    rights = [node for node in nodes if isinstance(node, RightPowerRail)]
-    others = [node for node in nodes if not isinstance(node, LeftPowerRail | RightPowerRail)]
+    lefts = [node for node in nodes if isinstance(node, net.LeftPowerRail)]
+    rights = [node for node in nodes if isinstance(node, net.RightPowerRail)]
+    others = [node for node in nodes if not isinstance(node, net.LeftPowerRail | net.RightPowerRail)]
     left, *_ = lefts
     bottom = max(node.position[1] + (node.height or 0) for node in nodes)
     for rail in lefts[1:]:
@@ -276,7 +261,7 @@ def _with_common_rails(nodes: Sequence[Node]) -> list[Node]:
         for pin in rail.outputs:
             pin.position = (pin.position[0], pin.position[1] + down) if pin.position is not None else None
         left.outputs += rail.outputs
-    found: list[Node] = [left, *others]
+    found: list[net.Node] = [left, *others]
     if rights:
         right = rights[0]
         for other in rights[1:]:
@@ -294,7 +279,7 @@ def _with_common_rails(nodes: Sequence[Node]) -> list[Node]:
     return found
 
 
-def _renumber(nodes: Sequence[Node], new: dict[int, int]) -> None:
+def _renumber(nodes: Sequence[net.Node], new: dict[int, int]) -> None:
     """Give elements their `new` ids. A wire that starts at no element starts at none afterwards."""
     free = count(max(new.values(), default=0) + 1)
     for node in nodes:

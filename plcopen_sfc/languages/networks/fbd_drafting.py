@@ -33,20 +33,9 @@ from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Operator,
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.walking import transform
 from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, operator_block, standard_block
+from plcopen_sfc.model import network as net
 from plcopen_sfc.model.checked import unchecked
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.network import (
-    Block,
-    BlockCall,
-    InputPin,
-    InputVariable,
-    Jump,
-    Label,
-    Node,
-    OutputVariable,
-    Return,
-    Storage,
-)
 
 _MAX_WAITING = 8
 """Number of calls of function blocks that may wait to be drawn together with the statement that uses them."""
@@ -56,7 +45,7 @@ class Rung(NamedTuple):
     """A rung that waits for its place, and its elements."""
 
     item: DrawnItem
-    nodes: Sequence[Node]
+    nodes: Sequence[net.Node]
 
 
 class Drafter:
@@ -64,7 +53,7 @@ class Drafter:
 
     def __init__(self, rules: DrawingRules, first_id: int) -> None:
         self.rules = rules
-        self.nodes: list[Node] = []
+        self.nodes: list[net.Node] = []
         self.problems: list[NetworkProblem] = []
         self._next_id = first_id
         self._next_order = 1
@@ -171,7 +160,7 @@ class Drafter:
             item = self._leave(statement, TRUE)
         elif isinstance(statement, n.LabelStatement):
             name = statement.label.identifier
-            node = Label(id=self.new_id(), label=name, execution_order=self.new_order())
+            node = net.Label(id=self.new_id(), label=name, execution_order=self.new_order())
             self.nodes.append(node)
             item = placed(node, (text_width(name), ROW), [], [], ROW / 2)
         else:
@@ -196,7 +185,7 @@ class Drafter:
             if constant is None and self._is_bit(inner.target):
                 constant = {"0": False, "1": True}.get(self._text(n.bare(inner.value)))
             if constant is not None:
-                storage = Storage.SET if constant else Storage.RESET
+                storage = net.Storage.SET if constant else net.Storage.RESET
                 return self.sink(inner.target, branch.condition, storage)
             item = self._enabled_assignment(inner, branch.condition)
         elif isinstance(inner, n.Goto | n.ReturnStatement):
@@ -213,13 +202,13 @@ class Drafter:
             return self._kept_bit(assignment.target, value, condition)
         draft = self._operation_draft(value, enable=condition)
         if draft is None:
-            draft = BlockDraft("MOVE", call=self._call_kind(BlockCall.OPERATOR))
+            draft = BlockDraft("MOVE", call=self._call_kind(net.BlockCall.OPERATOR))
             block = standard_block("MOVE")
             assert block is not None  # noqa: S101
             draft.inputs = [("EN", self.power(condition)), (self._pin(block, "IN"), self.value(value))]
             draft.outputs = ["ENO", self._pin(block, "OUT")]
         item = self._block(draft, draft.outputs[-1], acting=False)
-        return self._output(assignment.target, item, Storage.NONE)
+        return self._output(assignment.target, item, net.Storage.NONE)
 
     def _is_bit(self, target: Expression) -> bool:
         return self.rules.booleans.get(self._text(target).lower(), False)
@@ -228,7 +217,7 @@ class Drafter:
         """Draw ``bit := condition AND value OR NOT condition AND bit``: boxes of S7 with EN cannot write a BOOL."""
         passed = n.Operation(Operator.AND, (condition, value))
         held = n.Operation(Operator.AND, (n.Unary(Operator.NOT, condition), bit))
-        return self.sink(bit, n.Operation(Operator.OR, (passed, held)), Storage.NONE)
+        return self.sink(bit, n.Operation(Operator.OR, (passed, held)), net.Storage.NONE)
 
     def _leave(self, statement: n.Goto | n.ReturnStatement, condition: Expression) -> DrawnItem | None:
         if isinstance(statement, n.ReturnStatement) and statement.value is not None:
@@ -237,8 +226,10 @@ class Drafter:
         pin = input_pin(ROW / 2)
         common = {"id": self.new_id(), "input": pin, "execution_order": self.new_order()}
         text = statement.label.identifier if isinstance(statement, n.Goto) else "RETURN"
-        node: Node = (
-            Jump.model_validate({"label": text, **common}) if text != "RETURN" else Return.model_validate(common)
+        node: net.Node = (
+            net.Jump.model_validate({"label": text, **common})
+            if text != "RETURN"
+            else net.Return.model_validate(common)
         )
         self.nodes.append(node)
         return placed(node, (text_width(text), ROW), [Slot(pin, ROW / 2, item)], [], ROW / 2)
@@ -249,7 +240,7 @@ class Drafter:
         if self.rules.dialect not in (Dialect.CODESYS, Dialect.TWINCAT):
             tree = transform(tree, _without_storing)
         text = print_node(tree)
-        draft = BlockDraft("EXECUTE", call=BlockCall.EXECUTE, code=text, outputs=["ENO"])
+        draft = BlockDraft("EXECUTE", call=net.BlockCall.EXECUTE, code=text, outputs=["ENO"])
         draft.inputs = [("EN", self.power(enable) if enable is not None else None)]
         item = self._block(draft, None, acting=True)
         kind = type(statement).__name__
@@ -259,15 +250,15 @@ class Drafter:
 
     # -- sinks
 
-    def sink(self, target: Expression, value: Expression, storage: Storage) -> DrawnItem:
+    def sink(self, target: Expression, value: Expression, storage: net.Storage) -> DrawnItem:
         """Return a value that is written to a variable."""
         return self._output(target, self.value(value), storage)
 
-    def _output(self, target: Expression, item: DrawnItem, storage: Storage) -> DrawnItem:
+    def _output(self, target: Expression, item: DrawnItem, storage: net.Storage) -> DrawnItem:
         text = self._text(target)
         pin = input_pin(ROW / 2)
         node = unchecked(
-            OutputVariable,
+            net.OutputVariable,
             id=self.new_id(),
             expression=text,
             input=pin,
@@ -319,7 +310,7 @@ class Drafter:
         text = self._text(n.Parenthesized(expression) if is_assignment else expression)
         width = text_width(text)
         pin = output_pin(width, ROW / 2)
-        node = unchecked(InputVariable, id=self.new_id(), expression=text, output=pin)
+        node = unchecked(net.InputVariable, id=self.new_id(), expression=text, output=pin)
         self.nodes.append(node)
         return placed(node, (width, ROW), [], [WireStart(node.id, None, (width, ROW / 2))], ROW / 2)
 
@@ -329,7 +320,7 @@ class Drafter:
             return item
         block = standard_block("NOT")
         assert block is not None  # noqa: S101
-        draft = BlockDraft("NOT", call=self._call_kind(BlockCall.OPERATOR))
+        draft = BlockDraft("NOT", call=self._call_kind(net.BlockCall.OPERATOR))
         draft.inputs = [(self._pin(block, "IN"), item._replace(negated=False))]
         draft.outputs = [self._pin(block, "OUT")]
         return self._block(draft, draft.outputs[0], acting=False)
@@ -347,7 +338,7 @@ class Drafter:
             operands = [
                 (self._pin(block, p.name), v) for p, v in zip(block.input_pins(len(values)), values, strict=True)
             ]
-            draft = BlockDraft(block.name, call=self._call_kind(BlockCall.OPERATOR))
+            draft = BlockDraft(block.name, call=self._call_kind(net.BlockCall.OPERATOR))
             draft.outputs = [self._pin(block, block.result.name)]
         elif isinstance(expression, n.Call):
             found = self._function(expression)
@@ -383,11 +374,11 @@ class Drafter:
                     return None
                 given = [(p.name, value) for p, (_, value) in zip(pins, given, strict=True)]
             given = [(self._pin(block, block.input_name(pin) or pin), value) for pin, value in given]
-            kind = BlockCall.OPERATOR if block.operator is not None else BlockCall.FUNCTION
+            kind = net.BlockCall.OPERATOR if block.operator is not None else net.BlockCall.FUNCTION
             draft = BlockDraft(block.name, call=self._call_kind(kind), outputs=[self._pin(block, block.result.name)])
         else:
             draft = BlockDraft(
-                name, call=self._call_kind(BlockCall.FUNCTION), outputs=[name if self.rules.tool else "OUT"]
+                name, call=self._call_kind(net.BlockCall.FUNCTION), outputs=[name if self.rules.tool else "OUT"]
             )
         return draft, given
 
@@ -404,7 +395,7 @@ class Drafter:
 
     def _action(self, call: n.Call, enable: Expression | None) -> DrawnItem:
         """Return a call of an action: a box without pins that is marked as one."""
-        draft = BlockDraft(self._text(call.callee), call=BlockCall.ACTION)
+        draft = BlockDraft(self._text(call.callee), call=net.BlockCall.ACTION)
         draft.inputs.append(("EN", self.power(enable) if enable is not None else None))
         draft.outputs.append("ENO")
         return self._block(draft, None, acting=True)
@@ -413,16 +404,16 @@ class Drafter:
         """Return the call of an instance with the variables that get its outputs (``Q => x``), each beside its pin."""
         block = self.nodes[-1]
         outputs = [a for a in call.arguments if a.output and a.name is not None and a.value is not None]
-        if not outputs or not isinstance(block, Block):
+        if not outputs or not isinstance(block, net.Block):
             return item
-        sinks: list[tuple[OutputVariable, str, float]] = []
+        sinks: list[tuple[net.OutputVariable, str, float]] = []
         for argument in outputs:
             assert argument.name is not None and argument.value is not None  # noqa: PT018, S101
             name, text = argument.name.identifier, self._text(argument.value)
             places = {v.name: v.output.position for v in block.parameters.outputs if v.output is not None}
             row = (places.get(name) or (0, 0))[1]
             pin = input_pin(ROW / 2)
-            sink = OutputVariable(id=self.new_id(), expression=text, input=pin, execution_order=self.new_order())
+            sink = net.OutputVariable(id=self.new_id(), expression=text, input=pin, execution_order=self.new_order())
             self.nodes.append(sink)
             sinks.append((sink, name, row))
 
@@ -435,7 +426,10 @@ class Drafter:
                 sink.position = (edge + 2 * GRID, line - ROW / 2)
                 sink.width, sink.height = text_width(sink.expression), ROW
                 connect(
-                    sink.input or InputPin(), (edge + 2 * GRID, line), [WireStart(block.id, name, (edge, line))], edge
+                    sink.input or net.InputPin(),
+                    (edge + 2 * GRID, line),
+                    [WireStart(block.id, name, (edge, line))],
+                    edge,
                 )
                 right, bottom = max(right, sink.position[0] + sink.width), max(bottom, line + ROW / 2)
             return Area((), max(area.right, right), max(area.bottom, bottom))
@@ -449,7 +443,7 @@ class Drafter:
         block = standard_block(type_name)
         is_operand = path in self._operands
         instance = self._text(call.callee)
-        draft = BlockDraft(type_name, None if is_operand else instance, self._call_kind(BlockCall.FUNCTION_BLOCK))
+        draft = BlockDraft(type_name, None if is_operand else instance, self._call_kind(net.BlockCall.FUNCTION_BLOCK))
         self._started_calls.add(path)  # an argument that reads the instance means its last value
         if enable is not None:
             draft.inputs.append(("EN", self.power(enable)))
@@ -486,7 +480,7 @@ class Drafter:
     def _pin(self, block: StandardBlock, pin: str) -> str:
         return block.tool_pin(pin, self.rules.tool) if self.rules.tool is not None else pin
 
-    def _call_kind(self, kind: BlockCall) -> BlockCall | None:
+    def _call_kind(self, kind: net.BlockCall) -> net.BlockCall | None:
         """Return the kind of a call, which only CODESYS writes at each block."""
         return kind if self.rules.tool is Tool.CODESYS else None
 
@@ -507,9 +501,9 @@ class Drafter:
 
 
 _STORAGES = {
-    AssignmentKind.ASSIGN: Storage.NONE,
-    AssignmentKind.SET: Storage.SET,
-    AssignmentKind.RESET: Storage.RESET,
+    AssignmentKind.ASSIGN: net.Storage.NONE,
+    AssignmentKind.SET: net.Storage.SET,
+    AssignmentKind.RESET: net.Storage.RESET,
 }
 _FLAT = frozenset({Operator.AND, Operator.OR, Operator.XOR})
 

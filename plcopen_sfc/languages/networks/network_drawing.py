@@ -33,22 +33,9 @@ from plcopen_sfc.languages.networks.wires import TRUE, is_true, joined, normal_f
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.languages.standard_blocks import operator_block, standard_block
+from plcopen_sfc.model import network as net
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.checked import unchecked
-from plcopen_sfc.model.network import (
-    BlockCall,
-    Coil,
-    Connection,
-    Contact,
-    InputPin,
-    Label,
-    LeftPowerRail,
-    LogicNetwork,
-    Node,
-    OutputPin,
-    RightPowerRail,
-    Storage,
-)
 
 _GAP = 2 * GRID
 RAIL_WIDTH = 10
@@ -74,11 +61,11 @@ class LadderDrafter(Drafter):
         super().__init__(rules, first_id)
         self._in_block_input = False
         """True while the value of an input pin of a block is drawn: it does not start at the left power rail."""
-        self._rail = LeftPowerRail(id=0)
+        self._rail = net.LeftPowerRail(id=0)
 
-    def sink(self, target: Expression, value: Expression, storage: Storage) -> DrawnItem:
+    def sink(self, target: Expression, value: Expression, storage: net.Storage) -> DrawnItem:
         """Return a coil where the value is Boolean, else a variable as in FBD."""
-        if storage is Storage.NONE and not (self._is_boolean(value) or self._is_boolean(target)):
+        if storage is net.Storage.NONE and not (self._is_boolean(value) or self._is_boolean(target)):
             return super().sink(target, value, storage)
         bare = n.bare(value)
         negated = isinstance(bare, n.Unary) and bare.operator is Operator.NOT and not self._is_contact(bare.operand)
@@ -87,7 +74,7 @@ class LadderDrafter(Drafter):
         width = text_width(text)
         pin = input_pin(ROW / 2)
         coil = unchecked(
-            Coil,
+            net.Coil,
             id=self.new_id(),
             variable=text,
             negated=negated != item.negated,
@@ -152,7 +139,7 @@ class LadderDrafter(Drafter):
         width = text_width(text)
         pin = input_pin(ROW / 2)
         contact = unchecked(
-            Contact, id=self.new_id(), variable=text, negated=negated, input=pin, output=output_pin(width, ROW / 2)
+            net.Contact, id=self.new_id(), variable=text, negated=negated, input=pin, output=output_pin(width, ROW / 2)
         )
         self.nodes.append(contact)
 
@@ -177,7 +164,7 @@ class LadderDrafter(Drafter):
         assert block is not None  # noqa: S101
         inflow: list[Inflow] = []  # where the power comes from, known when the part is placed
         before = DrawnItem(ROW / 2, lambda x, y: self._through(x, y, inflow[-1]))
-        draft = BlockDraft("AND", call=self._call_kind(BlockCall.OPERATOR))
+        draft = BlockDraft("AND", call=self._call_kind(net.BlockCall.OPERATOR))
         names = [self._pin(block, pin.name) for pin in block.inputs]
         draft.inputs = [(names[0], before), (names[1], item)]
         draft.outputs = [self._pin(block, block.result.name)]
@@ -194,7 +181,7 @@ class LadderDrafter(Drafter):
         row = y + ROW / 2
         if inflow is None:
             at = (float(RAIL_WIDTH), row - self._rail.position[1])
-            self._rail.outputs.append(unchecked(OutputPin, name="", position=at))
+            self._rail.outputs.append(unchecked(net.OutputPin, name="", position=at))
             ends = [WireStart(self._rail.id, None, (self._rail.position[0] + RAIL_WIDTH, row))]
         else:
             ends = [end if end.at[1] == row else _extended(end, x, row) for end in inflow]
@@ -233,21 +220,23 @@ class LadderDrafter(Drafter):
 
     def start(self) -> float:
         """Draw the left power rail for the rungs that are placed next; returns where they may begin."""
-        self._rail = unchecked(LeftPowerRail, id=self.new_id(), position=(float(_MARGIN), float(_MARGIN)), outputs=[])
+        self._rail = unchecked(
+            net.LeftPowerRail, id=self.new_id(), position=(float(_MARGIN), float(_MARGIN)), outputs=[]
+        )
         return _MARGIN + RAIL_WIDTH + _GAP
 
-    def with_rails(self, nodes: Sequence[Node], bottom: float, right: float | None = None) -> list[Node]:
+    def with_rails(self, nodes: Sequence[net.Node], bottom: float, right: float | None = None) -> list[net.Node]:
         """Return elements, which have their places, behind the left power rail and before a right one at `right`."""
         left, top = self._rail.position
         give_place(self._rail, left, top, (RAIL_WIDTH, bottom - top))
         if right is None:
             return [self._rail, *nodes]
         pins = []
-        for coil in (node for node in nodes if isinstance(node, Coil)):
+        for coil in (node for node in nodes if isinstance(node, net.Coil)):
             at = (coil.position[0] + (coil.width or 0), coil.position[1] + ROW / 2)
-            wire = unchecked(Connection, source=coil.id, points=[(float(right), at[1]), at])
-            pins.append(unchecked(InputPin, position=(0.0, at[1] - top), connections=[wire]))
-        rail = unchecked(RightPowerRail, id=self.new_id(), inputs=pins)
+            wire = unchecked(net.Connection, source=coil.id, points=[(float(right), at[1]), at])
+            pins.append(unchecked(net.InputPin, position=(0.0, at[1] - top), connections=[wire]))
+        rail = unchecked(net.RightPowerRail, id=self.new_id(), inputs=pins)
         give_place(rail, right, top, (RAIL_WIDTH, bottom - top))
         return [self._rail, *nodes, rail]
 
@@ -315,8 +304,8 @@ class DrawnExpression:
     `negated`: whoever takes the value must invert it.
     """
 
-    network: LogicNetwork
-    outputs: tuple[Connection, ...]
+    network: net.LogicNetwork
+    outputs: tuple[net.Connection, ...]
     negated: bool
     problems: tuple[NetworkProblem, ...]
 
@@ -341,7 +330,7 @@ def draw_ld(
     return DrawnBody(LdBody(networks=_networks(drafter, statements, divided=divided)), tuple(drafter.problems))
 
 
-def _networks(drafter: Drafter, statements: Iterable[Statement], *, divided: bool) -> list[LogicNetwork]:
+def _networks(drafter: Drafter, statements: Iterable[Statement], *, divided: bool) -> list[net.LogicNetwork]:
     networks = []
     with collecting_rarely():
         for rungs in _sheets(drafter.statements(statements), divided=divided):
@@ -349,7 +338,7 @@ def _networks(drafter: Drafter, statements: Iterable[Statement], *, divided: boo
             right, bottom = _stack(rungs, ladder.start() if ladder is not None else _MARGIN)
             nodes = [node for rung in rungs for node in rung.nodes]
             nodes = ladder.with_rails(nodes, bottom, right + _MARGIN) if ladder is not None else nodes
-            networks.append(unchecked(LogicNetwork, nodes=nodes))
+            networks.append(unchecked(net.LogicNetwork, nodes=nodes))
     return networks
 
 
@@ -372,9 +361,9 @@ def draw_ld_expression(
     return _drawn(drafter, item, area, drafter.with_rails(drafter.nodes, area.bottom))
 
 
-def _drawn(drafter: Drafter, item: DrawnItem, area: Area, nodes: list[Node]) -> DrawnExpression:
-    outputs = tuple(Connection(source=end.source, pin=end.pin) for end in area.ends)
-    return DrawnExpression(LogicNetwork(nodes=nodes), outputs, item.negated, tuple(drafter.problems))
+def _drawn(drafter: Drafter, item: DrawnItem, area: Area, nodes: list[net.Node]) -> DrawnExpression:
+    outputs = tuple(net.Connection(source=end.source, pin=end.pin) for end in area.ends)
+    return DrawnExpression(net.LogicNetwork(nodes=nodes), outputs, item.negated, tuple(drafter.problems))
 
 
 def _sheets(rungs: list[Rung], *, divided: bool) -> list[list[Rung]]:
@@ -385,7 +374,7 @@ def _sheets(rungs: list[Rung], *, divided: bool) -> list[list[Rung]]:
     labels: list[Rung] = []
     for rung in rungs:
         labels.append(rung)
-        if not all(isinstance(node, Label) for node in rung.nodes):
+        if not all(isinstance(node, net.Label) for node in rung.nodes):
             found.append(labels)
             labels = []
     return [*found, labels] if labels else found

@@ -9,48 +9,28 @@ from itertools import chain
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.networks.results import NetworkProblem
 from plcopen_sfc.languages.standard_blocks import standard_block
-from plcopen_sfc.model.network import (
-    Block,
-    BlockCall,
-    BlockVariable,
-    Coil,
-    Connection,
-    Connector,
-    Contact,
-    Continuation,
-    InOutVariable,
-    InputPin,
-    InputVariable,
-    Jump,
-    Label,
-    LeftPowerRail,
-    LogicNetwork,
-    Node,
-    OutputVariable,
-    Return,
-    RightPowerRail,
-)
+from plcopen_sfc.model import network as net
 
 Source = tuple[int, str | None]
 """An output: the id of an element, and the name of the pin where the element is a block."""
 
 
-def block_outputs(block: Block) -> list[BlockVariable]:
+def block_outputs(block: net.Block) -> list[net.BlockVariable]:
     """Return the parameters of a block that wires can start from."""
     return [*block.parameters.outputs, *block.parameters.in_outs]
 
 
-def block_inputs(block: Block) -> list[BlockVariable]:
+def block_inputs(block: net.Block) -> list[net.BlockVariable]:
     """Return the parameters of a block that wires can end at."""
     return [*block.parameters.inputs, *block.parameters.in_outs]
 
 
-def is_enable(variable: BlockVariable) -> bool:
+def is_enable(variable: net.BlockVariable) -> bool:
     """True if it is EN or ENO."""
     return variable.name.casefold() in ("en", "eno")
 
 
-def is_fed(pin: InputPin | None) -> bool:
+def is_fed(pin: net.InputPin | None) -> bool:
     """True if an input has a wire or an expression."""
     return pin is not None and bool(pin.connections or pin.expression)
 
@@ -61,17 +41,17 @@ class Graph:
     `steps` are the ids of steps, which may feed the logic drawn in a chart.
     """
 
-    def __init__(self, networks: Iterable[Sequence[Node]], steps: Mapping[int, str] | None = None) -> None:
+    def __init__(self, networks: Iterable[Sequence[net.Node]], steps: Mapping[int, str] | None = None) -> None:
         self.networks = list(networks)
         self.steps = steps or {}
-        self.nodes: dict[int, Node] = {}
+        self.nodes: dict[int, net.Node] = {}
         self.problems: list[NetworkProblem] = []
         for node in (node for network in self.networks for node in network):
             if node.id in self.nodes:
                 self.problems.append(NetworkProblem("another element has this id too", node.id))
             self.nodes.setdefault(node.id, node)
         self._connectors = self._by_name()
-        self._pins: dict[int, list[InputPin]] = {}
+        self._pins: dict[int, list[net.InputPin]] = {}
         self._sources: dict[int, list[list[Source]]] = {}
         self.uses: Counter[Source] = Counter()
         for node in self.nodes.values():
@@ -79,49 +59,54 @@ class Graph:
             resolved = [self.resolve(node, pin) for pin in self._pins[node.id]]
             self._sources[node.id] = resolved
             # a wire to the right power rail does nothing, and that of a connector goes on at its continuation
-            if not isinstance(node, Connector | RightPowerRail):
+            if not isinstance(node, net.Connector | net.RightPowerRail):
                 self.uses.update(source for sources in resolved for source in sources)
 
-    def pins(self, node: Node) -> list[InputPin]:
+    def pins(self, node: net.Node) -> list[net.InputPin]:
         """Return the inputs of an element; of a continuation, that of its connector."""
         return self._pins[node.id]
 
-    def _inputs(self, node: Node) -> list[InputPin]:
-        if isinstance(node, Block):
-            return [variable.input or InputPin() for variable in block_inputs(node)]
-        if isinstance(node, RightPowerRail):
+    def _inputs(self, node: net.Node) -> list[net.InputPin]:
+        if isinstance(node, net.Block):
+            return [variable.input or net.InputPin() for variable in block_inputs(node)]
+        if isinstance(node, net.RightPowerRail):
             return node.inputs
-        if isinstance(node, Continuation):
+        if isinstance(node, net.Continuation):
             connector = self._connectors.get(node.name.casefold())
-            return [connector.input or InputPin()] if connector is not None else []
-        if isinstance(node, OutputVariable | InOutVariable | Contact | Coil | Jump | Return | Connector):
-            return [node.input or InputPin()]
+            return [connector.input or net.InputPin()] if connector is not None else []
+        if isinstance(
+            node,
+            net.OutputVariable | net.InOutVariable | net.Contact | net.Coil | net.Jump | net.Return | net.Connector,
+        ):
+            return [node.input or net.InputPin()]
         return []
 
-    def sources(self, node: Node) -> list[list[Source]]:
+    def sources(self, node: net.Node) -> list[list[Source]]:
         """Return where the wires at each of `pins` start; one that starts nowhere is a problem and left out."""
         return self._sources[node.id]
 
-    def resolve(self, holder: Node | None, pin: InputPin) -> list[Source]:
+    def resolve(self, holder: net.Node | None, pin: net.InputPin) -> list[Source]:
         """Return where the wires start at a pin of an element; None: it belongs to none, as that of a transition."""
         found = (self._source(holder.id if holder is not None else None, wire) for wire in pin.connections)
         return [source for source in found if source is not None]
 
-    def _source(self, holder: int | None, wire: Connection) -> Source | None:
+    def _source(self, holder: int | None, wire: net.Connection) -> Source | None:
         node = self.nodes.get(wire.source)
         if node is None:
             if wire.source in self.steps:
                 return wire.source, None
             self.problems.append(NetworkProblem(f"a wire starts at element {wire.source}, which is not there", holder))
             return None
-        if isinstance(node, Block):
+        if isinstance(node, net.Block):
             return self._block_source(holder, wire, node)
-        if isinstance(node, InputVariable | InOutVariable | Contact | Coil | LeftPowerRail | Continuation):
+        if isinstance(
+            node, net.InputVariable | net.InOutVariable | net.Contact | net.Coil | net.LeftPowerRail | net.Continuation
+        ):
             return node.id, None
         self.problems.append(NetworkProblem(f"a wire starts at element {node.id}, which has no output", holder))
         return None
 
-    def _block_source(self, holder: int | None, wire: Connection, block: Block) -> Source | None:
+    def _block_source(self, holder: int | None, wire: net.Connection, block: net.Block) -> Source | None:
         outputs = block_outputs(block)
         for variable in outputs:
             if wire.pin is not None and variable.name.casefold() == wire.pin.casefold():
@@ -141,12 +126,12 @@ class Graph:
             )
         return block.id, outputs[0].name
 
-    def _by_name(self) -> dict[str, Connector]:
-        found: dict[str, Connector] = {}
-        continuations = [node for node in self.nodes.values() if isinstance(node, Continuation)]
+    def _by_name(self) -> dict[str, net.Connector]:
+        found: dict[str, net.Connector] = {}
+        continuations = [node for node in self.nodes.values() if isinstance(node, net.Continuation)]
         continued = {node.name.casefold() for node in continuations}
         for node in self.nodes.values():
-            if isinstance(node, Connector):
+            if isinstance(node, net.Connector):
                 key = node.name.casefold()
                 if key in found:
                     self._say(f"there are two connectors {node.name!r}", node)
@@ -160,7 +145,7 @@ class Graph:
                 self._say(f"continuation {node.name!r} comes from nowhere", node)
         return found
 
-    def _say(self, message: str, node: Node) -> None:
+    def _say(self, message: str, node: net.Node) -> None:
         self.problems.append(NetworkProblem(message, node.id))
 
     def type_of(self, source: Source) -> str | None:
@@ -169,9 +154,9 @@ class Graph:
         while waiting:
             number, pin = waiting.pop()
             node = self.nodes.get(number)
-            if node is None or isinstance(node, Contact | Coil | LeftPowerRail):
+            if node is None or isinstance(node, net.Contact | net.Coil | net.LeftPowerRail):
                 return "BOOL"  # what is no element is a step
-            known = _pin_type(node, pin) if isinstance(node, Block) else None
+            known = _pin_type(node, pin) if isinstance(node, net.Block) else None
             if known is not None and not known.startswith("ANY"):
                 return known
             if known in ("ANY_BIT", "ANY"):
@@ -180,7 +165,7 @@ class Graph:
                 seen.update(feeding)
         return None
 
-    def execution(self) -> Iterator[Node]:
+    def execution(self) -> Iterator[net.Node]:
         """Yield every element once, in the order of execution.
 
         Networks one after another; in a network first the elements with an order of execution, then the others from
@@ -195,23 +180,23 @@ class Graph:
             for node in network:
                 yield from self._with_feeding(node, done)
 
-    def roots(self) -> Iterator[Node]:
+    def roots(self) -> Iterator[net.Node]:
         """Yield the elements that are executed when their turn comes, in the order of execution."""
         for network in self.networks:
             yield from (root for root in sorted(network, key=_sort_key(network)) if self._is_root(root))
 
-    def execution_for(self, sources: Iterable[Source]) -> Iterator[Node]:
+    def execution_for(self, sources: Iterable[Source]) -> Iterator[net.Node]:
         """The elements that these outputs need, once each: what feeds an element comes before it, but for feedback."""
         done: set[int] = set()
         for number, _ in sources:
             if number in self.nodes:
                 yield from self._with_feeding(self.nodes[number], done)
 
-    def _is_root(self, node: Node) -> bool:
+    def _is_root(self, node: net.Node) -> bool:
         """True if it is executed when its turn comes, not only when something needs its value."""
         if (node.execution_order or 0) > 0:
             return True
-        if isinstance(node, Block):
+        if isinstance(node, net.Block):
             outputs = block_outputs(node)
             if any(v.output is not None and v.output.expression for v in outputs):
                 return True
@@ -219,11 +204,11 @@ class Graph:
             acts = node.instance is not None or node.call in _ACTING
             acts = acts or any(is_memory_pin(node, variable) for variable in node.parameters.inputs)
             return acts or (not used and standard_block(node.type_name) is None)
-        return isinstance(node, OutputVariable | Coil | Jump | Return | Label) or (
-            isinstance(node, InOutVariable) and is_fed(node.input)
+        return isinstance(node, net.OutputVariable | net.Coil | net.Jump | net.Return | net.Label) or (
+            isinstance(node, net.InOutVariable) and is_fed(node.input)
         )
 
-    def _with_feeding(self, root: Node, done: set[int]) -> Iterator[Node]:
+    def _with_feeding(self, root: net.Node, done: set[int]) -> Iterator[net.Node]:
         stack: list[tuple[int, bool]] = [(root.id, False)]
         while stack:
             number, fed = stack.pop()
@@ -236,7 +221,7 @@ class Graph:
                 stack.extend((source, False) for source in reversed(feeding))
 
 
-def _pin_type(block: Block, pin: str | None) -> str | None:
+def _pin_type(block: net.Block, pin: str | None) -> str | None:
     if pin is not None and pin.casefold() == "eno":
         return "BOOL"
     if block.type_name.upper() in EDGE_CONTACTS | EDGE_COILS:
@@ -258,21 +243,27 @@ MEMORY_PINS = dict.fromkeys(("RS", "SR"), "operand") | dict.fromkeys((*EDGES, *E
 """The pin of a block of S7 for the variable that holds its state."""
 
 
-def is_memory_pin(block: Block, variable: BlockVariable) -> bool:
+def is_memory_pin(block: net.Block, variable: net.BlockVariable) -> bool:
     """True if this pin has the variable that holds the state of a block of S7."""
     return not block.instance and variable.name.casefold() == MEMORY_PINS.get(block.type_name.upper())
 
 
 _ACTING = frozenset(
-    {BlockCall.FUNCTION_BLOCK, BlockCall.PROGRAM, BlockCall.ACTION, BlockCall.METHOD, BlockCall.EXECUTE}
+    {
+        net.BlockCall.FUNCTION_BLOCK,
+        net.BlockCall.PROGRAM,
+        net.BlockCall.ACTION,
+        net.BlockCall.METHOD,
+        net.BlockCall.EXECUTE,
+    }
 )
 
 
-def _sort_key(network: Sequence[Node]) -> Callable[[Node], tuple[bool, int, float, float, int]]:
+def _sort_key(network: Sequence[net.Node]) -> Callable[[net.Node], tuple[bool, int, float, float, int]]:
     placed = len({node.position for node in network}) > 1
     number = {node.id: index for index, node in enumerate(network)}
 
-    def key(node: Node) -> tuple[bool, int, float, float, int]:
+    def key(node: net.Node) -> tuple[bool, int, float, float, int]:
         order = node.execution_order or 0
         x, y = node.position if placed else (0, 0)
         return order <= 0, order, y, x, number[node.id]
@@ -280,23 +271,23 @@ def _sort_key(network: Sequence[Node]) -> Callable[[Node], tuple[bool, int, floa
     return key
 
 
-def without_places(nodes: Iterable[Node]) -> list[Node]:
+def without_places(nodes: Iterable[net.Node]) -> list[net.Node]:
     """Return the elements of a network as a tool sees them that does not look at places."""
     return [node.model_copy(update={"position": (0.0, 0.0)}) for node in nodes]
 
 
-def wires_of(node: Node) -> Iterator[Connection]:
+def wires_of(node: net.Node) -> Iterator[net.Connection]:
     """Yield the wires that end at an element."""
-    if isinstance(node, Block):
+    if isinstance(node, net.Block):
         pins = [variable.input for variable in block_inputs(node)]
     else:
         pins = [getattr(node, "input", None), *getattr(node, "inputs", ())]
     for pin in pins:
-        if isinstance(pin, InputPin):
+        if isinstance(pin, net.InputPin):
             yield from pin.connections
 
 
-def apart(networks: Sequence[LogicNetwork]) -> tuple[list[LogicNetwork], dict[int, int]]:
+def apart(networks: Sequence[net.LogicNetwork]) -> tuple[list[net.LogicNetwork], dict[int, int]]:
     """Return the networks with ids that no two of them share, and the old id of each new one.
 
     Networks that share none are returned unchanged. An id that a single network has twice stays.
@@ -305,7 +296,7 @@ def apart(networks: Sequence[LogicNetwork]) -> tuple[list[LogicNetwork], dict[in
     if len(set(chain.from_iterable(used))) == sum(len(ids) for ids in used):
         return list(networks), {}
     old: dict[int, int] = {}
-    renumbered: list[LogicNetwork] = []
+    renumbered: list[net.LogicNetwork] = []
     for network in networks:
         copy = network.model_copy(deep=True)
         # a wire may start at an id that no element has: it gets a new one as well, which no element has either

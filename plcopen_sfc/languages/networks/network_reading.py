@@ -15,32 +15,9 @@ from plcopen_sfc.languages.networks.results import NetworkExpression, NetworkPro
 from plcopen_sfc.languages.networks.wires import TRUE, Factor, Product, Wires, expression_of, inverted, meeting
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.model import network as net
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.network import (
-    Block,
-    Coil,
-    CommentBox,
-    Connection,
-    Connector,
-    Contact,
-    Continuation,
-    Edge,
-    ErrorBox,
-    InOutVariable,
-    InputPin,
-    InputVariable,
-    Jump,
-    Label,
-    LeftPowerRail,
-    LogicNetwork,
-    Node,
-    OutputVariable,
-    Return,
-    RightPowerRail,
-    Storage,
-    VendorElement,
-)
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.text import Text, plain
 
@@ -61,7 +38,7 @@ def body_statements(
 
 
 def network_statements(
-    networks: Iterable[LogicNetwork],
+    networks: Iterable[net.LogicNetwork],
     dialect: Dialect = Dialect.IEC,
     *,
     taken: Iterable[str] = (),
@@ -98,25 +75,25 @@ _MENTION = re.compile(r"\b(element|contact) (\d+)")
 
 
 def network_expression(
-    network: LogicNetwork,
-    outputs: Sequence[Connection],
+    network: net.LogicNetwork,
+    outputs: Sequence[net.Connection],
     dialect: Dialect = Dialect.IEC,
     *,
     taken: Iterable[str] = (),
 ) -> NetworkExpression:
     """Return the value that `outputs`, wires from a network, have together; see `body_statements`."""
-    pin = InputPin(connections=[*outputs])
+    pin = net.InputPin(connections=[*outputs])
     reader = NetworkReader([network.nodes], dialect, taken=taken, also_used=[pin])
     return reader.run_for_value()
 
 
 def reader_of_chart(
     chart: SfcNetwork,
-    nodes: Sequence[Node],
+    nodes: Sequence[net.Node],
     dialect: Dialect,
     *,
     taken: Iterable[str] = (),
-    also_used: Iterable[InputPin] = (),
+    also_used: Iterable[net.InputPin] = (),
     keeps: bool = False,
 ) -> NetworkReader:
     """Return a reader of `nodes`, some of the elements drawn in a chart."""
@@ -129,12 +106,12 @@ class NetworkReader:
 
     def __init__(
         self,
-        networks: Iterable[Sequence[Node]],
+        networks: Iterable[Sequence[net.Node]],
         dialect: Dialect,
         *,
         steps: Mapping[int, str] | None = None,
         taken: Iterable[str] = (),
-        also_used: Iterable[InputPin] = (),
+        also_used: Iterable[net.InputPin] = (),
         keeps: bool = False,
     ) -> None:
         self._keeps = keeps
@@ -190,15 +167,18 @@ class NetworkReader:
         products = [self._meet(sources) for sources in self._outer]
         return [expression_of(product) if product is not None else None for product in products]
 
-    def acts(self, node: Node) -> bool:
+    def acts(self, node: net.Node) -> bool:
         """True if executing an element does something, whoever uses its value."""
-        if isinstance(node, Block):
+        if isinstance(node, net.Block):
             return self._blocks.acts(node)
-        return not isinstance(node, InputVariable | Contact | LeftPowerRail | RightPowerRail | Continuation | Connector)
+        return not isinstance(
+            node,
+            net.InputVariable | net.Contact | net.LeftPowerRail | net.RightPowerRail | net.Continuation | net.Connector,
+        )
 
     # -- values
 
-    def _value(self, node: Node, pin: int = 0) -> Product | None:
+    def _value(self, node: net.Node, pin: int = 0) -> Product | None:
         """Return the value at an input; None where there is none."""
         given = self.graph.pins(node)[pin]
         if not given.connections and given.expression is not None:
@@ -217,80 +197,80 @@ class NetworkReader:
             return (Factor(source, n.Member(n.Name(step), n.Name(self._step_flag))),)
         if not self.wires.is_stored(source):
             node = self.graph.nodes[source[0]]
-            if isinstance(node, InOutVariable):
+            if isinstance(node, net.InOutVariable):
                 return (Factor(("last", source), self._passed_on(node)),)
-            if isinstance(node, Block):
+            if isinstance(node, net.Block):
                 last = self._blocks.last_output(node, source[1] or "")
                 if last is not None:
                     return (Factor(("last", source), last),)
         return self.wires.take(source)
 
-    def _modified(self, node: Node, value: Expression, *, negated: bool, edge: Edge) -> Expression:
+    def _modified(self, node: net.Node, value: Expression, *, negated: bool, edge: net.Edge) -> Expression:
         """Return a value as it leaves an element that inverts it or watches for its edge."""
-        if negated and edge is not Edge.NONE:
+        if negated and edge is not net.Edge.NONE:
             text = "it is negated and watches for an edge: taken as the edge of the negated value"
             self.wires.problem(text, node.id, Severity.WARNING)
         return self.wires.edge(edge, inverted(value) if negated else value, (node.id, None))
 
     # -- elements
 
-    def _execute(self, node: Node) -> None:
+    def _execute(self, node: net.Node) -> None:
         """Add what an element does to the statements, in its turn, and put its value on the wires that leave it."""
         self.comment(node.id, node.comment)
-        if isinstance(node, Block):
+        if isinstance(node, net.Block):
             parameters = node.parameters
             pins = (*parameters.inputs, *parameters.in_outs, *parameters.outputs)
             self.comment(node.id, *(variable.comment for variable in pins))
-        if isinstance(node, Block):
+        if isinstance(node, net.Block):
             self._blocks.execute(node, self._value)
             for variable in block_outputs(node) if self._keeps else ():
                 self.wires.keep((node.id, variable.name))
-        elif isinstance(node, InputVariable):
+        elif isinstance(node, net.InputVariable):
             self._input(node)
-        elif isinstance(node, Contact):
+        elif isinstance(node, net.Contact):
             self._contact(node)
-        elif isinstance(node, OutputVariable):
+        elif isinstance(node, net.OutputVariable):
             self._assign(node, node.expression, negated=node.negated, edge=node.edge, storage=node.storage)
-        elif isinstance(node, Coil):
+        elif isinstance(node, net.Coil):
             flow = (node.id, None)
             self._assign(
                 node, node.variable, negated=node.negated, edge=node.edge, storage=node.storage, passes_on=flow
             )
-        elif isinstance(node, InOutVariable):
+        elif isinstance(node, net.InOutVariable):
             if is_fed(node.input) or not self.graph.uses[node.id, None]:
                 self._assign(node, node.expression, negated=node.negated_in, edge=node.edge_in, storage=node.storage_in)
             elif node.input is not None:
                 self.wires.problem(f"nothing leads here, so {node.expression} is only read", node.id, Severity.INFO)
             self.wires.store((node.id, None), (Factor((node.id, None), self._passed_on(node)),), lazy=True)
-        elif isinstance(node, LeftPowerRail):
+        elif isinstance(node, net.LeftPowerRail):
             self.wires.store((node.id, None), ())
-        elif isinstance(node, Continuation):
+        elif isinstance(node, net.Continuation):
             product = self._value(node) if self.graph.pins(node) else None
             self.wires.store((node.id, None), product)
-        elif isinstance(node, Jump | Return):
+        elif isinstance(node, net.Jump | net.Return):
             self._leave(node)
-        elif isinstance(node, Label):
+        elif isinstance(node, net.Label):
             self.wires.execute(n.LabelStatement(n.Name(node.label)))
-        elif isinstance(node, CommentBox):
+        elif isinstance(node, net.CommentBox):
             self.comment(node.id, node.content)
-        elif isinstance(node, ErrorBox):
+        elif isinstance(node, net.ErrorBox):
             self.wires.problem(f"an error of the tool that made the file: {plain(node.content)}", node.id)
-        elif isinstance(node, VendorElement):
+        elif isinstance(node, net.VendorElement):
             self._vendor_element(node)
         else:
             # the wire of a connector goes on at its continuation, and the right power rail does nothing
-            assert isinstance(node, Connector | RightPowerRail)  # noqa: S101
+            assert isinstance(node, net.Connector | net.RightPowerRail)  # noqa: S101
 
-    def _input(self, node: InputVariable) -> None:
-        if node.storage is not Storage.NONE:
+    def _input(self, node: net.InputVariable) -> None:
+        if node.storage is not net.Storage.NONE:
             self.wires.problem(f"an input cannot {node.storage.value} anything", node.id)
         expression = self.wires.expression(node.expression, node.id)
         value = self._modified(node, expression, negated=node.negated, edge=node.edge)
         source = (node.id, None)
         self.wires.store(source, (Factor(source, value),), lazy=value is expression)
 
-    def _contact(self, node: Contact) -> None:
-        if node.storage is not Storage.NONE:
+    def _contact(self, node: net.Contact) -> None:
+        if node.storage is not net.Storage.NONE:
             self.wires.problem(f"a contact cannot {node.storage.value} anything", node.id)
         before = self._value(node)
         if before is None:
@@ -302,7 +282,14 @@ class NetworkReader:
         self.wires.store(source, (*before, Factor(source, value)))
 
     def _assign(
-        self, node: Node, target: str, *, negated: bool, edge: Edge, storage: Storage, passes_on: Source | None = None
+        self,
+        node: net.Node,
+        target: str,
+        *,
+        negated: bool,
+        edge: net.Edge,
+        storage: net.Storage,
+        passes_on: Source | None = None,
     ) -> None:
         """Write the input of an element to its variable. The input of a coil is also its output, at `passes_on`."""
         variable = self.wires.expression(target, node.id)
@@ -320,15 +307,15 @@ class NetworkReader:
         value = self._modified(node, expression_of(product), negated=negated, edge=edge)
         self.wires.execute(self._blocks.assignment(variable, value, storage))
 
-    def _passed_on(self, node: InOutVariable) -> Expression:
-        if node.storage_out is not Storage.NONE or node.edge_out is not Edge.NONE:
+    def _passed_on(self, node: net.InOutVariable) -> Expression:
+        if node.storage_out is not net.Storage.NONE or node.edge_out is not net.Edge.NONE:
             self.wires.problem("its output cannot store or watch for an edge", node.id)
         variable = self.wires.expression(node.expression, node.id)
         return inverted(variable) if node.negated_out else variable
 
-    def _leave(self, node: Jump | Return) -> None:
+    def _leave(self, node: net.Jump | net.Return) -> None:
         statement: Statement = n.ReturnStatement()
-        if isinstance(node, Jump):
+        if isinstance(node, net.Jump):
             is_codesys = self.wires.dialect in (Dialect.CODESYS, Dialect.TWINCAT)
             statement = n.Goto(n.Name(node.label), "JMP" if is_codesys else "GOTO")
             if self.wires.dialect is Dialect.IEC:
@@ -347,7 +334,7 @@ class NetworkReader:
         plain_texts = (plain(text) for text in texts if text is not None)
         self.comments += [(number, text) for text in plain_texts if text.strip()]
 
-    def _vendor_element(self, node: VendorElement) -> None:
+    def _vendor_element(self, node: net.VendorElement) -> None:
         if node.element_type == "networktitle":
             self.comment(node.id, node.alternative_text)
         elif node.parameters is not None or node.attributes.keys() - {"BoxInputFlagsSupported"} or not node.attributes:
@@ -359,9 +346,9 @@ class NetworkReader:
     def _find_open_ends(self) -> None:
         for node in self.graph.nodes.values():
             sources: list[Source] = []
-            if isinstance(node, InputVariable | Contact | Continuation):
+            if isinstance(node, net.InputVariable | net.Contact | net.Continuation):
                 sources = [(node.id, None)]
-            elif isinstance(node, Block) and not self._blocks.acts(node):
+            elif isinstance(node, net.Block) and not self._blocks.acts(node):
                 sources = [(node.id, variable.name) for variable in block_outputs(node)]
                 sources = [] if any(self.graph.uses[source] for source in sources) else sources[:1]
             for source in sources:
@@ -383,6 +370,6 @@ def _names(graph: Graph) -> set[str]:
         fields = node.__dict__  # of a model, and without what pydantic does for a field that is missing
         texts.update(map(fields.get, ("expression", "variable", "instance", "label", "code")))
         texts.update(pin.expression for pin in graph.pins(node))
-        if isinstance(node, Block):
+        if isinstance(node, net.Block):
             texts.update(v.output.expression for v in node.parameters.outputs if v.output is not None)
     return {word for text in texts if text for word in _WORD.findall(text)}

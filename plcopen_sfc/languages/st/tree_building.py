@@ -19,25 +19,17 @@ _STRINGS = frozenset({"STRING", "WSTRING"})
 _INTEGERS = frozenset("SINT INT DINT LINT USINT UINT UDINT ULINT BYTE WORD DWORD LWORD".split())
 
 
-PRECEDENCE: dict[Operator, int] = {
-    Operator.OR: 1,
-    Operator.OR_ELSE: 1,
-    Operator.XOR: 2,
-    Operator.AND: 3,
-    Operator.AND_THEN: 3,
-    Operator.EQUAL: 4,
-    Operator.UNEQUAL: 4,
-    Operator.LESS: 5,
-    Operator.GREATER: 5,
-    Operator.LESS_OR_EQUAL: 5,
-    Operator.GREATER_OR_EQUAL: 5,
-    Operator.ADD: 6,
-    Operator.SUBTRACT: 6,
-    Operator.MULTIPLY: 7,
-    Operator.DIVIDE: 7,
-    Operator.MODULO: 7,
-    Operator.POWER: 8,
-}
+_LEVELS = (
+    (Operator.OR, Operator.OR_ELSE),
+    (Operator.XOR,),
+    (Operator.AND, Operator.AND_THEN),
+    (Operator.EQUAL, Operator.UNEQUAL),
+    (Operator.LESS, Operator.GREATER, Operator.LESS_OR_EQUAL, Operator.GREATER_OR_EQUAL),
+    (Operator.ADD, Operator.SUBTRACT),
+    (Operator.MULTIPLY, Operator.DIVIDE, Operator.MODULO),
+    (Operator.POWER,),
+)
+PRECEDENCE = {operator: strength for strength, level in enumerate(_LEVELS, 1) for operator in level}
 """Precedence of binary operators (IEC 61131-3 ed. 3, table 71; the same in CODESYS and SCL).
 
 NOT and signs bind tighter than all of them, but that in SCL a power binds tighter than a sign: ``-2 ** 2`` is -4 there.
