@@ -17,13 +17,15 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NamedTuple, NoReturn, TypeVar
 
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 
 GREATEST_REAL = 3.4028234663852886e38
 _MOST_CUTS = 24
 _MOST_NAMES = 64
+
+S = TypeVar("S")
 
 
 class NotProvableError(Exception):
@@ -212,9 +214,20 @@ def plain(value: Any) -> Value:
 
 def frozen(state: Any) -> Any:
     """Return a state that can be hashed: symbolic values in it are named."""
-    if isinstance(state, Symbolic):
-        return state.key()
-    return tuple(map(frozen, state)) if isinstance(state, tuple) else state
+    return with_each(state, Symbolic, lambda symbol: symbol.key())
+
+
+def with_each(state: Any, kind: type[S], change: Callable[[S], Any]) -> Any:
+    """Return a state, tuples in each other, with each value of a class changed; parts without one stay as they are."""
+    if isinstance(state, kind):
+        return change(state)
+    if not isinstance(state, tuple):
+        return state
+    # a state has thousands of numbers and few others: to ask for their types takes a tenth of a call for each
+    others = {each for each in set(map(type, state)) if issubclass(each, (kind, tuple))}
+    if not others:
+        return state
+    return tuple([with_each(each, kind, change) if type(each) in others else each for each in state])
 
 
 Choose = Callable[[Sequence[bool]], bool]

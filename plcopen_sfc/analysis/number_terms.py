@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterable, Mapping
 from typing import Any
 
-from plcopen_sfc.analysis.domains import Domain, NotProvableError, Symbolic
+from plcopen_sfc.analysis.domains import Domain, NotProvableError, Symbolic, with_each
 from plcopen_sfc.analysis.product import Branching, Explored, InputReader, ended, search
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.semantics.signals import Signal, SignalKind
@@ -149,9 +149,7 @@ class _Names:
 
     def in_all(self, state: Any) -> Any:
         """Return a state with the terms in it named."""
-        if isinstance(state, Term):
-            return self.of(state)
-        return tuple(map(self.in_all, state)) if isinstance(state, tuple) else state
+        return with_each(state, Term, self.of)
 
 
 class _Abstract:

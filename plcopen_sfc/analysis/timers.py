@@ -12,12 +12,13 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from operator import itemgetter
+from typing import Any, TypeGuard
 
 from plcopen_sfc.analysis.dead_variables import all_nodes
-from plcopen_sfc.languages.binding import BoundText, texts_in
+from plcopen_sfc.languages.binding import BoundText, bind, texts_in
 from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
 from plcopen_sfc.languages.binding.text_sites import Role, SiteKind
 from plcopen_sfc.languages.effects import plain_path
@@ -26,9 +27,10 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk
 from plcopen_sfc.languages.st.literals import duration_of
 from plcopen_sfc.languages.st.walking import children
+from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.conditions import Expression, WiredCondition
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import BodyCondition, SfcNetwork
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import TermTexts
 from plcopen_sfc.semantics.programs.controller import Instance
 from plcopen_sfc.semantics.programs.runtime_types import INSTANT, Frame, Layout, StructureType
@@ -113,7 +115,8 @@ def _steps_read(
         for step in chart.steps:
             key = step.name.casefold()
             if key in read:
-                conditions = [t.condition for t in chart.outgoing(step) if isinstance(t.condition, Expression)]
+                behind = [transition.condition for transition in chart.outgoing(step)]
+                conditions = [each for each in behind if isinstance(each, Expression | BodyCondition)]
                 texts = [text for each in conditions for text in texts_in(each, dialect)]
                 own[key] += sum(found.step == key for text in texts for found in _reads_of_times(text))
     # conditions behind a step are tested only while it is active; other texts read its time when it is not, too
@@ -141,16 +144,48 @@ def _reads_of_times(text: BoundText) -> Iterator[_TimeRead]:
     if text.text_site.reading is SiteKind.FOREIGN:
         return
     for tree in _trees(text):
-        compared: set[int] = set()
-        for node in walk(tree):
-            if isinstance(node, n.Operation) and node.operator in n.COMPARISONS:
-                time, constant = node.operands
-                if isinstance(constant, n.Literal) and duration_of(constant) is not None:
-                    compared.add(id(time))
-            elif isinstance(node, n.Member) and node.name.identifier.upper() in _TIMES:
-                yield _TimeRead(_last_name(node.base), id(node) in compared)
-            elif isinstance(node, n.Unreadable):
-                yield from (_TimeRead(use.name.casefold(), False) for use in text.uses)
+        for read in _reads_in(tree):
+            yield _TimeRead(read.step, read.is_compared or _is_compared_by_boxes(text))
+        unread = (node for node in walk(tree) if isinstance(node, n.Unreadable))
+        yield from (_TimeRead(use.name.casefold(), False) for _ in unread for use in text.uses)
+
+
+def _reads_in(tree: n.Node) -> Iterator[_TimeRead]:
+    """Yield the reads of times in a tree, by their places: pins of a network with equal texts share their nodes."""
+    pending = [tree]
+    while pending:
+        node = pending.pop()
+        compared = _compared_time(node)
+        if compared is not None:
+            yield _TimeRead(_last_name(compared.base), True)
+            continue
+        if _is_time(node):
+            yield _TimeRead(_last_name(node.base), False)
+        pending += children(node)
+
+
+def _compared_time(node: n.Node) -> n.Member | None:
+    """Return the time of a step that a node compares with a constant, and nothing else."""
+    if isinstance(node, n.Operation) and node.operator in n.COMPARISONS:
+        first, second = map(n.bare, node.operands)
+        for time, constant in ((first, second), (second, first)):
+            if _is_time(time) and isinstance(constant, n.Literal) and duration_of(constant) is not None:
+                return time
+    return None
+
+
+def _is_time(node: n.Node) -> TypeGuard[n.Member]:
+    return isinstance(node, n.Member) and node.name.identifier.upper() in _TIMES
+
+
+def _is_compared_by_boxes(text: BoundText) -> bool:
+    """True for a text at a pin of a condition in FBD or LD that does nothing with times but compare them."""
+    condition = text.text_site.site.transition
+    body = condition.body if condition is not None else None
+    if not isinstance(body, FbdBody | LdBody):
+        return False
+    bound = bind(body, text.dialect)
+    return not bound.unknown and all(read.is_compared for tree in bound.trees for read in _reads_in(tree))
 
 
 def _last_name(node: n.Expression) -> str:
@@ -324,7 +359,7 @@ class RunningClocks:
     def __init__(self, instance: Instance) -> None:
         self._controller = instance.controller
         self._starts: list[tuple[list[Any], int]] = []
-        self._rest: list[tuple[list[Any], int]] = []
+        self._rest: list[tuple[list[Any], Callable[[list[Any]], Any]]] = []
         self._seen: set[int] = set()
         for frame in (instance.frame, instance.controller.library.frame):
             self._look(frame)
@@ -335,6 +370,7 @@ class RunningClocks:
         self._seen.add(id(frame))
         types = [field.type for field in frame.layout.fields]
         times = INSTANT in types
+        rest: list[int] = []
         for slot, (type_, value) in enumerate(zip(types, frame.v, strict=False)):
             if type_ is INSTANT:
                 self._starts.append((frame.v, slot))
@@ -345,11 +381,13 @@ class RunningClocks:
                     if isinstance(item, Frame):
                         self._look(item)
             elif not (times and getattr(type_, "name", "") in ("TIME", "LTIME")) and not _is_elapsed(type_):
-                self._rest.append((frame.v, slot))
+                rest.append(slot)
+        if rest:
+            self._rest.append((frame.v, itemgetter(*rest)))
 
     def still(self) -> list[Any]:
         """Return the values of all that is no clock."""
-        return [cells[slot] if not isinstance(cells[slot], list) else None for cells, slot in self._rest]
+        return [values(cells) for cells, values in self._rest]
 
     def next_end(self, clock: Clocking) -> int | None:
         """In how many scans the next clock ends, if one runs; one that has just ended is waited for.

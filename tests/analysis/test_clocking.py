@@ -2,11 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.analysis.timers import clocking, step_times
-from plcopen_sfc.model import Action, ActionAssociation, IlBody, PartialChart, Qualifier, SfcNetwork, StBody
+from plcopen_sfc.languages.networks import DrawingRules, draw_fbd, draw_ld
+from plcopen_sfc.languages.st.parsing import parse_statements
+from plcopen_sfc.model import (
+    Action,
+    ActionAssociation,
+    BodyCondition,
+    IlBody,
+    PartialChart,
+    Qualifier,
+    SfcNetwork,
+    StBody,
+)
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.subjects import Subject, resolve
 
@@ -46,9 +60,9 @@ def test_the_scan_time_divides_every_duration_twice() -> None:
         ("(A.T > T#1s) OR B.T <= T#2s", None, True),
         ("Total MOD A.T > T#1s", None, False),
         ("Go AND A.T > T#1s AND B.T < T#1s", None, True),
-        ("(A.T) > T#1s", None, False),
+        ("(A.T) > T#1s", None, True),
         ("A.T > Delay", None, False),
-        ("T#1s < A.T", None, False),
+        ("T#1s < (A.T)", None, True),
         ("Go", "Delay", False),
         ("3s/X1", None, True),
         ("X1 / 3 s", None, True),
@@ -61,6 +75,21 @@ def test_elapsed_times_are_limited_where_they_are_compared_with_constants(
     condition: str, duration: str | None, *, limited: bool
 ) -> None:
     assert (step_times(chart(condition, duration), 10 * MS).limit is not None) is limited
+
+
+@pytest.mark.parametrize("draw", [draw_fbd, draw_ld])
+@pytest.mark.parametrize(("condition", "limited"), [("A.T > T#1s AND Go", True), ("A.T > T#1s AND A.T > Delay", False)])
+def test_times_in_a_drawn_condition_are_limited_where_its_boxes_compare_them(
+    draw: Callable[..., Any], condition: str, *, limited: bool
+) -> None:
+    subject = chart("Go")
+    assert subject.pou.chart is not None
+    statements = parse_statements(f"Result := {condition};", Dialect.IEC).tree.statements
+    drawn = BodyCondition(name="Ready", body=draw(statements, DrawingRules(Dialect.IEC)).body)
+    subject.pou.chart.transitions[0].condition = drawn
+    found = step_times(subject, 10 * MS)
+    assert (found.limit is not None) is limited
+    assert (found.read, found.anywhere) == ({"a"}, set())
 
 
 def test_times_of_steps_are_limited_by_the_durations_of_their_own_program() -> None:

@@ -74,6 +74,16 @@ def test_what_looks_the_same_and_acts_otherwise_is_approximated(project: sfc.Pro
         saved(project, target, strict=True)
 
 
+@pytest.mark.parametrize("target", ["simaticml", "codesys", "plcopen-2.01"])
+def test_conditions_with_the_time_of_a_step_are_proven_in_every_tool(target: str) -> None:
+    project = chart("q(N);")
+    transition = project.pous[0].chart.transitions[1]
+    transition.condition = m.Expression(text="b AND S1.T >= T#500ms")
+    verdict = saved(project, target).compared["POU Main"]
+    assert verdict.startswith("equal")
+    assert "(proof: " in verdict
+
+
 SAMPLED = """ACTION Look: IF b AND m = 0 THEN m := 1; END_IF; IF NOT b AND m = 0 THEN m := 2; END_IF; END_ACTION"""
 
 
