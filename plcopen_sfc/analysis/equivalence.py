@@ -145,10 +145,11 @@ def equivalent(
     inputs in `a` where they differ; of what is compared without `outputs` too.
     `fixed`: inputs that keep a value, by their names in either. `free_inputs`: variables that nothing writes and that
     are to be inputs though they are not declared so, or ``all``, but never those that tell of steps. `left_out`: a
-    variable of `b`; scans that end with its value TRUE are not compared, nor what follows them. A `LoweredPou` as `b`
-    brings its profile, step flags, inactive inputs and what is left out; SFC flags that operate the chart are inputs.
-    `cap`: the most states of the search; `runs` of `scans` scans are tried where that ends without an answer, up to ten
-    times as many while they find something new, and `most_runs` more while something that may be reachable is left.
+    variable of `b`; scans that end with its value TRUE (``NOT Button``: FALSE) are not compared, nor what follows them.
+    A `LoweredPou` as `b` brings its profile, step flags, inactive inputs and what is left out; SFC flags that operate
+    the chart are inputs. `cap`: the most states of the search; `runs` of `scans` scans are tried where that ends
+    without an answer, up to ten times as many while they find something new, and `most_runs` more while something that
+    may be reachable is left.
     `scan_time`: without it one for which all durations of the programs end exactly in a scan.
 
     Functions and blocks that are called and that neither the project nor `functions` has are taken as unknown functions

@@ -13,7 +13,8 @@ import re
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from operator import itemgetter, or_
+from itertools import compress
+from operator import itemgetter, ne, or_
 from types import MappingProxyType
 from typing import Any, Unpack
 
@@ -115,6 +116,7 @@ class FreeCalls(UnknownCalls):
 
 InputReader = Callable[[str], Any]
 _NONE: Mapping[str, Value] = MappingProxyType({})
+_NOT = "NOT "
 _NO_STEPS = StepTimes(limit=0, anywhere=frozenset(), read=frozenset())
 
 
@@ -203,8 +205,9 @@ class ProgramSystem:
         self.also_counted: frozenset[str] = frozenset()
         """Names of called POUs that the other side has not, or not so: what of them is executed counts too."""
         self.not_followed: dict[str, type[SfcError]] = {}
-        """By the names of variables, how a scan ends that leaves them TRUE."""
+        """By the names of variables, how a scan ends that leaves them TRUE; ``NOT x``: that leaves x FALSE."""
         self._not_followed: Callable[[], tuple[Any, ...]] = tuple
+        self._followed: tuple[bool, ...] = ()
 
     @property
     def told_types(self) -> Mapping[str, Type]:
@@ -444,10 +447,14 @@ class ProgramSystem:
         return with_called(named, (*pou.actions, *pou.methods, *pou.transitions), dialect)
 
     def leave_out(self, name: str, kind: type[SfcError] = LeftOutError) -> None:
-        """End scans that leave a variable TRUE with an error. Raises `ModelError` for an unknown name."""
+        """End scans that leave a variable TRUE with an error, or FALSE (``NOT Button``).
+
+        Raises `ModelError` for an unknown name.
+        """
         self.not_followed[name] = kind
-        self._not_followed = self.instance.reader(list(self.not_followed))
-        self._look_at([name])
+        self._not_followed = self.instance.reader([each.removeprefix(_NOT) for each in self.not_followed])
+        self._followed = tuple(each.startswith(_NOT) for each in self.not_followed)
+        self._look_at([name.removeprefix(_NOT)])
 
     def _look_at(self, paths: Iterable[str]) -> None:
         """Variables are read at the end of scans. The state is the one before the first scan then."""
@@ -515,8 +522,9 @@ class ProgramSystem:
         given = {name: self._given(name) for name in self._late}  # a later scan asks for them, if this one does or not
         self.instance.scan()
         self._held = given
-        if self.not_followed and any(values := self._not_followed()):
-            name, kind = next(each for each, value in zip(self.not_followed.items(), values, strict=True) if value)
+        if self.not_followed and (values := self._not_followed()) != self._followed:
+            wrong = map(ne, values, self._followed)
+            name, kind = next(compress(self.not_followed.items(), wrong))
             raise kind(f"{name} = TRUE")
 
     @cached_property

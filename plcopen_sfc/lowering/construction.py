@@ -158,9 +158,9 @@ class Constructed:
 
     `step_flags` are the expressions that are TRUE while a step is active, by the path of the step; `situation` those
     that hold between two scans, where that is not the same. The code does what the chart does while inputs that were
-    added have the values of `at_rest` and the variable `left_out` is FALSE. `data_types` and `blocks` are new in the
-    project. `step_numbers` are the numbers of steps in the code by their paths, where steps are states of a CASE or are
-    selected by number. `flags`: the place of step flags outside of the POU.
+    added have the values of `at_rest` and `left_out`, a variable or ``NOT`` one, is FALSE. `data_types` and `blocks`
+    are new in the project. `step_numbers` are the numbers of steps in the code by their paths, where steps are states
+    of a CASE or are selected by number. `flags`: the place of step flags outside of the POU.
     """
 
     pou: Pou
@@ -218,7 +218,7 @@ def construct(
     if code.needs_flat_statements or (code.drawn and isinstance(source, GraphSource)):
         flatten(code, pou.variables())
     steps = [*maker.active_steps().values(), *(maker.active(step.index) for step in source.net.steps)]
-    asked = [*steps, *filter(None, [code.left_out])]
+    asked = [*steps, *([code.left_out] if code.left_out is not None else [])]
     if not code.drawn:
         inline_single_uses(code, asked)
     remove_unread(code, asked)
@@ -231,7 +231,7 @@ def construct(
         step_flags={path: _bare_names(expression) for path, expression in maker.active_steps().items()},
         situation={step.path: _bare_names(maker.active(step.index)) for step in source.net.steps},
         at_rest=code.at_rest,
-        left_out=code.left_out.identifier if code.left_out is not None else None,
+        left_out=_bare_names(code.left_out) if code.left_out is not None else None,
         data_types=tuple(code.data_types),
         step_numbers=_numbers(source, maker, rules),
         flags=code.flags,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -16,6 +17,7 @@ from plcopen_sfc.lowering.construction import construct
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.model import FbdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.text import plain
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.corpus import CORPUS
 from tests.lowering.charts import act, boolean, pou_with, training_chain
@@ -191,19 +193,36 @@ def test_a_chart_of_an_emergency_stop_is_the_reset_of_the_textbook() -> None:
     body = made.pou.body
     assert isinstance(body, StBody)
     assert [line for line in body.text.splitlines() if line and not line.startswith("//")] == [
-        "Restart := NOT NOT_AUS;",
-        "SR01 := (Restart OR SR05 AND 2B1 OR SR01) AND NOT SR02;",
-        "SR02 := (SR01 AND 1B1 AND 2B1 AND START OR SR02) AND NOT (SR03 OR Restart);",
-        "SR03 := (SR02 AND 1B2 OR SR03) AND NOT (SR04 OR Restart);",
-        "SR04 := (SR03 AND 1B1 OR SR04) AND NOT (SR05 OR Restart);",
-        "SR05 := (SR04 AND 2B2 OR SR05) AND NOT (SR01 OR Restart);",
+        "SR01 := (NOT NOT_AUS OR SR05 AND 2B1 OR SR01) AND NOT SR02;",
+        "SR02 := (SR01 AND 1B1 AND 2B1 AND START OR SR02) AND NOT (SR03 OR NOT NOT_AUS);",
+        "SR03 := (SR02 AND 1B2 OR SR03) AND NOT (SR04 OR NOT NOT_AUS);",
+        "SR04 := (SR03 AND 1B1 OR SR04) AND NOT (SR05 OR NOT NOT_AUS);",
+        "SR05 := (SR04 AND 2B2 OR SR05) AND NOT (SR01 OR NOT NOT_AUS);",
         "1M1 := SR02;",
         "2M1 := SR04;",
     ]
     titles = [line for line in body.text.splitlines() if line.startswith("// Step")]
     assert titles == ["// Step 1 – initial step", *(f"// Step {number}" for number in range(2, 6))]
+    assert made.left_out == "NOT NOT_AUS"
     assert made.proof is not None
     assert {"G1.1", "G1.5"} <= made.step_flags.keys(), "by the names in the chart"
+
+
+def test_the_first_network_of_textbook_code_is_that_of_the_first_step() -> None:
+    """TIA Portal has no start values for bit memory: networks for each flag, and one for the button, came before."""
+    project = sfc.load(FIXTURES / "grafcet" / "two_cylinders.gct")
+    options: dict[str, Any] = {"style": "classic", "lang": "de", "flags": "M20.0", "target": "simaticml"}
+    made = sfc.lower(project, "fup", **options)
+    assert isinstance(made.pou.body, FbdBody)
+    titles = [plain(network.title) for network in made.pou.body.networks]
+    steps = [f"Schrittmerker X{number} (M20.{number - 1})" for number in range(1, 6)]
+    assert titles == [*steps, "Aktion 1M1", "Aktion 2M1", "Ende des Richtimpulses"]
+    assert [fault.code for fault in made.faults] == ["LOW101", "LOW104", "LOW108"]
+    # with an input that starts it, the textbook waits for that
+    chain = sfc.lower(sfc.load(FIXTURES / "grafcet" / "four_steps.gct"), "fup", **options)
+    assert isinstance(chain.pou.body, FbdBody)
+    assert plain(chain.pou.body.networks[0].title) == "Schrittmerker X1 (M20.0)"
+    assert "LOW107" in [fault.code for fault in chain.faults]
 
 
 @pytest.mark.parametrize("stop", ["NOT NOT_AUS", "/NOT_AUS", "¬NOT_AUS", "!NOT_AUS"])

@@ -309,7 +309,7 @@ class LoweredCode:
     constants: list[t.Variable] = field(default_factory=list)
     data_types: list[t.DataTypeDeclaration] = field(default_factory=list)
     at_rest: dict[str, bool] = field(default_factory=dict)
-    left_out: n.Name | None = None
+    left_out: n.Expression | None = None
     drawn: bool = False
     one_sheet: bool = False
     tool: Tool | None = None

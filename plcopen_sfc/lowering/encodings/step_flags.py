@@ -76,7 +76,8 @@ class StepFlagEncoding(ScanSchedule):
             self.flags.append(
                 code.declare_flag(texts.flag_name(step.step), step.path, initial=initial, comment=comment)
             )
-        if code.flags is not None and not code.flags.have_values and not source.starts_off:
+        self._have_values = code.flags is None or code.flags.have_values
+        if not self._have_values and not self.rules.is_classic and not source.starts_off:
             # addresses of S7 have no start values: the first scan sets them
             start = self.memory.conditional("", code.first_scan_pulse(), self.starting())
             code.add(texts.initial_steps, start)
@@ -312,7 +313,7 @@ class FlipFlopEncoding(StepFlagEncoding):
                 for t in entering
             ]
             if self.rules.init is None and self.net.initial & step.bit:
-                set_.insert(0, self.memory.starting())
+                set_.insert(0, self.memory.starting() if self._have_values else self.code.first_scan_pulse())
             # the reset by the step behind makes two steps active in one scan, and locks loops of two steps: known
             # faults
             following = {t for i in self.net.leaving[step.index] for t in self.net.transitions[i].targets}

@@ -84,7 +84,7 @@ def find_faults(
         program,
         [flags[step.path] for step in source.net.steps],
         watched,
-        sorted(name for name in restarts if name is not None and name.casefold() in known),
+        [_restart(each) for each in sorted(filter(None, restarts)) if each.casefold() in known or each == left_out],
         [output.name for output in outputs],
     )
     facts = ChartFacts(source, rules.profile, marking_graph(source.net, cap=_MARKINGS), outputs, waits=bool(restarts))
@@ -94,6 +94,12 @@ def find_faults(
     by_kind = {kind: {place: way for (each, place), way in found.items() if each is kind} for kind in looked_for}
     shown = _Showing(observed, original, facts, signals)
     return tuple(shown.fault(kind, places) for kind, places in by_kind.items() if places)
+
+
+def _restart(condition: str) -> Observation:
+    """Return what is TRUE while a variable restarts the sequence, or its negation (``NOT Button``)."""
+    name = condition.removeprefix("NOT ")
+    return Observation(name, equals=False) if name != condition else Observation(name)
 
 
 def _connect(code: ProgramSystem, chart: ProgramSystem, fixed: Mapping[str, bool]) -> dict[str, Signal]:
@@ -129,7 +135,7 @@ class _Observed:
         program: ProgramSystem,
         steps: Sequence[Observation],
         watched: WatchedPou,
-        restarts: Sequence[str],
+        restarts: Sequence[Observation],
         outputs: Sequence[str],
     ) -> None:
         self.program = program
@@ -137,7 +143,7 @@ class _Observed:
         self._before, self._behind = list(watched.before), list(watched.behind)
         names = [*watched.before.values(), *watched.behind.values()]
         self._cells = [program.instance.cell(name) for name in names]
-        program.observe([*steps, *(Observation(name) for name in (*names, *restarts, *outputs))])
+        program.observe([*steps, *map(Observation, names), *restarts, *map(Observation, outputs)])
 
     def reset(self) -> _Seen:
         """Go to the state before the first scan."""

@@ -46,7 +46,7 @@ def with_usual_input(rules: LoweringRules, source: ChartSource, surroundings: Co
 
 def declare_restart(
     source: ChartSource, code: LoweredCode, rules: LoweringRules, surroundings: Collection[str]
-) -> n.Name | None:
+) -> Expression | None:
     """Return a condition that is TRUE while the sequence is held in its initial steps; None if none was asked for.
 
     Names that are unknown in the POU and in its `surroundings` (names of the project in lower case) become inputs of
@@ -57,8 +57,11 @@ def declare_restart(
     stop = maker.condition(rules.stop, rules.texts.stop) if rules.stop is not None else None
     if stop is None:
         return init
-    # a plain input needs no variable of its own
+    # a plain input needs no variable of its own, and textbooks have a button in the network of each step
     if init is None and isinstance(stop, n.Name) and maker.rests(stop):
+        return stop
+    if init is None and rules.is_classic and _is_button(stop):
+        code.left_out = stop
         return stop
     restart = code.declare(rules.texts.restart, comment=rules.texts.restart_comment)
     code.add(rules.texts.init, [assignment(restart, disjunction([init, stop] if init is not None else [stop]))])
@@ -66,6 +69,12 @@ def declare_restart(
     if not maker.rests(stop):
         code.left_out = restart
     return restart
+
+
+def _is_button(stop: Expression) -> bool:
+    """True for a variable or its negation that has the same name in every format."""
+    inner = stop.operand if isinstance(stop, n.Unary) and stop.operator is Operator.NOT else stop
+    return isinstance(inner, n.Name) and inner.identifier.isidentifier() and inner.identifier.isascii()
 
 
 class _Conditions:
