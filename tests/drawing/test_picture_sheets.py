@@ -148,3 +148,18 @@ def test_no_sheet_has_the_frame_of_a_partial_chart_alone() -> None:
     for root in drawn:
         assert [each.get("class") for each in root[-1]] != ["part"]
     assert sum("G1" in root.xpath("//*[local-name()='text']/text()") for root in drawn) > 0
+
+
+def test_sheets_begin_with_the_chart_and_not_with_the_frame_around_it() -> None:
+    """A chart that stood on the right of its frame was cut in the middle, beside empty paper."""
+    steps = [f"    STEP {number}\n        q{number}\n    {number} -> {number + 1} : a\n" for number in range(2, 40)]
+    back = [f"    40 -> {number} : a * x{number}_with_a_long_name_of_its_own\n" for number in range(1, 8)]
+    text = "GRAFCET G\nINPUTS\n    a\nCHART G1\n    INITIAL STEP 1\n    1 -> 2 : a\n" + "".join(steps)
+    text += "    STEP 40\n" + "".join(back) + "    40 -> 41 : a\n    STEP 41\n    41 -> 1 : a\n"
+    roots = [etree.fromstring(svg) for svg in sheets(sfc.loads(text.encode()).pous[0].chart.to_svg(), "A4")]
+    alone = [root for root in roots if [window(each)[1] for each in roots].count(window(root)[1]) == 1]
+    assert alone
+    for root in alone:
+        shown = window(root)
+        first = min(area[0] for area in areas(root) if is_inside(area, shown))
+        assert first - shown[0] < 30

@@ -134,8 +134,10 @@ def _divided(parts: Sequence[_Part], size: tuple[int, int], room: tuple[int, int
             inside[number].append(part)
     grid = []
     for row, found in zip(rows, inside, strict=True):
-        width = min(size[0], max((part.across[1] for part in found), default=0) + 2)
-        begin = max(0, min((part.across[0] for part in found), default=0) - 2) if width > room[0] else 0
+        # the lines of a frame around it tell nothing of where the chart is: the sheets begin with what is inside
+        content = [part for part in found if not _FRAME.match(part.shape) or row[0] <= part.down[0]] or found
+        width = min(size[0], max((part.across[1] for part in content), default=0) + 2)
+        begin = max(0, min((part.across[0] for part in content), default=0) - 2) if width > room[0] else 0
         spans = [part.across for part in found if not part.divisible]
         grid.append([_Sheet(across, row, []) for across in _pieces(width, room[0], spans, begin)])
     for part in parts:
