@@ -11,7 +11,7 @@
 
 A conversion is *executed* where the report names no loss, *otherwise* where something is approximated, *partial* where
 something is not executed, *refused* where it is written in no case. *Unsaid* are losses that the reader of the target
-found and no writer had named. With ``--limit`` each chart is run in both tools, and charts are counted by what came of
+found and no writer had named. With ``--limit`` each chart is simulated for both, and charts are counted by what came of
 it (`CHARTS`), with the reasons why others were not run.
 """
 

@@ -78,7 +78,7 @@ def save(
     in place; `compared` of the report has the verdict. Code that was not to be verified is saved without that.
 
     With a `limit` (seconds, ``2m30s``, or ``auto``: a tenth of a second a step, at least five seconds) the charts of a
-    conversion are also run in both tools, as `equivalent` does; a difference is an approximated item, and `compared`
+    conversion are also simulated for both, as `equivalent` does; a difference is an approximated item, and `compared`
     of the report has what was found of each chart.
 
     `at_rest` names inactive inputs of S7-GRAPH (``INIT_SQ``; ``all``): it is no loss that they have

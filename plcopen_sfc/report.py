@@ -76,7 +76,7 @@ class ConversionReport:
     """The outcomes of all items. `unchanged`: nothing was edited, the file is what was read.
 
     `written` are the files that were written. In a folder, `removed` are those whose objects are gone, and `left_alone`
-    those that are none of the project's. `compared`: what came of running each chart in both tools, by its path;
+    those that are none of the project's. `compared`: what came of simulating each chart for both tools, by its path;
     `untested` are those of these charts that could not be run, or of which not all was reached, with what was not.
     """
 

@@ -133,9 +133,9 @@ Jobs = Annotated[int, _option("--jobs", "Compare so many charts at a time, each 
 ConvertReport = Annotated[
     Path | None, _option("--report", "Also write the result as JSON, or as a page with both charts.", "FILE.json|.html")
 ]
-ConvertVerify = Annotated[bool, _option("--verify/--no-verify", "Run the charts in both tools, or do not.")]
+ConvertVerify = Annotated[bool, _option("--verify/--no-verify", "Simulate the charts for both tools, or do not.")]
 ConvertLimit = Annotated[
-    str, _option("--limit", "Run the charts in both tools for so long; auto: 0.1 s a step, at least 5 s.", "TIME")
+    str, _option("--limit", "Simulate the charts for both tools for so long; auto: 0.1 s a step, at least 5 s.", "TIME")
 ]
 Charts = Annotated[
     bool | None, _option("--charts/--no-charts", "Outline each chart. The default is to do so for few charts.")

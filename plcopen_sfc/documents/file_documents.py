@@ -98,7 +98,7 @@ def encode(
 ) -> tuple[bytes, ConversionReport]:
     """Return the bytes of `project` in the format `name` (``simaticml-V16``), and what became of each item.
 
-    `limit`: for so many seconds the charts are run in both tools. `at_rest` is that of `WriteOptions`.
+    `limit`: for so many seconds the charts are simulated for both. `at_rest` is that of `WriteOptions`.
     """
     kind, version = format_named(name)
     if flavour and flavour not in kind.flavours:

@@ -275,7 +275,7 @@ def _format_of_list(path: str) -> Format | None:
 
 
 _LEAST_LIMIT, _LIMIT_OF_STEP = 5.0, 0.1
-"""Seconds for which charts are run in both tools if no limit is given: 300 steps are entered and compared in 20."""
+"""Seconds for which charts are simulated if no limit is given: 300 steps are entered and compared in 20."""
 
 
 def _usual_limit(project: Project) -> float:

@@ -393,7 +393,7 @@ def test_a_chart_that_nothing_executes_in_the_target_is_a_finding(cli: Any, tmp_
     result = cli("convert", source, target, "--to", "csv")
     assert result.code == 1
     assert "POU Main: not compared, as nothing executes a step list" in result.out
-    assert "not run in both tools: 1 chart: --accept-untested" in " ".join(result.err.split())
+    assert "not simulated for both tools: 1 chart: --accept-untested" in " ".join(result.err.split())
     assert cli("convert", source, target, "--to", "csv", "--accept-untested").code == 0
 
 
@@ -407,7 +407,7 @@ def test_a_place_does_not_say_twice_what_it_is(cli: Any, tmp_path: Path) -> None
 
 @pytest.mark.slow
 def test_without_a_run_the_result_says_so(cli, fixtures, tmp_path):
-    told = "no chart was run in both tools (--no-verify)"
+    told = "no chart was simulated for both tools (--no-verify)"
     source, target = "training-chain/codesys.xml", tmp_path / "out.xml"
     assert told in cli("convert", source, target, "--to", "plcopen-2.01", "--limit", 0).err
     assert told in cli("convert", source, target, "--to", "plcopen-2.01", "--no-verify").err

@@ -1,4 +1,4 @@
-"""Outcomes of conversions, and of charts run in both tools, by pair of formats: tables in docs/conversion-counts.md."""
+"""Outcomes of conversions, and of simulated charts, by pair of formats: tables in docs/conversion-counts.md."""
 
 from __future__ import annotations
 

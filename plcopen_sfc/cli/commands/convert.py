@@ -39,7 +39,7 @@ _FINDINGS = 1
 class ConvertOptions:
     """Options of the command, with those of saving, the `format` to write among them.
 
-    `as_tool`: as its tool sees the source. A chart of which not all was reached when it was run in both tools is a
+    `as_tool`: as its tool sees the source. A chart of which not all was reached when it was simulated for both is a
     finding, unless `accept_untested`. `page`: the report as HTML with the charts of both, in the language `lang`.
     """
 
@@ -190,12 +190,14 @@ def _convert(how: ConvertOptions, target: str, screen: Screen, source: str, plac
     if not screen.as_json and not screen.quiet and target != STANDARD_STREAM:
         _show_written(screen, target, report)
     if not how.saving.get("limit") and not report.unchanged and not report.compared and any(project.charts()):
-        screen.note("no chart was run in both tools (--no-verify): the report rests on what was written alone")
+        screen.note("no chart was simulated for both tools (--no-verify): the report rests on what was written alone")
     if report.untested and not how.accept_untested:
         is_run = any(not report.compared[path].startswith("not compared") for path in report.untested)
         longer = "a longer --limit, or " if is_run else ""
         charts = counted(len(report.untested), "chart")
-        told = f"of {charts} not all was run in both tools" if is_run else f"not run in both tools: {charts}"
+        told = (
+            f"of {charts} not all was simulated for both tools" if is_run else f"not simulated for both tools: {charts}"
+        )
         screen.note(f"{told}: {longer}--accept-untested if you have looked")
         screen.exit_code = _FINDINGS
     screen.exit_code = exit_code_for(screen, project.diagnostics)
@@ -269,7 +271,7 @@ def _show(screen: Screen, report: ConversionReport) -> None:
     show_not_executed(screen, report.with_outcome(Outcome.NOT_EXECUTED))
     for found, paths in _by_result(report):
         is_run = not found.startswith(("not compared", "not run"))
-        screen.line(f"{'run in both tools: ' if is_run else ''}{', '.join(paths)}: {found}")
+        screen.line(f"{'simulated for both tools: ' if is_run else ''}{', '.join(paths)}: {found}")
         for line in report.untested.get(paths[0], ()):
             screen.line(f"  {line}")
     if report.compared:
