@@ -243,13 +243,35 @@ def _keep(thing: Element, attributes: dict[str, str], elements: Iterable[etree._
 
 def _property(element: etree._Element) -> ForeignData:
     """Return a property as the text that is kept of one."""
-    lines = [declaration_in(element) or f"PROPERTY {element.get('Name')}"]
-    for access in element:
-        if access.tag in ("Get", "Set"):
-            body = access.findtext("Implementation/ST") or ""
-            lines += [str(access.tag).upper(), declaration_in(access) or "", body, f"END_{str(access.tag).upper()}"]
-    text = "\n".join([*(line.strip() for line in lines if line.strip()), "END_PROPERTY"])
-    return ForeignData.model_validate(wrapped(PROPERTY, text))
+    return ForeignData.model_validate(wrapped(PROPERTY, "\n".join(text for text, _ in _texts_of_property(element))))
+
+
+def _texts_of_property(element: etree._Element) -> Iterator[tuple[str, etree._Element | None]]:
+    """Yield the parts of the text of a property, each with the element that has it, None for keywords."""
+    head = element.find("Declaration")
+    found: list[tuple[str, etree._Element | None]] = [
+        ((head.text if head is not None else "") or f"PROPERTY {element.get('Name')}", head)
+    ]
+    for access in element.iterchildren("Get", "Set"):
+        parts = (access.find("Declaration"), access.find("Implementation/ST"))
+        texts = [((part.text or "") if part is not None else "", part) for part in parts]
+        found += [(access.tag.upper(), None), *texts, (f"END_{access.tag.upper()}", None)]
+    yield from ((text.strip(), part) for text, part in found if text.strip())
+    yield "END_PROPERTY", None
+
+
+def _edited_property(source: etree._Element, text: str) -> etree._Element | None:
+    """Return a copy of a property with another text of as many lines; None where it has another form."""
+    written = copy.deepcopy(source)
+    lines = text.split("\n")
+    for before, part in [*_texts_of_property(written)]:
+        count = before.count("\n") + 1
+        after, lines = "\n".join(lines[:count]), lines[count:]
+        if part is None and after != before:
+            return None
+        if part is not None and after != before:
+            part.text = (part.text or "").replace(before, after, 1) or after
+    return written if not lines else None
 
 
 # -- writing ----------------------------------------------------------------------------------------------------------
@@ -360,9 +382,9 @@ class _PouWriter:
             source = self._source_of(part)
             place = self._children.index(source) if source is not None else len(self._children)
             placed.append((place, self._part(part, source)))
+        placed += self._properties()
         written.extend(element for _, element in sorted(placed, key=lambda each: each[0]))
         self._settings(written, pou.body)
-        self._report_properties()
         return written
 
     def _declaration(self, written: etree._Element, thing: Pou | Method, source: etree._Element | None) -> None:
@@ -446,12 +468,17 @@ class _PouWriter:
         if isinstance(body, SfcBody) and body.chart.settings is not None:
             etree.SubElement(owner, "ObjectProperties").append(write_settings(body.chart.settings))
 
-    def _report_properties(self) -> None:
-        """Properties stay in the file that is patched as they are; elsewhere they are not written."""
-        stay = self._source.iterfind("Property") if self._source is not None else ()
-        if list(_properties(self._pou)) != [unwrapped(_property(each).content) for each in stay]:
-            why = "properties are not written: those of a file stay in it as they are"
+    def _properties(self) -> list[tuple[int, etree._Element]]:
+        """Return the properties of the file that is patched, with other names in them; elsewhere none is written."""
+        stay = [*self._source.iterfind("Property")] if self._source is not None else []
+        texts = [text for _, text in _properties(self._pou)]
+        edited = [_edited_property(*each) for each in zip(stay, texts, strict=False)]
+        if len(texts) != len(stay) or None in edited:
+            why = "properties are not written: those of a file stay in it, and other names in them are all that changes"
             self._report.add(Outcome.NOT_EXECUTED, PROPERTY, self._pou.report_path, why)
+            edited = [copy.deepcopy(each) for each in stay]
+        places = (self._children.index(each) for each in stay)
+        return [(place, each) for place, each in zip(places, edited, strict=True) if each is not None]
 
 
 def _properties(pou: Pou) -> Iterator[tuple[str, str]]:

@@ -36,6 +36,7 @@ from plcopen_sfc.formats.codesys_export.export_entries import (
     LIST,
     PARTS,
     POU,
+    PROPERTY,
     TASK,
     TREE,
     TYPE,
@@ -299,6 +300,10 @@ class _Writer:
             for part in written:
                 if part.tag in PARTS:
                     self._put(str(part.tag), part, inside, f"{pou.name}.{part.get('Name')}")
+                for each in (part, *part) if part.tag == PROPERTY else ():
+                    known = self._entries.get((identity_of(each) or "").casefold())
+                    if known is not None:
+                        put(known, each)
             for each in self._inner.get(entry.guid, ()):
                 move_inside(each, entry)
         for declared in project.data_types:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -19,7 +20,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
 from plcopen_sfc.languages.st.nodes import Quoting, Span
 from plcopen_sfc.languages.st.parsing import parse_declarations
-from plcopen_sfc.languages.st.walking import children
+from plcopen_sfc.languages.st.walking import children, walk
 from plcopen_sfc.model.dialect import Dialect
 
 
@@ -328,6 +329,47 @@ def in_kept_texts(markup: str, dialect: Dialect) -> Iterator[Reference]:
                 yield from moved(_types(named_type, dialect), start + part.start())
         else:
             yield from unread(text, start, "it is in a part of a declaration that is kept as text")
+
+
+def in_property(markup: str, dialect: Dialect) -> Iterator[Reference]:
+    """Yield the names in a property that is kept as text, but for those that it declares itself."""
+    text = _ESCAPED.sub(lambda found: html.unescape(found[0]).rjust(len(found[0])), markup)  # places stay
+    head = _PROPERTY.search(text)
+    if head is None:
+        yield from unread(text, 0, "it is in a property that cannot be read")
+        return
+    yield from _types_declared(head["type"], head.start("type"), dialect)
+    for accessor in _ACCESSOR.finditer(text, head.end()):
+        own, start = {head["name"].casefold()}, accessor.start("inside")
+        for block in re.finditer(r"\bVAR\b.*?\bEND_VAR\b", accessor["inside"], re.DOTALL | re.IGNORECASE):
+            declared = parse_declarations(block[0], dialect).tree
+            names = (name for each in walk(declared) for name in getattr(each, "names", ()) if isinstance(name, n.Name))
+            own |= {name.identifier.casefold() for name in names}
+            yield from _types_declared(block[0], start + block.start(), dialect)
+            start = accessor.start("inside") + block.end()
+        for reference in moved(in_statements(text[start : accessor.end("inside")], dialect), start):
+            first: n.Node | None = reference.base
+            while isinstance(first, n.Member | n.Index | n.Dereference):
+                first = first.base
+            name = first.identifier if isinstance(first, n.Name) else reference.name if first is None else ""
+            if name.casefold() not in own:
+                yield reference
+
+
+def _types_declared(text: str, start: int, dialect: Dialect) -> Iterator[Reference]:
+    """Yield the names of types in declarations, or of one type alone."""
+    alone = "VAR x : "
+    whole = text if text[:3].upper() == "VAR" else f"{alone}{text}; END_VAR"
+    offset = start if whole is text else start - len(alone)
+    found = (each for each in in_declarations(whole, dialect) if each.role is Role.TYPE)
+    yield from moved(found, offset)
+
+
+_ESCAPED = re.compile(r"(?:&(?:lt|gt|amp);)+=?|=&gt;")
+_PROPERTY = re.compile(r"\bPROPERTY\s+(?:\w+\s+)*?(?P<name>\w+)\s*:\s*(?P<type>[^;\n<]+)", re.IGNORECASE)
+_ACCESSOR = re.compile(
+    r"^[ \t]*(?P<kind>GET|SET)\b[^\n]*\n(?P<inside>.*?)^[ \t]*END_(?P=kind)\b", re.DOTALL | re.MULTILINE | re.IGNORECASE
+)
 
 
 def in_repeated_list(markup: str, dialect: Dialect) -> Iterator[Reference]:

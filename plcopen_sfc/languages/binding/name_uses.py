@@ -18,6 +18,7 @@ from plcopen_sfc.languages.binding.name_sites import (
     in_instructions,
     in_kept_texts,
     in_networks,
+    in_property,
     in_repeated_list,
     in_statements,
     unread,
@@ -59,6 +60,7 @@ _READERS = {
     SiteKind.DECLARATIONS: in_declarations,
     SiteKind.REPEATED: in_repeated_list,
     SiteKind.KEPT: in_kept_texts,
+    SiteKind.PROPERTY: in_property,
     SiteKind.NETWORKS: in_networks,
 }
 

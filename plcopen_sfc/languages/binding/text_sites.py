@@ -13,7 +13,7 @@ from functools import cache
 from types import MappingProxyType
 from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin
 
-from plcopen_sfc.languages.declarations.kept_texts import KEPT_DATA, inheritance
+from plcopen_sfc.languages.declarations.kept_texts import KEPT_DATA, inheritance, unwrapped
 from plcopen_sfc.languages.networks.box_trees import is_box_tree
 from plcopen_sfc.languages.networks.exported_networks import EXPORTS
 from plcopen_sfc.languages.st import Parsed, parse_body, parse_condition, render, transform
@@ -47,7 +47,7 @@ class SiteKind(StrEnum):
     """Kind of a text: how it is read.
 
     NETWORKS: drawn ones as exports of CoDeSys 2.3 have them. REPEATED: a list of global variables that CODESYS has a
-    second time. KEPT: parts of declarations that the model has no field for.
+    second time. KEPT: parts of declarations that the model has no field for. PROPERTY: a property, kept as text.
     """
 
     STATEMENTS = "statements"
@@ -58,6 +58,7 @@ class SiteKind(StrEnum):
     FOREIGN = "foreign"
     REPEATED = "repeated"
     KEPT = "kept"
+    PROPERTY = "property"
     NETWORKS = "networks"
 
 
@@ -396,6 +397,8 @@ def _add_named(holder: Any, key: str | int, how: tuple[SiteKind, Role], where: _
         reading = SiteKind.REPEATED
     elif isinstance(holder, ForeignData) and holder.name == KEPT_DATA:
         reading = SiteKind.KEPT
+    elif isinstance(holder, ForeignData) and (unwrapped(holder.content) or ("",))[0] == "property":
+        reading, where = SiteKind.PROPERTY, where._replace(language="ST")
     elif isinstance(holder, b.OpaqueBody) and (holder.source == EXPORTS or is_box_tree(holder.content)):
         reading = SiteKind.NETWORKS
     elif isinstance(holder, PouInstance) and key == "name" and holder.type_name:

@@ -143,6 +143,14 @@ def test_objects_are_put_in_and_taken_out_with_what_is_in_them() -> None:
     assert b"Library Manager" in rest
 
 
+def test_a_rename_changes_the_code_of_properties() -> None:
+    project = mixer()
+    assert project.rename("Ruehrwerk.Motor", "Antrieb").undecided == ()
+    lines = [line for line in changed(MIXER.read_bytes(), sfc.dumps(project)) if line.startswith("+")]
+    assert '+<Single Name="TextBlobForSerialisation" Type="string">Laeuft := Antrieb;</Single>' in lines
+    assert len(lines) == 3
+
+
 def test_a_renamed_pou_is_renamed_in_the_paths_of_what_is_in_it() -> None:
     project = mixer()
     project.rename("Mischer", "Ansetzen")

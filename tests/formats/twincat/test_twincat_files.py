@@ -12,7 +12,7 @@ import pytest
 from lxml import etree
 
 import plcopen_sfc as sfc
-from plcopen_sfc.errors import SfcError
+from plcopen_sfc.errors import LossError, SfcError
 from plcopen_sfc.formats.archives.chart_elements import ELEMENTS
 from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.twincat.twincat_codec import CODEC
@@ -442,6 +442,44 @@ def test_pragmas_and_modifiers_stay_around_an_edit() -> None:
     for word in (b"{attribute 'reflection'}", b"{attribute 'hide'}", b"PUBLIC ABSTRACT", b"EXTENDS Base"):
         assert word in fresh
     assert b"plcopen_sfc" not in fresh
+
+
+PROPERTY = (
+    METHODS.replace(b"Runs := TRUE;", b"\nIF Count >= 2 AND x < 3 THEN Runs := TRUE; END_IF\n")
+    .replace(b"<Declaration><![CDATA[]]>", b"<Declaration><![CDATA[VAR\n\tx : INT;\nEND_VAR\n]]>")
+    .replace(b"\nVAR_IN", b"\nVAR\n\tCount, x : INT;\nEND_VAR\nVAR_IN", 1)
+)
+
+
+def test_a_rename_changes_the_code_of_properties() -> None:
+    """A property kept the old name, and a batch did not tell."""
+    project = sfc.loads(PROPERTY)
+    name = project.pous[0].name
+    uses = project.uses(f"{name}.Count")
+    assert [(use.language, use.line) for use in uses] == [("ST", 6)]
+    assert project.uses(f"{name}.x") == [], "the property has its own"
+    result = project.rename(f"{name}.Count", "Number")
+    assert (len(result.changed), result.undecided) == (1, ())
+    edited = sfc.dumps(project)
+    assert [line for line in changed(PROPERTY, edited) if line.startswith("+")] == [
+        "+\tNumber, x : INT;",
+        "+IF Number >= 2 AND x < 3 THEN Runs := TRUE; END_IF",
+    ]
+    assert sfc.loads(edited) == project
+
+
+def test_a_property_that_is_gone_or_has_more_lines_is_not_written() -> None:
+    for content in ("", None):
+        project = sfc.loads(PROPERTY)
+        extension_data = project.pous[0].extension_data
+        assert extension_data is not None
+        kept = next(each for each in extension_data.data if "PROPERTY" in each.content)
+        if content is None:
+            kept.content = kept.content.replace("END_IF", "END_IF\nRuns := FALSE;")
+        else:
+            extension_data.data.remove(kept)
+        with pytest.raises(LossError, match="properties are not written"):
+            sfc.dumps(project)
 
 
 def test_properties_are_texts_that_other_formats_have_too() -> None:
