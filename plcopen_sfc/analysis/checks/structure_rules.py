@@ -12,6 +12,7 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.model.drawing import STEPS, Drawing, Symbol, SymbolKind
+from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.model.sfc import PartialChartKind, Step, Transition, connected_parts
 from plcopen_sfc.model.types import DerivedType
 
@@ -434,6 +435,11 @@ def _sources(chart: CheckedChart) -> Iterator[Finding]:
             yield Finding(sheet.at(transition), "no step leads to the transition")
 
 
+def _in_functions(chart: CheckedChart) -> Iterator[Finding]:
+    if chart.pou is not None and chart.pou.kind is PouKind.FUNCTION:
+        yield Finding(chart.root.place, f"{chart.pou.name} is a function, and keeps no step from call to call")
+
+
 STR09 = Rule(
     code="STR09",
     title="Every step is left",
@@ -482,4 +488,15 @@ TRANSITION FROM S2 := b; END_TRANSITION
     check=_sinks,
     severity=Severity.ERROR,
     severities={"s7graph": None, "grafcet": None},
+)
+
+STR16 = Rule(
+    code="STR16",
+    title="A chart is in a program or a function block",
+    why="A function has no memory, so that no step would be active in the next scan. IEC 61131-3 (ed. 3, 6.7.1) allows "
+    "charts in programs and function blocks only, as CODESYS does; S7-GRAPH has function blocks only.",
+    hint="Make it a function block or a program.",
+    example="a function with a chart",
+    check=_in_functions,
+    severity=Severity.ERROR,
 )

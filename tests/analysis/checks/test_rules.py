@@ -297,6 +297,14 @@ case(
     "from S2 no way leads back to S1",
 )
 
+
+def in_pou(kind: PouKind) -> Callable[[], Subject]:
+    """A ring of steps in a POU of this kind."""
+    return lambda: Project(pous=[Pou(name="Main", kind=kind, bodies=[SfcBody(chart=ring("S1", "S2", "S3"))])])
+
+
+case("STR16", in_pou(PouKind.FUNCTION), in_pou(PouKind.FUNCTION_BLOCK), "is a function, and keeps no step")
+
 # -- names
 
 case(
