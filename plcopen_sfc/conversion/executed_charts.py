@@ -261,7 +261,7 @@ class ExecutedChartReader:
             self._tell_all(part, association)
             part.tell("indicator", Meaning.of(association.indicator) if association.indicator else None)
         pulse = association.qualifier in (Qualifier.P, Qualifier.P1, Qualifier.P0)
-        if ends or (code is not None and self.owner.profile.final_scan and not pulse):
+        if ends or (code is not None and self.owner.profile.final_scan and not pulse and association.event is None):
             part.tell("final scan", Meaning.of(True))
         part.tell("code", code)
         if association.target is not None and association.body is not None:

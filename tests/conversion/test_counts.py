@@ -74,7 +74,7 @@ TOOLS = ("codesys", "plcopen-2.01", "beremiz", "simaticml")
 
 def charts_documented() -> dict[str, dict[str, int]]:
     """The charts that were run, as the page counts them by pair."""
-    _, _, text = PAGE.read_text(encoding="utf-8").partition("### Charts in both tools")
+    _, _, text = PAGE.read_text(encoding="utf-8").partition("## Charts in both tools")
     head = next(line for line in text.splitlines() if line.startswith("| pair |"))
     assert tuple(cell.strip() for cell in head.strip("|").split("|")) == ("pair", *CHARTS)
     found = {pair: [int(cell) for cell in cells.split("|")] for pair, cells in PAIRED.findall(text)}

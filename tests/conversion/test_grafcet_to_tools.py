@@ -1043,6 +1043,22 @@ def test_an_edge_of_an_undeclared_name_is_refused() -> None:
     assert losses(report)["condition"] == "↑Taste is an edge of something that is no variable and no step: Taste"
 
 
+@pytest.mark.parametrize("action", ["ON ACTIVATION { n := n + 1; v := c; }", "ON EVENT ↑c : { v := c; n := 1; }"])
+@pytest.mark.parametrize("form", ["codesys", "simaticml", "plcopen", "iec-text"])
+def test_a_variable_that_statements_store_as_well_is_no_coil(form: str, action: str) -> None:
+    head = "GRAFCET G\nINPUTS\n    a\n    c\nINTERNALS\n    n : INT\n    v : BOOL\nINITIAL STEP 1\n"
+    text = f"{head}    ON ACTIVATION v := FALSE\n1 -> 2 : a\nSTEP 2\n    {action}\n2 -> 1 : /a\n"
+    pressed = [*[{"a": False, "c": "ACTIVATION" in action}] * 3, *[{"a": True}] * 4, *[{"a": True, "c": True}] * 4]
+    result, report = converted(text, form)
+    assert not report.with_outcome(Outcome.NOT_EXECUTED)
+    assert "final scan" not in losses(report)
+    traces = [
+        sfc.simulate(side, inputs=lambda scan, _: pressed[scan], scans=11)
+        for side in (sfc.loads(text.encode()), result)
+    ]
+    assert [[trace[name][-1] for name in ("v", "n")] for trace in traces] == [[True, 1]] * 2
+
+
 TIMED_EVENT = """GRAFCET Alarm
 INPUTS
     a

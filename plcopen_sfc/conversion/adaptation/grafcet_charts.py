@@ -23,6 +23,7 @@ from plcopen_sfc.conversion.adaptation.grafcet_scans import (
     in_one_action,
     stored_names,
     stored_text,
+    written_in_place,
 )
 from plcopen_sfc.conversion.adaptation.grafcet_terms import (
     EventEvolution,
@@ -301,6 +302,7 @@ class _Chart:
             elif each.target is not None and each.kind is not None:
                 stored.setdefault(each.target.casefold(), []).append(each)
         numbers = self._terms.numbers | {each.name.casefold() for each in self._pou.variables() if each.type != _BOOL}
+        numbers |= written_in_place(self._chart)  # a coil would hold it against the statements
         constants = {name for name, each in stored.items() if name not in numbers and all(map(_is_constant, each))}
         ordered = self._ordered(path, by_rules, constants)
         self._note_first_scan(path, ordered)
@@ -476,7 +478,10 @@ class _Chart:
             body = self._stores[step.id, qualifier] = StBody(text=text)
             each.target = self._new_action(f"{step.name}_{each.target or 'stores'}_{qualifier}", body)
             each.body = None
-            each.qualifier = qualifier
+            if self._of_graph:  # which has no P1
+                each.event = ActionEvent.S1 if qualifier is Qualifier.P1 else ActionEvent.S0
+            else:
+                each.qualifier = qualifier
         each.kind = each.value = None
 
     def _ordered(self, path: str, by_rules: set[int], constants: set[str]) -> set[int]:

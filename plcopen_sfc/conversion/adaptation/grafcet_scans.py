@@ -87,6 +87,12 @@ def stored_names(chart: SfcNetwork) -> set[str]:
     return {name for each in stored for name in _touched(stored_text(each))[1]}
 
 
+def written_in_place(chart: SfcNetwork) -> set[str]:
+    """Return the variables that statements in steps write, in lower case."""
+    bodies = (each.body.text for _, each in chart.associations() if isinstance(each.body, StBody))
+    return {name for text in bodies for name in _touched(text)[1]}
+
+
 def stored_text(each: ActionAssociation) -> str:
     """Return what a stored action executes, as statements."""
     return each.body.text if isinstance(each.body, StBody) else f"{each.target} := {each.value or 'TRUE'};"
