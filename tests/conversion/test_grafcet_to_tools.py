@@ -1059,6 +1059,45 @@ def test_a_variable_that_statements_store_as_well_is_no_coil(form: str, action: 
     assert [[trace[name][-1] for name in ("v", "n")] for trace in traces] == [[True, 1]] * 2
 
 
+FORCED_AWAY = """GRAFCET F
+INPUTS
+    a
+    c
+OUTPUTS
+    R
+CHART G1
+    INITIAL STEP 1
+        ON DEACTIVATION R := TRUE
+    1 -> 2 : a
+    STEP 2
+    2 -> 1 : /a
+CHART G2
+    INITIAL STEP 10
+    10 -> 11 : c
+    STEP 11
+        FORCE G1{2}
+        ON ACTIVATION R := FALSE
+    11 -> 10 : /c
+"""
+
+
+@pytest.mark.parametrize("form", ["codesys", "twincat", "codesys23", "plcopen", "iec-text"])
+def test_what_a_step_stores_when_it_is_left_comes_before_what_the_next_one_stores(form: str) -> None:
+    result, _ = converted(FORCED_AWAY, form)
+    pressed = [*[{"a": False, "c": False}] * 4, *[{"c": True}] * 6]
+    trace = sfc.simulate(result, inputs=lambda scan, _: pressed[scan], scans=10)
+    assert trace.active(9) == ("Step2", "Step11")
+    assert trace["R"][-1] is False
+
+
+def test_entry_and_exit_actions_are_stored_actions_of_a_grafcet() -> None:
+    result, _ = converted(FORCED_AWAY, "codesys")
+    data, report = sfc.convert(result, "grafcet-text")
+    assert "ON DEACTIVATION { R := TRUE; }" in data.decode()
+    assert "ON ACTIVATION { R := FALSE; }" in data.decode()
+    assert not report.with_outcome(Outcome.NOT_EXECUTED)
+
+
 TIMED_EVENT = """GRAFCET Alarm
 INPUTS
     a

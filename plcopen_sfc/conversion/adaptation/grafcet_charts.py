@@ -467,22 +467,37 @@ class _Chart:
             each.kind, each.value = None, each.value or "TRUE"
             return
         else:
-            text = stored_text(each)
-            qualifier = Qualifier.P1 if each.kind is ActionKind.ON_ACTIVATION else Qualifier.P0
-            self._note(Outcome.TRANSLATED, "action", place, f"{kind} is {qualifier} with an action")
-            first = self._stores.get((step.id, qualifier))
-            if first is not None:  # a step has one entry action and one exit action in CODESYS
-                first.text += f"\n{text}"
-                step.actions.remove(each)
-                return
-            body = self._stores[step.id, qualifier] = StBody(text=text)
-            each.target = self._new_action(f"{step.name}_{each.target or 'stores'}_{qualifier}", body)
-            each.body = None
-            if self._of_graph:  # which has no P1
-                each.event = ActionEvent.S1 if qualifier is Qualifier.P1 else ActionEvent.S0
-            else:
-                each.qualifier = qualifier
+            self._store_by_action(step, each, place, kind)
+            return
         each.kind = each.value = None
+
+    def _store_by_action(self, step: sfc.Step, each: sfc.ActionAssociation, place: str, kind: str) -> None:
+        """Let an action of the POU execute what is stored: once as the step begins, or as it ends."""
+        text = stored_text(each)
+        qualifier = Qualifier.P1 if each.kind is ActionKind.ON_ACTIVATION else Qualifier.P0
+        is_entry = qualifier is Qualifier.P1
+        where = f"the {'entry' if is_entry else 'exit'} action of the step"
+        where = where if self._actions_first else f"{qualifier} with an action"
+        self._note(Outcome.TRANSLATED, "action", place, f"{kind} is {where}")
+        first = self._stores.get((step.id, qualifier))
+        if first is not None:  # a step has one entry action and one exit action in CODESYS
+            first.text += f"\n{text}"
+            step.actions.remove(each)
+            return
+        body = self._stores[step.id, qualifier] = StBody(text=text)
+        name = self._new_action(f"{step.name}_{each.target or 'stores'}_{qualifier}", body)
+        if self._actions_first:
+            step.actions.remove(each)
+            if is_entry:
+                step.entry_action = name
+            else:
+                step.exit_action = name
+            return
+        each.target, each.body, each.kind, each.value = name, None, None, None
+        if self._of_graph:  # which has no P1
+            each.event = ActionEvent.S1 if is_entry else ActionEvent.S0
+        else:
+            each.qualifier = qualifier
 
     def _ordered(self, path: str, by_rules: set[int], constants: set[str]) -> set[int]:
         """Return the stored actions (ids of objects) that one action executes, for the order of a GRAFCET."""

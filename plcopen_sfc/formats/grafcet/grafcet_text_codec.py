@@ -138,13 +138,18 @@ class _Writer:
             )
         blocks = [_line(("head", ""), text, step.comment, indent)]
         for action in step.actions:
-            line = self._action(action, f"{path} / action {action.target or 'in place'}")
-            if line is not None:
-                blocks.append(_line(("action", ""), line, action.comment, indent + "    "))
-        for name in ("entry_action", "main_action", "exit_action"):
-            if getattr(step, name) is not None:
-                self._lost("step action", path, "IEC 60848 has no step actions")
+            blocks += self._action_line(action, f"{path} / action {action.target or 'in place'}", indent)
+        for name, qualifier in _OF_STEPS.items():
+            done: str | sfc.Body | None = getattr(step, f"{name}_action")
+            if done is not None:
+                named, body = (done, None) if isinstance(done, str) else (None, done)
+                action = sfc.ActionAssociation(id=0, qualifier=qualifier, target=named, body=body)
+                blocks += self._action_line(action, f"{path} / {name} action", indent)
         return WrittenBlock(("step", step.name), blocks=numbered_blocks(blocks), apart=apart)
+
+    def _action_line(self, action: sfc.ActionAssociation, path: str, indent: str) -> list[WrittenBlock]:
+        line = self._action(action, path)
+        return [] if line is None else [_line(("action", ""), line, action.comment, indent + "    ")]
 
     def _action(self, action: sfc.ActionAssociation, path: str) -> str | None:
         """Return the line of an action; None where GRAFCET has none that does the same."""
@@ -230,6 +235,10 @@ class _Writer:
 
     def _lost(self, what: str, path: str, why: str) -> None:
         self._report.add(Outcome.NOT_EXECUTED, what, path, why)
+
+
+_OF_STEPS = {"entry": Qualifier.P1, "main": Qualifier.N, "exit": Qualifier.P0}
+"""The actions of CODESYS that a step itself has, by what they are in IEC 61131-3."""
 
 
 def _expansion(step: sfc.Step) -> str | None:
