@@ -116,6 +116,7 @@ def _command(work: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
 def _done(work: str, screen: Screen, given: dict[str, Any]) -> int:
     """Call what does a command; returns the exit code. Options that it has no parameter for are fields of its `how`."""
     name, _, function = work.partition(".")
+    # imported now: commands bring the parser and the interpreter, which help and version do without
     module = import_module(f"plcopen_sfc.cli.commands.{name}")
     called = getattr(module, function)
     parameters = inspect.signature(called).parameters

@@ -216,7 +216,9 @@ def forgetting(
     timeless = tuple((name.slot, time) for name in seen if name.slot not in timed for time in steps.times)
     # a macro-step with one step inside has the start of that step
     kept = {name.since for name in seen if name.slot in timed}
+    # nothing asks how long ago these were: set to now, situations that differ in that alone are one state of a search
     unread = tuple({name.since for name in seen} - kept)
+    # a time that only the conditions behind its step read is asked for while the step is active, and not before
     own = [name.slot for name in seen if name.slot in timed and name.name.casefold() not in anywhere]
     inactive = tuple((slot, time) for slot in own for time in steps.times)
 
