@@ -4,7 +4,9 @@
 * `chart_arrangement`: the nested branches of a chart on the page
 * `lined_up_charts`: two charts with the same steps at one height
 * `file_arrangement`: a chart as its file draws it
-* `symbol_pictures`: steps, transitions, jumps and action blocks
+* `symbol_pictures`: steps, transitions and jumps
+* `action_blocks`: the tables beside steps
+* `symbol_facts`: what the symbols of a chart have in common
 * `network_picture`: networks of FBD and LD; `network_layout`: their boxes in columns, and the wires between them
 * `picture_sheets`: large pictures on several sheets of paper
 * `graph_texts`: Mermaid and Graphviz
@@ -30,4 +32,4 @@ from plcopen_sfc.drawing.pictures.svg_canvas import (
     escape as escape,
     style_rules as style_rules,
 )
-from plcopen_sfc.drawing.pictures.symbol_pictures import PictureStyle as PictureStyle
+from plcopen_sfc.drawing.pictures.symbol_facts import PictureStyle as PictureStyle

@@ -18,13 +18,8 @@ from typing import NamedTuple
 
 from plcopen_sfc.drawing.chart_nesting import ChartGraph, ChartSegment, NestedDivergence, NestedJump, NestedNode, nest
 from plcopen_sfc.drawing.pictures.svg_canvas import DOUBLE, Canvas
-from plcopen_sfc.drawing.pictures.symbol_pictures import (
-    JumpSymbol,
-    PictureSheet,
-    StepSymbol,
-    Symbol,
-    TransitionSymbol,
-)
+from plcopen_sfc.drawing.pictures.symbol_facts import PictureSheet
+from plcopen_sfc.drawing.pictures.symbol_pictures import JumpSymbol, StepSymbol, Symbol, TransitionSymbol
 
 Outline = list[tuple[int, int]]
 """Bands from the top down, each as the level of its lower edge and how far it reaches."""

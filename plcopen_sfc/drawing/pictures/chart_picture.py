@@ -13,7 +13,7 @@ from plcopen_sfc.drawing.pictures.chart_arrangement import Arrangement
 from plcopen_sfc.drawing.pictures.file_arrangement import FileArrangement
 from plcopen_sfc.drawing.pictures.lined_up_charts import lined_up
 from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme, text_width, widest, wrap
-from plcopen_sfc.drawing.pictures.symbol_pictures import PictureSheet, PictureStyle
+from plcopen_sfc.drawing.pictures.symbol_facts import PictureSheet, PictureStyle
 from plcopen_sfc.drawing.wording import KINDS, Told, Wording, english
 from plcopen_sfc.errors import ModelError, check_argument, nearest
 from plcopen_sfc.languages.grafcet_conditions import is_grafcet

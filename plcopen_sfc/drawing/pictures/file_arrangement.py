@@ -16,13 +16,8 @@ from typing import NamedTuple
 
 from plcopen_sfc.drawing.drawing_style import fits
 from plcopen_sfc.drawing.pictures.svg_canvas import DOUBLE, Canvas
-from plcopen_sfc.drawing.pictures.symbol_pictures import (
-    JumpSymbol,
-    PictureSheet,
-    StepSymbol,
-    Symbol,
-    TransitionSymbol,
-)
+from plcopen_sfc.drawing.pictures.symbol_facts import PictureSheet
+from plcopen_sfc.drawing.pictures.symbol_pictures import JumpSymbol, StepSymbol, Symbol, TransitionSymbol
 from plcopen_sfc.drawing.symbol_layout import SymbolSizes
 from plcopen_sfc.model.drawing import BARS, STEPS, Drawing, Places, SymbolKind
 from plcopen_sfc.model.drawing import Symbol as DrawnSymbol
