@@ -107,6 +107,16 @@ def test_a_variable_is_added_beside_comments_above_others(place: int) -> None:
     assert [(each.name, each.comment) for each in again] == [(each.name, each.comment) for each in section.variables]
 
 
+def test_a_rename_changes_the_lines_of_properties_that_have_the_name() -> None:
+    """The whole block was written from the model: a property had no place in its text."""
+    run = b"PROPERTY Run : BOOL\nGET\nRun := a;\nEND_GET\nEND_PROPERTY\n"
+    data = DECLARED.replace(b"a := TRUE;", run + run.replace(b"Run", b"Two") + b"a := TRUE;")
+    project = sfc.loads(data)
+    assert project.rename("F.a", "Aus").undecided == ()
+    added = [line for line in changed_lines(data, sfc.dumps(project)) if line.startswith("+")]
+    assert added == ["+\tAus : BOOL;", "+Run := Aus;", "+Two := Aus;", "+Aus := TRUE;"]
+
+
 MIXING_PLANT = (FIXTURES / "iectext" / "mixing_plant.st").read_bytes()
 
 

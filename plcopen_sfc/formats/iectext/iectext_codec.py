@@ -341,6 +341,8 @@ def _parts(
             key = ("section", "")
         elif kind is PartKind.LOOSE:
             key = ("body", "")
+        elif kind is PartKind.PROPERTY:
+            key = ("property", "")
         elif kind in (PartKind.ACTION, PartKind.METHOD):
             key = (kind.lower(), inner.name)
         if key is not None:
