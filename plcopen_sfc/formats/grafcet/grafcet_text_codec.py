@@ -22,7 +22,7 @@ from plcopen_sfc.formats.grafcet.grafcet_text_reader import (
     read_text,
 )
 from plcopen_sfc.formats.grafcet.other_notations import translated
-from plcopen_sfc.formats.grafcet.sfc_losses import report_unexpressed
+from plcopen_sfc.formats.grafcet.sfc_losses import action_of_sfc, report_unexpressed
 from plcopen_sfc.formats.remainder_comments import lacking
 from plcopen_sfc.formats.text_codec import TextCodec
 from plcopen_sfc.formats.text_encoding import SourceText
@@ -45,19 +45,6 @@ _TABLE_WORDS = {kind: word for word, kind in TABLES.items()}
 _CHART_WORDS = {kind: word for word, kind in CHARTS.items()}
 _SITUATION_WORDS = {situation: word for word, situation in SITUATIONS.items()}
 _STORED_WORDS = {kind: word for word, kind in STORED.items()}
-_OF_SFC = {
-    Qualifier.NONE: (ActionKind.CONTINUOUS, None),
-    Qualifier.N: (ActionKind.CONTINUOUS, None),
-    Qualifier.L: (ActionKind.LIMITED, None),
-    Qualifier.D: (ActionKind.DELAYED, None),
-    Qualifier.S: (ActionKind.ON_ACTIVATION, "TRUE"),
-    Qualifier.R: (ActionKind.ON_ACTIVATION, "FALSE"),
-    Qualifier.R0: (ActionKind.ON_ACTIVATION, "FALSE"),
-    Qualifier.P: (ActionKind.ON_ACTIVATION, None),
-    Qualifier.P1: (ActionKind.ON_ACTIVATION, None),
-    Qualifier.P0: (ActionKind.ON_DEACTIVATION, None),
-}
-"""The actions of IEC 60848 that do what qualifiers do, and the value that they store."""
 
 
 def write_blocks(project: Project, report: ConversionReport) -> WrittenBlock:
@@ -161,18 +148,10 @@ class _Writer:
         if named is not None and body is None:
             body = named.body
         if kind is None:
-            translated = _OF_SFC.get(action.qualifier)
-            if translated is not None and translated[0] in _STORED_WORDS and not value:
-                # S executes a program until R ends it, a stored action executes it once; P gives a variable TRUE for
-                # one scan, a stored action for good
-                is_same = (body is None) is (translated[1] is not None)
-                translated = translated if is_same else None
-            if translated is None or action.event is not None or action.interlock or action.negated:
-                self._lost("action", path, f"IEC 60848 has no action that does the same as {action.qualifier}")
+            translated = action_of_sfc(action, path, self._report, is_program=body is not None)
+            if translated is None:
                 return None
-            kind, stored = translated
-            value = value or stored
-            self._report.add(Outcome.TRANSLATED, "action", path, f"{action.qualifier} is {kind} in IEC 60848")
+            kind, value = translated
         if isinstance(body, StBody) and "//" not in body.text:
             done = f"{{ {' '.join(body.text.split())} }}"
         elif action.target is None or named is not None:

@@ -24,7 +24,7 @@ from plcopen_sfc.formats.grafcet.grafcet_xmi_reader import (
     XmiReader,
 )
 from plcopen_sfc.formats.grafcet.grafcet_xmi_terms import XSI_TYPE, ReadCondition, TermError, TermWriter
-from plcopen_sfc.formats.grafcet.sfc_losses import report_unexpressed
+from plcopen_sfc.formats.grafcet.sfc_losses import action_of_sfc, report_unexpressed
 from plcopen_sfc.formats.remainder_comments import lacking
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle
@@ -248,26 +248,35 @@ class XmiWriter:
             if word != "currentSituation":
                 made.set("forcingOrderType", word)
             return True
-        if action.kind is None or action.target is None or action.body is not None:
-            self._lost("action", label, "a .grafcet file has actions of IEC 60848 on variables only")
+        named = self._pou.find_action(action.target or "") if self._pou is not None else None
+        if action.target is None or action.body is not None or named is not None:
+            self._lost("action", label, "a .grafcet file has actions on variables only, none with statements")
             return False
+        kind, value = action.kind, action.value
+        if kind is None:
+            translated = action_of_sfc(action, label, self._report, is_program=False)
+            if translated is None:
+                return False
+            kind, value = translated
+            if kind is ActionKind.CONTINUOUS and action.condition is not None:
+                kind = ActionKind.CONDITIONAL
         try:
             variable = etree.SubElement(made, "variable")
             self._terms.variable(variable, action.target, "11")
-            stored = next((word for word, kind in STORED.items() if kind is action.kind), None)
+            stored = next((word for word, each in STORED.items() if each is kind), None)
             made.set(XSI_TYPE, f"grafcet:{'StoredAction' if stored is not None else 'ContinuousAction'}")
             if stored is not None:
                 if stored != "activation":
                     made.set("storedActionType", stored)
-                value = ReadValue(action.value or "TRUE")
-                self._terms.write(made, "value", value.tree, value, f"{own}/@value")
-            elif action.value not in (None, "TRUE", "1"):
+                read = ReadValue(value or "TRUE")
+                self._terms.write(made, "value", read.tree, read, f"{own}/@value")
+            elif value not in (None, "TRUE", "1"):
                 raise TermError("a continuous action assigns TRUE")
-            if action.kind is ActionKind.CONDITIONAL:
+            if kind is ActionKind.CONDITIONAL:
                 made.set("continuousActionType", "assignationCondition")
-            if action.kind in (ActionKind.DELAYED, ActionKind.LIMITED):
+            if kind in (ActionKind.DELAYED, ActionKind.LIMITED):
                 _set_time(made, action.duration or "T#0s", "delayTime")
-                word = "timeDelayed" if action.kind is ActionKind.DELAYED else "timeLimited"
+                word = "timeDelayed" if kind is ActionKind.DELAYED else "timeLimited"
                 made.set("timeConditionType", word)
         except TermError as error:
             self._lost("action", label, str(error))

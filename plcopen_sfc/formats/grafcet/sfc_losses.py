@@ -1,4 +1,4 @@
-"""Behaviour of charts beside their actions: a GRAFCET has other terms for some of it, the rest is reported."""
+"""Behaviour of charts of IEC 61131-3: a GRAFCET has other terms for some of it, the rest is reported."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.networks import is_empty_network
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, print_node, transform
+from plcopen_sfc.model.actions import ActionKind, Qualifier
 from plcopen_sfc.model.body import has_program
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcBody, SfcNetwork, Step
+from plcopen_sfc.model.sfc import ActionAssociation, SfcBody, SfcNetwork, Step
 from plcopen_sfc.model.variables import SectionKind, sections_of
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -72,6 +73,42 @@ def report_unexpressed(project: Project, report: ConversionReport) -> None:
         for body in pou.bodies:
             if not isinstance(body, SfcBody):
                 report.add(Outcome.NOT_EXECUTED, "body", pou.report_path, "a GRAFCET has no program beside its charts")
+
+
+_OF_SFC = {
+    Qualifier.NONE: (ActionKind.CONTINUOUS, None),
+    Qualifier.N: (ActionKind.CONTINUOUS, None),
+    Qualifier.L: (ActionKind.LIMITED, None),
+    Qualifier.D: (ActionKind.DELAYED, None),
+    Qualifier.S: (ActionKind.ON_ACTIVATION, "TRUE"),
+    Qualifier.R: (ActionKind.ON_ACTIVATION, "FALSE"),
+    Qualifier.R0: (ActionKind.ON_ACTIVATION, "FALSE"),
+    Qualifier.P: (ActionKind.ON_ACTIVATION, None),
+    Qualifier.P1: (ActionKind.ON_ACTIVATION, None),
+    Qualifier.P0: (ActionKind.ON_DEACTIVATION, None),
+}
+"""The actions of IEC 60848 that do what qualifiers do, and the value that they store."""
+
+
+def action_of_sfc(
+    action: ActionAssociation, path: str, report: ConversionReport, *, is_program: bool
+) -> tuple[ActionKind, str | None] | None:
+    """Return the kind of an action of IEC 60848 that does what a qualifier does, and its value; None where none does.
+
+    `is_program`: statements are executed, no variable is written. The report tells what came of it.
+    """
+    kind, stored = _OF_SFC.get(action.qualifier, (None, None))
+    is_same = kind is not None and action.event is None and not action.interlock and not action.negated
+    if kind in (ActionKind.ON_ACTIVATION, ActionKind.ON_DEACTIVATION) and not action.value:
+        # S executes a program until R ends it, a stored action executes it once; P gives a variable TRUE for
+        # one scan, a stored action for good
+        is_same = is_same and is_program is (stored is None)
+    if kind is None or not is_same:
+        why = f"IEC 60848 has no action that does the same as {action.qualifier}"
+        report.add(Outcome.NOT_EXECUTED, "action", path, why)
+        return None
+    report.add(Outcome.TRANSLATED, "action", path, f"{action.qualifier} is {kind} in IEC 60848")
+    return kind, action.value or stored
 
 
 _SHARED = "a GRAFCET declares no variables of a project"

@@ -110,6 +110,44 @@ def test_start_values_that_files_do_not_have_are_told(start: str, told: list[str
     assert [item.path for item in report.with_outcome(Outcome.NOT_EXECUTED)] == told
 
 
+OF_SFC = """PROGRAM Main
+VAR_INPUT go : BOOL; END_VAR
+VAR_OUTPUT q1, q2, q3, q4 : BOOL; END_VAR
+INITIAL_STEP S0: q2(R); END_STEP
+TRANSITION FROM S0 TO S1 := go; END_TRANSITION
+STEP S1: q1(N); q2(S); q3(L, T#2s); q4(D, T#1s); {more} END_STEP
+TRANSITION FROM S1 TO S0 := NOT go; END_TRANSITION
+ACTION Act: q1 := FALSE; END_ACTION
+END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize("form", ["grafcet", "grafcet-text"])
+def test_actions_of_other_tools_are_those_of_iec_60848(form: str) -> None:
+    """The text had them and the file of the editor refused each output of a chart of CODESYS, TC6 or TIA Portal."""
+    source = sfc.loads(OF_SFC.format(more="").encode(), format="iec-text")
+    data, report = sfc.convert(source, form, limit=20, strict=True)
+    chart = sfc.loads(data, as_tool=True).pous[0].chart
+    kinds = [(row.target, row.kind, row.value) for _, row in chart.associations()]
+    assert kinds == [
+        ("q2", "onActivation", "FALSE"),
+        ("q1", "continuous", None),
+        ("q2", "onActivation", "TRUE"),
+        ("q3", "limited", None),
+        ("q4", "delayed", None),
+    ]
+    assert report.compared["POU Main"].startswith("equal")
+    again = sfc.convert(sfc.loads(data), "grafcet").data
+    assert len(list(sfc.loads(again, as_tool=True).pous[0].chart.associations())) == len(kinds)
+
+
+@pytest.mark.parametrize("more", ["q1(P1);", "Act(N);", "q1(SD, T#1s);"])
+def test_actions_that_no_file_of_the_editor_has_are_told(more: str) -> None:
+    source = sfc.loads(OF_SFC.format(more=more).encode(), format="iec-text")
+    with pytest.raises(sfc.LossError):
+        sfc.convert(source, "grafcet", limit=0)
+
+
 @pytest.mark.parametrize(
     "place", ["http://www.example.org/%s", "platform:/plugin/org.eclipse.gmf.grafcet/model/%s.ecore"]
 )
