@@ -468,6 +468,11 @@ def replace_later_language(project: Project, report: ConversionReport) -> None:
         for variable in pou.variables(SectionKind.OUTPUT):
             why = "an output of a function: it is not known whether CoDeSys 2.3 compiles that"
             report.add(Outcome.APPROXIMATED, "variable", f"{pou.report_path} / {variable.name}", why)
+    for pou in project.pous:
+        for section in sections_of(pou.interface):
+            for variable in section.variables if kept(section.extension_data).get("keyword") == "VAR_STAT" else ():
+                why = "VAR_STAT, one for all instances: it is not known whether CoDeSys 2.3 compiles that"
+                report.add(Outcome.APPROXIMATED, "variable", f"{pou.report_path} / {variable.name}", why)
     for site in text_sites(project):
         if not site.is_program_text:
             continue

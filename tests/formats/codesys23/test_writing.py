@@ -215,6 +215,14 @@ def test_outputs_of_functions_are_told() -> None:
     assert [(item.outcome, item.path) for item in report.losses] == [(Outcome.APPROXIMATED, "POU F / o")]
 
 
+def test_static_variables_are_told() -> None:
+    """They were kept without a word: no export of CoDeSys 2.3 has any."""
+    text = FUNCTION % "" + "FUNCTION_BLOCK B VAR_STAT s : INT; END_VAR s := s + 1; END_FUNCTION_BLOCK"
+    data, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "codesys23")
+    assert b"VAR_STAT" in data
+    assert [(item.outcome, item.path) for item in report.losses] == [(Outcome.APPROXIMATED, "POU B / s")]
+
+
 def test_values_of_enumerations_have_no_type_before_them() -> None:
     text = V3_ONLY.format(condition="col = Color.Green", action="col := Color.Red;", variable="")
     project = sfc.loads(text.encode(), format="iec-text")
