@@ -32,7 +32,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import plcopen_sfc as sfc
-from plcopen_sfc.conversion.causes import concerns
+from plcopen_sfc.conversion.causes import UNKNOWN_CAUSE, concerns
 from plcopen_sfc.conversion.reporting import UNSAID
 from plcopen_sfc.documents.sources import FileSource
 from plcopen_sfc.errors import SfcError
@@ -120,7 +120,7 @@ def _seen(report: ConversionReport, chart: str) -> tuple[str, str]:
     if verdict in (ChartVerdict.DIFFERENT, ChartVerdict.SHIFTED):
         items = [item.why for item in report.losses if (item.what, item.path) == ("chart", chart)]
         why = items[0] if items else told
-        unknown = "; look at " in why and not _OTHER_RULES.search(told)
+        unknown = UNKNOWN_CAUSE in why and not _OTHER_RULES.search(told)
         return "differs" if unknown else "differs as named", f"{why} / {told}"
     if verdict is not ChartVerdict.NOT_RUN:
         return _VERDICTS[verdict], told
@@ -132,7 +132,7 @@ def _seen(report: ConversionReport, chart: str) -> tuple[str, str]:
     return "not compared", told
 
 
-_OTHER_RULES = re.compile(r"; (with actions and transitions in the order|under the rules) of ")
+_OTHER_RULES = re.compile(r"^(with actions and transitions in the order|under the rules) of ", re.MULTILINE)
 _MISSED = re.compile(r"not all was reached \((\d+) steps?\b")
 _PROVEN = re.compile(r"equal\b[^(]*\(proof")
 _VERDICTS = {

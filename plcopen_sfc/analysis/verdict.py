@@ -242,40 +242,53 @@ class Verdict:
         return f"<pre>{escape(str(self))}</pre>{''.join(pictures)}"
 
     def __str__(self) -> str:
-        """One line, then what was executed; for a difference the inputs that show it."""
+        """The `summary` and `premises`, then what was executed; for a difference the inputs that show it."""
+        shown = self._covered() if self.counterexample is None else (str(self.counterexample), *self._unknown())
+        return "\n".join([self.summary, *self.premises, *shown])
+
+    @property
+    def summary(self) -> str:
+        """The verdict in one short line."""
         times = f", scan time {time_literal(self.scan_time)}" if self.timed else ""
         later = f", {self.delay}" if self.delay.scans else ""
         if self.counterexample is not None:
             how = "shortest input trace" if self.counterexample.shortest else "an input trace"
             how += f", compared with the {self.delay}" if self.delay.scans else ""
-            head = f"different after {counted(len(self.counterexample.inputs), 'scan')} ({how}{times})"
-            return "\n".join([head, str(self.counterexample), *self._unknown()])
+            return f"different after {counted(len(self.counterexample.inputs), 'scan')} ({how}{times})"
         if self.proven:
-            left_out = "".join(f"; {note}" for note in (*self.notes, *self.delay_notes))
             parts = f" in {self.parts} parts" if self.parts > 1 else ""
-            head = f"equal{later} (proof: {counted(self.states, 'state')}{parts}, all inputs{times}{left_out})"
-        else:
-            tried = f", all inputs tried for {counted(self.depth, 'scan')}" if self.depth and self.runs else ""
-            tried += "".join(f"; {note}" for note in self.delay_notes)
-            run = counted(self.states, "state")
-            if self.runs:
-                run = f"{counted(self.runs, 'directed run')}, {counted(self.scans, 'scan')}"
-            missed = ""
-            if self.kind is VerdictKind.UNTESTED:
-                missed = f"not all was {'compared' if self.gap else 'reached'}{self._missing()}, "
-            # a search that is ended before its first scan has not seen anything that is equal
-            found = f"equal{later} in {run}{times}" if self.scans or not self.runs else "no scan was run"
-            if self.ran_nothing:
-                found = "no scan was finished"
-            head = f"{missed}{found} (no proof: {self.reason}{tried})"
-        return "\n".join([head, *self._covered()])
+            return f"equal{later} (proof: {counted(self.states, 'state')}{parts}, all inputs{times})"
+        run = counted(self.states, "state")
+        if self.runs:
+            run = f"{counted(self.runs, 'directed run')}, {counted(self.scans, 'scan')}"
+        missed = ""
+        if self.kind is VerdictKind.UNTESTED:
+            missed = f"not all was {'compared' if self.gap else 'reached'}{self._missing()}, "
+        # a search that is ended before its first scan has not seen anything that is equal
+        found = f"equal{later} in {run}{times}" if self.scans or not self.runs else "no scan was run"
+        if self.ran_nothing:
+            found = "no scan was finished"
+        return f"{missed}{found} (no proof: {self.reason.partition('; ')[0]})"
+
+    @property
+    def premises(self) -> tuple[str, ...]:
+        """What the verdict rests on, in lines: further reasons why there is no proof, and how both were compared."""
+        if self.counterexample is not None:
+            return ()
+        if self.proven:
+            return tuple(f"given: {note}" for note in (*self.notes, *self.delay_notes))
+        _, _, more = self.reason.partition("; ")
+        tried = f"all inputs tried for {counted(self.depth, 'scan')}" if self.depth and self.runs else ""
+        reasons = ", ".join(filter(None, [more, tried]))
+        told = [f"no proof: {reasons}"] if reasons else []
+        return (*told, *(f"given: {note}" for note in self.delay_notes))
 
     def _unknown(self) -> Iterator[str]:
         if self.unknown:
             yield f"unknown, taken as functions of what they are given: {', '.join(self.unknown)}"
 
     def _missing(self) -> str:
-        found = "; ".join(dict.fromkeys(filter(None, (each.missing() for each in led_by_chart(self.coverage)))))
+        found = next(filter(None, (each.missing() for each in led_by_chart(self.coverage))), "")
         return f" ({found})" if found else ""
 
     def _covered(self) -> Iterator[str]:

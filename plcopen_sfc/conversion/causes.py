@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 from plcopen_sfc.conversion.executed_charts import WRITTEN
-from plcopen_sfc.conversion.executed_parts import FIRST_SCAN, SELECTION, STABILITY, START
-from plcopen_sfc.languages.binding import STORING, SharedScans, actions_by_name, step_effects
+from plcopen_sfc.conversion.executed_parts import BOOLEAN_ACTIONS, FIRST_SCAN, SELECTION, STABILITY, START
+from plcopen_sfc.languages.binding import STORING, SharedScans, actions_by_name, names_in, step_effects
 from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.pou import Action
 from plcopen_sfc.model.project import Chart
 from plcopen_sfc.model.sfc import ActionAssociation, Step
 from plcopen_sfc.model.types import SimpleValue
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.report import INPUTS_OF_ACTIONS, START_OF_CHART, Item
+from plcopen_sfc.report import INPUTS_OF_ACTIONS, ORDER_OF_ACTIONS, START_OF_CHART, Item
+from plcopen_sfc.semantics.net import Competing
 from plcopen_sfc.semantics.profile import Profile, ScanOrder
 from plcopen_sfc.whole_numbers import counted
 
@@ -31,20 +36,20 @@ def told_difference(
     profiles: tuple[Profile, Profile],
     tool: str,
     *,
-    rule: str = "",
-) -> str:
+    rules: Sequence[str] = (),
+) -> list[str]:
     """Return the difference of a chart of the source in `tool`, and its explanation: the first that applies.
 
-    The `rule` of the tools without which both do the same; where the chart evolves otherwise, a rule or one of the
-    `losses` on that; one of the other `losses`; when variables are written; the parts of the chart that determine what
-    differs.
+    The `rules` of the tools without which both do the same; where the chart evolves otherwise, a rule or one of the
+    `losses` on that; one of the other `losses`; when variables are written; else the parts of the chart that determine
+    what differs.
     """
     scans = counted(len(example.inputs), "scan")
     shown = str(example.differences[0]).replace("in the first", "in the source").replace("in the second", f"in {tool}")
     more = [each.name.removesuffix(".X") for each in example.differences[1:] if not each.error]
-    others = f"; {_listed(more)} {'differs' if len(more) == 1 else 'differ'}, too" if more else ""
-    causes = rule or _causes(example, chart, losses, profiles, tool)
-    return f"it does something else after {scans}: {shown}{others}{causes}"
+    others = [f"{_listed(more)} {'differs' if len(more) == 1 else 'differ'}, too"] if more else []
+    causes = rules or _causes(example, chart, losses, profiles, tool)
+    return [f"it does something else after {scans}: {shown}", *others, *causes]
 
 
 def _written_at(chart: Chart, profiles: tuple[Profile, Profile], tool: str) -> Mapping[str, str]:
@@ -59,37 +64,79 @@ def _written_at(chart: Chart, profiles: tuple[Profile, Profile], tool: str) -> M
 
 def _causes(
     example: Counterexample, chart: Chart, losses: Sequence[Item], profiles: tuple[Profile, Profile], tool: str
-) -> str:
+) -> list[str]:
     evolution: dict[str, None] = {}
     found: dict[str, None] = {}
     parts: dict[str, None] = {}
-    # From the surest explanation to the vaguest. Only what the report lists, or what the profiles are known for, is
-    # called a cause; else these are places to look at.
+    # From the surest explanation to the vaguest. Only what the report lists and what can change what differs, or what
+    # the profiles are known for, is called a cause; else these are places to look at.
     evolves = any(each.name.endswith(".X") for each in example.differences)
     if evolves and len(example.inputs) <= _FIRST_SCANS and (held := _told_held(profiles, tool)):
         return held
     first = [item for item in losses if item.what == FIRST_SCAN and concerns(item, chart.report_path)]
     if first and not evolves and len(example.inputs) == 1:
-        return f"; a cause is the {FIRST_SCAN}, which the report names"
+        return [_told_item(FIRST_SCAN)]
+    near = [item for item in losses if item.what not in _SEPARATE and concerns(item, chart.report_path)]
     for name in (each.name for each in example.differences if not each.error):
-        places = dict.fromkeys(_places(name, example, chart))
-        for item in losses:
-            if item.what not in _SEPARATE and _explains(item, name, places, chart.report_path):
-                part = "" if item.path == chart.report_path else f" at {ObjectPath.of(item.path).last}"
-                told = f"; a cause is the {item.what}{part}, which the report names"
+        influences = _Influences.on(name, example, chart)
+        for item in near:
+            if influences.include(item, chart.report_path):
+                told = _told_item(item.what, "" if item.path == chart.report_path else ObjectPath.of(item.path).last)
                 (evolution if evolves and item.what in _OF_EVOLUTION else found)[told] = None
-        parts |= dict.fromkeys(map(_called, places))
+        parts |= dict.fromkeys(map(_called, influences.places))
     if evolution or found:
-        return "".join([*evolution, *found][:_LISTED])
+        return [*evolution, *found][:_LISTED]
     if started := _told_start(example, chart, profiles, tool):
-        return started
+        return [started]
     written = _written_at(chart, profiles, tool)
     for name in (each.name for each in example.differences if each.name in written):
-        return f"; {written[name]}"
+        return [written[name]]
     if any(item.what == START and concerns(item, chart.report_path) for item in losses):
-        return f"; look at the {START}, which the report names"
+        return [f"{UNKNOWN_CAUSE}: look at the {START}, which the report names"]
     order = ": tools have an order of their own for what writes a variable in one scan"
-    return f"; look at {_listed([*parts])}{order if len(parts) > 1 and not evolves else ''}" if parts else ""
+    told = f"look at {_listed([*parts])}{order if len(parts) > 1 and not evolves else ''}" if parts else ""
+    return [f"{UNKNOWN_CAUSE}: {told}" if told else UNKNOWN_CAUSE]
+
+
+UNKNOWN_CAUSE = "the cause is not known"
+
+
+def _told_item(what: str, place: str = "") -> str:
+    return f"a cause is the {what}{f' at {place}' if place else ''}, which the report names"
+
+
+class ToolRule(NamedTuple):
+    """A rule that two tools have in another form: the source with that of the target, and what it is as a cause."""
+
+    patched: Callable[[], Profile]
+    subject: str
+    words: str
+
+    def told(self, losses: Iterable[Item], chart: Chart) -> str:
+        """Return the rule as a cause: the item of the report on it where there is one, else in its words."""
+        named = any(item.what == self.subject and concerns(item, chart.report_path) for item in losses)
+        return _told_item(self.subject) if named else self.words
+
+
+def differing_rules(
+    example: Counterexample, chart: Chart, profiles: tuple[Profile, Profile], tool: str
+) -> Iterator[ToolRule]:
+    """Yield the rules for actions and competing transitions that a `tool` does not have as the source has them."""
+    one, other = profiles
+    written = _written_at(chart, profiles, tool)
+    names = (each.name for each in example.differences if each.name in written)
+    late = next((written[name] for name in names), f"{tool} writes variables that are actions at other times")
+    once_more = tool if other.final_scan else "the source"
+    all_together = tool if other.competing is Competing.ALL else "the source"
+    words = {
+        "boolean_targets": (BOOLEAN_ACTIONS, late),
+        "action_order": (ORDER_OF_ACTIONS, f"{tool} executes the actions of a scan in another order"),
+        "final_scan": ("final scan", f"{once_more} executes an action once more after its step is left"),
+        "competing": (SELECTION, f"{all_together} fires all transitions together that can leave a step"),
+    }
+    for name, (subject, told) in words.items():
+        if getattr(one, name) is not getattr(other, name):
+            yield ToolRule(partial(replace, one, **{name: getattr(other, name)}), subject, told)
 
 
 def _told_start(example: Counterexample, chart: Chart, profiles: tuple[Profile, Profile], tool: str) -> str:
@@ -103,7 +150,7 @@ def _told_start(example: Counterexample, chart: Chart, profiles: tuple[Profile, 
             begun[step.name].add(f"action {row.target or 'in place'}")
     for name in (each.name for each in example.differences if not each.error):
         if any(last in begun.get(step, ()) for step, last in _writers(name, chart)):
-            return f"; the start is no activation of the initial step in {side}: what begins with that is not executed"
+            return f"the start is no activation of the initial step in {side}: what begins with that is not executed"
     return ""
 
 
@@ -132,16 +179,76 @@ _OF_EVOLUTION = frozenset(
 """Subjects of items that tell of steps which are active at other times, so that actions are, too."""
 
 
-def _explains(item: Item, name: str, places: Iterable[str], chart: str) -> bool:
-    """True if an item is of the chart as a whole, of one of some `places` in it, or names what differs."""
-    if not concerns(item, chart):
-        return False
-    bare = re.escape(name.removesuffix(".X").rpartition(".")[2])
-    if item.path == chart or re.search(rf"\b{bare}\b", f"{item.path.rpartition(' / ')[2]} {item.why}"):
-        return True
-    return any(
-        f"{place} / ".startswith(f"{item.path} / ") or f"{item.path} / ".startswith(f"{place} / ") for place in places
-    )
+class _Influences(NamedTuple):
+    """What can change a variable or the flag of a step in the scan in which two tools differ, as they did not before.
+
+    `places`: the paths of its parts of the chart; see `_places`. `names`: in lower case the variable or step itself
+    and the variables that these parts read, by which a cause may reach it in the same scan. `permanent`: permanent
+    instructions have one of them.
+    """
+
+    places: tuple[str, ...]
+    names: frozenset[str]
+    permanent: bool
+    is_step: bool
+
+    @classmethod
+    def on(cls, name: str, example: Counterexample, chart: Chart) -> _Influences:
+        """Return what can change what has a `name` in a comparison."""
+        places = tuple(dict.fromkeys(_places(name, example, chart)))
+        bare = name.removesuffix(".X").rpartition(".")[2]
+        names = frozenset({bare.casefold(), *_read_at(places, chart)})
+        return cls(places, names, not names.isdisjoint(_permanent_names(chart)), name.endswith(".X"))
+
+    def include(self, item: Item, chart: str) -> bool:
+        """True if an item tells of a place, or names something, that can change what differs.
+
+        Of the `chart` as a whole only those that tell of its evolution concern its steps without naming them.
+        """
+        if any(_is_related(item.path, place) for place in self.places) and item.path != chart:
+            return True
+        if item.what.startswith("permanent instruction"):
+            return self.permanent
+        told = f"{ObjectPath.of(item.path).last if item.path != chart else ''} {item.what}; {item.why}"
+        return any(_names(told, name) for name in self.names) or (self.is_step and item.what in _OF_EVOLUTION)
+
+
+def _is_related(path: str, place: str) -> bool:
+    """True if one of two paths is in the other, or is the same."""
+    return f"{place} / ".startswith(f"{path} / ") or f"{path} / ".startswith(f"{place} / ")
+
+
+def _names(text: str, name: str) -> bool:
+    """True if a text of the report has a name; one that is a word of English, too, where a name is expected only."""
+    before, behind = (r"(?:^|[`(;]\s*)", r"(?=[`,):])") if name.casefold() in _WORDS else (r"(?<![\w.])", r"(?!\w)")
+    return re.search(f"{before}{re.escape(name)}{behind}", text, re.IGNORECASE) is not None
+
+
+_WORDS = frozenset(
+    "a an and as at be by do done first go i in is it no not of off on one or out start step the then to".split()
+)
+"""Short words of reports that may be names of variables as well."""
+
+
+def _permanent_names(chart: Chart) -> set[str]:
+    project = chart.pou.project
+    operations = (*chart.chart.permanent_pre, *chart.chart.permanent_post)
+    return {name for each in operations for name in names_in(each, project.dialect)} if project is not None else set()
+
+
+def _read_at(places: Iterable[str], chart: Chart) -> Iterator[str]:
+    """Yield the variables that conditions and actions at some places of a chart read."""
+    project = chart.pou.project
+    if project is None:
+        return
+    wanted, labels = set(places), chart.chart.labels()
+    for transition in chart.chart.transitions:
+        if f"{chart.report_path} / transition {labels.get(transition.id, '')}" in wanted:
+            yield from names_in(transition, project.dialect)
+    actions = actions_by_name(chart.pou)
+    for step, row in chart.chart.associations():
+        if f"{chart.report_path} / step {step.name} / {_told_row(row)}" in wanted:
+            yield from (name for path in _reads(step, row, actions, project.dialect) for name in path)
 
 
 def _places(name: str, example: Counterexample, chart: Chart) -> Iterator[str]:
@@ -173,7 +280,7 @@ def _writing_rows(name: str, chart: Chart) -> Iterator[tuple[Step, str, ActionAs
     scans = SharedScans(chart.chart, chart.pou, chart.pou.project.dialect)
     for owner, row in chart.chart.associations():
         if scans.writes((owner, row), name):
-            yield owner, f"action {row.target or 'in place'}", row
+            yield owner, _told_row(row), row
     for owner in chart.chart.steps:
         for kind in _STEP_ACTIONS:
             action = getattr(owner, kind.replace(" ", "_"))
@@ -181,6 +288,19 @@ def _writing_rows(name: str, chart: Chart) -> Iterator[tuple[Step, str, ActionAs
             row = ActionAssociation(id=0, **own)
             if action is not None and scans.writes((owner, row), name):
                 yield owner, kind, row
+
+
+def _told_row(row: ActionAssociation) -> str:
+    return f"action {row.target or 'in place'}"
+
+
+def _reads(
+    step: Step, row: ActionAssociation, actions: Mapping[str, Action], dialect: Dialect
+) -> frozenset[tuple[str, ...]]:
+    """Return what a row of a step reads, by the paths of its variables in lower case."""
+    none = dict.fromkeys(kind.replace(" ", "_") for kind in _STEP_ACTIONS)
+    alone = step.model_copy(update={"actions": [row], "supervision": None, **none})
+    return step_effects([alone], actions, dialect).reads
 
 
 def _listed(names: Sequence[str]) -> str:
@@ -207,16 +327,16 @@ class HeldInputs(NamedTuple):
     is_changed: bool
     """True if one of them changes in the run that differs and determines what differs."""
 
-    def told(self, verdict: Verdict, difference: str) -> str:
+    def told(self, verdict: Verdict, difference: Sequence[str]) -> list[str]:
         """Return what their changes have to do with a difference, by the `verdict` on the other run; empty if nothing.
 
         `difference`: that of the other run in words, where it has one.
         """
         held = " and ".join(f"`{name}` stays {text}" for name, text in self.texts.items())
         if not verdict.different:
-            found = str(verdict).splitlines()[0] if verdict.equal else "equal as far as they ran"
-            return f"; while {held}, both are {found}: {self.why}"
-        return f"; {self.why}; while {held}: {difference}" if self.is_changed and difference else ""
+            found = verdict.summary if verdict.equal else "equal as far as they ran"
+            return [f"while {held}, both are {found}: {self.why}"]
+        return [self.why, f"while {held}: {'; '.join(difference)}"] if self.is_changed and difference else []
 
 
 def held_inputs(
@@ -266,24 +386,22 @@ def _read_inputs(example: Counterexample, chart: Chart) -> Iterator[str]:
     for each in example.differences:
         for step, _, row in _writing_rows(each.name, chart):
             if step.name in near or row.qualifier in STORING:
-                none = dict.fromkeys(kind.replace(" ", "_") for kind in _STEP_ACTIONS)
-                alone = step.model_copy(update={"actions": [row], "supervision": None, **none})
-                reads |= step_effects([alone], actions, project.dialect).reads
+                reads |= _reads(step, row, actions, project.dialect)
     for name in example.inputs[-1]:
         wanted = tuple(name.casefold().split("."))
         if any(path and (path == wanted or path == wanted[-1:]) for path in reads):
             yield name
 
 
-def told_apart(example: Counterexample, chart: Chart, profiles: tuple[Profile, Profile], tool: str) -> str:
+def told_apart(example: Counterexample, chart: Chart, profiles: tuple[Profile, Profile], tool: str) -> list[str]:
     """Return why tools differ that are equal with actions that see earlier inputs, and a first scan at rest."""
     held, early = _told_held(profiles, tool), acting_early(profiles, tool)
     evolves = any(each.name.endswith(".X") for each in example.differences)
     if len(example.inputs) > _FIRST_SCANS and early:  # actions that see other inputs need a step that was entered
-        held = ""
+        held = []
     elif held and evolves:  # steps are others because of a transition
         early = ""
-    return held + (f"; {_told_early(example, chart, profiles, tool)}" if early else "")
+    return [*held, *([_told_early(example, chart, profiles, tool)] if early else [])]
 
 
 def _told_early(example: Counterexample, chart: Chart, profiles: tuple[Profile, Profile], tool: str) -> str:
@@ -313,7 +431,7 @@ def acting_early(profiles: tuple[Profile, Profile], tool: str) -> str:
     return f"{early[0]} {why}" if len(early) == 1 else ""
 
 
-def _told_held(profiles: tuple[Profile, Profile], tool: str) -> str:
+def _told_held(profiles: tuple[Profile, Profile], tool: str) -> list[str]:
     sides = {True: "the source", False: tool}
     held = [sides[each is profiles[0]] for each in profiles if each.initial_situation_held]
-    return f"; {held[0]} tests no transition in its first scan" if len(held) == 1 else ""
+    return [f"{held[0]} tests no transition in its first scan"] if len(held) == 1 else []

@@ -552,7 +552,8 @@ _MISSING = {
     "union": "the members of the UNION do not share their memory in {tool}",
     "negation": "the actions of the step do not act while it is NOT active in {tool}",
     "attributes": "attributes of the {kind} that have no effect in {tool}: {left}",
-    "static": "each instance has a `{name}` of its own in {tool}: VAR_STAT is one for all",
+    "static": "each instance gets a `{name}` of its own: this file for {tool} has no VAR_STAT, which is one for all; "
+    "declare a global variable instead",
     "arguments": "the program instance does not get its arguments in {tool}: {left}",
     "interval": "{name} does not run every {left} in {tool}",
     "trigger": "{name} does not start at a rising edge of {left} in {tool}",

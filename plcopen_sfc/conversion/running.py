@@ -9,7 +9,7 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from plcopen_sfc.conversion.assumed_types import assumed_types, with_inputs, with_types
-from plcopen_sfc.conversion.causes import concerns, held_inputs, told_apart, told_difference
+from plcopen_sfc.conversion.causes import concerns, differing_rules, held_inputs, told_apart, told_difference
 from plcopen_sfc.conversion.executed_parts import (
     BOOLEAN_ACTIONS,
     FIRST_SCAN,
@@ -48,6 +48,7 @@ from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder, default_profile
 from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from plcopen_sfc.semantics.subjects import resolve
+from plcopen_sfc.whole_numbers import counted
 
 if TYPE_CHECKING:
     from plcopen_sfc.analysis.verdict import Counterexample, Verdict
@@ -55,9 +56,9 @@ if TYPE_CHECKING:
 _CAP, _RUNS, _MOST_RUNS, _SCANS = 2_000, 10, 100, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
 
-_IN_IT = "; what the report names as approximated is in it"
+_IN_IT = "what the report names as approximated is in it"
 SHIFTED = "the same but for the inputs that actions see, and the first scan"
-"""Begin of the verdict on a chart that does the same in both tools if its actions get the same inputs."""
+"""Part of the verdict on a chart that does the same in both tools if its actions get the same inputs."""
 
 _APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, FIRST_SCAN, CHART_OF_ACTION, ORDER_OF_ACTIONS, FALLING_EDGE}
 _APART |= {SELECTION, INPUTS_OF_ACTIONS, START_OF_CHART, ARITHMETIC, BOOLEAN_ACTIONS, "retain", "address", "interval"}
@@ -103,8 +104,7 @@ def report_running(
         types = [name for variable in there.pou.variables() for name in used_types(variable.type)]
         untyped = next((name for name in types if name.casefold() in undeclared), None)
         if here is None or untyped is not None or Outcome.NOT_EXECUTED in named:
-            why = _why_not_compared(there, here, named, untyped, tool)
-            report.compared[there.report_path] = f"not compared: {why}"
+            report.compared[there.report_path] = f"not compared: {_why_not_compared(there, here, named, untyped, tool)}"
             continue
         left = (end_of_all - time.thread_time()) / (len(pairs) - number)  # a large chart leaves time for the others
         end = time.thread_time() + left
@@ -121,39 +121,36 @@ def report_running(
             most_runs=_MOST_RUNS,
             scans=_SCANS,
         )
-        run = _run(report, there, compared, source=source, profiles=profiles, tool=tool, limit=left)
+        place = _Place(report, there, source, profiles, tool)
+        run = place.run(compared, left)
         if run is None:
             continue
-        outside = ""
+        given: list[str] = []
         if commands := _asked_in_vain(there, source, run.verdict):
             renamed = [new for new, old in _renamed_variables(here, called).items() if old in commands]
             compared = partial(compared, free_inputs=(ALL_FREE, *commands, *renamed))
-            outside = f"with {', '.join(f'`{name}`' for name in commands)} written from outside as well"
-            left = end - time.thread_time()
-            found = _run(report, there, compared, source=source, profiles=profiles, tool=tool, limit=left)
-            if found is None or not found.as_run.equal:
-                told = [f"{outside}: {found.seen if found is not None else report.compared[there.report_path]}"]
-                seen, *unreached = str(run.verdict).splitlines()
-                _note_untested(report, there.report_path, f"{seen}; not all steps are reached", *unreached, *told)
+            outside = f"{', '.join(f'`{name}`' for name in commands)} written from outside as well"
+            again = place.run_from_outside(compared, run, outside, end - time.thread_time())
+            if again is None:
                 continue
-            run, outside = found, f"; {outside}"
-        held = "" if run.verdict.equal else _told_while_held(compared, run, losses if named else report.losses, end)
-        alike, rule = "", ""
+            run, given = again, [f"given: {outside}"]
+        held = [] if run.verdict.equal else _told_while_held(compared, run, losses if named else report.losses, end)
+        alike: list[str] = []
+        rules: list[str] = []
         if run.as_run.counterexample is not None:
-            alike, rule = _told_alike(compared, profiles, tool, run.verdict, end - time.thread_time())
+            alike, rules = _told_alike(compared, run, report.losses, end - time.thread_time())
         if run.verdict.kind is VerdictKind.UNTESTED:
             seen, *unreached = str(run.verdict).splitlines()
-            _note_untested(report, there.report_path, seen + (_IN_IT if named else ""), *unreached)
+            place.note_untested("\n".join([seen, *([_IN_IT] if named else [])]), *unreached)
         elif named:
-            report.compared[there.report_path] = run.told_with(losses, held or rule)
+            place.note(*run.told_with(losses, held or rules))
         else:
-            _report_run(report, run, held or rule)
-        report.compared[there.report_path] += outside + alike
+            _report_run(report, run, held or rules)
+        place.note_more(*given, *alike)
         if run.as_run.unknown and there.report_path not in report.untested:  # whose lines tell it already
-            unknown = ", ".join(run.as_run.unknown)
-            report.compared[there.report_path] += f"; unknown, taken as functions of what they are given: {unknown}"
+            place.note_more(f"unknown, taken as functions of what they are given: {', '.join(run.as_run.unknown)}")
         if any(name.casefold() == declaration.name.casefold() for name in types for declaration in assumed):
-            report.compared[there.report_path] += "; types that nothing declares have the members that are used of them"
+            place.note_more("types that nothing declares have the members that are used of them")
 
 
 def _asked_in_vain(there: Chart, source: Project, verdict: Verdict) -> list[str]:
@@ -199,82 +196,114 @@ def _why_not_compared(
     return f"not all of it is executed; change that in the source, or test it in {tool}"
 
 
-def _run(
-    report: ConversionReport,
-    place: Chart,
-    compared: Callable[..., Verdict],
-    *,
-    source: Project,
-    profiles: tuple[Profile, Profile],
-    tool: str,
-    limit: float,
-) -> _Run | None:
-    """Run a chart for at most `limit` seconds; None, and in `report` why, where it cannot be run."""
-    from plcopen_sfc.analysis.pairing import Delay  # noqa: PLC0415  # most conversions run nothing
+class _Place(NamedTuple):
+    """A chart of the source to be run, and where its verdict goes."""
 
-    if limit <= 0:
-        _note_untested(report, place.report_path, "not run: the time limit was reached")
+    report: ConversionReport
+    chart: Chart
+    source: Project
+    profiles: tuple[Profile, Profile]
+    tool: str
+
+    def run(self, compared: Callable[..., Verdict], limit: float) -> _Run | None:
+        """Run the chart for at most `limit` seconds; None, and in the report why, where it cannot be run."""
+        from plcopen_sfc.analysis.pairing import Delay  # noqa: PLC0415  # most conversions run nothing
+
+        if limit <= 0:
+            self.note_untested("not run: the time limit was reached")
+            return None
+        try:
+            verdict = compared(delay="auto", limit=limit)
+            is_cut = verdict.delay.retimed and verdict.equal
+            other = self.profiles[0].order is not self.profiles[1].order
+            reads = other and reads_inputs(self.chart, self.source, verdict.inputs)
+            is_cut = is_cut and (is_begun_for_good(self.chart) or reads)
+            as_run = compared(delay=Delay(verdict.delay.scans), limit=limit) if is_cut else verdict
+        except SfcError as error:
+            self.note_untested(f"not run: {error.message}")
+            return None
+        return _Run(self.chart, verdict, as_run, self.profiles, self.tool)
+
+    def run_from_outside(
+        self, compared: Callable[..., Verdict], first: _Run, outside: str, limit: float
+    ) -> _Run | None:
+        """Run a chart again that reaches more with commands from `outside`; None, and in the report why, if not equal.
+
+        What keeps steps from being entered is written by the chart alone in its `first` run.
+        """
+        found = self.run(compared, limit)
+        if found is not None and found.as_run.equal:
+            return found
+        seen, *unreached = str(first.verdict).splitlines()
+        told = found.seen if found is not None else self.report.compared[self.chart.report_path].splitlines()
+        self.note_untested(f"not all steps are reached, {seen}", *unreached, f"with {outside}: {told[0]}", *told[1:])
         return None
-    try:
-        verdict = compared(delay="auto", limit=limit)
-        is_cut = verdict.delay.retimed and verdict.equal
-        other = profiles[0].order is not profiles[1].order
-        is_cut = is_cut and (is_begun_for_good(place) or (other and reads_inputs(place, source, verdict.inputs)))
-        as_run = compared(delay=Delay(verdict.delay.scans), limit=limit) if is_cut else verdict
-    except SfcError as error:
-        _note_untested(report, place.report_path, f"not run: {error.message}")
-        return None
-    return _Run(place, verdict, as_run, profiles, tool)
+
+    def note(self, *lines: str) -> None:
+        """Put the verdict into the report: one short line, and details below."""
+        self.report.compared[self.chart.report_path] = "\n".join(lines)
+
+    def note_more(self, *lines: str) -> None:
+        """Put more details below the verdict."""
+        self.note(self.report.compared[self.chart.report_path], *lines)
+
+    def note_untested(self, found: str, *unreached: str) -> None:
+        """Put a verdict into the report that does not cover all."""
+        self.note(found)
+        self.report.untested[self.chart.report_path] = list(unreached)
 
 
-def _told_while_held(compared: Callable[..., Verdict], run: _Run, losses: Sequence[Item], end: float) -> str:
+def _told_while_held(compared: Callable[..., Verdict], run: _Run, losses: Sequence[Item], end: float) -> list[str]:
     """Return how a chart that differs compares while inputs stay that tools see at other times; empty if no better."""
     example = run.verdict.counterexample
     if example is None:
-        return ""
+        return []
     for held in held_inputs(example, run.verdict.inputs, run.place, run.profiles, run.tool):
         left = end - time.thread_time()
         verdict = compared(delay="auto", limit=left, fixed=held.values) if left > 0 else None
         if verdict is not None:
             other = verdict.counterexample
-            told = held.told(verdict, run.told(other, losses) if other is not None else "")
+            told = held.told(verdict, run.told(other, losses) if other is not None else [])
             if told:
                 return told
-    return ""
+    return []
 
 
 def _told_alike(
-    compared: Callable[..., Verdict], profiles: tuple[Profile, Profile], tool: str, verdict: Verdict, limit: float
-) -> tuple[str, str]:
-    """Return how a chart that differs compares under one more rule of the target, or all, and the rule as a cause.
+    compared: Callable[..., Verdict], run: _Run, losses: Sequence[Item], limit: float
+) -> tuple[list[str], list[str]]:
+    """Return how a chart that differs compares under one more rule of the target, or all, and the rules as causes.
 
     Nothing where it differs yet: what is left of a difference then is one of the conversion. With the search for
     stability, inputs that come together tell apart every chart of a GRAFCET whose steps they pass. Charts that execute
     others have no constant delay where the tools execute actions and transitions in another order.
     """
+    profiles, tool, example = run.profiles, run.tool, run.verdict.counterexample
     evolution, order = profiles[1].evolution, profiles[1].order
-    rules: dict[str, Callable[[], Profile]] = {}  # some would contradict others: S7-GRAPH has one order
-    if profiles[0].evolution is Evolution.UNTIL_STABLE is not evolution:
-        rules["without its search for stability"] = lambda: replace(profiles[0], evolution=evolution)
-    elif not verdict.equal:
-        if profiles[0].order is not order:
-            rules[f"{_ORDERED}{tool}"] = lambda: replace(profiles[0], order=order)
-        rules[f"under the rules of {tool}"] = lambda: profiles[1]
     end = time.thread_time() + limit
-    for rule, ruled in rules.items():
+
+    def equal_under(rules: Callable[[], Profile]) -> Verdict | None:
         left = end - time.thread_time()
         try:
-            found = compared(profile=(ruled(), profiles[1]), delay="auto", limit=left) if left > 0 else None
-        except SfcError:
-            continue
-        if found is not None and found.equal:
-            first = tool if order is ScanOrder.ACTIONS_FIRST else "the source"
-            cause = f"; {first} executes the actions before the transitions" if rule.startswith(_ORDERED) else ""
-            return f"; {rule}: {str(found).splitlines()[0]}", cause
-    return "", ""
+            found = compared(profile=(rules(), profiles[1]), delay="auto", limit=left) if left > 0 else None
+        except SfcError:  # some would contradict others: S7-GRAPH has one order
+            return None
+        return found if found is not None and found.equal else None
 
-
-_ORDERED = "with actions and transitions in the order of "
+    if profiles[0].evolution is Evolution.UNTIL_STABLE is not evolution:
+        found = equal_under(lambda: replace(profiles[0], evolution=evolution))
+        return ([f"without its search for stability: {found.summary}"], []) if found is not None else ([], [])
+    if example is None:
+        return [], []
+    if profiles[0].order is not order and (found := equal_under(lambda: replace(profiles[0], order=order))) is not None:
+        first = tool if order is ScanOrder.ACTIONS_FIRST else "the source"
+        line = f"with actions and transitions in the order of {tool}: {found.summary}"
+        return [line], [f"{first} executes the actions before the transitions"]
+    if (found := equal_under(lambda: profiles[1])) is None:
+        return [], []
+    every = differing_rules(example, run.place, profiles, tool)
+    rules = [rule for rule in every if equal_under(rule.patched) is not None]
+    return [f"under the rules of {tool}: {found.summary}"], [rule.told(losses, run.place) for rule in rules]
 
 
 class _Run(NamedTuple):
@@ -290,33 +319,34 @@ class _Run(NamedTuple):
     tool: str
 
     @property
-    def seen(self) -> str:
-        """The verdict in one line."""
-        line = str(self.as_run).splitlines()[0]
-        if self.as_run.equal or not self.verdict.equal:
-            return line
-        return f"{SHIFTED}: {str(self.verdict).splitlines()[0]}; else {line}"
+    def seen(self) -> list[str]:
+        """The verdict in one short line, and what it rests on."""
+        example = self.as_run.counterexample
+        if example is None or not self.verdict.equal:
+            return [self.as_run.summary, *self.as_run.premises]
+        head = f"different after {counted(len(example.inputs), 'scan')}; {SHIFTED}"
+        return [head, f"but for these: {self.verdict.summary}", *self.verdict.premises]
 
-    def told_with(self, losses: Sequence[Item], held: str) -> str:
+    def told_with(self, losses: Sequence[Item], rules: Sequence[str]) -> list[str]:
         """Return the verdict on a chart in which the report names something as approximated; see `_told_while_held`."""
         example = self.as_run.counterexample
         if example is None:
             told = self.seen
         elif self.verdict.equal:
-            told = self.seen + told_apart(example, self.place, self.profiles, self.tool)
+            told = [*self.seen, *told_apart(example, self.place, self.profiles, self.tool)]
         else:
-            told = self.told(example, losses, held)
-        return told + _IN_IT
+            told = self.told(example, losses, rules)
+        return [*told, _IN_IT]
 
-    def told(self, example: Counterexample, losses: Sequence[Item], rule: str = "") -> str:
-        """Return a difference in words, with its cause, which is the `rule` of a tool where one is given."""
-        return told_difference(example, self.place, losses, self.profiles, self.tool, rule=rule)
+    def told(self, example: Counterexample, losses: Sequence[Item], rules: Sequence[str] = ()) -> list[str]:
+        """Return a difference in words, with its cause: the `rules` of tools where some are given."""
+        return told_difference(example, self.place, losses, self.profiles, self.tool, rules=rules)
 
 
-def _report_run(report: ConversionReport, run: _Run, held: str) -> None:
-    """Report the verdict on a chart of which the report names no loss; `held`: see `_told_while_held`."""
+def _report_run(report: ConversionReport, run: _Run, rules: Sequence[str]) -> None:
+    """Report the verdict on a chart of which the report names no loss; `rules`: see `_Run.told`."""
     verdict, as_run, path = run.verdict, run.as_run, run.place.report_path
-    report.compared[path] = run.seen
+    report.compared[path] = "\n".join(run.seen)
     if verdict.proven:
         usual = 1 if run.profiles[1].order is ScanOrder.ACTIONS_FIRST else 0  # a later result passed other situations
         if abs(verdict.delay.scans) <= usual:
@@ -334,12 +364,14 @@ def _report_run(report: ConversionReport, run: _Run, held: str) -> None:
     if as_run.equal:  # every run has a first scan
         _note_proven(report, path, START_OF_CHART, "which begins otherwise")
     if verdict.counterexample is not None:
-        report.add(Outcome.APPROXIMATED, "chart", path, run.told(verdict.counterexample, report.losses, held))
+        report.add(
+            Outcome.APPROXIMATED, "chart", path, "; ".join(run.told(verdict.counterexample, report.losses, rules))
+        )
     elif not as_run.equal:
         example = as_run.counterexample
         why = "it is not known to do the same"
         if example is not None:
-            why = run.told(example, (), told_apart(example, run.place, run.profiles, run.tool))
+            why = "; ".join(run.told(example, (), told_apart(example, run.place, run.profiles, run.tool)))
             # which tells what these items do, with an example
             told = {INPUTS_OF_ACTIONS, START_OF_CHART}
             report.items = [each for each in report.items if each.what not in told or each.path != path]
@@ -422,11 +454,6 @@ def _executed_inputs(report: ConversionReport, chart: Chart) -> dict[str, str]:
     if is_asked and any(each.name == enables for each in chart.pou.variables(SectionKind.INPUT)):
         found[enables] = enables
     return found
-
-
-def _note_untested(report: ConversionReport, path: str, found: str, *unreached: str) -> None:
-    report.compared[path] = found
-    report.untested[path] = list(unreached)
 
 
 def _is_apart(item: Item) -> bool:

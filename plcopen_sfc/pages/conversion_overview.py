@@ -44,7 +44,7 @@ def verdict_of(report: ConversionReport, path: str) -> ChartVerdict:
     found = report.compared.get(path)
     if found is None or found.startswith(("not run", "not compared")):
         return ChartVerdict.NOT_RUN
-    if found.startswith(SHIFTED):
+    if SHIFTED in found.partition("\n")[0]:
         return ChartVerdict.SHIFTED
     if found.startswith(("different", "it does something else")):
         return ChartVerdict.DIFFERENT
@@ -63,7 +63,7 @@ def verdicts(source: Project, report: ConversionReport, words: Words, charts: Ma
     for path in paths:
         verdict = verdict_of(report, path)
         losses = sum(ObjectPath.of(item.path).is_in(path) for item in report.losses)
-        seen = [report.compared.get(path, ""), *report.untested.get(path, ())]
+        seen = [*report.compared.get(path, "").splitlines(), *report.untested.get(path, ())]
         told = [words.verdict(line) for line in seen if line] or [words("no comparison was asked for")]
         first, *more = (element("div", with_code(line)) for line in "\n".join(told).splitlines())
         rest = element("details", element("summary", words("Details")), *more) if more else Html("")

@@ -27,6 +27,7 @@ _DECIDED = re.compile(
     re.DOTALL,
 )
 _OTHERWISE = re.compile(r"it does something else after (\d+) scan(s?): (.+)", re.DOTALL)
+_GIVEN = "given: "
 _MORE = re.compile(r" and (\d+) more$")
 _MISSED_KINDS = {
     "step": ("Schritt", "Schritte"),
@@ -69,6 +70,8 @@ class Verdicts:
 
     def _clause(self, text: str) -> str | None:
         """Return a clause in German; None where it is not known."""
+        if text.startswith(_GIVEN):  # no list: what is given may have an "and"
+            return f"dabei: {self._clauses(text.removeprefix(_GIVEN))}"
         if found := _DECIDED.fullmatch(text):
             return f"nicht erreicht: {_MISSED_KINDS[found[1]][0]} {found[2]} {self._clauses(found[3])}"
         if found := _MISSED.fullmatch(text):

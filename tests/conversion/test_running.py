@@ -110,7 +110,9 @@ def test_inputs_of_the_entry_and_of_the_first_scan_are_no_constant_delay(
     (item,) = [item for item in report.losses if item.what == "chart"]
     assert item.outcome is Outcome.APPROXIMATED
     assert why in item.why
-    assert report.compared["POU Main"].startswith(SHIFTED)  # a proof alone would say the opposite
+    first = report.compared["POU Main"].splitlines()[0]
+    assert first.startswith("different after ")  # a proof alone would say the opposite
+    assert first.endswith(SHIFTED)
     assert german(item.why).startswith("es tut nach ")
 
 
@@ -194,7 +196,8 @@ END_FUNCTION_BLOCK
 def test_an_input_that_a_called_block_reads_is_no_constant_delay(call: str, value: str, reads_input: bool) -> None:
     project = sfc.loads(CALLED.format(call=call, value=value).encode(), format="iec-text")
     report = saved(project, "codesys")
-    assert report.compared["POU Main"].startswith(SHIFTED if reads_input else "equal, second 1 scan later")
+    first = report.compared["POU Main"].splitlines()[0]
+    assert first.endswith(SHIFTED) if reads_input else first.startswith("equal, second 1 scan later")
     assert ["CODESYS executes the actions before" in item.why for item in report.losses] == [True] * reads_input
 
 
@@ -361,8 +364,48 @@ def test_a_chart_in_which_something_is_approximated_is_run(condition: str, outco
     pou.chart.transitions[0].condition = m.Expression(text=condition)
     report_running(report, project, result, {}, tool="the target", target=None, limit=20)
     assert report.compared["POU Main"].startswith(outcome)
-    assert report.compared["POU Main"].endswith("; what the report names as approximated is in it")
+    assert report.compared["POU Main"].splitlines()[-1] == "what the report names as approximated is in it"
     assert len(report.items) == 1
+
+
+BOOLEAN = "{}: other code writes it, too; the chart does so in every scan in the source, never in TC6 tools"
+
+
+@pytest.mark.parametrize(
+    ("what", "path", "why", "is_cause"),
+    [
+        ("Boolean actions", "POU Main", BOOLEAN.format("q"), False),
+        ("Boolean actions", "POU Main", BOOLEAN.format("m"), True),
+        ("Boolean actions", "POU Main", BOOLEAN.format("b"), True),  # which decides what the action writes
+        (
+            "order of actions",
+            "POU Main",
+            "q is executed after Set in one scan, in the source the other way round (q)",
+            False,
+        ),
+        ("permanent instruction before the sequence", "POU Main", "other actions come before it", False),
+        ("search for stability", "POU Main", "it passes a step", False),
+        ("action", "POU Main / step S2 / action Set", "as a test has it", False),
+        ("action", "POU Main / step S1 / action Look", "as a test has it", True),
+        ("interlock", "POU Main / step S1", "as a test has it", True),
+    ],
+)
+def test_only_what_can_change_what_differs_is_called_its_cause(what: str, path: str, why: str, is_cause: bool) -> None:
+    """Any item of the chart was: an engineer looked for the fault at a variable that has nothing to do with it."""
+    project = chart("Look(N); q(N);", "Set(N);")
+    action = m.Action(name="Look", body=m.StBody(text="IF b THEN m := 1; END_IF;"))
+    project.pou("Main").actions.append(action)
+    result = sfc.loads(sfc.dumps(project))
+    result.pou("Main").find_action("Look").body = m.StBody(text="IF b THEN m := 2; END_IF;")
+    report = ConversionReport()
+    report.add(Outcome.APPROXIMATED, what, path, why)
+    report_running(report, project, result, {}, tool="TC6 tools", target=None, limit=20)
+    items = [item.why.split("; ") for item in report.items if item.what == "chart"]
+    told = items[0] if items else report.compared["POU Main"].splitlines()
+    assert told[0].endswith("m is 1 in the source and 2 in TC6 tools")
+    part = "" if path == "POU Main" else f" at {path.rpartition(' / ')[2]}"
+    named = f"a cause is the {what}{part}, which the report names"
+    assert told[1] == (named if is_cause else "the cause is not known: look at action Look")
 
 
 INNER = """ACTION Sub: INITIAL_STEP I0: END_STEP TRANSITION FROM I0 TO I1 := b; END_TRANSITION STEP I1: q(N); END_STEP
@@ -375,7 +418,7 @@ def test_charts_of_actions_differ_by_the_order_of_actions_and_transitions_alone(
     report = saved(sfc.loads(text.encode(), format="iec-text"), "codesys")
     found = report.compared["POU Main"]
     assert found.startswith("it does something else")
-    assert "; with actions and transitions in the order of CODESYS: equal (proof: " in found
+    assert "\nwith actions and transitions in the order of CODESYS: equal (proof: " in found
     assert verdict_of(report, "POU Main") is ChartVerdict.DIFFERENT
     assert verdict_of(report, "POU Main / action Sub") is ChartVerdict.DELAYED
 
@@ -388,7 +431,7 @@ def test_a_rule_of_the_tools_is_named_beside_what_the_report_approximates() -> N
     result = sfc.loads(sfc.dumps(project, format="codesys"), as_tool=True)
     report_running(report, project, result, {}, tool="CODESYS", target=None, limit=20)
     found = report.compared["POU Main"]
-    assert "; CODESYS executes the actions before the transitions, and so sees other inputs in them; what the" in found
+    assert "\nCODESYS executes the actions before the transitions, and so sees other inputs in them\nwhat the" in found
 
 
 def test_an_input_that_matiec_takes_by_another_name_is_the_same_on_both_sides() -> None:
@@ -536,7 +579,7 @@ def test_names_that_are_none_in_codesys_are_others_there_and_come_back(target: s
 def test_what_only_text_can_declare_is_not_executed_elsewhere(target: str) -> None:
     text = CHART.format(first="q(N);", second="", initial="", edge="", actions="")
     static = text.replace("VAR_OUTPUT", "VAR_STAT count : INT; END_VAR\nVAR_OUTPUT")
-    with pytest.raises(LossError, match="VAR_STAT is one for all"):
+    with pytest.raises(LossError, match="has no VAR_STAT, which is one for all"):
         sfc.convert(sfc.loads(static.encode(), format="iec-text"), target)
     program = text.replace("FUNCTION_BLOCK", "PROGRAM") + (
         "CONFIGURATION C RESOURCE R ON PLC TASK T(INTERVAL := T#10ms, PRIORITY := 1);"
@@ -694,5 +737,5 @@ def test_a_command_that_the_chart_takes_back_is_tried_from_outside() -> None:
     counted = alone.replace("{asked} := FALSE; n := n + 1;", "n := n + 1;").replace("Take(N)", "Take(P)")
     project = sfc.loads(counted.format(asked="n = 7 OR n = 9", more="", local="").encode(), format="iec-text")
     report = saved(project, "codesys-export")
-    assert report.compared["POU Main"].endswith("; with `n` written from outside as well")
+    assert report.compared["POU Main"].endswith("\ngiven: `n` written from outside as well")
     assert "POU Main" not in report.untested

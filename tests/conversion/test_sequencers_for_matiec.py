@@ -9,6 +9,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import equivalent
+from plcopen_sfc.conversion.running import SHIFTED
 from plcopen_sfc.report import Outcome
 from tests.conversion.features import FEATURES, Feature, feature_project
 from tests.judges.matiec import require_matiec
@@ -30,7 +31,7 @@ def test_beremiz_executes_what_s7_graph_has_more(feature: Feature) -> None:
     assert bool(lost) is (feature.name in LACKED), lost
     (verdict,) = report.compared.values()
     # S7-GRAPH tests no transition in its first scan: where the initial step acts, one scan is another
-    same = verdict.startswith(("equal", "the same but for the inputs that actions see, and the first scan: equal"))
+    same = verdict.startswith("equal") or verdict.splitlines()[0].endswith(SHIFTED)
     assert same or lost, verdict
     assert b"NOT_EXECUTED" not in data or lost
 

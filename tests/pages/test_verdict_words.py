@@ -14,25 +14,33 @@ from plcopen_sfc.pages.phrases import german_tables
 ENGLISH = re.compile(r"\b(?:the|and|or|of|is|are|which|needs?|never|not|reached|with|has|have|both|first|second)\b")
 """English words that are neither German nor, in capitals, operators of code."""
 LINES = (
-    "equal (proof: 6 states, all inputs; situations in which forcing orders contradict each other are left out)",
-    "equal (proof: 6 states, all inputs; situations that never become stable are left out)",
+    "given: situations in which forcing orders contradict each other are left out",
+    "given: situations that never become stable are left out",
+    "given: OFF_SQ, INIT_SQ at rest",
+    "given: `cmd` written from outside as well",
+    "given: actions of the second see the inputs and times of the scan before",
     "not reached: condition FC_Count: `x`: `n = 1` the code around it was not executed (proven)",
     "not reached: condition `x` needs `y`, never reached",
     "not reached: outcome of condition `x`: `y`: needs `Drill.x`, never reached",
     "equal (proof: 5 states, all inputs, scan time T#500ms)",
-    "equal, second 1 scan later (proof: 5 states in 2 parts, all inputs, scan time T#500ms; the first "
-    "scan of the second has no counterpart; the second starts 2 scans later, and until then A, B at rest)",
-    "not all was reached (1 step, 2 transitions; 3 assignments), equal in 5 states, scan time T#1s (no "
-    "proof: half of the time limit of 2 s was reached; elapsed times of steps are used otherwise than in "
-    "comparisons with constants, all inputs tried for 7 scans; no transition is tested in the first scan)",
+    "equal, second 1 scan later (proof: 5 states in 2 parts, all inputs, scan time T#500ms)",
+    "given: the first scan of the second has no counterpart",
+    "given: the second starts 2 scans later, and until then A, B at rest",
+    "given: no transition is tested in the first scan, and A, B at rest in it",
+    "not all was reached (1 step, 2 transitions), equal in 5 states, scan time T#1s (no proof: half of the time limit "
+    "of 2 s was reached)",
+    "no proof: elapsed times of steps are used otherwise than in comparisons with constants, all inputs tried for 7 "
+    "scans",
+    "not all steps are reached, equal (proof: 1 state, all inputs)",
+    "with `cmd` written from outside as well: different after 2 scans (shortest input trace)",
     "no scan was run (no proof: the time limit of 2 s was reached)",
     "not all was reached, equal in 4 directed runs, 800 scans (no proof: more than 1,000 states)",
     "equal, first 1 scan later in 3 directed runs, 30 scans, scan time T#1ms (no proof: A is a text)",
     "different after 2 scans (shortest input trace, scan time T#250ms)",
-    "different after 2 scans (an input trace, compared with the first 1 scan later, scan time T#250ms); "
+    "different after 2 scans (an input trace, compared with the first 1 scan later, scan time T#250ms)",
     "what the report names as approximated is in it",
-    "the same but for the inputs that actions see, and the first scan: equal, second 1 scan later (proof: 5 states, "
-    "all inputs); else different after 2 scans (shortest input trace)",
+    "different after 2 scans; the same but for the inputs that actions see, and the first scan",
+    "but for these: equal, second 1 scan later (proof: 5 states, all inputs)",
     "not reached: step Release: needs `xQuit or b and c; d`, never reached",
     "not reached: steps A, B and 3 more: no transition leads to it from what was reached",
     "not reached: assignment F.x: y := 1: needs `a: b` and `c`, never TRUE (proven)",
@@ -50,19 +58,23 @@ LINES = (
     "needs `a AND b`, never reached (proven)",
     "needs `a`, never reached or needs the condition of T1, never reached",
     "it does something else after 3 scans: M is TRUE in the source and FALSE in CODESYS; A, B and 3 more "
-    "differ, too; look at transition A -> B, action X and action in place of step C: tools have an order "
-    "of their own for what writes a variable in one scan",
+    "differ, too; the cause is not known: look at transition A -> B, action X and action in place of step C: tools "
+    "have an order of their own for what writes a variable in one scan",
+    "it does something else after 3 scans: M is TRUE in the source and FALSE in CODESYS; the cause is not known",
+    "it does something else after 3 scans: M is TRUE in the source and FALSE in CODESYS; CODESYS executes the actions "
+    "of a scan in another order; the source fires all transitions together that can leave a step; CODESYS executes an "
+    "action once more after its step is left; CODESYS writes variables that are actions at other times",
     "it does something else after 1 scan: M is TRUE in the source 1 scan before and FALSE in CODESYS; B "
     "differs, too; the source tests no transition in its first scan",
     "it does something else after 2 scans: M is TRUE in the source and FALSE in CODESYS; a cause is the "
     "condition of the transition at transition A -> B, which the report names; while `t` stays T#1s and "
     "`u` stays T#2s, both are equal (proof: 5 states, all inputs): tools differ in when they take up a "
     "new time of an action that runs",
-    "it does something else after 1 scan: S1.X is TRUE in the source and FALSE in CODESYS; S2 differs, too; look at "
-    "transition S1 -> S2; what the report names as approximated is in it; with actions and transitions in the order "
-    "of TIA Portal: equal, first 1 scan later (proof: 14 states, all inputs)",
-    "different after 2 scans (an input trace); under the rules of beremiz: equal (proof: 5 states, all inputs)",
-    "different after 2 scans (an input trace); without its search for stability: equal (proof: 5 states, all inputs); "
+    "it does something else after 1 scan: S1.X is TRUE in the source and FALSE in CODESYS; S2 differs, too; the "
+    "cause is not known: look at transition S1 -> S2",
+    "with actions and transitions in the order of TIA Portal: equal, first 1 scan later (proof: 14 states, all inputs)",
+    "under the rules of beremiz: equal (proof: 5 states, all inputs)",
+    "without its search for stability: equal (proof: 5 states, all inputs)",
     "types that nothing declares have the members that are used of them",
     "not compared: it is only in one of the two",
     "only if something outside writes a, b; while they keep their start values, both do the same",

@@ -271,8 +271,9 @@ def _show(screen: Screen, report: ConversionReport) -> None:
     show_not_executed(screen, report.with_outcome(Outcome.NOT_EXECUTED))
     for found, paths in _by_result(report):
         is_run = not found.startswith(("not compared", "not run"))
-        screen.line(f"{'simulated for both tools: ' if is_run else ''}{', '.join(paths)}: {found}")
-        for line in report.untested.get(paths[0], ()):
+        verdict, *details = found.splitlines()
+        screen.line(f"{'simulated for both tools: ' if is_run else ''}{', '.join(paths)}: {verdict}")
+        for line in (*details, *report.untested.get(paths[0], ())):
             screen.line(f"  {line}")
     if report.compared:
         screen.line()
