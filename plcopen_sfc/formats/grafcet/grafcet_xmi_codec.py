@@ -232,6 +232,10 @@ class XmiWriter:
                 links.append((self._numbers[id(step)], number))
             else:
                 element.remove(made)
+        for step in network.steps:
+            for kind in ("entry", "main", "exit"):
+                if getattr(step, f"{kind}_action") is not None:
+                    self._lost("action", f"{where} / step {step.name} / {kind} action", _STATEMENTS)
         for reference, number in links:
             etree.SubElement(element, "actionLinks", step=reference, actionType=f"{path}/@actionTypes.{number}")
 
@@ -250,7 +254,7 @@ class XmiWriter:
             return True
         named = self._pou.find_action(action.target or "") if self._pou is not None else None
         if action.target is None or action.body is not None or named is not None:
-            self._lost("action", label, "a .grafcet file has actions on variables only, none with statements")
+            self._lost("action", label, _STATEMENTS)
             return False
         kind, value = action.kind, action.value
         if kind is None:
@@ -308,6 +312,9 @@ class XmiWriter:
 
     def _lost(self, what: str, path: str, why: str) -> None:
         self._report.add(Outcome.NOT_EXECUTED, what, path, why)
+
+
+_STATEMENTS = "a .grafcet file has actions on variables only, none with statements"
 
 
 class ReadValue(ReadCondition):

@@ -148,6 +148,14 @@ def test_actions_that_no_file_of_the_editor_has_are_told(more: str) -> None:
         sfc.convert(source, "grafcet", limit=0)
 
 
+@pytest.mark.parametrize("kind", ["entry_action", "main_action", "exit_action"])
+def test_actions_of_steps_are_not_left_out_in_silence(kind: str) -> None:
+    source = sfc.loads(OF_SFC.format(more="").encode(), format="iec-text")
+    setattr(source.pou("Main").chart.step("S1"), kind, "Act")
+    with pytest.raises(sfc.LossError, match="none with statements"):
+        sfc.convert(source, "grafcet", limit=0)
+
+
 @pytest.mark.parametrize(
     "place", ["http://www.example.org/%s", "platform:/plugin/org.eclipse.gmf.grafcet/model/%s.ecore"]
 )
