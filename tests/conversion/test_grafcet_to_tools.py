@@ -12,7 +12,16 @@ import plcopen_sfc as sfc
 from plcopen_sfc.conversion.reporting import UNSAID
 from plcopen_sfc.conversion.running import SHIFTED
 from plcopen_sfc.errors import LossError
-from plcopen_sfc.model import Elementary, ElementaryType, Expression, Project, SectionKind, Variable, VariableSection
+from plcopen_sfc.model import (
+    Elementary,
+    ElementaryType,
+    Expression,
+    Project,
+    Qualifier,
+    SectionKind,
+    Variable,
+    VariableSection,
+)
 from plcopen_sfc.model.numbering import numbered_in_order
 from plcopen_sfc.report import ConversionReport, Outcome
 from tests.conversion.random_plans import random_plan
@@ -1088,6 +1097,15 @@ def test_what_a_step_stores_when_it_is_left_comes_before_what_the_next_one_store
     trace = sfc.simulate(result, inputs=lambda scan, _: pressed[scan], scans=10)
     assert trace.active(9) == ("Step2", "Step11")
     assert trace["R"][-1] is False
+
+
+def test_the_condition_of_an_action_comes_back_from_its_interlock() -> None:
+    text = "GRAFCET G AS FUNCTION_BLOCK\nINPUTS\n    a\n    c\nOUTPUTS\n    Q\nINITIAL STEP 1\n1 -> 2 : a\n"
+    result, _ = converted(f"{text}STEP 2\n    Q IF c\n2 -> 1 : /a\n", "simaticml")
+    assert "    Q IF c\n" in sfc.convert(result, "grafcet-text").data.decode()
+    result.pous[0].chart.step("Step2").actions[0].qualifier = Qualifier.S
+    with pytest.raises(LossError, match="does the same as SC"):
+        sfc.convert(result, "grafcet-text")
 
 
 def test_entry_and_exit_actions_are_stored_actions_of_a_grafcet() -> None:

@@ -124,7 +124,7 @@ class _Writer:
                 for each in step.encloses
             )
         blocks = [_line(("head", ""), text, step.comment, indent)]
-        for action in step.actions:
+        for action in (_with_condition(each, step) for each in step.actions):
             blocks += self._action_line(action, f"{path} / action {action.target or 'in place'}", indent)
         for name, qualifier in _OF_STEPS.items():
             done: str | sfc.Body | None = getattr(step, f"{name}_action")
@@ -218,6 +218,15 @@ class _Writer:
 
 _OF_STEPS = {"entry": Qualifier.P1, "main": Qualifier.N, "exit": Qualifier.P0}
 """The actions of CODESYS that a step itself has, by what they are in IEC 61131-3."""
+
+
+def _with_condition(action: sfc.ActionAssociation, step: sfc.Step) -> sfc.ActionAssociation:
+    """Return an action N that acts only with the interlock of its step (NC of S7-GRAPH) as one with a condition."""
+    condition = step.interlock.condition if step.interlock is not None else None
+    is_continuous = action.qualifier in (Qualifier.N, Qualifier.NONE) and action.event is None and action.value is None
+    if not action.interlock or not is_continuous or not isinstance(condition, Expression):
+        return action
+    return action.model_copy(update={"interlock": False, "condition": condition})
 
 
 def _expansion(step: sfc.Step) -> str | None:

@@ -104,7 +104,8 @@ def action_of_sfc(
         # one scan, a stored action for good
         is_same = is_same and is_program is (stored is None)
     if kind is None or not is_same:
-        why = f"IEC 60848 has no action that does the same as {action.qualifier}"
+        shown = f"{action.qualifier}C" if action.interlock else action.qualifier
+        why = f"IEC 60848 has no action that does the same as {shown}"
         report.add(Outcome.NOT_EXECUTED, "action", path, why)
         return None
     report.add(Outcome.TRANSLATED, "action", path, f"{action.qualifier} is {kind} in IEC 60848")
