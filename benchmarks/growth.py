@@ -40,7 +40,7 @@ class MeasuredOperation:
 
 def ring(steps: int) -> sfc.Project:
     """A chart of so many steps in a circle, each with an action, every tenth with a selection of two."""
-    variables = [m.Variable(name=name, type="BOOL") for name in ("x", "y", "valve")]  # type: ignore[arg-type]
+    variables = [m.Variable(name=name, type="BOOL") for name in ("x", "y", "valve")]
     places = [
         m.Step(id=number, name=f"S{number}", initial=number == 0, actions=[_action(steps * 3 + number)])
         for number in range(steps)
@@ -91,10 +91,10 @@ def operations(folder: Path, scale: float) -> list[MeasuredOperation]:
         return sfc.dumps(chart(size), format="iec-text")
 
     def long_string(size: int) -> sfc.Project:
-        return _program(f"s := '{'a' * int(200_000 * size * scale)}';")
+        return program(f"s := '{'a' * int(200_000 * size * scale)}';")
 
     def long_line(size: int) -> sfc.Project:
-        return _program("x := x + 1; " * int(4_000 * size * scale))
+        return program("x := x + 1; " * int(4_000 * size * scale))
 
     return [
         MeasuredOperation("load", data, sfc.loads),
@@ -108,18 +108,19 @@ def operations(folder: Path, scale: float) -> list[MeasuredOperation]:
         MeasuredOperation("long line to SCL", long_line, lambda project: sfc.dumps(project, format="scl")),
         MeasuredOperation("lower, no proof", chart, lambda project: sfc.lower(project, verify=False)),
         MeasuredOperation("rename a step", loaded, step_of),
-        MeasuredOperation("save an edit", lambda size: _edited(loaded(size)), sfc.dumps),
-        MeasuredOperation("diff", lambda size: (loaded(size), _edited(loaded(size))), lambda pair: sfc.diff(*pair)),
+        MeasuredOperation("save an edit", lambda size: edited(loaded(size)), sfc.dumps),
+        MeasuredOperation("diff", lambda size: (loaded(size), edited(loaded(size))), lambda pair: sfc.diff(*pair)),
     ]
 
 
-def _program(text: str) -> sfc.Project:
+def program(text: str) -> sfc.Project:
     """A program with these statements."""
     source = f"PROGRAM Main\nVAR s : STRING; x : INT; END_VAR\n{text}\nEND_PROGRAM\n"
     return sfc.loads(source.encode(), format="iec-text")
 
 
-def _edited(project: sfc.Project) -> sfc.Project:
+def edited(project: sfc.Project) -> sfc.Project:
+    """The project with a comment at the last step of its first chart."""
     next(project.charts()).chart.steps[-1].comment = "edited"
     return project
 
