@@ -13,6 +13,7 @@ from benchmarks.lowering import blocks
 from plcopen_sfc import model as sfc_model
 from plcopen_sfc.analysis.checks import all_rules
 from plcopen_sfc.drawing.pictures import dot_text
+from plcopen_sfc.model.actions import ActionKind
 from plcopen_sfc.pages.page_words import Words
 from plcopen_sfc.pages.phrases import german_table
 from tests.pages.browser import Browser
@@ -547,4 +548,37 @@ def test_findings_are_told_in_german() -> None:
     found = words_of(tree.xpath("//section[@id='findings']")[0])
     assert "Warnung ACT02 GVL_EA.K2_BandLinks wird hier gesetzt (SD), und Schritt Zurueck_Platz1 schreibt" in found, (
         found
+    )
+
+
+def test_findings_tell_kinds_of_actions_in_german() -> None:
+    words = Words("de")
+    kinds = [kind.words for kind in ActionKind if kind is not ActionKind.FORCING]
+    for form in (
+        "is set here ({0}), and step 2 writes it continuously ({0})",
+        "is assigned here, and stored ({0}) in step 2",
+    ):
+        for kind in kinds:
+            told = words.finding(f"K2 {form.format(kind)}")
+            assert "K2 wird hier" in told
+            assert kind not in told
+    project = sfc.loads(
+        b"""GRAFCET G
+INPUTS
+    a
+OUTPUTS
+    K2
+CHART G1
+    INITIAL STEP 1
+        ON DEACTIVATION K2 := FALSE
+    1 -> 2 : a
+    STEP 2
+        K2 FOR 500ms
+    2 -> 1 : /a
+""",
+        format="grafcet-text",
+    )
+    found = words_of(parse(sfc.page(project, lang="de")).xpath("//section[@id='findings']")[0])
+    assert (
+        "K2 wird hier gespeichert (bei Deaktivierung), und Schritt 2 schreibt es kontinuierlich (zeitbegrenzt)" in found
     )
