@@ -493,6 +493,25 @@ class TestGrafcet:
         texts = {text.text: float(text.get("y")) for text in picture.root.iter(f"{SVG}text")}
         assert texts["Two words"] < texts["pressure"] < texts["Valve"] < texts["2"] + 44
 
+    def test_the_name_of_a_numbered_step_is_above_its_actions(self, chart: SfcNetwork) -> None:
+        """It was below the last action, and the tooltip had it twice and no number."""
+        step = chart.steps[1]
+        step.name, step.number, step.comment = "Fill", 88, "Two words"
+        picture = drawn(chart)
+        texts = {text.text: float(text.get("y")) for text in picture.root.iter(f"{SVG}text")}
+        assert texts["Fill"] < texts["Two words"] < texts["pressure"] < texts["Valve"]
+        assert element(picture, "step-1").findtext(f"{SVG}title") == "Step 88. Fill. Two words"
+        chart.transitions[2].targets = [step.id]
+        titles = [each.findtext(f"{SVG}title") for each in drawn(chart).by_class("jump")]
+        assert titles == ["Jump to 88"]
+
+    def test_what_a_step_encloses_is_above_its_actions(self, chart: SfcNetwork) -> None:
+        chart.steps[1].encloses = [Enclosure(chart="G5", activated_steps=["50"])]
+        picture = drawn(chart)
+        texts = {text.text: float(text.get("y")) for text in picture.root.iter(f"{SVG}text")}
+        assert texts["G5{50}"] < texts["pressure"]
+        assert ["G5{50}"] in [[text.text for text in link.iter(f"{SVG}text")] for link in picture.root.iter(f"{SVG}a")]
+
     def test_partial_charts_are_in_frames_with_activation_links(self, chart: SfcNetwork) -> None:
         picture = drawn(chart)
         assert [picture.texts(part) for part in picture.by_class("part")] == [["G5 (enclosed)"], ["M9 (expansion)"]]

@@ -84,13 +84,15 @@ class PictureSheet:
         """Return the id of the frame of a partial chart; empty where the picture has none."""
         return self.frames.get((name or "").casefold(), "")
 
+    def name_inside(self, step: Step) -> str:
+        """Return the name in the box of a step: in GRAFCET its number, where it has one."""
+        return str(step.number) if self.style is PictureStyle.GRAFCET and step.number is not None else step.name
+
     def step_reference(self, number: int) -> LinkEnd:
         """Return the reference to a step: its name, in GRAFCET and S7-GRAPH its number."""
         step = self.steps[number]
-        name = step.name
-        if step.number is not None and self.style is PictureStyle.GRAFCET:
-            name = str(step.number)
-        elif step.number is not None and self.style is PictureStyle.S7GRAPH:
+        name = self.name_inside(step)
+        if step.number is not None and self.style is PictureStyle.S7GRAPH:
             name = f"S{step.number} {step.name}"
         return LinkEnd(name, f"{self.prefix}step-{number}")
 

@@ -38,9 +38,9 @@ class StepSymbol:
         self._block = ActionBlock(self.step, sheet)
         self._texts = [each for each in _about_step(sheet, self.step) if each.text]
         lines = [each._replace(text=line) for each in self._texts for line in wrap(each.text, 11, _REMARK_WIDTH)]
-        # comments are above the actions: below them, they would be taken for those of the last action
-        self._above = [each.text for each in lines if each.kind == "remark" and self._block.width]
-        self._about = [each for each in lines if each.kind != "remark" or not self._block.width]
+        # what is about the step alone is above the actions: below them, it would be taken for that of the last action
+        self._above = [each for each in lines if not each.below and self._block.width]
+        self._about = [each for each in lines if each.below or not self._block.width]
         about = max((text_width(each.text, 11) for each in lines), default=0)
         half = self._width // 2
         arm = _ARM if self._block.width else 10
@@ -65,10 +65,8 @@ class StepSymbol:
     def _label(self) -> None:
         step, style = self.step, self.sheet.style
         self._above_name = ""
-        name = step.name
-        if style is PictureStyle.GRAFCET:
-            name = str(step.number) if step.number is not None else step.name
-        elif step.number is not None:
+        name = self.sheet.name_inside(step)
+        if style is not PictureStyle.GRAFCET and step.number is not None:
             self._above_name = f"S{step.number}" if style is PictureStyle.S7GRAPH else str(step.number)
         self._lines = wrap(name, 13, NAME_WIDTH, bold=True) or [""]
         inside = max(widest(self._lines, 13, bold=True), text_width(self._above_name, 11)) + 28
@@ -157,10 +155,10 @@ class StepSymbol:
                 middle = box + self._box // 2
                 canvas.wire((edge, middle), (edge + 10, middle), (edge + 10, level), (column, level))
             self._block.draw(canvas, column, top + self._block_down)
-        canvas.lines("remark", column, top + self._block_down - self._head + 11, self._above, 14)
-        for number, each in enumerate(self._about):
-            kind = "back" if each.link else each.kind
-            canvas.text(kind, column, top + self._text_down + 11 + 14 * number, each.text, link=each.link)
+        for texts, down in ((self._above, self._block_down - self._head), (self._about, self._text_down)):
+            for number, each in enumerate(texts):
+                kind = "back" if each.link else each.kind
+                canvas.text(kind, column, top + down + 11 + 14 * number, each.text, link=each.link)
 
     def _title(self) -> str:
         step = self.step
@@ -168,22 +166,27 @@ class StepSymbol:
         if step.initial:
             kind = f"Initial {kind.lower()}"
         told = self.sheet.words.told
-        name = f"{step.name} {told(EXCLUDED)}" if step.exclude else step.name
+        name = self.sheet.name_inside(step)
+        name = f"{name} {told(EXCLUDED)}" if step.exclude else name
         parts = [f"{told(kind)} {name}", *(each.text for each in self._texts)]
         return ". ".join(parts)
 
 
 class _About(NamedTuple):
-    """A text about a step with its class, a ``remark`` where it is a comment, and the id of what it leads to."""
+    """A text about a step with its class, a ``remark`` where it is a comment, and the id of what it leads to.
+
+    `below`: it is below the actions.
+    """
 
     kind: str
     text: str
     link: str = ""
+    below: bool = False
 
 
 def _about_step(sheet: PictureSheet, step: Step) -> Iterator[_About]:
     """Yield the texts about a step."""
-    if sheet.style is PictureStyle.GRAFCET and step.number is not None and step.name != str(step.number):
+    if step.name != sheet.name_inside(step):
         yield _About("quiet", step.name)
     if step.macro is not None and step.macro.expansion != step.name:
         yield _About("quiet", step.macro.expansion or "", sheet.frame(step.macro.expansion))
@@ -193,11 +196,11 @@ def _about_step(sheet: PictureSheet, step: Step) -> Iterator[_About]:
         if part is not None and part.condition is not None:
             title = plain(part.title)
             told = f" ({title})" if title else ""
-            yield _About("quiet", f"{mark}: {sheet.words.condition(part.condition)}{told}")
+            yield _About("quiet", f"{mark}: {sheet.words.condition(part.condition)}{told}", below=True)
     warning = sheet.words.told("warning")
     times = (("min", step.min_time), ("max", step.max_time), (warning, step.warning_time))
     if tuple((time or "").upper() for _, time in times) != _USUAL_TIMES:
-        yield _About("quiet", ", ".join(f"{label} {time}" for label, time in times if time))
+        yield _About("quiet", ", ".join(f"{label} {time}" for label, time in times if time), below=True)
     yield _About("remark", plain(step.title))
     yield _About("remark", plain(step.comment))
 
@@ -292,7 +295,7 @@ class JumpSymbol:
     def __init__(self, sheet: PictureSheet, target: int) -> None:
         self.sheet = sheet
         self.reference = sheet.step_reference(target)
-        self._title = sheet.words.told("Jump to {}", sheet.steps[target].name)
+        self._title = sheet.words.told("Jump to {}", sheet.name_inside(sheet.steps[target]))
         self._lines = wrap(self.reference.name, 12, NAME_WIDTH)
         half = widest(self._lines, 12) // 2 + 8
         self.left = self.right = max(half, 14)
