@@ -153,6 +153,7 @@ class ExecutedChartReader:
         for partial in self.chart.partial_charts:
             path = f"{self.path} / {partial.name}"
             inner = part.add("partial chart", partial.name, path)
+            self.owner.tell_comment(inner, partial)
             inner.tell("kind", Meaning.of(partial.kind.value, f"a partial chart that is {partial.kind}"))
             for aspect, name in (("entry step", partial.entry_step), ("exit step", partial.exit_step)):
                 inner.tell(aspect, Meaning.of(name.casefold(), name) if name is not None else None)

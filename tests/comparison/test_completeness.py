@@ -63,6 +63,7 @@ FALLBACKS: tuple[Any, ...] = (
     GraphSettings(skip_steps=True),
     [PermanentOperation(body=sfc.StBody(text="Zz9 := 1;"))],
     [PartialChart(name="Zz9", chart=sfc.SfcNetwork())],
+    sfc.SfcNetwork(steps=[sfc.Step(id=1, name="Zz9")]),
     sfc.ActionKind.CONTINUOUS,
     None,
 )
@@ -83,6 +84,14 @@ def others(value: Any) -> Iterator[Any]:
     yield from FALLBACKS
 
 
+def sample() -> sfc.Project:
+    """A project with an object of each class."""
+    project = sfc.load(FIXTURES / "training-chain" / "model.json")
+    chart = project.pou("Ablauf").chart
+    chart.partial_charts.append(PartialChart(name="G1", chart=sfc.SfcNetwork()))
+    return project
+
+
 def things(project: sfc.Project) -> Iterator[Model]:
     """One object of each class that people edit."""
     pou = project.pou("Ablauf")
@@ -94,11 +103,12 @@ def things(project: sfc.Project) -> Iterator[Model]:
     yield pou.chart.transitions[1]
     yield pou.chart.transitions[1].condition
     yield pou.chart.steps[1].actions[0]
+    yield pou.chart.partial_charts[0]
 
 
 FIELDS = [
     (index, name)
-    for index, thing in enumerate(things(sfc.load(FIXTURES / "training-chain" / "model.json")))
+    for index, thing in enumerate(things(sample()))
     for name in type(thing).model_fields
     if not {name, f"{type(thing).__name__}.{name}"} & NOT_COMPARED.keys()
 ]
@@ -106,7 +116,7 @@ FIELDS = [
 
 @pytest.fixture(scope="module")
 def before() -> sfc.Project:
-    return sfc.load(FIXTURES / "training-chain" / "model.json")
+    return sample()
 
 
 @pytest.mark.parametrize(("index", "name"), FIELDS)
