@@ -102,7 +102,8 @@ class Wording:
                 if meant is None:
                     return ""
                 text = text.replace(f"{helper.name}.Q" if helper.type_name == "R_TRIG" else helper.name, meant)
-        return text
+        calls = [self._text(call) for call in _calls(read)]
+        return self.told("{} with {}", text, "; ".join(calls)) if calls else text
 
     def _meant(self, read: NetworkExpression, helper: Helper) -> str | None:
         """Return a helper variable in words: the edge that it has, or the value that it is given; None for others."""
@@ -123,7 +124,7 @@ class Wording:
             return self.told("falling edge of {}", self._text(given[last.identifier]))
         return f"({self._text(value)})"
 
-    def _text(self, tree: n.Expression) -> str:
+    def _text(self, tree: n.Node) -> str:
         return _one_line(print_node(tree))
 
     def actions(self, step: Step) -> Iterator[ActionLine]:
@@ -168,6 +169,15 @@ class Wording:
             self.told(EXCLUDED) if association.exclude else "",
             "C" if association.interlock else "",
         )
+
+
+def _calls(read: NetworkExpression) -> Iterator[n.Call]:
+    """Yield the calls of declared blocks, such as timers, that are drawn before a condition."""
+    helpers = {helper.name for helper in read.helpers}
+    for statement in read.before:
+        call = statement.call if isinstance(statement, n.CallStatement) else None
+        if isinstance(call, n.Call) and not (isinstance(call.callee, n.Name) and call.callee.identifier in helpers):
+            yield call
 
 
 def _watched(read: NetworkExpression, helper: Helper) -> Iterator[n.Expression]:

@@ -120,7 +120,7 @@ class Steps:
         return StepName(name, bits, override(scope, name, structure or BOOL), start, flag=structure is None)
 
     def _start_of(self, scope: Scope, name: str, bits: int) -> int:
-        if bits & (bits - 1) == 0:
+        if bits.bit_count() == 1:
             return self.since[bits.bit_length() - 1]
         return scope.declare(f"{self._path} {name}.since", INSTANT, hidden=True)
 

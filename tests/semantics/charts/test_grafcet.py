@@ -415,6 +415,11 @@ def test_macro_steps_of_expansions() -> None:
     assert (bench["Q"], bench["XM1"]) == (False, False)
 
 
+def test_the_flag_of_a_chart_without_steps_is_false() -> None:
+    result = sfc.simulate(sfc.loads(b"GRAFCET L\nCHART G1\n", format="grafcet-text"), scans=3)
+    assert result["XG1"] == [False] * 3
+
+
 def test_a_partial_chart_has_a_flag_that_tells_if_a_step_in_it_is_active() -> None:
     text = """GRAFCET C
 INPUTS
