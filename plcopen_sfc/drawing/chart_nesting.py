@@ -168,12 +168,17 @@ class NestedDivergence:
 _Walk = Generator["_Walk", None, None]
 
 
-def nest(chart: SfcNetwork, together: Mapping[int, int]) -> tuple[ChartGraph, list[ChartSegment]]:
-    """Return the graph of a chart and its segments. `together`: transitions that may share a symbol, see `flow_of`."""
+def nest(
+    chart: SfcNetwork, together: Mapping[int, int], *, lines: bool = False
+) -> tuple[ChartGraph, list[ChartSegment]]:
+    """Return the graph of a chart and its segments. `together`: transitions that may share a symbol, see `flow_of`.
+
+    `lines`: a branch of a selection may be a line to a convergence, with nothing on it; CODESYS draws none.
+    """
     split: frozenset[int] = frozenset()
     while True:
         flow = flow_of(chart, together, split=split)
-        builder = _Builder(flow)
+        builder = _Builder(flow, lines=lines)
         segments = builder.run()
         if not builder.misfits:
             return flow, segments
@@ -182,8 +187,9 @@ def nest(chart: SfcNetwork, together: Mapping[int, int]) -> tuple[ChartGraph, li
 
 
 class _Builder:
-    def __init__(self, flow: ChartGraph) -> None:
+    def __init__(self, flow: ChartGraph, *, lines: bool) -> None:
         self.flow = flow
+        self.lines = lines
         self.placed: set[int] = set()
         self.waiting: dict[int, list[ChartSegment]] = {}
         self.misfits: set[int] = set()
@@ -336,7 +342,7 @@ class _Builder:
         """Let the branches that wait for `target` meet there; the others end."""
         waiting: list[int] = []
         for branch in divergence.branches:
-            if branch.end is not None and branch.end.target == target and branch.items:
+            if branch.end is not None and branch.end.target == target and self.leads_down(branch):
                 branch.joined = True
                 waiting += branch.end.waiting
             else:
@@ -344,10 +350,17 @@ class _Builder:
         if target is not None:
             segment.end = SegmentEnd(target, tuple(waiting))
 
+    def leads_down(self, branch: ChartSegment) -> bool:
+        """True if a branch may go on below its divergence."""
+        is_line = self.lines and branch.end is not None and self.is_convergence(branch.end.target)
+        return bool(branch.items) or (is_line and branch.end is not None and not self.is_jump(branch.end))
+
     def give_up(self, segment: ChartSegment) -> None:
         """End a segment with a jump to where it wants to go; to a transition there is no jump."""
         end, segment.end = segment.end, None
         if end is not None:
+            for line in _lines_below(segment):
+                line.joined, segment = False, line
             if end.target not in self.placed:
                 self.waiting.setdefault(end.target, []).append(segment)
             if end.target in self.flow.steps:
@@ -381,7 +394,7 @@ class _Builder:
             return None
         groups: dict[int, list[int]] = {}
         for i, branch in enumerate(divergence.branches):
-            if branch.end is not None and branch.items:
+            if branch.end is not None and self.leads_down(branch):
                 groups.setdefault(branch.end.target, []).append(i)
         if divergence.parallel:
             target = next(iter(groups), None)
@@ -410,6 +423,19 @@ class _Builder:
 
 def _waiting(branch: ChartSegment) -> tuple[int, ...]:
     return branch.end.waiting if branch.end is not None else ()
+
+
+def _lines_below(segment: ChartSegment) -> list[ChartSegment]:
+    """Return the branches without a symbol at the end of a segment that go on below it."""
+    found: list[ChartSegment] = []
+    pending = [segment]
+    for each in pending:  # grows while it is walked
+        last = each.items[-1] if each.items else None
+        if isinstance(last, NestedDivergence):
+            pending += [branch for branch in last.branches if branch.joined]
+        elif last is None and each.joined:
+            found.append(each)
+    return found
 
 
 def _run(walk: _Walk) -> None:

@@ -140,7 +140,9 @@ def links_in(picture: Picture) -> set[tuple[str, str]]:
             ends = points(g.find(f"{SVG}path[@class='bar']"))
             middle = ((ends[0][0] + ends[1][0]) // 2, ends[0][1])
             above[g.get("id")] = below[g.get("id")] = middle
-    net = _Net(picture.wires, set(below.values()))
+    arrows = [area(g) for g in picture.by_class("arrow")]
+    upwards = {((left + right) // 2, (top + bottom) // 2) for left, top, right, bottom in arrows}
+    net = _Net(picture.wires, set(below.values()), upwards)
     found: dict[int, set[str]] = {}
     for name, place in above.items():
         found.setdefault(net.at(place, upper=True), set()).add(name)
@@ -170,50 +172,59 @@ def links_in(picture: Picture) -> set[tuple[str, str]]:
 
 
 class _Net:
-    """Wires that touch, cut at transitions, and the double bars between them."""
+    """Wires that lead down and along bars, cut at transitions and where they meet, and the double bars between them.
 
-    def __init__(self, wires: list[Segment], cuts: set[Point]) -> None:
+    Those with a point in `upwards` lead up.
+    """
+
+    def __init__(self, wires: list[Segment], cuts: set[Point], upwards: set[Point]) -> None:
         self.pieces: list[Segment] = []
+        bars = [wire for wire in wires if wire[1] == wire[3]]
         for x1, y1, x2, y2 in wires:
-            inner = sorted(y for x, y in cuts if x == x1 == x2 and y1 < y < y2)
-            levels = [y1, *inner, y2] if x1 == x2 else []
-            self.pieces += [(x1, a, x1, b) for a, b in pairwise(levels)] or [(x1, y1, x2, y2)]
+            if x1 != x2:
+                self.pieces.append((x1, y1, x2, y2))
+                continue
+            top, bottom = sorted((y1, y2))
+            inner = {y for x, y in cuts if x == x1 and top < y < bottom}
+            inner |= {bar[1] for bar in bars if top < bar[1] < bottom and _on((x1, bar[1]), bar)}
+            for a, b in pairwise([top, *sorted(inner), bottom]):
+                leads_up = any(x == x1 and top < y < bottom for x, y in upwards)
+                self.pieces.append((x1, b, x1, a) if leads_up else (x1, a, x1, b))
         self.cuts = cuts
-        self.group = list(range(len(self.pieces)))
-        for i, one in enumerate(self.pieces):
-            for j, other in enumerate(self.pieces):
-                if i < j and self._touch(one, other):
-                    a, b = self._root(i), self._root(j)
-                    self.group[max(a, b)] = min(a, b)
         self.lines = {(x1, y1, x2): i for i, (x1, y1, x2, y2) in enumerate(self.pieces) if y1 == y2}
-        self.lower: dict[int, set[int]] = {}
+        self.lower: dict[int, set[int]] = {
+            i: {j for j, other in enumerate(self.pieces) if i != j and self._leads(one, other)}
+            for i, one in enumerate(self.pieces)
+        }
         for (x1, y, x2), i in self.lines.items():
             if (x1, y + 4, x2) in self.lines:
-                self.lower.setdefault(self._root(i), set()).add(self._root(self.lines[x1, y + 4, x2]))
+                self.lower[i].add(self.lines[x1, y + 4, x2])
 
-    def _root(self, i: int) -> int:
-        while self.group[i] != i:
-            i = self.group[i]
-        return i
-
-    def _touch(self, one: Segment, other: Segment) -> bool:
+    def _leads(self, one: Segment, other: Segment) -> bool:
+        """True if what comes down along one wire, or along a bar, goes on along another."""
         ends = [(a, b) for a, b in ((one, other), (other, one))]
-        return any(
-            _on(point, whole) and point not in self.cuts for part, whole in ends for point in (part[:2], part[2:])
-        )
+        touching = {
+            point
+            for part, whole in ends
+            for point in (part[:2], part[2:])
+            if _on(point, whole) and point not in self.cuts
+        }
+        below = (one[1] == one[3] or point == one[2:] for point in touching)
+        above = (other[1] == other[3] or point == other[:2] for point in touching)
+        return any(leaves and enters for leaves, enters in zip(below, above, strict=True))
 
     def at(self, place: Point, *, upper: bool) -> int:
         """The wires at a place; those that end there from above, or that begin there, where it is a symbol."""
         for i, (x1, y1, x2, y2) in enumerate(self.pieces):
             if not _on(place, (x1, y1, x2, y2)) or (place in self.cuts and place != ((x2, y2) if upper else (x1, y1))):
                 continue
-            return self._root(i)
+            return i
         return -1 if upper else -2
 
     def below_bar(self, place: Point) -> int:
         """The wires below the double bar on whose upper line a place is."""
         x, y = place
-        return next(self._root(i) for (x1, level, x2), i in self.lines.items() if level == y + 4 and x1 <= x <= x2)
+        return next(i for (x1, level, x2), i in self.lines.items() if level == y + 4 and x1 <= x <= x2)
 
     def down(self, start: int) -> set[int]:
         """These wires and all that they lead to through double bars."""

@@ -423,6 +423,27 @@ class TestSymbols:
         level = [wire for wire in picture.wires if wire[1] == wire[3] and abs(wire[2] - wire[0]) > 20]
         assert len(level) == 6
 
+    @pytest.mark.parametrize("place", range(4))
+    @pytest.mark.parametrize("source", [1, 2, 3])
+    def test_a_transition_beside_a_convergence_leaves_the_convergence_whole(self, source: int, place: int) -> None:
+        """A loop at the last step of a branch took all branches out of the double line."""
+        edges = [([0], [1, 2, 3]), ([1, 2, 3], [4]), ([4], [0])]
+        edges.insert(place, ([source], [source]))
+        chart = make(5, edges)
+        picture = drawn(chart)
+        assert_tidy(picture)
+        assert links_in(picture) == links_of(chart)
+        assert not [g for g in picture.by_class("reference") if g.findtext(f"{SVG}title").startswith("Continues")]
+        assert picture.texts().count("*") == 1
+
+    def test_a_convergence_may_have_selections_above_all_its_branches(self) -> None:
+        edges = [([0], [1, 2]), ([1], [3, 4]), ([3], [3]), ([4], [1]), ([3, 4], [5]), ([5], [0]), ([5, 2], [6])]
+        chart = make(7, [*edges, ([2], [0])])
+        picture = drawn(chart)
+        assert_tidy(picture)
+        assert links_in(picture) == links_of(chart)
+        assert not [g for g in picture.by_class("reference") if g.findtext(f"{SVG}title").startswith("Continues")]
+
     def test_what_ends_nowhere_has_an_end(self) -> None:
         chart = make(1, [([0], [])])
         assert len(drawn(chart).wires) > len(drawn(make(1, [])).wires)

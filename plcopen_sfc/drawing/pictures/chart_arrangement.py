@@ -245,7 +245,7 @@ class _Column:
 
     def go_on(self) -> None:
         """Prepare the column for items below its last one: that has a bar of its own now."""
-        last = self.items[-1]
+        last = self.items[-1] if self.items else None
         if isinstance(last, _Fan) and last.shares_bottom:
             last.shares_bottom = False
             last.measure()
@@ -267,7 +267,7 @@ class Arrangement:
 
     def __init__(self, sheet: PictureSheet) -> None:
         self._sheet = sheet
-        self._graph, segments = nest(sheet.chart, {})
+        self._graph, segments = nest(sheet.chart, {}, lines=True)
         self._links = _Links(self._graph, segments)
         made: dict[int, _Column] = {}
         for segment in reversed(self._links.order):
@@ -394,7 +394,7 @@ class Arrangement:
 
     def _fan(self, divergence: NestedDivergence, made: dict[int, _Column], *, flush: bool) -> _Fan:
         columns = [made[id(branch)] for branch in divergence.branches]
-        kept = [i for i, column in enumerate(columns) if column.items]
+        kept = [i for i, column in enumerate(columns) if column.items or divergence.branches[i].joined]
         fan = _Fan(divergence.parallel, [columns[i] for i in kept], [divergence.branches[i].joined for i in kept])
         fan.lead = _BAR_LEAD if not flush else -DOUBLE if divergence.parallel else 0  # flush: one bar with that above
         fan.star = self._sheet.stars and not flush and self._links.is_unnumbered(divergence)
@@ -475,7 +475,7 @@ class _Links:
             if isinstance(before, NestedNode):
                 found.append(before.node)
             elif isinstance(before, NestedDivergence):
-                pending += [(b, len(b.items)) for b in reversed(before.branches) if b.joined and b.items]
+                pending += [(b, len(b.items)) for b in reversed(before.branches) if b.joined]
         return found
 
 
