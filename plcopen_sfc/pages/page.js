@@ -178,6 +178,8 @@ if (player) {
     const x = trace.left + (scan + 0.5) * trace.width / trace.scans;
     cursor.setAttribute("x1", x);
     cursor.setAttribute("x2", x);
+    const line = cursor.getBoundingClientRect(), shown = timing.getBoundingClientRect();
+    if (line.left < shown.left || line.right > shown.right) timing.scrollLeft += line.left - shown.left - shown.width / 2;
   };
   const play = player.querySelector("[data-move='0']");
   let timer = 0;

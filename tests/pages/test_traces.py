@@ -122,6 +122,21 @@ def test_a_trace_is_played_on_the_chart(
     assert browser.messages == []
 
 
+@pytest.mark.slow
+def test_the_line_of_a_trace_stays_in_sight_on_a_phone(browser: Browser, project: sfc.Project, tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    page.write_text(
+        sfc.page(project, trace=sfc.simulate(project, inputs=sfc.RandomInputs(1), scans=200)), encoding="ascii"
+    )
+    browser.open(page, width=390, height=800)
+    assert browser.evaluate("byId('timing').scrollWidth > byId('timing').clientWidth")
+    for end in ("max", "min"):
+        browser.evaluate(f"range = byId('scan'); range.value = range.{end}; range.dispatchEvent(new Event('input'))")
+        places = "['#timing .cursor', '#timing'].map((each) => document.querySelector(each).getBoundingClientRect())"
+        line, shown = browser.evaluate(f"{places}.map((each) => [each.left, each.right])")
+        assert shown[0] <= line[0] <= shown[1]
+
+
 def test_notebooks_show_projects_and_verdicts(project: sfc.Project) -> None:
     rows = html.fromstring(project._repr_html_()).xpath("//tbody/tr")
     texts = [[cell.text_content() for cell in row] for row in rows]
