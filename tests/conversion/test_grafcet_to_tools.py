@@ -400,7 +400,7 @@ TEXTBOOK: dict[tuple[str, bool], dict[str, tuple[str, set[str]]]] = {
         "simaticml": (EQUAL, FIRST),
     },
     ("every_symbol", False): dict.fromkeys(
-        ["plcopen", "codesys", "codesys23", "simaticml"], (REFUSED, {"hierarchy", "forcing order", "enclosing step"})
+        ["plcopen", "codesys", "codesys23", "simaticml"], (REFUSED, {"hierarchy", "forcing order"})
     ),
     ("initialised_chain", False): dict.fromkeys(["plcopen", "codesys"], (DIFFERENT, {STABILITY, START}))
     | {"simaticml": (DIFFERENT, {STABILITY, FIRST_SCAN})},
@@ -984,6 +984,24 @@ def test_a_ruled_chart_that_is_not_safe_is_refused(form: str) -> None:
     why = losses(converted(text, form)[1])["hierarchy"]
     assert "can be activated twice" in why
     assert "lower the GRAFCET" in why
+
+
+@pytest.mark.parametrize("form", ["plcopen", "iec-text"])
+def test_only_the_chart_that_is_not_safe_is_not_ruled(form: str) -> None:
+    """The report said of all charts that nothing forces them, and the file forced those above in the hierarchy."""
+    unsafe = SIMULTANEOUS.replace("4, 5 -> 1", "5 -> 3 : c\n4, 5 -> 1").replace("2 -> 4 : b", "2 -> 4, 5 : b")
+    safe = "CHART G3\nINITIAL STEP 20\n20 -> 21 : a\nSTEP 21\n    Q2\n21 -> 20 : b\n"
+    for text in (f"{unsafe}{safe}", unsafe.replace("CHART G1", f"{safe}CHART G1")):
+        both = text.replace("    FORCE G1{INIT}", "    FORCE G1{INIT}\n    FORCE G3{INIT}")
+        project, report = converted(both, form)
+        missing = [item.why for item in report.items if item.what == "forcing order"]
+        assert missing == ["the hierarchy is not executed: nothing forces G1"]
+        charts = [project.pous[0].chart, converted(text.replace("G1{INIT}", "G3{INIT}"), form)[0].pous[0].chart]
+        told = [
+            [(chart.label(t), str(t.condition)) for t in chart.transitions] for chart in charts if chart is not None
+        ]
+        assert len([label for label, _ in told[0] if label.startswith("Step21 -> Step20")]) == 2
+        assert told[0] == told[1]
 
 
 def test_every_refused_hierarchy_names_the_way_to_code() -> None:

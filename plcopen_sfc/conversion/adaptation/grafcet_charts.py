@@ -97,7 +97,7 @@ class _Chart:
         self._events: list[str] = []
         self._second_events: list[str] = []
         self._forced: set[str] = set()
-        self._ruling: list[tuple[str, str, str]] = []
+        self._ruling: list[tuple[str, str, str, str]] = []
         self._misfits: dict[int, str] = {}
         self._refused: set[int] = set()
         self._stores: dict[tuple[int, Qualifier], StBody] = {}
@@ -137,12 +137,12 @@ class _Chart:
         self._note_evolutions(path, flat)
         self._actions(path, flat.activated() if flat is not None else set())
         if flat is not None and flat.ruled:
-            try:
-                Rules(self._chart, flat, edged, self._terms.new_name).apply()
+            refused = Rules(self._chart, flat, edged, self._terms.new_name).apply()
+            if len(refused) < len(flat.ruled):
                 why = "transitions that are tried before those of the charts that it rules"
                 self._note(Outcome.TRANSLATED, "hierarchy", path, why)
-            except HierarchyError as error:
-                self._refuse_hierarchy(path, error)
+            for name, why_not in refused.items():
+                self._refuse_hierarchy(path, why_not, name)
         starts = [step for step in self._chart.steps if step.initial]
         self._keep_memories(path, starts)
         if self._of_graph:
@@ -157,20 +157,22 @@ class _Chart:
         steps = zip(net.steps, net.report_paths(path)[0], strict=True)
         return next((at for step, at in steps if named.endswith(f" / step {step.path}")), path)
 
-    def _refuse_hierarchy(self, path: str, error: HierarchyError) -> None:
+    def _refuse_hierarchy(self, path: str, error: HierarchyError, chart: str | None = None) -> None:
+        """Note what is not executed of the orders to a chart and of the steps that enclose it; None: of all."""
         why = f"{error}: lower the GRAFCET, which makes proven code of all of it"
         self._note(Outcome.NOT_EXECUTED, "hierarchy", path, why)
-        for what, place, missing in self._ruling:
-            self._note(Outcome.NOT_EXECUTED, what, place, f"the hierarchy is not executed: {missing}")
+        for what, place, missing, ruled in self._ruling:
+            if chart is None or ruled.casefold() == chart.casefold():
+                self._note(Outcome.NOT_EXECUTED, what, place, f"the hierarchy is not executed: {missing}")
 
-    def _orders_and_enclosures(self, path: str) -> Iterator[tuple[str, str, str]]:
-        """Yield forcing orders and enclosing steps: what they are, their paths, what a target without them misses."""
+    def _orders_and_enclosures(self, path: str) -> Iterator[tuple[str, str, str, str]]:
+        """Yield forcing orders and enclosing steps: what and where they are, what is missing, the chart."""
         net = Net.of(self._chart)
         for step, place in zip((each.step for each in net.steps), net.report_paths(path)[0], strict=True):
             for order in (each.forcing for each in step.actions if each.forcing is not None):
-                yield "forcing order", f"{place} / action {order}", f"nothing forces {order.chart}"
+                yield "forcing order", f"{place} / action {order}", f"nothing forces {order.chart}", order.chart
             for enclosure in step.encloses or ():
-                yield "enclosing step", place, f"nothing starts {enclosure.chart}"
+                yield "enclosing step", place, f"nothing starts {enclosure.chart}", enclosure.chart
 
     def _note_evolutions(self, path: str, flat: FlatChart | None) -> None:
         """Tell what a GRAFCET does in one scan that the target does not, which fires transitions once."""

@@ -121,15 +121,24 @@ class Rules:
         """`edged`: the ids of transitions that wait for an edge. `name` makes names that are free."""
         self._chart, self._flat, self._edged, self._name = chart, flat, edged, name
 
-    def apply(self) -> None:
-        """Change the chart, from the top of the hierarchy down."""
+    def apply(self) -> dict[str, HierarchyError]:
+        """Change the chart, from the top of the hierarchy down; return why charts are not ruled, by their names."""
+        refused: dict[str, HierarchyError] = {}
         for ruled in self._flat.ruled:
-            for part, idle in self._parts(ruled):
-                self._rule(part, idle)
+            steps, transitions = [*self._chart.steps], [(each, each.condition) for each in self._chart.transitions]
+            try:
+                for part, idle in self._parts(ruled):
+                    self._rule(part, idle)
+            except HierarchyError as error:  # half of the rules of a chart would do something else
+                refused[ruled.name] = error
+                self._chart.steps, self._chart.transitions = steps, [each for each, _ in transitions]
+                for transition, condition in transitions:
+                    transition.condition = condition
         # the order alone decides which is tried first: not every tool has numbers
         self._chart.transitions = self._in_order()
         for transition in self._chart.transitions:
             transition.priority = None
+        return refused
 
     def _parts(self, ruled: RuledChart) -> list[tuple[RuledChart, Step | None]]:
         """Return a ruled chart as sequences of which one step is active at a time, each with the step for none.
