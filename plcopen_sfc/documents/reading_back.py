@@ -98,6 +98,7 @@ def _report_differences(project: Project, kind: Format, back: Project, report: C
         number_in_order(back)
     if kind.used_first:
         project = in_order_of(project, back)
+    _order_ends(project, back)
     for difference in differences(project, back, ignore=frozenset({"drawing"})):
         if difference.left is None:
             why = f"the written file has {_short(difference.right)}, and the source nothing"
@@ -105,6 +106,21 @@ def _report_differences(project: Project, kind: Format, back: Project, report: C
             continue
         why = f"{_short(difference.left)} comes back as {_short(difference.right)}"
         report.add(Outcome.DROPPED, FIELD, difference.path, why)
+
+
+def _order_ends(project: Project, back: Project) -> None:
+    """Give transitions of `back` their steps in the order of the source: it has no meaning, a drawing may have another.
+
+    As differences, they would be ids, which people take for names of steps.
+    """
+    for one, other in zip(project.charts(), back.charts(), strict=False):
+        known = {transition.id: transition for transition in one.chart.transitions}
+        for transition in other.chart.transitions:
+            same = known.get(transition.id, transition)
+            if sorted(same.sources) == sorted(transition.sources):
+                transition.sources = [*same.sources]
+            if sorted(same.targets) == sorted(transition.targets):
+                transition.targets = [*same.targets]
 
 
 def _short(value: object) -> str:

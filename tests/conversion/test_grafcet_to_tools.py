@@ -986,6 +986,18 @@ def test_a_ruled_chart_that_is_not_safe_is_refused(form: str) -> None:
     assert "lower the GRAFCET" in why
 
 
+@pytest.mark.parametrize("form", ["plcopen", "codesys", "twincat"])
+def test_another_order_of_branches_in_the_file_is_no_loss(form: str) -> None:
+    """The report told of it as "5 comes back as 8": ids, among steps that are called 5 and 8."""
+    text = SIMULTANEOUS.partition("CHART G2")[0].replace("CHART G1\n", "").replace("4, 5 -> 1", "5, 4 -> 1")
+    project, report = converted(text, form)
+    assert [item.path for item in report.items if " / source " in item.path or " / target " in item.path] == []
+    chart = project.pous[0].chart
+    assert chart is not None
+    (end,) = [t for t in chart.transitions if len(t.sources) == 2]
+    assert {step.name for step in chart.steps if step.id in end.sources} == {"Step4", "Step5"}
+
+
 @pytest.mark.parametrize("form", ["plcopen", "iec-text"])
 def test_only_the_chart_that_is_not_safe_is_not_ruled(form: str) -> None:
     """The report said of all charts that nothing forces them, and the file forced those above in the hierarchy."""
