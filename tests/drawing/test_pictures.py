@@ -507,6 +507,22 @@ class TestGrafcet:
         picture = drawn(chart)
         assert picture.texts(element(picture, "action-24")) == [above, "Lamp"]
 
+    @pytest.mark.parametrize("style", STYLES)
+    def test_long_comments_of_actions_have_rows_of_their_height(self, chart: SfcNetwork, style: str) -> None:
+        """Those of more than two lines lay on each other, and on the comment of the step."""
+        step = chart.steps[1]
+        step.comment = "step " * 30
+        for number, association in enumerate(step.actions):
+            association.comment = f"remark{number} " * 14
+        picture = drawn(chart, style=style)
+        remarks = [text for text in picture.root.iter(f"{SVG}text") if text.get("class") == "remark"]
+        levels = sorted((int(text.get("y")), text.text.split()[0]) for text in remarks)
+        words = list(dict.fromkeys(word for _, word in levels if word.startswith(("step", "remark"))))
+        assert words == ["step", *(f"remark{number}" for number in range(4))]
+        lines = [(level, word) for level, word in levels if word in words]
+        for (one, word), (other, following) in pairwise(lines):
+            assert other - one >= (13 if word == following else 16), (word, following)
+
     def test_a_comment_of_a_step_is_above_its_actions(self, chart: SfcNetwork) -> None:
         """Below them it was taken for the comment of the last one."""
         chart.steps[1].comment = "Two words"

@@ -23,6 +23,7 @@ from plcopen_sfc.model.text import plain
 SIZE = 12
 PITCH = 15
 _PAD = 6
+_REMARK_PITCH = 13
 _MOST_LINES = 12
 """Program text in an action is cut off after so many lines; its tooltip has all of it."""
 _TIMED_KINDS = {ActionKind.DELAYED: "{}/X{}", ActionKind.LIMITED: "/({}/X{})"}
@@ -49,7 +50,8 @@ class _Row:
 
     @property
     def height(self) -> int:
-        return max(1, *map(len, self.cells)) * PITCH + 2 * _PAD - 3
+        cells = max(1, *map(len, self.cells)) * PITCH + 2 * _PAD - 3
+        return max(cells, len(self.remark) * _REMARK_PITCH + 4)
 
     @property
     def lead(self) -> int:
@@ -116,8 +118,8 @@ class ActionBlock:
             canvas.line("head", (x + 9, tip), (x + 5, tip + back), (x + 13, tip + back), closed=True)
         if row.kind is ActionKind.ON_EVENT:
             canvas.line("head", (x + 8, y - 1), (x + 4, y - 8), (x + 12, y - 8), closed=True)
-        middle = y + (row.height - (len(row.remark) - 1) * 13) // 2 + 4
-        canvas.lines("remark", x + self._table + 8, middle, row.remark, 13)
+        middle = y + (row.height - (len(row.remark) - 1) * _REMARK_PITCH) // 2 + 4
+        canvas.lines("remark", x + self._table + 8, middle, row.remark, _REMARK_PITCH)
 
 
 _ACTION, _INDICATOR = 2, 3
