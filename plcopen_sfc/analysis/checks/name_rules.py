@@ -81,10 +81,11 @@ def _own(chart: CheckedChart, found: Iterable[_T]) -> Iterator[_T]:
 
 
 def _like(chart: CheckedChart, occurrence: Occurrence) -> str:
-    """Return a declared name that is nearly the same, and visible where the other is."""
+    """Return another declared name that is nearly the same, and visible where this one is."""
     around, name = chart.around, occurrence.reference.name
     levels = around.named.resolver.levels(occurrence.reference, occurrence.text_site)
     visible = {each.name.casefold(): each.name for level in levels for each in level}
+    visible.pop(name.casefold(), None)  # of a transition, which is no variable
     found = get_close_matches(name.casefold(), visible, 1, _ALIKE)
     return visible[found[0]] if found else ""
 

@@ -1460,3 +1460,17 @@ def test_function_blocks_of_libraries_of_beremiz_are_declared_elsewhere() -> Non
     assert [each.code for each in sfc.check(project, select=["VAR01", "VAR02"])] == ["VAR01"]
     project.header.company = "Beremiz"
     assert [each.code for each in sfc.check(project, select=["VAR01", "VAR02"])] == ["VAR02"]
+
+
+def test_a_name_is_not_suggested_for_itself() -> None:
+    """That of a transition was: it is declared, and no variable."""
+    text = """PROGRAM P
+VAR a, b : BOOL; END_VAR
+INITIAL_STEP S1: END_STEP
+TRANSITION Weiter FROM S1 TO S1 := a; END_TRANSITION
+ACTION A: Weiter := b; END_ACTION
+END_PROGRAM
+"""
+    (found,) = [each for each in sfc.check(sfc.loads(text.encode(), format="iec-text")) if each.code == "VAR01"]
+    assert found.message == "'Weiter' names nothing that the project declares"
+    assert "Weiter" not in (found.hint or "")
