@@ -10,6 +10,7 @@ from datetime import date
 from plcopen_sfc.comparison import Change, ChangeKind, ProjectDiff, Proof
 from plcopen_sfc.drawing.pictures import PairedChart, chart_figure, paired_figures
 from plcopen_sfc.errors import check_argument
+from plcopen_sfc.languages.words import identifier
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Step
@@ -183,17 +184,19 @@ def _called(changes: ProjectDiff) -> dict[str, str]:
 
 
 def _pairs(left: _Side, right: _Side) -> Iterator[_Pair]:
-    """Yield the charts of both sides that have the same path, then those that only one has."""
+    """Yield the charts of both sides that have the same path, then those that only one has.
+
+    Of names that a tool does not take, targets have identifiers: ``_1_Press`` for ``1 Press``.
+    """
     others = {parts[0].path: prefix for prefix, parts in right.index.parts.items()}
-    alone: list[_Pair] = []
-    for prefix, parts in left.index.parts.items():
-        other = others.pop(left.index.as_called(parts[0].path), "")
-        pair = (left, prefix), (right, other)
-        if other:
-            yield pair
-        else:
-            alone.append(pair)
-    yield from alone
+    paths = {prefix: left.index.as_called(parts[0].path) for prefix, parts in left.index.parts.items()}
+    same = {prefix: others.pop(path) for prefix, path in paths.items() if path in others}
+    alike = {identifier(path).casefold(): path for path in others}
+    for prefix, path in paths.items():
+        if prefix not in same and (other := alike.pop(identifier(path).casefold(), None)) is not None:
+            same[prefix] = others.pop(other)
+    yield from (((left, prefix), (right, same[prefix])) for prefix in paths if prefix in same)
+    yield from (((left, prefix), (right, "")) for prefix in paths if prefix not in same)
     yield from (((left, ""), (right, prefix)) for prefix in others.values())
 
 

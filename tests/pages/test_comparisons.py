@@ -212,6 +212,19 @@ def test_orders_and_enclosing_steps_that_are_not_executed_are_marked_and_named()
     assert "nothing starts G3" not in words_of(losses), "G3 can be ruled, and is"
 
 
+def test_a_chart_is_beside_that_of_the_target_which_has_another_name() -> None:
+    """Each of them was beside "no such chart"."""
+    text = "GRAFCET 1_Anlage\nINPUTS\n    a\nINITIAL STEP 1\n1 -> 2 : a\nSTEP 2\n2 -> 1 : /a\n"
+    source = sfc.loads(text.encode(), format="grafcet-text")
+    data, report = sfc.convert(source, "codesys", partial=True, limit=0)
+    target = sfc.loads(data, as_tool=True)
+    assert target.pous[0].name == "_1_Anlage"
+    tree = parse(sfc.conversion_page(source, report, target))
+    assert len(tree.xpath("//section[starts-with(@id, 'chart-')]")) == 1
+    assert "no such chart" not in words_of(tree)
+    assert tree.xpath("//table[@class='side']")
+
+
 @pytest.mark.slow
 def test_a_conversion_begins_with_verdicts_tasks_and_files() -> None:
     source = sfc.load(FIXTURES / "codesys" / "distribution_belt.xml")
