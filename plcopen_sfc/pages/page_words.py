@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from plcopen_sfc.errors import ModelError, check_argument, nearest
-from plcopen_sfc.pages.phrases import german_table
+from plcopen_sfc.pages.phrases import german_label, german_table
 from plcopen_sfc.pages.report_words import GERMAN, german, german_finding, german_place, german_verdict
 
 _WORDS = german_table("words")
@@ -39,6 +39,10 @@ class Words:
     def place(self, path: str) -> str:
         """Return a path of a report: names as they are, the kinds of things in the language of the page."""
         return german_place(path) if self.lang == "de" else path
+
+    def label(self, label: str) -> str:
+        """Return the label of a transition, which may lead nowhere; other names as they are."""
+        return german_label(label) if self.lang == "de" else label
 
     def finding(self, english: str) -> str:
         """Return the message or the hint of a finding; English where no translation of it is known."""

@@ -139,7 +139,7 @@ class _ProjectContent:
         items: list[Html] = []
         behind: list[Html] = []
         for each, anchors in self._unreached:
-            told = with_code(self.words.verdict(each.name) if each.kind == "action" else each.name)
+            told = with_code(self.words.verdict(each.name) if each.kind == "action" else self.words.label(each.name))
             told = element("code", each.name) if each.kind in ("assignment", "outcome of comparison") else told
             name = joined(f"{self.words(each.kind)} ", link(anchors[0], told) if anchors else told)
             if each.follows:
@@ -201,6 +201,8 @@ class _ProjectContent:
     def _overview(self) -> Html:
         words, project = self.words, self.project
         charts = [part.chart for parts in self.index.parts.values() for part in parts]
+        # a GRAFCET that has all its steps in partial charts is none itself
+        charts = [each for each in charts if each.steps or each.transitions or not each.partial_charts]
         facts = [
             (words.heading("format"), f"{project.source.format} {project.source.version}" if project.source else ""),
             (words("Tool"), project.header.tool),

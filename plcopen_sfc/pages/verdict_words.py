@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-from plcopen_sfc.pages.phrases import Phrases, german_table
+from plcopen_sfc.pages.phrases import Phrases, german_label, german_table
 
 _HEAD = {"scan": "Zyklus", "time": "Zeit", "first: ": "erstes: ", "second: ": "zweites: ", "active": "aktiv"}
 """Columns of the table of a difference."""
@@ -61,7 +61,7 @@ class Verdicts:
             return f"`{len(codes) - 1}`"
 
         told = self._clauses(_CODE.sub(number, line))
-        return _NUMBERED.sub(lambda found: codes[int(found[1])], told)
+        return _NUMBERED.sub(lambda found: codes[int(found[1])], german_label(told))
 
     def _clauses(self, text: str) -> str:
         if (told := self._whole.find(text)) is not None:

@@ -551,6 +551,22 @@ def test_findings_are_told_in_german() -> None:
     )
 
 
+def test_a_grafcet_with_all_steps_in_partial_charts_is_no_chart_more() -> None:
+    text = "GRAFCET G\n{}INITIAL STEP 1\n1 -> 2 : 1\nSTEP 2\n2 -> 1 : 1\n"
+    for head, count in (("CHART G1\n", 1), ("", 1), ("CHART G0\nINITIAL STEP 9\n9 -> 9 : 1\nCHART G1\n", 2)):
+        project = sfc.loads(text.format(head).encode(), format="grafcet-text")
+        assert parse(sfc.page(project)).xpath("//tr[th='Charts']/td/text()") == [str(count)]
+
+
+def test_verdicts_tell_transitions_that_lead_nowhere_in_german() -> None:
+    text = b"GRAFCET G\nINPUTS\n    a\nINITIAL STEP 1\n1 -> 2 : a\nSTEP 2\n2 -> : a * /a\n2 -> 1 : a\n"
+    project = sfc.loads(text, format="grafcet-text")
+    verdict = sfc.equivalent(project, project)
+    told = words_of(parse(sfc.page(project, verdict=verdict, lang="de")).get_element_by_id("coverage"))
+    assert "Transition 2 -> nirgendwohin" in told
+    assert "nowhere" not in told
+
+
 def test_findings_tell_kinds_of_actions_in_german() -> None:
     words = Words("de")
     kinds = [kind.words for kind in ActionKind if kind is not ActionKind.FORCING]
