@@ -44,7 +44,7 @@ def german(message: str) -> str:
         return german_verdict(message)
     if line := _LINE.match(message):
         return f"Zeile {line[1]}: {german(message[line.end() :])}"
-    return _REPORTS.find(message) or _FINDINGS.find(message) or message
+    return german_label(_REPORTS.find(message) or _FINDINGS.find(message) or message)
 
 
 @lru_cache(maxsize=4096)

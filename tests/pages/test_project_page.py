@@ -598,3 +598,32 @@ CHART G1
     assert (
         "K2 wird hier gespeichert (bei Deaktivierung), und Schritt 2 schreibt es kontinuierlich (zeitbegrenzt)" in found
     )
+
+
+@pytest.mark.parametrize(
+    ("message", "told"),
+    [
+        ("D is delayed in IEC 60848", "D ist verzögert in IEC 60848"),
+        (
+            "delayed with a condition has no qualifier: lower the GRAFCET, which makes proven code of it",
+            "verzögert mit einer Bedingung hat kein Bestimmungszeichen: `lower` macht aus dem GRAFCET bewiesenen Code",
+        ),
+        (
+            "a continuous action gives n the value 0: only Booleans have one",
+            "eine kontinuierliche Aktion gibt n den Wert 0: das können nur boolesche Variable",
+        ),
+        ("the initial value of BOOL is a number: 4", "der Anfangswert von BOOL ist eine Zahl: 4"),
+    ],
+)
+def test_messages_with_kinds_in_them_are_german_throughout(message: str, told: str) -> None:
+    words = Words("de")
+    assert words.message(message) == told
+    assert "a continuous" not in words.verdict(message), "as a run ends with it"
+
+
+def test_labels_of_source_transitions_are_german_in_reports() -> None:
+    told = Words("de").message(
+        "the target fires transitions once in a scan, code of `lower` until none can fire: "
+        "nowhere -> Step1 may fire a scan later, for flags and stored variables are read"
+    )
+    assert "nirgends -> Step1 können" in told
