@@ -143,7 +143,7 @@ SILENT = re.compile(r"//[^\r\n]*|\(\*.*?\*\)|\{[^}]*\}|'(?:\$.|[^'$])*'|\"(?:\$.
 
 def assert_nothing_is_left(made: m.Project, old: str, result: RenameResult, note: str) -> None:
     """A search for the old word finds only comments, strings, other things, and what the result lists."""
-    word = re.compile(rf"(?<!\w){re.escape(old)}(?!\w)", re.IGNORECASE)
+    word = re.compile(rf"(?<![\w%]){re.escape(old)}(?!\w)", re.IGNORECASE)  # an address is no name: %IX2
     names = Names(made)
     explained: dict[tuple[int, str | int], int] = {}
     doubts = 0
