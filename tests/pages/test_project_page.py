@@ -627,3 +627,13 @@ def test_labels_of_source_transitions_are_german_in_reports() -> None:
         "nowhere -> Step1 may fire a scan later, for flags and stored variables are read"
     )
     assert "nirgends -> Step1 können" in told
+
+
+def test_two_actions_of_a_step_on_one_variable_are_two_uses() -> None:
+    text = "GRAFCET G\nINPUTS\n    a\nOUTPUTS\n    K2\nINITIAL STEP 1\n    ON ACTIVATION K2 := TRUE\n"
+    text += "    ON DEACTIVATION K2 := FALSE\n1 -> 2 : a\nSTEP 2\n2 -> 1 : /a\n"
+    page = parse(sfc.page(sfc.loads(text.encode(), format="grafcet-text")))
+    told = [words_of(each) for each in page.xpath("//details[@class='uses']") if "action K2" in words_of(each)]
+    (uses,) = told
+    assert uses.startswith("Used in 2")
+    assert "step 1 / action K2 (2)" in uses

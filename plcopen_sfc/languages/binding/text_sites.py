@@ -442,6 +442,11 @@ def _chart(chart: s.SfcNetwork, where: _Where) -> _Where:
     return where._replace(site=site, nodes=nodes, labels=chart.labels(), owner=chart)
 
 
+def _step(step: s.Step, where: _Where) -> _Where:
+    labels = {each.id: label for each, label in zip(step.actions, step.action_labels(), strict=True) if each.target}
+    return where.at(f"step {step.name}")._replace(labels=labels)
+
+
 def _section(section: VariableSection, where: _Where) -> _Where:
     site = where.site if where.site.pou is not None else replace(where.site, charts=())
     where = where._replace(site=site, language="declaration")
@@ -491,11 +496,13 @@ _ENTERING: dict[type[Model], _Entering] = {
         lambda body, where: where._replace(language=body.language),
     ),
     s.SfcNetwork: _chart,
-    s.Step: lambda step, where: where.at(f"step {step.name}"),
+    s.Step: _step,
     s.Transition: lambda each, where: where.at(f"transition {where.labels.get(each.id, each.name)}"),
     s.PartialChart: lambda partial, where: where.at(partial.name)._replace(owner=partial.chart),
     **dict.fromkeys((s.Enclosure, ForcingOrder), lambda each, where: where._replace(owner=_partial(each.chart, where))),
-    ActionAssociation: lambda a, where: where.at(f"action {a.target}" if a.target else "action"),
+    ActionAssociation: lambda a, where: where.at(
+        f"action {where.labels.get(a.id, a.target)}" if a.target else "action"
+    ),
     n.LogicNetwork: lambda network, where: where._replace(nodes={node.id: node for node in network.nodes}),
     n.Block: lambda block, where: where.at(f"block {block.instance or block.type_name}")._replace(owner=block),
     n.VendorElement: lambda element, where: where._replace(owner=element),
