@@ -312,6 +312,13 @@ def test_numbered_pins_are_in_their_order() -> None:
     assert texts(tree) == ["X", "EN", "IN1", "S", "IN2", "R1", "IN10"]
 
 
+def test_the_power_of_a_comparison_has_no_name_in_a_ladder() -> None:
+    """`pre` is a name in the XML of TIA Portal, which no tool shows."""
+    nodes = [n.LeftPowerRail(id=0), box(1, "GE", pre=0, IN1=0, IN2=0)]
+    tree = etree.fromstring(LdBody(networks=[n.LogicNetwork(nodes=nodes)]).to_svg().encode("ascii"))
+    assert texts(tree) == ["GE", "IN1", "IN2", "OUT"]
+
+
 def test_names_are_text_only() -> None:
     nasty = "<script>x</script>"
     node = n.Block(id=1, type_name=nasty, instance=nasty)

@@ -78,6 +78,11 @@ class _Pin:
     connections: Sequence[n.Connection] = ()
     wired: bool = False
 
+    @property
+    def label(self) -> str:
+        """The name as it is drawn: TIA Portal shows none at the power that enters a comparison."""
+        return "" if self.name == "pre" else self.name
+
 
 @dataclass(slots=True)
 class _Symbol:
@@ -106,7 +111,8 @@ class _Symbol:
         above = 17 if self.caption else 0
         levels: list[int]
         if self.look == "block":
-            names = [max((text_width(pin.name, 11) for pin in pins), default=0) for pins in (self.inputs, self.outputs)]
+            sides = self.inputs, self.outputs
+            names = [max((text_width(pin.label, 11) for pin in pins), default=0) for pins in sides]
             self.body = max(inner + 2 * _PAD, sum(names) + 4 * _PAD, text_width(self.caption, 12), 46)
             head = 18 * len(self.lines)
             height = above + head + rows * _PITCH + 4
@@ -163,8 +169,8 @@ class _Symbol:
             )
         elif outer != edge and pin.wired:
             canvas.line("wire", (outer, level), (edge, level))
-        if self.look == "block":
-            canvas.text("small", edge - side * (_PAD + 1), level + 4, pin.name, anchor="start" if side < 0 else "end")
+        if self.look == "block" and pin.label:
+            canvas.text("small", edge - side * (_PAD + 1), level + 4, pin.label, anchor="start" if side < 0 else "end")
         if pin.negated:
             canvas.circle("mark", edge + side * 4, level, 4)
         if pin.modifier:
