@@ -9,7 +9,8 @@ let entries = null;
 function named() {
   return all("[data-name]").filter((each) => each.dataset.name).map((each) => {
     const owner = each.closest("section"), name = each.dataset.name;
-    const around = owner && owner !== each ? owner.dataset.name : "";
+    const chart = byId(each.id.replace(/-step-.*/, "-heading"))?.dataset.name; /* of several in a body */
+    const around = owner && owner !== each ? [owner.dataset.name, chart].filter(Boolean).join(" / ") : "";
     const text = each.localName === "tr" ? each.textContent.toLowerCase() : "";
     return { at: each.id ? each : each.closest("[id]"), label: around ? `${name} \u2013 ${around}` : name,
       name: name.toLowerCase(), text };
@@ -20,7 +21,8 @@ function told() {
   const places = all(`main ${kinds}`).filter((each) => !each.closest("tr, .uses") && !each.parentElement.closest(kinds));
   return places.flatMap((at) => {
     const owner = at.closest("[data-name]")?.dataset.name || at.closest("section")?.dataset.name || "";
-    const lines = at.localName === "pre" ? at.textContent.split("\n") : [at.textContent];
+    const words = [...at.childNodes].map((each) => `${/^(DIV|P|UL)$/.test(each.nodeName) ? " " : ""}${each.textContent}`);
+    const lines = at.localName === "pre" ? at.textContent.split("\n") : [words.join("")];
     return lines.filter((line) => line.trim()).map((line) => ({ at, owner, line: line.trim(), text: line.toLowerCase() }));
   });
 }

@@ -357,6 +357,18 @@ PROGRAM I WITH Every_Cycle: P; END_RESOURCE END_CONFIGURATION
         assert browser.evaluate("document.querySelector(':target').localName") == place
         assert browser.messages == []
 
+    def test_a_search_tells_steps_of_one_name_and_the_parts_of_a_finding_apart(
+        self, browser: Browser, tmp_path: Path
+    ) -> None:
+        text = "".join(f"CHART {name}\nINITIAL STEP 1\n1 -> 2 : a\nSTEP 2\n2 -> 1 : /a\n" for name in ("G1", "G2"))
+        page = tmp_path / "page.html"
+        page.write_text(sfc.page(sfc.loads(f"GRAFCET Z\nINPUTS\n    a\n{text}".encode())), encoding="ascii")
+        browser.open(page)
+        shown = "all('#found a').map((each) => each.textContent)"
+        assert {"1 – Z / G1", "1 – Z / G2"} <= {*browser.evaluate(f"field.value = '1', look(), {shown}")}
+        found = browser.evaluate(f"field.value = 'rename one', look(), {shown}")
+        assert any(re.search(r"line \d+ Rename one of them", each) for each in found)
+
     def test_a_page_of_500_steps_opens_and_is_searched(self, browser: Browser, tmp_path: Path) -> None:
         page = tmp_path / "page.html"
         page.write_text(sfc.page(next(blocks(500).charts()).pou.project), encoding="ascii")
