@@ -103,7 +103,7 @@ class Wording:
                     return ""
                 text = text.replace(f"{helper.name}.Q" if helper.type_name == "R_TRIG" else helper.name, meant)
         calls = [self._text(call) for call in _calls(read)]
-        return self.told("{} with {}", text, "; ".join(calls)) if calls else text
+        return self.told("{}, with {}", text, "; ".join(calls)) if calls else text
 
     def _meant(self, read: NetworkExpression, helper: Helper) -> str | None:
         """Return a helper variable in words: the edge that it has, or the value that it is given; None for others."""

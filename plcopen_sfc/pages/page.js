@@ -9,7 +9,8 @@ let entries = null;
 function named() {
   return all("[data-name]").filter((each) => each.dataset.name).map((each) => {
     const owner = each.closest("section"), name = each.dataset.name;
-    const chart = byId(each.id.replace(/-step-.*/, "-heading"))?.dataset.name; /* of several in a body */
+    const [part, step] = each.id.split("-step-"); /* of several charts in a body each has a heading */
+    const chart = step && byId(`${part}-heading`)?.dataset.name;
     const around = owner && owner !== each ? [owner.dataset.name, chart].filter(Boolean).join(" / ") : "";
     const text = each.localName === "tr" ? each.textContent.toLowerCase() : "";
     return { at: each.id ? each : each.closest("[id]"), label: around ? `${name} \u2013 ${around}` : name,

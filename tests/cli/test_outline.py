@@ -227,7 +227,7 @@ def test_drawn_logic_in_words(fixtures):
     assert chart is not None
     words = Wording(chart)
     texts = {words.condition(transition.condition) for transition in chart.transitions}
-    assert {"DripTimer.Q with DripTimer(IN := Drip.X, PT := tDrip)", "LevelOk AND NOT B4_Overflow"} <= texts
+    assert {"DripTimer.Q, with DripTimer(IN := Drip.X, PT := tDrip)", "LevelOk AND NOT B4_Overflow"} <= texts
 
 
 def test_an_edge_and_a_negation_in_words(fixtures):

@@ -366,6 +366,9 @@ PROGRAM I WITH Every_Cycle: P; END_RESOURCE END_CONFIGURATION
         browser.open(page)
         shown = "all('#found a').map((each) => each.textContent)"
         assert {"1 – Z / G1", "1 – Z / G2"} <= {*browser.evaluate(f"field.value = '1', look(), {shown}")}
+        assert {"a – Z", "G1 – Z"} <= {*browser.evaluate(f"field.value = 'a', look(), {shown}")} | {
+            *browser.evaluate(f"field.value = 'g1', look(), {shown}")
+        }
         found = browser.evaluate(f"field.value = 'rename one', look(), {shown}")
         assert any(re.search(r"line \d+ Rename one of them", each) for each in found)
 
