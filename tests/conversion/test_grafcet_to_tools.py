@@ -408,7 +408,7 @@ TEXTBOOK: dict[tuple[str, bool], dict[str, tuple[str, set[str]]]] = {
     | {"simaticml": (DIFFERENT, {STABILITY, FIRST_SCAN})},
     ("actions", False): {
         **dict.fromkeys(["plcopen", "beremiz"], (EQUAL, set())),
-        "codesys": (DIFFERENT, {START}),
+        "codesys": (DIFFERENT, {"start of the chart"}),
         "simaticml": (EQUAL, FIRST),
     },
     ("press", False): dict.fromkeys(["plcopen", "codesys", "beremiz"], (DIFFERENT, {STABILITY, START}))
