@@ -172,9 +172,7 @@ def validate_libxml2(schema_and_path: tuple[etree.XMLSchema, Path]) -> bool:
 def validate(path: Path) -> list[Any]:
     """Our validation: what ``plcopen-sfc validate`` asks the schema of the file's format."""
     data = path.read_bytes()
-    package = recognise(data).module.rpartition(".")[0]
-    found: list[Any] = import_module(f"{package}.schema").validate(data)
-    return found
+    return recognise(data).codec().validate(data)
 
 
 def write_lxml(tree: Any) -> bytes:
