@@ -147,7 +147,7 @@ def _told_start(example: Counterexample, chart: Chart, profiles: tuple[Profile, 
     begun = {step.name: {"entry action"} for step in chart.chart.steps if step.initial}
     for step, row in chart.chart.associations():
         if step.name in begun and row.qualifier is not Qualifier.N:
-            begun[step.name].add(f"action {row.target or 'in place'}")
+            begun[step.name].add(_told_row(row))
     for name in (each.name for each in example.differences if not each.error):
         if any(last in begun.get(step, ()) for step, last in _writers(name, chart)):
             return f"the start is no activation of the initial step in {side}: what begins with that is not executed"

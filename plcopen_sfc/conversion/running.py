@@ -87,7 +87,6 @@ def report_running(
     where they are not those of its files. `limit` is the processor time that all of this may take, in seconds.
     """
     from plcopen_sfc.analysis.equivalence import equivalent  # noqa: PLC0415  # most conversions run nothing
-    from plcopen_sfc.analysis.verdict import VerdictKind  # noqa: PLC0415
 
     profiles = default_profile(source), target or default_profile(result)
     end_of_all = time.thread_time() + limit
@@ -121,8 +120,8 @@ def report_running(
             most_runs=_MOST_RUNS,
             scans=_SCANS,
         )
-        place = _Place(report, there, source, profiles, tool)
-        run = place.run(compared, left)
+        chart = _ComparedChart(report, there, source, profiles, tool)
+        run = chart.run(compared, left)
         if run is None:
             continue
         given: list[str] = []
@@ -130,27 +129,41 @@ def report_running(
             renamed = [new for new, old in _renamed_variables(here, called).items() if old in commands]
             compared = partial(compared, free_inputs=(ALL_FREE, *commands, *renamed))
             outside = f"{', '.join(f'`{name}`' for name in commands)} written from outside as well"
-            again = place.run_from_outside(compared, run, outside, end - time.thread_time())
+            again = chart.run_from_outside(compared, run, outside, end - time.thread_time())
             if again is None:
                 continue
             run, given = again, [f"given: {outside}"]
-        held = [] if run.verdict.equal else _told_while_held(compared, run, losses if named else report.losses, end)
-        alike: list[str] = []
-        rules: list[str] = []
-        if run.as_run.counterexample is not None:
-            alike, rules = _told_alike(compared, run, report.losses, end - time.thread_time())
-        if run.verdict.kind is VerdictKind.UNTESTED:
-            seen, *unreached = str(run.verdict).splitlines()
-            place.note_untested("\n".join([seen, *([_IN_IT] if named else [])]), *unreached)
-        elif named:
-            place.note(*run.told_with(losses, held or rules))
-        else:
-            _report_run(report, run, held or rules)
-        place.note_more(*given, *alike)
+        alike = _note_verdict(chart, run, compared, losses if named else None, end)
+        chart.note_more(*given, *alike)
         if run.as_run.unknown and there.report_path not in report.untested:  # whose lines tell it already
-            place.note_more(f"unknown, taken as functions of what they are given: {', '.join(run.as_run.unknown)}")
+            chart.note_more(f"unknown, taken as functions of what they are given: {', '.join(run.as_run.unknown)}")
         if any(name.casefold() == declaration.name.casefold() for name in types for declaration in assumed):
-            place.note_more("types that nothing declares have the members that are used of them")
+            chart.note_more("types that nothing declares have the members that are used of them")
+
+
+def _note_verdict(
+    chart: _ComparedChart, run: _Run, compared: Callable[..., Verdict], losses: Sequence[Item] | None, end: float
+) -> list[str]:
+    """Put the verdict on a run into the report; returns how the chart compares under other rules.
+
+    `losses`: those among which the report names some of this chart; None where it names none of it.
+    """
+    from plcopen_sfc.analysis.verdict import VerdictKind  # noqa: PLC0415  # most conversions run nothing
+
+    every = chart.report.losses
+    held = [] if run.verdict.equal else _told_while_held(compared, run, every if losses is None else losses, end)
+    alike: list[str] = []
+    rules: list[str] = []
+    if run.as_run.counterexample is not None:
+        alike, rules = _told_alike(compared, run, every, end - time.thread_time())
+    if run.verdict.kind is VerdictKind.UNTESTED:
+        seen, *unreached = str(run.verdict).splitlines()
+        chart.note_untested("\n".join([seen, *([] if losses is None else [_IN_IT])]), *unreached)
+    elif losses is None:
+        _report_run(chart.report, run, held or rules)
+    else:
+        chart.note(*run.told_with(losses, held or rules))
+    return alike
 
 
 def _asked_in_vain(there: Chart, source: Project, verdict: Verdict) -> list[str]:
@@ -196,7 +209,7 @@ def _why_not_compared(
     return f"not all of it is executed; change that in the source, or test it in {tool}"
 
 
-class _Place(NamedTuple):
+class _ComparedChart(NamedTuple):
     """A chart of the source to be run, and where its verdict goes."""
 
     report: ConversionReport
@@ -258,7 +271,7 @@ def _told_while_held(compared: Callable[..., Verdict], run: _Run, losses: Sequen
     example = run.verdict.counterexample
     if example is None:
         return []
-    for held in held_inputs(example, run.verdict.inputs, run.place, run.profiles, run.tool):
+    for held in held_inputs(example, run.verdict.inputs, run.chart, run.profiles, run.tool):
         left = end - time.thread_time()
         verdict = compared(delay="auto", limit=left, fixed=held.values) if left > 0 else None
         if verdict is not None:
@@ -301,9 +314,9 @@ def _told_alike(
         return [line], [f"{first} executes the actions before the transitions"]
     if (found := equal_under(lambda: profiles[1])) is None:
         return [], []
-    every = differing_rules(example, run.place, profiles, tool)
+    every = differing_rules(example, run.chart, profiles, tool)
     rules = [rule for rule in every if equal_under(rule.patched) is not None]
-    return [f"under the rules of {tool}: {found.summary}"], [rule.told(losses, run.place) for rule in rules]
+    return [f"under the rules of {tool}: {found.summary}"], [rule.told(losses, run.chart) for rule in rules]
 
 
 class _Run(NamedTuple):
@@ -312,7 +325,7 @@ class _Run(NamedTuple):
     `verdict`: what was found; `as_run`: the same with a constant delay only, where that is another question.
     """
 
-    place: Chart
+    chart: Chart
     verdict: Verdict
     as_run: Verdict
     profiles: tuple[Profile, Profile]
@@ -333,19 +346,19 @@ class _Run(NamedTuple):
         if example is None:
             told = self.seen
         elif self.verdict.equal:
-            told = [*self.seen, *told_apart(example, self.place, self.profiles, self.tool)]
+            told = [*self.seen, *told_apart(example, self.chart, self.profiles, self.tool)]
         else:
             told = self.told(example, losses, rules)
         return [*told, _IN_IT]
 
     def told(self, example: Counterexample, losses: Sequence[Item], rules: Sequence[str] = ()) -> list[str]:
         """Return a difference in words, with its cause: the `rules` of tools where some are given."""
-        return told_difference(example, self.place, losses, self.profiles, self.tool, rules=rules)
+        return told_difference(example, self.chart, losses, self.profiles, self.tool, rules=rules)
 
 
 def _report_run(report: ConversionReport, run: _Run, rules: Sequence[str]) -> None:
     """Report the verdict on a chart of which the report names no loss; `rules`: see `_Run.told`."""
-    verdict, as_run, path = run.verdict, run.as_run, run.place.report_path
+    verdict, as_run, path = run.verdict, run.as_run, run.chart.report_path
     report.compared[path] = "\n".join(run.seen)
     if verdict.proven:
         usual = 1 if run.profiles[1].order is ScanOrder.ACTIONS_FIRST else 0  # a later result passed other situations
@@ -371,7 +384,7 @@ def _report_run(report: ConversionReport, run: _Run, rules: Sequence[str]) -> No
         example = as_run.counterexample
         why = "it is not known to do the same"
         if example is not None:
-            why = "; ".join(run.told(example, (), told_apart(example, run.place, run.profiles, run.tool)))
+            why = "; ".join(run.told(example, (), told_apart(example, run.chart, run.profiles, run.tool)))
             # which tells what these items do, with an example
             told = {INPUTS_OF_ACTIONS, START_OF_CHART}
             report.items = [each for each in report.items if each.what not in told or each.path != path]

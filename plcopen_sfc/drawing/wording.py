@@ -102,7 +102,8 @@ class Wording:
                 if meant is None:
                     return ""
                 text = text.replace(f"{helper.name}.Q" if helper.type_name == "R_TRIG" else helper.name, meant)
-        calls = [self._text(call) for call in _calls(read)]
+        helpers = {helper.name for helper in read.helpers}
+        calls = [self._text(call) for block, call in _calls(read) if block not in helpers]
         return self.told("{}, with {}", text, "; ".join(calls)) if calls else text
 
     def _meant(self, read: NetworkExpression, helper: Helper) -> str | None:
@@ -171,21 +172,18 @@ class Wording:
         )
 
 
-def _calls(read: NetworkExpression) -> Iterator[n.Call]:
-    """Yield the calls of declared blocks, such as timers, that are drawn before a condition."""
-    helpers = {helper.name for helper in read.helpers}
+def _calls(read: NetworkExpression) -> Iterator[tuple[str, n.Call]]:
+    """Yield the calls of blocks that are drawn before a condition, with the names of their instances."""
     for statement in read.before:
         call = statement.call if isinstance(statement, n.CallStatement) else None
-        if isinstance(call, n.Call) and not (isinstance(call.callee, n.Name) and call.callee.identifier in helpers):
-            yield call
+        if isinstance(call, n.Call):
+            yield print_node(call.callee), call
 
 
 def _watched(read: NetworkExpression, helper: Helper) -> Iterator[n.Expression]:
     """Yield the values that the edge block `helper` watches."""
-    for statement in read.before:
-        call = statement.call if isinstance(statement, n.CallStatement) else None
-        if isinstance(call, n.Call) and isinstance(call.callee, n.Name) and call.callee.identifier == helper.name:
-            yield from (argument.value for argument in call.arguments if argument.value is not None)
+    calls = (call for block, call in _calls(read) if block == helper.name)
+    return (argument.value for call in calls for argument in call.arguments if argument.value is not None)
 
 
 def enclosure_words(enclosure: Enclosure) -> str:

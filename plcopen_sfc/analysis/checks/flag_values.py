@@ -44,7 +44,7 @@ class FlagValues:
     @cached_property
     def _steps(self) -> dict[str, NetStep]:
         """The steps by their own flags."""
-        alone = {flag: bits for flag, bits in self.bits.items() if bits and bits & (bits - 1) == 0}
+        alone = {flag: bits for flag, bits in self.bits.items() if bits.bit_count() == 1}
         return {flag: self._net.steps[bits.bit_length() - 1] for flag, bits in alone.items()}
 
     @cached_property

@@ -9,7 +9,7 @@ action that every scan executes, or by a permanent instruction. What has no coun
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from plcopen_sfc.conversion.adaptation.grafcet_hierarchy import (
     FlatChart,
@@ -86,6 +86,15 @@ def _forced_steps(chart: sfc.SfcNetwork) -> set[str]:
     return {f"Step{name}" if name.isdecimal() else name for name in names}
 
 
+class _Ruling(NamedTuple):
+    """An order or an enclosing step, by its path; what is `missing` without it, and the `chart` that it rules."""
+
+    what: str
+    path: str
+    missing: str
+    chart: str
+
+
 class _Chart:
     def __init__(self, project: Project, pou: Pou, chart: sfc.SfcNetwork, note: Note, target: Profile) -> None:
         self._project, self._pou = project, pou
@@ -97,7 +106,7 @@ class _Chart:
         self._events: list[str] = []
         self._second_events: list[str] = []
         self._forced: set[str] = set()
-        self._ruling: list[tuple[str, str, str, str]] = []
+        self._ruling: list[_Ruling] = []
         self._misfits: dict[int, str] = {}
         self._refused: set[int] = set()
         self._stores: dict[tuple[int, Qualifier], StBody] = {}
@@ -161,18 +170,21 @@ class _Chart:
         """Note what is not executed of the orders to a chart and of the steps that enclose it; None: of all."""
         why = f"{error}: lower the GRAFCET, which makes proven code of all of it"
         self._note(Outcome.NOT_EXECUTED, "hierarchy", path, why)
-        for what, place, missing, ruled in self._ruling:
-            if chart is None or ruled.casefold() == chart.casefold():
-                self._note(Outcome.NOT_EXECUTED, what, place, f"the hierarchy is not executed: {missing}")
+        for each in self._ruling:
+            if chart is None or each.chart.casefold() == chart.casefold():
+                why = f"the hierarchy is not executed: {each.missing}"
+                self._note(Outcome.NOT_EXECUTED, each.what, each.path, why)
 
-    def _orders_and_enclosures(self, path: str) -> Iterator[tuple[str, str, str, str]]:
-        """Yield forcing orders and enclosing steps: what and where they are, what is missing, the chart."""
+    def _orders_and_enclosures(self, path: str) -> Iterator[_Ruling]:
+        """Yield the forcing orders and enclosing steps of all charts."""
         net = Net.of(self._chart)
         for step, place in zip((each.step for each in net.steps), net.report_paths(path)[0], strict=True):
             for order in (each.forcing for each in step.actions if each.forcing is not None):
-                yield "forcing order", f"{place} / action {order}", f"nothing forces {order.chart}", order.chart
+                yield _Ruling(
+                    "forcing order", f"{place} / action {order}", f"nothing forces {order.chart}", order.chart
+                )
             for enclosure in step.encloses or ():
-                yield "enclosing step", place, f"nothing starts {enclosure.chart}", enclosure.chart
+                yield _Ruling("enclosing step", place, f"nothing starts {enclosure.chart}", enclosure.chart)
 
     def _note_evolutions(self, path: str, flat: FlatChart | None) -> None:
         """Tell what a GRAFCET does in one scan that the target does not, which fires transitions once."""

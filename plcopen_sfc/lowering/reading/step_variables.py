@@ -248,7 +248,7 @@ class _StepVariables:
         match node:
             case n.Member(n.Name(step), n.Name(quantity)) if quantity.casefold() == "t":
                 bits = self._steps.get(step.casefold(), 0)
-                return next(indexes(bits)) if bits and bits & (bits - 1) == 0 else None
+                return next(indexes(bits)) if bits.bit_count() == 1 else None
         return None
 
     def within_reach(self, tree: _Node) -> _Node:
@@ -269,7 +269,7 @@ class _StepVariables:
         """Return the expression in the place of a node."""
         match node:
             case n.Member(n.Name(step), n.Name(quantity)) if (bits := self._steps.get(step.casefold())) is not None:
-                if quantity.casefold() == "t" and bits & (bits - 1) == 0:
+                if quantity.casefold() == "t" and bits.bit_count() == 1:
                     return self._elapsed(next(indexes(bits)))
                 if quantity.casefold() not in self._quantities:
                     raise LoweringError(
