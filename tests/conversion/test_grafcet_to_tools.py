@@ -464,6 +464,26 @@ def test_textbook_charts_in_every_tool(name: str, exclusive: bool, form: str) ->
         assert "chart" in lost
 
 
+@pytest.mark.parametrize("form", ["codesys", "plcopen", "simaticml"])
+def test_the_flag_of_a_chart_without_steps_is_false_in_every_tool(form: str) -> None:
+    text = """GRAFCET L
+INPUTS
+    a
+OUTPUTS
+    q
+CHART G0
+CHART G1
+    INITIAL STEP 1
+    1 -> 2 : /XG0 * a
+    STEP 2
+        q
+    2 -> 1 : XG0 + /a
+"""
+    report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), format=form, limit=20)
+    assert "equal" in report.compared["POU L"].splitlines()[0]
+    assert "undeclared name" not in {item.what for item in report.items}
+
+
 HIERARCHY = """GRAFCET Ofen AS FUNCTION_BLOCK
 INPUTS
     a

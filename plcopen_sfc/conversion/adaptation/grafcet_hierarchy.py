@@ -58,7 +58,7 @@ class FlatChart:
         self.ruled = hierarchy.charts
         self._initial = hierarchy.start(net.initial)
         flags = ((name.removeprefix("X").casefold(), bits) for name, bits in net.flags.items())
-        self.groups = {name: list(indexes(bits)) for name, bits in flags if bits and name not in names}
+        self.groups = {name: list(indexes(bits)) for name, bits in flags if name not in names}
         self.steps = [
             step.step.model_copy(
                 update={
