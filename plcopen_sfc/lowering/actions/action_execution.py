@@ -6,7 +6,7 @@ All actions are decided on first, then executed, those first that have ended.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from plcopen_sfc.languages.effects import path_of, reads
@@ -86,6 +86,21 @@ _SHOWN_TWICE = 100
 """Characters of a decision that is written for the execution and for the end of an action, instead of a variable."""
 
 
+@dataclass
+class _Phases:
+    """Code of actions that may see what others do, in the order in which it is executed; each list holds that of all.
+
+    `deciding` asks for conditions and times, `idle` and `ending` reset what is off or has just ended, `behind`
+    remembers decisions for the next scan. Then each action of `acting` is executed, where its expression is TRUE.
+    """
+
+    deciding: list[Statement] = field(default_factory=list)
+    idle: list[Statement] = field(default_factory=list)
+    ending: list[Statement] = field(default_factory=list)
+    behind: list[Statement] = field(default_factory=list)
+    acting: list[tuple[ActionSource, Expression]] = field(default_factory=list)
+
+
 class _Execution:
     def __init__(
         self, source: ChartSource, control: ActionControlCode | SequentialControlCode, rules: LoweringRules
@@ -104,49 +119,56 @@ class _Execution:
 
     def at_once(self, action: ActionSource) -> None:
         """Append a network that drives and executes an action."""
-        statements: list[Statement] = []
         if action.target is None:
-            plain = self._control.plain(action) if self._final_scan else None
-            if plain is not None:  # the steps of the last scan tell that it has just ended
-                self._add(action, disjunction(plain))
-                return
-            if self._final_scan and self._verbatim and self._add_stored(action):
-                return
-            lasting, single = self._control.outputs(action, statements)
-            executed = disjunction([lasting, single])
-            is_ending = not is_constant(lasting, FALSE) and not self._control.never_ends(action)
-            if self._final_scan and self._verbatim and is_ending:
-                # the scan behind the last one: whatever was on in the scan before is executed
-                if not self._is_brief(lasting):
-                    lasting = self._memory.named(f"{action.name}_Q", lasting, statements)
+            self._execute(action)
+        else:
+            statements = self._driving(action, action.target)
+            self._code.add(self._texts.action(action.name), statements, self._captions(action))
+
+    def _execute(self, action: ActionSource) -> None:
+        """Append the execution of an action with a body, where the profile has it with the final scan."""
+        plain = self._control.plain(action) if self._final_scan else None
+        if plain is not None:  # the steps of the last scan tell that it has just ended
+            self._add(action, disjunction(plain))
+            return
+        if self._final_scan and self._verbatim and self._add_stored(action):
+            return
+        statements: list[Statement] = []
+        lasting, single = self._control.outputs(action, statements)
+        executed = [lasting, single]
+        # P1 and P0 have no final scan, and the end of what never ends would be dead code
+        if self._final_scan and not is_constant(lasting, FALSE) and not self._control.never_ends(action):
+            if not self._verbatim or not self._is_brief(lasting):
+                lasting = executed[0] = self._memory.named(f"{action.name}_Q", lasting, statements)
+            if self._verbatim:  # the scan behind the last one: whatever was on in the scan before is executed
                 on = self._code.declare(self._texts.with_suffix(action.name, "before"))
                 self._memory.ends.append(assignment(on, FALSE))
-                self._add(action, disjunction([lasting, single, on]), statements, [assignment(on, lasting)])
+                self._add(action, disjunction([*executed, on]), statements, [assignment(on, lasting)])
                 return
-            if self._final_scan and is_ending:
-                lasting = self._memory.named(f"{action.name}_Q", lasting, statements)
-                ended = self._memory.falling(self._texts.with_suffix(action.name, "end"), lasting, statements)
-                executed = disjunction([lasting, single, ended])
-            self._add(action, executed, statements)
-            return
+            executed.append(self._memory.falling(self._texts.with_suffix(action.name, "end"), lasting, statements))
+        self._add(action, disjunction(executed), statements)
+
+    def _driving(self, action: ActionSource, target: Expression) -> list[Statement]:
+        """Return the statements that write the Boolean variable of an action, in the shortest form that is right."""
+        statements: list[Statement] = []
+        set_, set_back = assignment(target, TRUE), assignment(target, FALSE)
         if isinstance(self._control, SequentialControlCode):
             self._decide(action, self._control, statements)
         # one assignment is enough where the profile writes in every scan, or nothing else could have written in between
         elif (
             self._verbatim
             and not self._is_block
-            and self._owned.is_false_at_rest(action.target)
+            and self._owned.is_false_at_rest(target)
             and (stored := self._control.set_and_reset(action)) is not None
         ):  # nothing else writes the variable: it is the memory of its action
-            self._memory.latch("", *stored, statements, action.target)
-            self._memory.ends.append(assignment(action.target, FALSE))
-        elif self._always or self._owned.is_false_at_rest(action.target):
-            statements.append(assignment(action.target, self._control.drive(action, statements)))
+            self._memory.latch("", *stored, statements, target)
+            self._memory.ends.append(set_back)
+        elif self._always or self._owned.is_false_at_rest(target):
+            statements.append(assignment(target, self._control.drive(action, statements)))
         elif (plain := self._control.plain(action)) is not None:
             driven, before = plain
-            switched_on, switched_off = (assignment(action.target, each) for each in (TRUE, FALSE))
-            statements.append(n.If((n.Branch(driven, (switched_on,)), n.Branch(before, (switched_off,)))))
-            self._memory.ends.append(when(before, switched_off))
+            statements.append(n.If((n.Branch(driven, (set_,)), n.Branch(before, (set_back,)))))
+            self._memory.ends.append(when(before, set_back))
         elif self._verbatim:
             on_before: n.Name | None = None
             stored = self._control.set_and_reset(action)
@@ -156,21 +178,20 @@ class _Execution:
             else:
                 driven = self._control.drive(action, statements)
             if is_constant(driven, FALSE):
-                return
+                return []
             # other code writes this variable too: it is set back once, and left alone while its action is inactive
             on = on_before or self._code.declare(f"{action.name}_Q")
-            begin, end = [[assignment(action.target, each), assignment(on, each)] for each in (TRUE, FALSE)]
-            ending = () if self._control.never_ends(action) else (n.Branch(on, tuple(end)),)
-            statements.append(n.If((n.Branch(driven, tuple(begin)), *ending)))
-            self._end_when_set_back(on, action.target)
+            ending = () if self._control.never_ends(action) else (n.Branch(on, (set_back, assignment(on, FALSE))),)
+            statements.append(n.If((n.Branch(driven, (set_, assignment(on, TRUE))), *ending)))
+            self._end_when_set_back(on, target)
         else:
             driven = self._memory.named(f"{action.name}_Q", self._control.drive(action, statements), statements)
             if not self._control.never_ends(action):
                 ended = self._memory.falling(self._texts.with_suffix(action.name, "end"), driven, statements)
-                statements += self._memory.conditional("", ended, [assignment(action.target, FALSE)])
-            statements += self._memory.conditional("", driven, [assignment(action.target, TRUE)])
-            self._end_when_set_back(driven, action.target)
-        self._code.add(self._texts.action(action.name), statements, self._captions(action))
+                statements += self._memory.conditional("", ended, [set_back])
+            statements += self._memory.conditional("", driven, [set_])
+            self._end_when_set_back(driven, target)
+        return statements
 
     def _add_stored(self, action: ActionSource) -> bool:
         """Append an action that is only stored: it is reset behind its final scan. False if something else decides."""
@@ -218,76 +239,89 @@ class _Execution:
 
     def in_phases(self, actions: Sequence[ActionSource]) -> None:
         """Append the decisions on all actions, then the code of those that have ended, then that of the others."""
-        deciding: list[Statement] = []
-        ending: list[Statement] = []
-        acting: list[tuple[ActionSource, Expression]] = []
-        idle: list[Statement] = []
-        behind: list[Statement] = []
+        phases = _Phases()
         for action in actions:
-            name, target = action.name, action.target
-            # a variable is set by its action, and reset at its end
-            acted = action if target is None else replace(action, statements=(assignment(target, TRUE),))
-            rest = action.statements if target is None else (assignment(target, FALSE),)
-            if target is not None and isinstance(self._control, SequentialControlCode):
-                decision = self._control.decision(action, deciding)
-                off = self._memory.named(self._texts.with_suffix(name, "end"), decision.off, deciding)
-                driven = self._memory.named(f"{name}_Q", decision.on, deciding)
-                idle += self._memory.conditional("", off, rest)
-                acting.append((acted, driven))
-                continue
-            plain = self._control.plain(action)
-            if plain is not None:  # no memory: the steps of this scan and of the last one tell all
-                driven, before = plain
-                acting.append((acted, driven))
-                if target is not None and self._always:
-                    idle += self._memory.conditional("", not_all(driven), rest)
-                elif target is not None or self._final_scan:
-                    ending += self._memory.conditional("", conjunction([before, negation(driven)]), rest)
-                    self._memory.ends += [when(before, *rest)] if target is not None else []
-                continue
-            stored = self._control.set_and_reset(action) if isinstance(self._control, ActionControlCode) else None
-            if stored is not None and self._is_kept_while_on(action, *stored):
-                kept = self._code.declare(f"{name}_S")
-                begins = disjunction([conjunction([stored[0], negation(stored[1])]), kept])
-                ending.append(self._ended(action, kept, stored[1], rest))
-                acting.append((_marked(acted, kept), begins))
-                continue
-            lasting, single = self._control.outputs(action, deciding)
-            driven = disjunction([lasting, single]) if target is not None else lasting
-            alone = target is not None or is_constant(single, FALSE)
-            if alone and not is_constant(driven, FALSE) and self._is_kept_while_on(action, driven):
-                kept = self._code.declare(f"{name}_Q")
-                ending.append(self._ended(action, kept, not_all(driven), rest))
-                acting.append((_marked(acted, kept), driven))
-                continue
-            if target is not None:
-                driven = self._decided(f"{name}_Q", driven, deciding)
-                if self._always:
-                    idle += self._memory.conditional("", not_all(driven), rest)
-                elif self._control.never_ends(action):
-                    self._end_when_set_back(self._memory.remembered(name, driven, behind), target)
-                else:
-                    ended, was = self._memory.ended(name, driven, deciding, behind)
-                    ending += self._memory.conditional("", ended, rest)
-                    self._end_when_set_back(was, target)
-                acting.append((acted, driven))
-                continue
-            if not is_constant(single, FALSE):
-                single = self._decided(self._texts.with_suffix(name, "pulse"), single, deciding)
-            if not is_constant(lasting, FALSE):
-                lasting = self._decided(f"{name}_Q", lasting, deciding)
-                if self._final_scan and not self._control.never_ends(action):
-                    ended, was = self._memory.ended(name, lasting, deciding, behind)
-                    if was is not lasting:
-                        self._memory.ends.append(assignment(was, FALSE))
-                    # a pulse in the same scan executes the action anyway: once, not twice
-                    last = conjunction([ended, negation(single)])
-                    ending += self._memory.conditional(self._texts.with_suffix(name, "last"), last, rest)
-            acting.append((action, disjunction([lasting, single])))
-        self._code.add(self._texts.control, deciding)
-        self._code.add(self._texts.ended, [*idle, *ending, *behind])
-        for action, executed in acting:
+            self._add_to(phases, action)
+        self._code.add(self._texts.control, phases.deciding)
+        self._code.add(self._texts.ended, [*phases.idle, *phases.ending, *phases.behind])
+        for action, executed in phases.acting:
             self._add(action, executed)
+
+    def _add_to(self, phases: _Phases, action: ActionSource) -> None:
+        name, target = action.name, action.target
+        # a variable is set by its action, and reset at its end
+        acted = action if target is None else replace(action, statements=(assignment(target, TRUE),))
+        rest = action.statements if target is None else (assignment(target, FALSE),)
+        if target is not None and isinstance(self._control, SequentialControlCode):
+            decision = self._control.decision(action, phases.deciding)
+            off = self._memory.named(self._texts.with_suffix(name, "end"), decision.off, phases.deciding)
+            driven = self._memory.named(f"{name}_Q", decision.on, phases.deciding)
+            phases.idle += self._memory.conditional("", off, rest)
+            phases.acting.append((acted, driven))
+            return
+        plain = self._control.plain(action)
+        if plain is not None:  # no memory: the steps of this scan and of the last one tell all
+            driven, before = plain
+            phases.acting.append((acted, driven))
+            if target is not None and self._always:
+                phases.idle += self._memory.conditional("", not_all(driven), rest)
+            elif target is not None or self._final_scan:
+                phases.ending += self._memory.conditional("", conjunction([before, negation(driven)]), rest)
+                self._memory.ends += [when(before, *rest)] if target is not None else []
+            return
+        stored = self._control.set_and_reset(action) if isinstance(self._control, ActionControlCode) else None
+        if stored is not None and self._is_kept_while_on(action, *stored):
+            kept = self._code.declare(f"{name}_S")
+            begins = disjunction([conjunction([stored[0], negation(stored[1])]), kept])
+            phases.ending.append(self._ended(action, kept, stored[1], rest))
+            phases.acting.append((_marked(acted, kept), begins))
+            return
+        lasting, single = self._control.outputs(action, phases.deciding)
+        driven = disjunction([lasting, single]) if target is not None else lasting
+        alone = target is not None or is_constant(single, FALSE)
+        if alone and not is_constant(driven, FALSE) and self._is_kept_while_on(action, driven):
+            kept = self._code.declare(f"{name}_Q")
+            phases.ending.append(self._ended(action, kept, not_all(driven), rest))
+            phases.acting.append((_marked(acted, kept), driven))
+        elif target is not None:
+            phases.acting.append((acted, self._variable_in_phases(action, target, driven, rest, phases)))
+        else:
+            phases.acting.append((action, self._body_in_phases(action, lasting, single, phases)))
+
+    def _variable_in_phases(
+        self, action: ActionSource, target: Expression, driven: Expression, rest: Sequence[Statement], phases: _Phases
+    ) -> Expression:
+        """Reset the variable of an action with a memory at its end (`rest`); return when it is set."""
+        driven = self._decided(f"{action.name}_Q", driven, phases.deciding)
+        if self._always:
+            phases.idle += self._memory.conditional("", not_all(driven), rest)
+        elif self._control.never_ends(action):
+            self._end_when_set_back(self._memory.remembered(action.name, driven, phases.behind), target)
+        else:
+            ended, was = self._memory.ended(action.name, driven, phases.deciding, phases.behind)
+            phases.ending += self._memory.conditional("", ended, rest)
+            self._end_when_set_back(was, target)
+        return driven
+
+    def _body_in_phases(
+        self, action: ActionSource, lasting: Expression, single: Expression, phases: _Phases
+    ) -> Expression:
+        """Append the final scan of an action with a memory; return when it is executed besides."""
+        name = action.name
+        if not is_constant(single, FALSE):
+            single = self._decided(self._texts.with_suffix(name, "pulse"), single, phases.deciding)
+        if not is_constant(lasting, FALSE):
+            lasting = self._decided(f"{name}_Q", lasting, phases.deciding)
+            if self._final_scan and not self._control.never_ends(action):
+                ended, was = self._memory.ended(name, lasting, phases.deciding, phases.behind)
+                if was is not lasting:
+                    self._memory.ends.append(assignment(was, FALSE))
+                # a pulse in the same scan executes the action anyway: once, not twice
+                last = conjunction([ended, negation(single)])
+                phases.ending += self._memory.conditional(
+                    self._texts.with_suffix(name, "last"), last, action.statements
+                )
+        return disjunction([lasting, single])
 
     def _is_kept_while_on(self, action: ActionSource, *asked: Expression) -> bool:
         """Return True if one variable, TRUE from the execution of an action to its end, tells that it has ended.
