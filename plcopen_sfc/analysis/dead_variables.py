@@ -108,7 +108,10 @@ def _is_divided(chart: SfcNetwork) -> bool:
 
 
 _WRITTEN = {"R_TRIG": ("q",), "F_TRIG": ("q",), "CTU": ("q",), "CTD": ("q",), "CTUD": ("qu", "qd")}
-"""Members that a call of a standard block writes in any case, without looking at the old value."""
+"""Members that a call of a standard block writes in any case, without looking at the old value.
+
+Not Q of a timer, which tells it that its time is over already, and not CV, from which a counter goes on.
+"""
 
 _NOT_READ = {"TON": ("et",), "TOF": ("et",), "TP": ("et",)}
 """Members that a call may write, but does not look at."""
@@ -201,7 +204,7 @@ class _Reading:
                 self.ends.append(written)
                 return False
             case n.Exit() | n.Continue():
-                return False
+                return False  # to the end of a loop, behind which counts what was written before it anyway
             case n.For() | n.While() | n.Repeat():
                 for part in children(statement):
                     if part not in statement.statements:

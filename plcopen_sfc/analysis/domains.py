@@ -56,6 +56,7 @@ class Domain:
 
     def note(self, constant: int | float) -> None:
         """Have values on both sides of a constant, unless there are far too many already."""
+        # a constant may be between two values of the type (a TIME in milliseconds and T#1.5ms): both matter then
         unit = self.signal.unit
         low = math.floor(constant) // unit * unit
         found = {constant} if self.signal.kind is SignalKind.REAL else {low, low + unit * (low < constant)}
@@ -290,6 +291,7 @@ class Split(Probe):
         bound = self._number(constant)
         least, greatest, least_open, greatest_open = self._interval
         if self.domain.signal.kind is not SignalKind.REAL:
+            # the greatest value of the type that is below: what is left to ask is whether the number is at most that
             unit = self.domain.signal.unit
             bound = math.floor(bound) // unit * unit if inclusive else (math.ceil(bound) - 1) // unit * unit
             inclusive = True
@@ -301,6 +303,7 @@ class Split(Probe):
         above = _Interval(bound, greatest, inclusive, greatest_open)
         if self.domain.signal.kind is not SignalKind.REAL:
             above = _Interval(bound + self.domain.signal.unit, greatest)
+        # a REAL has gaps: between two bounds that are neighbours there is no number, and nothing is left open
         some_below, some_above = below.some(self.domain.signal), above.some(self.domain.signal)
         if some_below is None or some_above is None:
             return some_above is None

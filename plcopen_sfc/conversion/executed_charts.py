@@ -33,14 +33,13 @@ from plcopen_sfc.conversion.meaning import (
 from plcopen_sfc.languages.binding import SharedScans, bind
 from plcopen_sfc.languages.effects import ANYTHING, Path, path_of
 from plcopen_sfc.languages.networks import NetworkExpression, chart_statements, condition_reader
-from plcopen_sfc.languages.sfc_flag_uses import OPERATING_FLAGS, WATCHING_FLAGS
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform
 from plcopen_sfc.model import sfc
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import IlBody, StBody
-from plcopen_sfc.model.chart_settings import SfcFlag
+from plcopen_sfc.model.chart_settings import OPERATING_FLAGS, WATCHING_FLAGS, SfcFlag
 from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou

@@ -13,8 +13,7 @@ from enum import IntEnum
 from typing import NamedTuple
 
 from plcopen_sfc.conversion.meaning import Meaning, literal_meaning
-from plcopen_sfc.languages.sfc_flag_uses import OPERATING_FLAGS
-from plcopen_sfc.model.chart_settings import SfcFlag
+from plcopen_sfc.model.chart_settings import OPERATING_FLAGS, SfcFlag
 from plcopen_sfc.model.declaration import NamedObject
 
 UNDECLARED = "undeclared name"

@@ -6,17 +6,10 @@ from collections.abc import Collection, Iterable
 
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.s7_programs import instance_types
-from plcopen_sfc.model.chart_settings import SfcFlag
+from plcopen_sfc.model.chart_settings import OPERATING_FLAGS, SfcFlag
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import SimpleValue
-
-OPERATING_FLAGS = frozenset(
-    {SfcFlag.INIT, SfcFlag.RESET, SfcFlag.PAUSE, SfcFlag.QUIT_ERROR, SfcFlag.TIP, SfcFlag.TIP_MODE}
-)
-"""The flags with which people and programs operate a chart."""
-WATCHING_FLAGS = frozenset({SfcFlag.ERROR, SfcFlag.ENABLE_LIMIT})
-"""The flags by which a chart watches the maximum times of its steps."""
 
 
 def named_flags(names: Names) -> frozenset[str]:

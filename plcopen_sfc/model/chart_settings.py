@@ -48,6 +48,14 @@ NEED_ERROR = frozenset(
 )
 """Flags that only work together with SFCError."""
 
+OPERATING_FLAGS = frozenset(
+    {SfcFlag.INIT, SfcFlag.RESET, SfcFlag.PAUSE, SfcFlag.QUIT_ERROR, SfcFlag.TIP, SfcFlag.TIP_MODE}
+)
+"""The flags with which people and programs operate a chart."""
+
+WATCHING_FLAGS = frozenset({SfcFlag.ERROR, SfcFlag.ENABLE_LIMIT})
+"""The flags by which a chart watches the maximum times of its steps."""
+
 
 class FlagUse(Model):
     """`use`: the chart obeys or sets the flag. `declare`: the tool declares its variable."""

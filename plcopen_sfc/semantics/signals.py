@@ -214,13 +214,12 @@ class Signal:
             raise ModelError(f"{word!r} is no {self.type}", hint=error.hint) from None
         if isinstance(literal.value, date) and literal.kind in self.literals:
             return self._within((literal.value - _EPOCH).days * _DAY, word)
-        wanted = LiteralKind.DURATION if self.kind is SignalKind.DURATION else None
         if isinstance(literal.value, bool) or not isinstance(literal.value, int):
             raise ModelError(f"{word!r} is no {self.type}")
-        if wanted is not None and literal.kind is not wanted:
-            raise ModelError(f"{word!r} is no {self.type}", hint="Write a duration with its unit: T#500ms")
-        if wanted is None and literal.kind is LiteralKind.DURATION:
-            raise ModelError(f"{word!r} is no {self.type}")
+        is_duration = self.kind is SignalKind.DURATION
+        if is_duration is not (literal.kind is LiteralKind.DURATION):
+            hint = "Write a duration with its unit: T#500ms" if is_duration else ""
+            raise ModelError(f"{word!r} is no {self.type}", hint=hint)
         return self._within(literal.value, word)
 
     def _within(self, value: int, word: str) -> int:

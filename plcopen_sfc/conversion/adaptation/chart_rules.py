@@ -41,12 +41,12 @@ from plcopen_sfc.languages.networks import (
     is_empty_network,
     kept_conditions,
 )
-from plcopen_sfc.languages.sfc_flag_uses import WATCHING_FLAGS, flags_at_rest, named_flags
+from plcopen_sfc.languages.sfc_flag_uses import flags_at_rest, named_flags
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, transform
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody, has_program
-from plcopen_sfc.model.chart_settings import FlagUse, SfcFlag, SfcSettings
+from plcopen_sfc.model.chart_settings import WATCHING_FLAGS, FlagUse, SfcFlag, SfcSettings
 from plcopen_sfc.model.conditions import Expression, WiredCondition
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.project import Chart, Project

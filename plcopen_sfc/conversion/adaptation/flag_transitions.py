@@ -30,10 +30,10 @@ from plcopen_sfc.formats.plcopen.source_marks import SourceMarks
 from plcopen_sfc.languages.binding import Effects, Names, bind
 from plcopen_sfc.languages.effects import may_change, path_of
 from plcopen_sfc.languages.networks import draw_ld
-from plcopen_sfc.languages.sfc_flag_uses import WATCHING_FLAGS, flags_at_rest, named_flags
+from plcopen_sfc.languages.sfc_flag_uses import flags_at_rest, named_flags
 from plcopen_sfc.languages.st import parse_expression, parse_statements
 from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.model.chart_settings import SfcFlag
+from plcopen_sfc.model.chart_settings import WATCHING_FLAGS, SfcFlag
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Chart, Project

@@ -50,10 +50,9 @@ from plcopen_sfc.formats.simaticml.sequence_rules import (
 from plcopen_sfc.formats.simaticml.sequence_topology import TopologyWriter, usual_order
 from plcopen_sfc.formats.xml.extension_data import Markup, attributes_of, boolean, elements_of, markup_of
 from plcopen_sfc.languages.networks import chart_statements, condition_reader
-from plcopen_sfc.languages.sfc_flag_uses import WATCHING_FLAGS
 from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import LdBody
-from plcopen_sfc.model.chart_settings import AlarmCategory, SfcFlag
+from plcopen_sfc.model.chart_settings import WATCHING_FLAGS, AlarmCategory, SfcFlag
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.drawing import Symbol

@@ -297,6 +297,7 @@ class NetworkReader:
         self.wires.prepare(written, self.graph.sources(node)[0])
         product = self._value(node)
         if passes_on is not None:
+            # what it passes on is what came before it, also where that reads the variable: then it is kept before
             self.wires.store(passes_on, product)
             self.wires.prepare(written)
             product = self.wires.value(passes_on)

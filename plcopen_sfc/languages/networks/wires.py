@@ -106,11 +106,13 @@ def meeting(products: Sequence[Product], meetings: dict[Hashable, int]) -> Produ
     if not any(rests):
         return start
     alternatives = []
+    # only neighbours are written with one beginning: branches stay in the order in which they are drawn
     for _, group in groupby(rests, key=lambda rest: rest[0].identity if rest else None):
         branch = list(group)
         alternatives.append(
             expression_of(branch[0] if len(branch) == 1 or not branch[0] else meeting(branch, meetings))
         )
+    # a number stands for it: identities that held those of the meetings before them would grow along a rung
     identity = tuple(tuple(factor.identity for factor in rest) for rest in rests)
     number = meetings.setdefault(identity, len(meetings))
     return (*start, Factor(number, joined(Operator.OR, alternatives)))
@@ -187,6 +189,7 @@ def _standard_call(call: n.Call, block: StandardBlock) -> Expression:
     if len(values) < len(given) or any(a.output for a in call.arguments):
         return call
     pins = [pin.name for pin in block.input_pins(len(given))]
+    # by position where that is the same: a drawn call has the names of all its pins, a written one mostly none
     names = [block.input_name(name) or name for name, _ in given]
     if any(names):
         by_name = dict(zip(names, values, strict=True))
@@ -225,6 +228,7 @@ def _statements(statements: Iterable[Statement]) -> Iterator[Statement]:
 
 
 def _stored(statement: n.If) -> Statement:
+    # ``IF a THEN q := TRUE; END_IF`` does what a coil S does: both are ``q S= a``
     branch = statement.branches[0]
     inner = branch.statements[0] if len(branch.statements) == 1 else None
     if len(statement.branches) == 1 and statement.otherwise is None and isinstance(inner, n.Assignment):
@@ -288,6 +292,7 @@ class Wires:
 
     def execute(self, statement: Statement) -> None:
         """Append a statement; values that it may change and that are still needed go to helpers before it."""
+        # mostly nothing is needed any more, and to find what a statement writes takes a walk through its tree
         if any(self._left.values()):
             self.prepare(writes(statement, self._standard))
         self.statements.append(statement)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.model import Expression, SfcFlag, SfcNetwork
+from plcopen_sfc.model.chart_settings import OPERATING_FLAGS
 from plcopen_sfc.semantics.charts.step_state import override
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile
@@ -22,17 +23,7 @@ _TEXTS = frozenset({SfcFlag.ERROR_STEP, SfcFlag.ERROR_POU, SfcFlag.CURRENT_STEP,
 _REPORTS = _TEXTS | {SfcFlag.ERROR, SfcFlag.TRANS}
 """Flags that the chart writes."""
 
-COMMANDS = frozenset(
-    {
-        SfcFlag.INIT,
-        SfcFlag.RESET,
-        SfcFlag.PAUSE,
-        SfcFlag.QUIT_ERROR,
-        SfcFlag.ENABLE_LIMIT,
-        SfcFlag.TIP,
-        SfcFlag.TIP_MODE,
-    }
-)
+COMMANDS = OPERATING_FLAGS | {SfcFlag.ENABLE_LIMIT}
 """Flags that the chart obeys."""
 
 

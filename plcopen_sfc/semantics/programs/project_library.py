@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 from plcopen_sfc.errors import Location, SimulationError
@@ -50,10 +51,7 @@ class TypeReader:
         """Return the type as it is seen in `scope`."""
         match type_:
             case m.ElementaryType(name=name):
-                found = t.elementary(name.value, self._library.dialect)
-                if found is None:
-                    return t.OpaqueType(name.value)
-                return found
+                return t.elementary(name.value, self._library.dialect) or t.OpaqueType(name.value)
             case m.StringType(wide=wide, length=length):
                 name_ = "WSTRING" if wide else "STRING"
                 if length is None and self._library.profile.matiec_library:
@@ -91,6 +89,7 @@ class TypeReader:
     def named(self, name: str, scope: Scope) -> t.Type:
         """Return the type of a name: of the project, a standard block, an elementary one; else an opaque one."""
         name = name.strip().strip('"')
+        # ``Util.BLINK``: where nothing has the name with its namespace, that of a library is left out
         for candidate in dict.fromkeys((name, name.rpartition(".")[2])):
             found = self._declared(candidate, scope)
             if found is not None:
@@ -239,6 +238,7 @@ class Initials:
                 return Code("None", type_)
             translator = Translator(scope, Writer())
             return translator.fitted(translator.value(parsed.tree, type_), type_)
+        # values in brackets are no expressions: the reader of declarations knows them
         declared = read_declarations(f"VAR x : INT := {text}; END_VAR", self._library.dialect)
         variables = [v for section in declared.sections for v in section.variables]
         inner = variables[0].initial if len(variables) == 1 and not declared.problems else None
@@ -305,7 +305,6 @@ class Library(TranslatedProject):
         self._waiting: list[TranslatedPou] = []
         self._fields: dict[int, Place] = {}
         self._open: set[int] = set()
-        self._values: dict[int, Code] | None = None
         self._fill_namespace()
 
     def _fill_namespace(self) -> None:
@@ -447,7 +446,7 @@ class Library(TranslatedProject):
             type_ = self.read_type(holder.type, self.scope)
             if holder.address and isinstance(type_, t.ScalarType) and "*" not in holder.address:
                 return self.at_address(holder.address, type_, path, holder.initial)
-            return self.add(path, type_, holder.initial, constant=self._is_constant(holder))
+            return self.add(path, type_, holder.initial, constant=id(holder) in self._constants)
         if isinstance(holder, Tag):
             type_ = self.named_type(holder.type, self.scope)
             if holder.address and isinstance(type_, t.ScalarType):
@@ -460,13 +459,11 @@ class Library(TranslatedProject):
             return self.add(path, self.named_type(holder.type_name, self.scope), None)
         raise SimulationError(f"{declaration} is no variable")
 
-    def _is_constant(self, variable: m.Variable) -> bool:
-        if self._constants is None:
-            self._constants = {id(v) for s in self.project.global_sections() if s.constant for v in s.variables}
-            self._constants |= {id(v) for table in self.project.tag_tables for v in table.constants}
-        return id(variable) in self._constants
-
-    _constants: set[int] | None = None
+    @cached_property
+    def _constants(self) -> set[int]:
+        """The ids of the global variables that are constants."""
+        found = {id(v) for s in self.project.global_sections() if s.constant for v in s.variables}
+        return found | {id(v) for table in self.project.tag_tables for v in table.constants}
 
     def _of_block(self, block: DataBlock) -> t.Type:
         if block.type_name:
@@ -484,6 +481,8 @@ class Library(TranslatedProject):
 
     def add(self, path: str, type_: t.Type, initial: m.Value | None, *, constant: bool = False) -> Place:
         """Return a new global variable."""
+        # its value is read before it gets a slot: globals that the value names are added meanwhile, and `grow` gives
+        # values in the order of slots
         probe = Field(path, -1, type_, Direction.CONSTANT if constant else Direction.EXTERNAL)
         self.give_initial(probe, initial, self.scope)
         made = self.globals.add(path, type_, probe.direction)
@@ -518,24 +517,23 @@ class Library(TranslatedProject):
         return found
 
     def _enumeration_value(self, declaration: Declaration) -> Code:
-        if self._values is None:
-            self._values = {}
-            for holder in self.project.data_types:
-                if isinstance(holder.type, m.EnumType):
-                    self._know(
-                        holder.type,
-                        self._types.of_declaration(Declaration(Kind.DATA_TYPE, holder.name, (holder,))),
-                    )
-        code = self._values.get(id(declaration.holder))
+        code = self._enumeration_values.get(id(declaration.holder))
         if code is None:
             raise SimulationError(f"{declaration.path} is a value of an enumeration that has no name")
         return code
 
-    def _know(self, model: m.EnumType, type_: t.Type) -> None:
-        assert self._values is not None and isinstance(type_, t.ScalarType)  # noqa: S101, PT018
-        for value in model.values:
-            number = type_.names[value.name.casefold()]
-            self._values[id(value)] = Code(repr(number), type_, number, number, number, constant=True)
+    @cached_property
+    def _enumeration_values(self) -> dict[int, Code]:
+        """The numbers of the values of all enumerations that have a name, by the ids of the values."""
+        found: dict[int, Code] = {}
+        for holder in self.project.data_types:
+            if isinstance(holder.type, m.EnumType):
+                type_ = self._types.of_declaration(Declaration(Kind.DATA_TYPE, holder.name, (holder,)))
+                assert isinstance(type_, t.ScalarType)  # noqa: S101  # what enumerations are read as
+                for value in holder.type.values:
+                    number = type_.names[value.name.casefold()]
+                    found[id(value)] = Code(repr(number), type_, number, number, number, constant=True)
+        return found
 
     def program(self, unit: TranslatedPou) -> Place:
         """Return the only instance of a program."""

@@ -7,7 +7,7 @@ from collections.abc import Callable, Hashable, Iterable, Iterator
 from itertools import product
 from typing import TypeGuard
 
-from plcopen_sfc.model.chart_settings import SfcFlag
+from plcopen_sfc.model.chart_settings import OPERATING_FLAGS, SfcFlag
 from plcopen_sfc.semantics.programs import runtime_types as t
 from plcopen_sfc.semantics.programs.code_generation import Linker
 from plcopen_sfc.semantics.programs.places import ANYWHERE
@@ -18,8 +18,7 @@ ALL_FREE = "all"
 
 _INDICES = re.compile(r"\[[^\]]*\]")
 _FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
-_OPERATING = (SfcFlag.INIT, SfcFlag.RESET, SfcFlag.PAUSE, SfcFlag.TIP, SfcFlag.TIP_MODE, SfcFlag.QUIT_ERROR)
-_SHOWING = _FLAGS - {flag.variable.casefold() for flag in _OPERATING}
+_SHOWING = _FLAGS - {flag.variable.casefold() for flag in OPERATING_FLAGS}
 """Flags that are no inputs: charts write them, but for SFCEnableLimit, which keeps its first value."""
 
 

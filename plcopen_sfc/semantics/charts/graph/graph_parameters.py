@@ -7,7 +7,7 @@ from enum import IntEnum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from plcopen_sfc.errors import ModelError, listed_names
-from plcopen_sfc.languages.sfc_flag_uses import OPERATING_FLAGS
+from plcopen_sfc.model.chart_settings import OPERATING_FLAGS
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.runtime_types import BOOL, ELEMENTARY, Frame
