@@ -57,7 +57,7 @@ class Method(OwnedName, Element):
     body: Body | None = None
     object_id: str | None = None
 
-    OWNS: ClassVar[tuple[str, ...]] = ("body",)
+    OWNS: ClassVar[tuple[str, ...]] = ("interface", "body")
 
 
 class NamedBody(NamedTuple):
@@ -78,7 +78,7 @@ class Pou(ProjectObject):
     """
 
     kind_in_reports: ClassVar[str] = "POU"
-    OWNS: ClassVar[tuple[str, ...]] = ("bodies", "actions", "transitions", "methods")
+    OWNS: ClassVar[tuple[str, ...]] = ("interface", "bodies", "actions", "transitions", "methods")
 
     number: int | None = None
     title: Text | None = None
@@ -228,6 +228,7 @@ class DataBlock(ProjectObject):
     """
 
     kind_in_reports: ClassVar[str] = "data block"
+    OWNS: ClassVar[tuple[str, ...]] = ("interface",)
 
     number: int | None = None
     title: Text | None = None

@@ -14,7 +14,7 @@ from plcopen_sfc.model.base import Element, ExtensionData, Model
 from plcopen_sfc.model.declaration import Declaration
 from plcopen_sfc.model.dialect import Dialect, address_dialect
 from plcopen_sfc.model.late import ProjectObject
-from plcopen_sfc.model.owners import Owned
+from plcopen_sfc.model.owners import Owned, OwnedName
 from plcopen_sfc.model.pou import DataBlock, NamedBody, Pou, PouKind
 from plcopen_sfc.model.sfc import SfcBody, SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import Text
@@ -84,7 +84,7 @@ class ForeignDataInfo(Model):
     description: Text | None = None
 
 
-class PouInstance(Element):
+class PouInstance(OwnedName, Element):
     """A program instance or function block instance that a task or resource runs."""
 
     name: str
@@ -114,7 +114,7 @@ class TaskSettings(Model):
     attributes: dict[str, str] = Field(default_factory=dict)
 
 
-class Task(Element):
+class Task(Owned, Element):
     """A task. `single` is its trigger, `priority` 0 the highest.
 
     `interval` is a duration or a variable; files of TC6 have durations such as ``PT0.01S``, ``10ms``, ``00:00:01``.
@@ -129,9 +129,10 @@ class Task(Element):
     object_id: str | None = None
 
     INTERVALS: ClassVar[tuple[str, ...]] = ("interval",)
+    OWNS: ClassVar[tuple[str, ...]] = ("instances",)
 
 
-class Resource(Element):
+class Resource(OwnedName, Element):
     """A resource: tasks, instances and global variables that run on one processor. A CODESYS application is one."""
 
     name: str
@@ -140,12 +141,14 @@ class Resource(Element):
     instances: list[PouInstance] = Field(default_factory=list)
     object_id: str | None = None
 
+    OWNS: ClassVar[tuple[str, ...]] = ("tasks", "global_variables", "instances")
+
     def every_instance(self) -> list[PouInstance]:
         """Return the instances without a task, then those of each task."""
         return [*self.instances, *(instance for task in self.tasks for instance in task.instances)]
 
 
-class Configuration(Element):
+class Configuration(OwnedName, Element):
     """A configuration: resources, global variables, access paths, VAR_CONFIG. A CODESYS device is one."""
 
     name: str
@@ -155,8 +158,10 @@ class Configuration(Element):
     config_variables: ConfigSection | None = None
     object_id: str | None = None
 
+    OWNS: ClassVar[tuple[str, ...]] = ("resources", "global_variables")
 
-class Tag(Element):
+
+class Tag(OwnedName, Element):
     """A tag of a TIA tag table."""
 
     name: str
@@ -168,6 +173,7 @@ class TagTable(ProjectObject):
     """A tag table of TIA: tags and user constants."""
 
     kind_in_reports: ClassVar[str] = "tag table"
+    OWNS: ClassVar[tuple[str, ...]] = ("tags", "constants")
 
     tags: list[Tag] = Field(default_factory=list)
     constants: list[Variable] = Field(default_factory=list)
@@ -262,7 +268,7 @@ class Project(Owned, Element):
     OBJECTS: ClassVar[tuple[str, ...]] = ("tag_tables", "data_types", "data_blocks", "pous")
     """The fields with objects that have files of their own in some tools."""
 
-    OWNS: ClassVar[tuple[str, ...]] = ("pous",)
+    OWNS: ClassVar[tuple[str, ...]] = (*OBJECTS, "global_variables", "configurations", "applications")
 
     _source: Source | None = PrivateAttr(default=None)
     _last_edit: int = PrivateAttr(default=0)

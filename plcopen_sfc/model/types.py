@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, Field
 
 from plcopen_sfc.model.base import Element, ExtensionData, Model
 from plcopen_sfc.model.late import ProjectObject
+from plcopen_sfc.model.owners import Owned, OwnedName
 from plcopen_sfc.model.text import Text
 
 
@@ -82,15 +83,17 @@ class Dimension(Model):
     upper: str
 
 
-class ArrayType(Model):
+class ArrayType(Owned):
     """``ARRAY [..] OF base``."""
 
     kind: Literal["array"] = "array"
     dimensions: list[Dimension]
     base: DataType
 
+    OWNS: ClassVar[tuple[str, ...]] = ("base",)
 
-class StructType(Model):
+
+class StructType(Owned):
     """``STRUCT`` with its members."""
 
     kind: Literal["struct"] = "struct"
@@ -98,20 +101,24 @@ class StructType(Model):
     comment: Text | None = None
     extension_data: ExtensionData | None = None
 
+    OWNS: ClassVar[tuple[str, ...]] = ("members",)
 
-class EnumValue(Model):
+
+class EnumValue(OwnedName):
     """One name of an enumeration, with its value where the file states one."""
 
     name: str
     value: str | None = None
 
 
-class EnumType(Model):
+class EnumType(Owned):
     """An enumeration."""
 
     kind: Literal["enum"] = "enum"
     values: list[EnumValue] = Field(default_factory=list)
     base: DataType | None = None
+
+    OWNS: ClassVar[tuple[str, ...]] = ("values",)
 
 
 class SubrangeType(Model):
@@ -123,12 +130,14 @@ class SubrangeType(Model):
     unsigned: bool = False
 
 
-class PointerType(Model):
+class PointerType(Owned):
     """A pointer (CODESYS ``POINTER TO``) or, with `reference`, an IEC ``REF_TO``."""
 
     kind: Literal["pointer"] = "pointer"
     base: DataType
     reference: bool = False
+
+    OWNS: ClassVar[tuple[str, ...]] = ("base",)
 
 
 def _named_type(value: Any) -> Any:
@@ -199,7 +208,7 @@ Value = Annotated[
 """An initial value. In Python a plain string is accepted for a literal: ``Variable(initial="T#5s")``."""
 
 
-class Variable(Element):
+class Variable(OwnedName, Element):
     """A declared variable or a member of a structure.
 
     `attributes` are other properties that a tool gives it, by name and as text: ``Remanence``, ``Accessibility``,
@@ -211,6 +220,8 @@ class Variable(Element):
     address: str | None = None
     initial: Value | None = None
     attributes: dict[str, str] = Field(default_factory=dict)
+
+    OWNS: ClassVar[tuple[str, ...]] = ("type",)
 
 
 def used_types(kind: DataType) -> list[str]:
@@ -229,6 +240,7 @@ class DataTypeDeclaration(ProjectObject):
     """
 
     kind_in_reports: ClassVar[str] = "type"
+    OWNS: ClassVar[tuple[str, ...]] = ("type",)
 
     title: Text | None = None
     type: DataType

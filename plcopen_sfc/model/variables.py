@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from typing import ClassVar
 
 from pydantic import Field
 
 from plcopen_sfc.model.base import Element
+from plcopen_sfc.model.owners import Owned, OwnedName
 from plcopen_sfc.model.types import DataType, Value, Variable
 
 
@@ -29,7 +31,7 @@ PASSED = frozenset({SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT})
 """The sections with the variables that a call passes."""
 
 
-class VariableSection(Element):
+class VariableSection(OwnedName, Element):
     """Variables that share a section and its memory attributes (``VAR_INPUT RETAIN .. END_VAR``).
 
     A list of global variables is a section too; it may have a name, the text as declared (`declaration`, CODESYS) and a
@@ -47,8 +49,10 @@ class VariableSection(Element):
     declaration: str | None = None
     object_id: str | None = None
 
+    OWNS: ClassVar[tuple[str, ...]] = ("variables",)
 
-class Interface(Element):
+
+class Interface(Owned, Element):
     """Declarations of a POU.
 
     `declaration` is the text as it was typed, where the file has it (CODESYS "interface as plain text"): the only form
@@ -58,6 +62,8 @@ class Interface(Element):
     return_type: DataType | None = None
     sections: list[VariableSection] = Field(default_factory=list)
     declaration: str | None = None
+
+    OWNS: ClassVar[tuple[str, ...]] = ("sections",)
 
     def variables(self, kind: SectionKind | None = None) -> list[Variable]:
         """Return all variables, or those of one kind of section, in the order of their declaration."""

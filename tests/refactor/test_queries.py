@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.errors import ModelError
+from plcopen_sfc.errors import ArgumentError, ModelError
 from tests.samples import FIXTURES
 
 SORTING = FIXTURES / "codesys" / "sorting_conveyor.xml"
@@ -147,8 +147,46 @@ def test_declarations_are_found_by_name_and_know_their_uses() -> None:
     assert [use.path for use in action.uses()] == [use.path for use in project.uses("PLC_PRG.ACT_Classify")] != []
     variable = project.pou("PLC_PRG").variables()[0]
     assert project.uses(variable) == project.uses(f"PLC_PRG.{variable.name}")
+    assert variable.uses() == project.uses(variable)
     with pytest.raises(ModelError, match="no kind of declaration"):
         project.find("*", "steps")
+
+
+@pytest.mark.parametrize(
+    "file",
+    [
+        "codesys/sorting_conveyor.xml",
+        "codesys/distribution_belt.xml",
+        "plcopen/every_element_2.01.xml",
+        "simaticml",
+        "twincat-belt",
+        "twincat/press_station.xml",
+    ],
+)
+def test_whatever_is_declared_knows_its_uses(file: str) -> None:
+    project = sfc.load(FIXTURES / file)
+    found = [each for each in project.find("*") if not isinstance(each.holder, sfc.Transition)]
+    copy = project.model_copy(deep=True).find("*")
+    assert len({each.kind for each in found}) > 3
+    for each, copied in zip(found, [c for c in copy if not isinstance(c.holder, sfc.Transition)], strict=True):
+        assert each.holder.uses() == project.uses(each) == copied.holder.uses()
+        assert each.holder.project is project
+
+
+def test_a_variable_that_moves_to_another_list_is_of_that_project() -> None:
+    project, other = sfc.load(SORTING), sfc.Project(name="Other")
+    (found,) = project.find("PLC_PRG.bBeltRun")
+    variable = found.holder
+    assert variable.uses() != []
+    pou = other.add_program("Main")
+    for section in project.pou("PLC_PRG").interface.sections:
+        section.variables = [each for each in section.variables if each is not variable]
+    assert (variable.project, variable.uses()) == (None, [])
+    pou.add_variable("Motor")
+    pou.interface.sections[0].variables.append(variable)
+    assert variable.project is other
+    with pytest.raises(ArgumentError, match="`variables` of VariableSection is a list of Variable"):
+        pou.interface.sections[0].variables.append("Motor2")
 
 
 def test_a_chart_is_a_table(chart: sfc.SfcNetwork) -> None:
@@ -232,5 +270,5 @@ def test_kinds_that_there_are_not_are_refused() -> None:
 
 def test_a_name_is_not_in_a_list_of_objects(chart: sfc.SfcNetwork) -> None:
     assert chart.step("Fill") in chart.steps
-    with pytest.raises(sfc.ArgumentError, match="`steps` of SfcNetwork is a list of Step"):
+    with pytest.raises(ArgumentError, match="`steps` of SfcNetwork is a list of Step"):
         assert "Fill" in chart.steps
