@@ -222,28 +222,27 @@ def _search(
     *,
     follow: Callable[[Branching], None] | None,
 ) -> Search:
+    # comparisons divide the numbers of `split` as they come: of these no value can have been missing
     tried = [domain for name, domain in domains.items() if name not in split]
     probing = follow is not None or any(isinstance(o, Symbolic) for domain in tried for o in domain.options)
-    key: Callable[[Any], Any] = frozen if probing else _itself
     left.reset()
     right.reset()
-    states: list[tuple[Any, Any]] = [(left.snapshot(), right.snapshot())]
+    # of a state that was gone on from only the way to it is kept: snapshots of all would fill the memory
     origins: list[tuple[int, dict[str, Any]]] = [(-1, {})]
     depths = [0]
+    # breadth first: the first difference that is found needs the fewest scans
+    waiting = deque([(0, left.snapshot(), right.snapshot())])
     seen: set[Any] = set()
     branching = Branching(domains, split)
     if follow is not None:
         follow(branching)
-    # breadth first: the first difference that is found needs the fewest scans
-    waiting = deque([0])
     runs = 0
     notes: dict[str, SfcError] = {}
     closed = False
     limit = cap * _RUNS_FOR_A_STATE
     while waiting:
-        number = waiting.popleft()
-        before_left, before_right = states[number]
-        searched = len(states) - len(waiting) - 1
+        number, before_left, before_right = waiting.popleft()
+        searched = len(origins) - len(waiting) - 1
         # those that wait take about as many scans each as those before them: when they alone are too many, the search
         # cannot end in time, and the scans are better spent on directed runs
         if runs > limit // _BEFORE_GIVING_UP and runs + len(waiting) * runs / searched > limit:
@@ -267,7 +266,7 @@ def _search(
                 notes[note] = failure
                 continue
             after = (left.snapshot(), right.snapshot())
-            code = key(after)
+            code = frozen(after) if probing else after
             if code in seen:
                 # a run that comes back to a known state goes on for ever: not all of them end where both fail
                 closed = True
@@ -276,11 +275,9 @@ def _search(
             if len(seen) > cap:
                 reason = f"more than {cap:,} states"
                 return Explored(len(seen) - 1, depths[number], complete=False, reason=reason, capped=True)
-            states.append(after)
+            waiting.append((len(origins), *after))
             origins.append((number, dict(values)))
             depths.append(depths[number] + 1)
-            waiting.append(len(states) - 1)
-        states[number] = (None, None)  # it is not gone back to
     _check_domains(tried)
     broken = next((each for each in notes.values() if not isinstance(each, SimulationError)), None)
     if not seen and broken is not None:
@@ -389,10 +386,6 @@ def _equal(a: Any, b: Any) -> bool:
     if isinstance(a, Split) or isinstance(b, Split):
         return bool(a == b)  # the number may be another one too
     raise NotProvableError(f"{(a if isinstance(a, Probe) else b).domain.name} is put out")
-
-
-def _itself(state: Any) -> Any:
-    return state
 
 
 def _inputs(origins: Sequence[tuple[int, dict[str, Any]]], number: int) -> list[dict[str, Value]]:

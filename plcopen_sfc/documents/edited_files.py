@@ -248,16 +248,52 @@ def _merged(
 
     `is_other`: what is written is not what the project has.
     """
-    from plcopen_sfc.conversion.adaptation import rewrite_project  # noqa: PLC0415
-    from plcopen_sfc.drawing import prepare_body  # noqa: PLC0415
     from plcopen_sfc.formats.xml.source_patch import patch_xml  # noqa: PLC0415
     from plcopen_sfc.formats.xml.xml_codec import canonical  # noqa: PLC0415
     from plcopen_sfc.semantics.profile import default_profile  # noqa: PLC0415  # no interpreter
 
-    style = _drawing_style(kind)
     codec = cast("XmlCodec", kind.codec())
     content = source.content if excerpt is None else excerpt.content
-    touched, untouched = set(), set()
+    touched, untouched = _bodies_by_edits(project, source, kind, is_other=is_other)
+    before = _comparable(codec, content) if excerpt is None else excerpt.before
+    options = WriteOptions(
+        source.version,
+        same=True,
+        same_format=True,
+        source=content,
+        untouched=frozenset() if is_other else untouched,
+        of_codesys=bool(default_profile(project).flags),  # a file of another tool may hold their replacement
+    )
+    trees = _Trees(codec, kind, options, touched, is_other)
+    unchanged = {} if is_other else _unchanged(before, project, touched, codec, content)
+    # What both trees have is left alone in the file: two writings of the same model differ in the edits alone, while a
+    # written tree and the file of a tool also differ in all that tools spell in their own way.
+    known = ConversionReport()
+    after = trees.tree(project, before, report, unchanged)
+    # what the file could not say before tells nothing on its own
+    data = patch_xml(content, trees.tree(before, None, known, unchanged, limited=bool(report.losses)), after)
+    _pass_known_losses(report, known)
+    try:
+        back = _comparable(codec, data)
+        if back == project:
+            return _Merged(data, not is_other and codec.as_tool_sees(data) is data)
+        # equal to the tool, if not in the order of its drawing; comments carry ids in TC6 1.01, which may be others now
+        after = trees.tree(project, before, ConversionReport()) if unchanged else after
+        is_same = canonical(trees.tree(back, None, ConversionReport())) == canonical(after)
+    except FormatError:  # references by position that lead elsewhere now
+        return None
+    if is_same:
+        _report_lost(project, back, kind, report)
+    return _Merged(data, is_same_to_tool=False) if is_same else None
+
+
+def _bodies_by_edits(
+    project: Project, source: FileSource, kind: Format, *, is_other: bool
+) -> tuple[frozenset[str], frozenset[str]]:
+    """Return the names of the bodies with edits, which are drawn where they are written, and of those without."""
+    from plcopen_sfc.drawing import prepare_body  # noqa: PLC0415
+
+    touched, untouched = set[str](), set[str]()
     for name, _, body in project.bodies():
         if isinstance(body, SfcBody) and is_from(body.chart, name, source.content):
             untouched.add(name)
@@ -265,58 +301,45 @@ def _merged(
             touched.add(name)
             if not is_other:  # what is written has another drawing
                 foreign = isinstance(body, SfcBody) and not is_of_file(body.chart, source.content)
-                prepare_body(body, style, positions=False, foreign=foreign)
-    before = _comparable(codec, content) if excerpt is None else excerpt.before
-    options = WriteOptions(
-        source.version,
-        same=True,
-        same_format=True,
-        source=content,
-        untouched=frozenset(untouched - touched),
-        of_codesys=bool(default_profile(project).flags),  # a file of another tool may hold their replacement
-    )
-    if is_other:
-        options = replace(options, untouched=frozenset())
+                prepare_body(body, _drawing_style(kind), positions=False, foreign=foreign)
+    # two bodies may have one name: of those the name tells nothing
+    return frozenset(touched), frozenset(untouched - touched)
 
-    def note_limits(written: Project, notes: ConversionReport) -> None:
-        if notes is not known or report.losses:  # what the file could not say before tells nothing on its own
-            _note_limits(written, kind, touched, notes)
+
+@dataclass(frozen=True)
+class _Trees:
+    """Trees of projects in the terms of the tool, where the file has or needs them (`is_other`)."""
+
+    codec: XmlCodec
+    kind: Format
+    options: WriteOptions
+    touched: Collection[str]
+    is_other: bool
 
     def tree(
+        self,
         edited: Project,
         baseline: Project | None,
         notes: ConversionReport,
         unchanged: Mapping[int, frozenset[int]] = MappingProxyType({}),
+        *,
+        limited: bool = True,
     ) -> etree._Element:
-        """Return the tree of a project, in the terms of the tool where the file has or needs them."""
-        written = replace(options, baseline=baseline, unchanged=unchanged)
-        if options.untouched or not is_other:
-            note_limits(edited, notes)
-            return codec.to_tree(edited, written, notes)
-        copy, marks = rewrite_project(edited, kind, written, notes)
-        note_limits(copy, notes)
-        for _, _, body in copy.bodies():
-            if isinstance(body, SfcBody):
-                prepare_body(body, style, positions=False)
-        return codec.to_tree(copy, replace(written, marks=marks, rewritten=edited), notes)
+        """Return the tree of a project; with `limited`, limits of its charts are noted."""
+        from plcopen_sfc.conversion.adaptation import rewrite_project  # noqa: PLC0415
+        from plcopen_sfc.drawing import prepare_body  # noqa: PLC0415
 
-    known = ConversionReport()
-    unchanged = {} if is_other else _unchanged(before, project, touched, codec, content)
-    after = tree(project, before, report, unchanged)
-    data = patch_xml(content, tree(before, None, known, unchanged), after)
-    _pass_known_losses(report, known)
-    try:
-        back = _comparable(codec, data)
-        if back == project:
-            return _Merged(data, not is_other and codec.as_tool_sees(data) is data)
-        # equal to the tool, if not in the order of its drawing; comments carry ids in TC6 1.01, which may be others now
-        after = tree(project, before, ConversionReport()) if unchanged else after
-        is_same = canonical(tree(back, None, ConversionReport())) == canonical(after)
-    except FormatError:  # references by position that lead elsewhere now
-        return None
-    if is_same:
-        _report_lost(project, back, kind, report)
-    return _Merged(data, is_same_to_tool=False) if is_same else None
+        options = replace(self.options, baseline=baseline, unchanged=unchanged)
+        written = edited
+        if self.is_other:
+            written, marks = rewrite_project(edited, self.kind, options, notes)
+            options = replace(options, marks=marks, rewritten=edited)
+        if limited:
+            _note_limits(written, self.kind, self.touched, notes)
+        for _, _, body in written.bodies() if self.is_other else ():
+            if isinstance(body, SfcBody):
+                prepare_body(body, _drawing_style(self.kind), positions=False)
+        return self.codec.to_tree(written, options, notes)
 
 
 def _report_lost(project: Project, back: Project, kind: Format, report: ConversionReport) -> None:

@@ -278,9 +278,17 @@ _LEAST_LIMIT, _LIMIT_OF_STEP = 5.0, 0.1
 """Seconds for which charts are simulated if no limit is given: 300 steps are entered and compared in 20."""
 
 
-def _usual_limit(project: Project) -> float:
-    """Return the seconds that suffice for the charts of a project, as far as their sizes tell."""
-    return max(_LEAST_LIMIT, _LIMIT_OF_STEP * sum(len(place.chart.steps) for place in project.charts()))
+def _seconds(limit: float | str, project: Project) -> float:
+    """Return a limit in seconds; ``auto`` are those that suffice for the charts of a project, as their sizes tell."""
+    if not isinstance(limit, str):
+        return limit
+    if limit.strip().casefold() == "auto":
+        return max(_LEAST_LIMIT, _LIMIT_OF_STEP * sum(len(place.chart.steps) for place in project.charts()))
+    if limit.strip() == "0":
+        return 0
+    from plcopen_sfc.analysis.search_limits import seconds  # noqa: PLC0415  # brings the interpreter
+
+    return seconds(limit) or 0
 
 
 @collecting_rarely()
@@ -306,11 +314,7 @@ def save_project(
     elif not isinstance(target, _Writable):
         check_argument(target, _Writable, "save needs a path or a binary file")
     name = format_to_write(project, format, tia, path)
-    if isinstance(limit, str):
-        from plcopen_sfc.analysis.search_limits import seconds  # noqa: PLC0415  # brings the interpreter
-
-        is_auto = limit.strip().casefold() == "auto"
-        limit = _usual_limit(project) if is_auto else 0 if limit.strip() == "0" else seconds(limit) or 0
+    seconds = _seconds(limit, project)
     if at_rest:
         from plcopen_sfc.semantics.charts.graph.graph_parameters import operating_inputs  # noqa: PLC0415  # interpreter
 
@@ -338,12 +342,12 @@ def save_project(
             partial=partial,
             fresh=fresh,
             normalize=normalize,
-            limit=limit,
+            limit=seconds,
             at_rest=at_rest,
         )
         report.items += declared.items
         return report
-    data, report = encode(project, name, flavour=flavour, fresh=fresh, limit=limit, at_rest=at_rest)
+    data, report = encode(project, name, flavour=flavour, fresh=fresh, limit=seconds, at_rest=at_rest)
     report.items += declared.items
     if normalize:
         before, data = data, normalized(data, name)

@@ -304,9 +304,7 @@ def write_member(
         write_member(ctx, element, member)
     for content in unknown:
         add_element(ctx, element, content)
-    native = {"name", "type", "comment", "attributes"}
-    reported: set[str] = set()
-    also: dict[str, Any] = {}
+    native, reported = {"name", "type", "comment", "attributes"}, set[str]()
     if (told := open_address(ctx.project, variable)) is not None:
         reported.add("address")
         ctx.note(Outcome.APPROXIMATED, "address", variable.name, told)
@@ -315,35 +313,44 @@ def write_member(
     if not starts and starts_itself and not ctx.options.same and ctx.s7_types.start(variable) is not None:
         reported.add("initial")
         ctx.note(Outcome.NOT_EXECUTED, "initial", variable.name, NO_START)
-    if isinstance(start, t.StructValue) and isinstance(type_, t.StructType):
-        if write_nested(element, type_, start, ctx.s7_types.declared):
-            native.discard("type")  # read, the values are those of its members
-            reported |= {"type", "initial"}
-    elif has_nested(element) or (start is not None and _is_nested(type_)):
-        if write_nested(element, type_, start, ctx.s7_types.declared):
-            native.add("initial")
-    elif isinstance(start, t.SimpleValue):
-        sub(element, "StartValue", _marks(kept, "StartValue")).text = legal_text(start.text or "") or None
-        (native if start == variable.initial else reported).add("initial")
-    elif start is not None and write_elements(element, type_, start):
-        (native if start == variable.initial else reported).add("initial")
-    elif start is not None and variable.initial is None:
-        why = "its elements do not start with the initial value of their type, which TIA Portal cannot express here"
-        ctx.note(Outcome.NOT_EXECUTED, "initial", variable.name, why)
+    has_initial, told_of_start = _write_start(ctx, element, variable, type_, start)
+    native |= {"initial"} if has_initial else set()
+    reported |= told_of_start
     passed = ctx.action_calls.starts.of(ctx.pou) if ctx.pou is not None and isinstance(start, t.StructValue) else {}
     if (by_calls := passed.get(variable.name.casefold())) is not None and "initial" not in native:
         reported.add("initial")
         why = "calls pass it" if by_calls.values else "without effect: all calls pass these inputs"
         ctx.note(Outcome.TRANSLATED, "initial", variable.name, why)
-    if start is not None and variable.initial is None:
-        also = {"initial": None}
+    also: dict[str, Any] = {"initial": None} if start is not None and variable.initial is None else {}
     if _reports_type(ctx, variable, type_, spelled):
-        native.discard("type")
         reported.add("type")
+    native -= reported
     # the comment keeps fields of the source beside what is written for them; the digest tells an edit of the latter
     if "type" not in native or also or (variable.initial is not None and "initial" not in native):
         also[WRITTEN] = member_digests(element)
     finish(ctx, element, variable, frozenset(native), also=also, reported=frozenset(reported))
+
+
+def _write_start(
+    ctx: DocumentWriting, element: etree._Element, variable: t.Variable, type_: t.DataType, start: t.Value | None
+) -> tuple[bool, set[str]]:
+    """Write the start value of a member; return whether the file has that of the variable, and the fields to report."""
+    own = start == variable.initial, set[str]() if start == variable.initial else {"initial"}
+    if isinstance(start, t.StructValue) and isinstance(type_, t.StructType):
+        # read, the values are those of its members, which are a part of its type
+        return False, {"type", "initial"} if write_nested(element, type_, start, ctx.s7_types.declared) else set()
+    if has_nested(element) or (start is not None and _is_nested(type_)):
+        return write_nested(element, type_, start, ctx.s7_types.declared), set()
+    if isinstance(start, t.SimpleValue):
+        marks = _marks(attributes_of(variable.extension_data), "StartValue")
+        sub(element, "StartValue", marks).text = legal_text(start.text or "") or None
+        return own
+    if start is not None and write_elements(element, type_, start):
+        return own
+    if start is not None and variable.initial is None:
+        why = "its elements do not start with the initial value of their type, which TIA Portal cannot express here"
+        ctx.note(Outcome.NOT_EXECUTED, "initial", variable.name, why)
+    return False, set()
 
 
 def _reports_type(ctx: DocumentWriting, variable: t.Variable, type_: t.DataType, spelled: str) -> bool:

@@ -144,37 +144,8 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
     elif pou.kind is PouKind.PROGRAM:
         report_program(ctx.project, pou, ctx.report)
     chart = next((body for body in pou.bodies if isinstance(body, SfcBody)), None)
-    added = functions.instances(pou)
-    if ctx.options.of_codesys and any(each.owner.name == pou.name for each in functions.charts.values()):
-        why = (
-            "charts in actions show a new step one call later in CODESYS: where such an action ends just then, the step"
-            " acts before it ends in TIA Portal, and when it begins again in CODESYS"
-        )
-        ctx.note(Outcome.APPROXIMATED, CHART_OF_ACTION, why=why)
-    ctx.types |= {f"#{variable.name.lower()}": write_type(variable.type) for variable in added}
-    ctx.action_controls = None
-    if chart is not None and _may_have_controls(ctx):
-        added += _planned_controls(ctx, pou, chart.chart, functions)
-        if chart_of_action is not None:
-            added += _memories(ctx, chart_of_action.owner, pou, chart.chart)
-        ctx.types |= {f"#{variable.name.lower()}": write_type(variable.type) for variable in added}
     mark = ctx.options.marks.get(id(pou), {})
-    added += mark.get("variables", [])
-    if pou.interface is not None:
-        own = _without(pou.interface, mark.get("variables", ()))
-        static = pou.kind is not PouKind.FUNCTION or ctx.keeps_sections
-        renamed = _renamed(ctx, pou)
-        is_chart = chart is not None
-        inside = functions.kept_inside(pou) if not ctx.keeps_sections else frozenset[str]()
-        for name in (v.name for v in pou.variables(SectionKind.INPUT) if v.name.casefold() in inside):
-            ctx.note(
-                Outcome.TRANSLATED, "section", name, "a static variable, as no input is an instance and none passes it"
-            )
-        write_interface(
-            ctx, writer.values, own, renamed, graph=is_chart, static=static, added=added, kept_inside=inside
-        )
-    elif chart is not None:
-        mark_added(write_interface(ctx, writer.values, Interface(), graph=True, added=added))
+    _write_interface_of(ctx, writer.values, pou, functions, chart.chart if chart is not None else None)
     kept = attributes_of(pou.extension_data).get("ProgrammingLanguage")
     writer.set("ProgrammingLanguage", kept or block_language([language_of(body) for body in pou.bodies]) or "LAD")
     if chart is not None and ctx.body_name not in ctx.options.untouched:
@@ -198,6 +169,48 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
     if writer.values.findtext("ProgrammingLanguage") != "GRAPH":
         _without_graph(writer.values)
     ctx.place.pop()
+
+
+def _write_interface_of(
+    ctx: DocumentWriting, values: etree._Element, pou: Pou, functions: ActionFunctions, chart: SfcNetwork | None
+) -> None:
+    """Write the interface of a code block, with the variables that TIA Portal wants for its chart and its actions."""
+    added = functions.instances(pou)
+    if ctx.options.of_codesys and any(each.owner.name == pou.name for each in functions.charts.values()):
+        why = (
+            "charts in actions show a new step one call later in CODESYS: where such an action ends just then, the step"
+            " acts before it ends in TIA Portal, and when it begins again in CODESYS"
+        )
+        ctx.note(Outcome.APPROXIMATED, CHART_OF_ACTION, why=why)
+    # the controls look for the types of operands, and add variables that rows name
+    ctx.types |= {f"#{variable.name.lower()}": write_type(variable.type) for variable in added}
+    ctx.action_controls = None
+    if chart is not None and _may_have_controls(ctx):
+        added += _planned_controls(ctx, pou, chart, functions)
+        chart_of_action = functions.charts.get(pou.name.casefold())
+        if chart_of_action is not None:
+            added += _memories(ctx, chart_of_action.owner, pou, chart)
+        ctx.types |= {f"#{variable.name.lower()}": write_type(variable.type) for variable in added}
+    marked = ctx.options.marks.get(id(pou), {}).get("variables", [])
+    added += marked
+    if pou.interface is None:
+        if chart is not None:
+            mark_added(write_interface(ctx, values, Interface(), graph=True, added=added))
+        return
+    inside = functions.kept_inside(pou) if not ctx.keeps_sections else frozenset[str]()
+    for name in (v.name for v in pou.variables(SectionKind.INPUT) if v.name.casefold() in inside):
+        why = "a static variable, as no input is an instance and none passes it"
+        ctx.note(Outcome.TRANSLATED, "section", name, why)
+    write_interface(
+        ctx,
+        values,
+        _without(pou.interface, marked),
+        _renamed(ctx, pou),
+        graph=chart is not None,
+        static=pou.kind is not PouKind.FUNCTION or ctx.keeps_sections,
+        added=added,
+        kept_inside=inside,
+    )
 
 
 def _planned_controls(ctx: DocumentWriting, pou: Pou, chart: SfcNetwork, functions: ActionFunctions) -> list[Variable]:
@@ -248,10 +261,8 @@ def _note_method(ctx: DocumentWriting, functions: ActionFunctions, pou: Pou, met
     if isinstance(made, str):
         outcome, why = Outcome.NOT_EXECUTED, f"blocks of TIA Portal have no methods, and no function holds it: {made}"
     else:
-        outcome, why = (
-            Outcome.TRANSLATED,
-            f"it is the function {made.name}, with the variables of the block that it uses",
-        )
+        outcome = Outcome.TRANSLATED
+        why = f"it is the function {made.name}, with the variables of the block that it uses"
     ctx.note(outcome, "method", f"method {method.name}", why)
 
 

@@ -19,6 +19,9 @@ from plcopen_sfc.semantics.programs.runtime_types import BOOL, INSTANT, Directio
 
 Run = Callable[[Frame], None]
 
+# The slots `v[0]`, `v[1]`, .. are the pins of a block in the order of `_BISTABLE`, `_COUNTERS` and `_TIMER_PINS`: RS
+# has S, R1 and Q1.
+
 
 def reset_dominant(frame: Frame) -> None:
     """RS of IEC 61131-3: S, R1."""
@@ -186,7 +189,7 @@ _BISTABLE = {
     "R_TRIG": ("CLK:BOOL > Q:BOOL - M:BOOL", rising),
     "F_TRIG": ("CLK:BOOL > Q:BOOL - M:BOOL", falling),
 }
-_TIMER_PINS = "IN:BOOL PT:TIME > Q:BOOL ET:TIME - START:INSTANT LAST:BOOL"
+_TIMER_PINS = "IN:BOOL PT:TIME > Q:BOOL ET:TIME - START:INSTANT"
 _BLINK_PINS = "ENABLE:BOOL TIMELOW:TIME TIMEHIGH:TIME > OUT:BOOL - START:INSTANT"
 _S7_TYPES = re.compile(
     r"(?P<block>TONR|TON|TOF|TP)_(?P<time>L?TIME)|IEC_(?P<timer>L?TIMER)"
@@ -260,13 +263,12 @@ class BlockTypes:
         return found
 
     def _timer(self, name: str, kind: str, time: ScalarType) -> BlockType:
-        pins = _TIMER_PINS.replace("LAST", "R") if kind == "TONR" else _TIMER_PINS
-        pins = _TIMER_PINS.replace("LAST:BOOL", "R:BOOL LAST:BOOL") if not kind else pins
-        layout = _layout(name, pins, time, time)
+        # an IEC_TIMER is started as any of the four: it has the input R of TONR and the memory of the others
+        more = {"TONR": "R:BOOL", "": "R:BOOL LAST:BOOL"}.get(kind, "LAST:BOOL")
+        layout = _layout(name, f"{_TIMER_PINS} {more}", time, time)
         if kind:
-            return BlockType(
-                layout, self._timed(_TIMERS[kind], time.unit), {kind: self._timed(_TIMERS[kind], time.unit)}
-            )
+            run = self._timed(_TIMERS[kind], time.unit)
+            return BlockType(layout, run, {kind: run})
         methods = {kind: self._timed(run, time.unit) for kind, run in _TIMERS.items()}
         methods["TP"] = self._timed(_pulse_of_any, time.unit)
         return BlockType(layout, None, methods)
