@@ -23,6 +23,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import LogicNetwork, Node
 from plcopen_sfc.model.numbering import number_in_order, numbered_in_order
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.text import MarkupText, MultilingualText, plain
 from plcopen_sfc.report import FIELD, ConversionReport, Outcome
 
 
@@ -104,7 +105,8 @@ def _report_differences(project: Project, kind: Format, back: Project, report: C
             why = f"the written file has {_short(difference.right)}, and the source nothing"
             report.add(Outcome.TRANSLATED, FIELD, difference.path, why)
             continue
-        why = f"{_short(difference.left)} comes back as {_short(difference.right)}"
+        left, right = _short(difference.left), _short(difference.right)
+        why = f"{left} comes back as {right}" if right != _NOTHING else f"{left} is not in the written file"
         report.add(Outcome.DROPPED, FIELD, difference.path, why)
 
 
@@ -132,19 +134,22 @@ def _shown(value: object) -> str:
     """Return a value of the model in words: the names and texts in it."""
     match value:
         case None:
-            return "nothing"
+            return _NOTHING
         case ExtensionData():
             return "extension data"
+        case MarkupText() | MultilingualText():
+            return repr(plain(value))
         case Model():
             inner = [each for name in type(value).model_fields if (each := getattr(value, name)) not in (None, [], {})]
             return " ".join(_shown(each) for each in inner if isinstance(each, str | Model | list)) or "something"
         case list() | tuple():
-            return ", ".join(map(_shown, value)) or "nothing"
+            return ", ".join(map(_shown, value)) or _NOTHING
         case _:
             return repr(value) if type(value) is str else str(value)
 
 
 _SHOWN = 60
+_NOTHING = "nothing"
 
 
 _ANNOTATIONS = ("extension_data", "global_id", "comment")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from plcopen_sfc.errors import ModelError, check_argument, nearest
 from plcopen_sfc.pages.phrases import german_label, german_table
-from plcopen_sfc.pages.report_words import GERMAN, german, german_finding, german_place, german_verdict
+from plcopen_sfc.pages.report_words import GERMAN, german, german_failure, german_finding, german_place, german_verdict
 
 _WORDS = german_table("words")
 
@@ -35,6 +35,10 @@ class Words:
     def verdict(self, english: str) -> str:
         """Return a line of a verdict, or why something was not reached; English where no translation is known."""
         return german_verdict(english) if self.lang == "de" else english
+
+    def failure(self, english: str) -> str:
+        """Return why a run ended with an error; English where no translation of it is known."""
+        return german_failure(english) if self.lang == "de" else english
 
     def place(self, path: str) -> str:
         """Return a path of a report: names as they are, the kinds of things in the language of the page."""

@@ -1,7 +1,8 @@
 """German for what reports of conversions, lines of `diff` and findings of `check` tell, by the English message.
 
-``german/reports.json`` and ``german/rules.json`` have the messages, with places as `plcopen_sfc.pages.phrases` has
-them. A message that is not there stays English. Tools are in the dative: German puts them after `in` and `von`.
+``german/reports.json`` and ``german/rules.json`` have the messages, ``german/runs.json`` those of runs that end with an
+error, with places as `plcopen_sfc.pages.phrases` has them. A message that is not there stays English. Tools are in the
+dative: German puts them after `in` and `von`.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ GERMAN = german_table("reports")
 _KINDS = german_tables("reports")["kinds of things"]
 _LINE = re.compile(r"line (\d+): ")
 """Beginnings of messages about program text of several lines."""
+_PLACE = re.compile(r"(?:line ([\d:]+) \()?(\w+(?:\.\w+)*(?: / .+?)?)\)?")
+"""Places that are before the reason for the end of a run: ``Band / transition S1 -> S2``, ``line 2 (Main)``."""
 _RUN = ("it does something else after ", "it is not known to do the same")
 """Beginnings of what a run of both sides has shown."""
 
@@ -53,7 +56,18 @@ def german_finding(message: str) -> str:
     return german_label(_FINDINGS.find(message) or german(message))
 
 
+@lru_cache(maxsize=4096)
+def german_failure(message: str) -> str:
+    """Return why a run ended with an error in German, where a place may be before it; itself where it is not known."""
+    place, mark, reason = message.partition(": ")
+    if mark and (at := _PLACE.fullmatch(place)) and (told := german_failure(reason)) != reason:
+        path = german_place(at[2])
+        return f"Zeile {at[1]} ({path}): {told}" if at[1] else f"{path}: {told}"
+    return german_label(_RUNS(message))
+
+
 _REPORTS = Phrases(GERMAN, german)
 _FINDINGS = Phrases(german_table("rules"), german_finding)
-german_verdict = Verdicts(_REPORTS)
+_RUNS = Phrases({**german_table("runs"), **german_table("verdicts"), **GERMAN, **german_table("rules")}, german_failure)
+german_verdict = Verdicts(german_failure, _REPORTS)
 """Return a line of a verdict in German, or why something was not reached; English stays what is not known."""

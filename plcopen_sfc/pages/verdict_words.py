@@ -28,6 +28,8 @@ _DECIDED = re.compile(
 )
 _OTHERWISE = re.compile(r"it does something else after (\d+) scan(s?): (.+)", re.DOTALL)
 _GIVEN = "given: "
+_FAILED = {"both end with an error: ": "beide enden mit einem Fehler: ", "not run: ": "nicht ausgeführt: "}
+"""What is before the reason for the end of a run."""
 _MORE = re.compile(r" and (\d+) more$")
 _MISSED_KINDS = {
     "step": ("Schritt", "Schritte"),
@@ -42,10 +44,13 @@ _MISSED_KINDS = {
 
 
 class Verdicts:
-    """German for lines of verdicts and reasons of them. `other` translates what is in it besides, such as tools."""
+    """German for lines of verdicts and reasons of them.
 
-    def __init__(self, other: Callable[[str], str]) -> None:
-        self._other = other
+    `failure` translates why a run ended, `other` what is in it besides, such as tools.
+    """
+
+    def __init__(self, failure: Callable[[str], str], other: Callable[[str], str]) -> None:
+        self._failure, self._other = failure, other
         table = german_table("verdicts")
         self._phrases = Phrases(table, self._clauses)
         self._whole = Phrases({english: german for english, german in table.items() if "; " in english}, self._clauses)
@@ -82,7 +87,11 @@ class Verdicts:
         if found := _OTHERWISE.fullmatch(text):
             return f"es tut nach {found[1]} Zyk{'len' if found[2] else 'lus'} etwas anderes: {self._clauses(found[3])}"
         lists = (self._listed(text, mark, german) for mark, german in _MARKS)
-        return next(filter(None, lists), None) or self._phrases.find(text)
+        return next(filter(None, lists), None) or self._phrases.find(text) or self._failed(text)
+
+    def _failed(self, text: str) -> str | None:
+        begins = next((begins for begins in _FAILED if text.startswith(begins)), None)
+        return f"{_FAILED[begins]}{self._failure(text.removeprefix(begins))}" if begins is not None else None
 
     def _listed(self, text: str, mark: str, german: str) -> str | None:
         """Return a list in German; None where it is none, or something in it is not known."""

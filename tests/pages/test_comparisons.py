@@ -402,6 +402,21 @@ def test_reasons_are_german_on_a_german_page(file: str, target: str) -> None:
     assert {why for why in reasons if why in german} == set()
 
 
+def test_what_a_written_file_does_not_have_is_told_in_german() -> None:
+    """It was "extension data wird als nothing wieder gelesen": half of it, and no sentence in English either."""
+    source = sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml")
+    _, report = sfc.convert(source, "twincat", partial=True, limit=0)
+    missing = [item for item in report.items if "is not in the written file" in item.why]
+    assert {"extension data", "'Bohrmaschine'"} <= {
+        item.why.removesuffix(" is not in the written file") for item in missing
+    }
+    assert not [item for item in report.items if item.why.endswith("comes back as nothing")]
+    words = Words("de")
+    told = {f"{words.place(item.path)}: {words.message(item.why)}" for item in missing}
+    assert "POU FB_Drill / Erweiterungsdaten: nicht in der geschriebenen Datei: Erweiterungsdaten" in told
+    assert {line for line in told if english_in(line)} == set()
+
+
 def test_a_german_diff_tells_changes_in_german(conveyors: tuple[sfc.Project, sfc.Project]) -> None:
     before, after = conveyors
     tree = parse(sfc.diff_page(before, after, sfc.diff(before, after), lang="de"))

@@ -1,4 +1,7 @@
-"""Messages of readers, reasons in findings and in reports have their German: all of them, as they are in the code."""
+"""Messages of readers, of runs that end with an error, reasons in findings and in reports have their German.
+
+All of them, as they are in the code.
+"""
 
 from __future__ import annotations
 
@@ -15,10 +18,27 @@ from plcopen_sfc.pages.page_words import Words
 PACKAGE = Path(__file__).resolve().parents[2] / "plcopen_sfc"
 ROOMS = ("formats", "documents", "model", "analysis", "languages", "conversion", "refactor", "lowering")
 """Where findings of a page, and items of reports come from."""
+RUNS = ("semantics", "languages")
+"""Where the errors of a run come from."""
 CODE = re.compile(r"(?!XSD|IMP|LNG)[A-Z]{3}\d{3}")
 """Codes of findings; not of those that `validate` alone tells."""
 REASONS = {"ConditionError", "Problem", "_doubt", "_unknown", "DamagedError"}
 """What is called with a message that becomes a part of a finding."""
+FAILURES = {
+    "CompetingTransitionsError",
+    "ForcingConflictError",
+    "SimulationError",
+    "UnknownBehaviourError",
+    "UnknownFunctionError",
+    "UnstableChartError",
+    "LiteralError",
+    "NetworkProblem",
+    "missing_time",
+    "problem",
+    "_refusing",
+    "_said",
+}
+"""What is called with why a run ends with an error."""
 FILLINGS = (
     "'x'",
     "3",
@@ -75,14 +95,16 @@ def is_outcome(argument: ast.expr) -> bool:
     return isinstance(argument, ast.Attribute) and getattr(argument.value, "id", "") == "Outcome"
 
 
-def messages(module: Path, *, of_reports: bool) -> Iterator[str]:
-    """The messages of the findings, or of items of reports, that a module makes."""
+def messages(module: Path, *, of: str) -> Iterator[str]:
+    """The messages of the findings, of items of reports, or of runs that fail, that a module makes."""
     tree = ast.parse(module.read_text(encoding="utf-8"))
     functions = [each for each in ast.walk(tree) if isinstance(each, ast.FunctionDef)]
     for call in (each for each in ast.walk(tree) if isinstance(each, ast.Call)):
         name = getattr(call.func, "attr", getattr(call.func, "id", ""))
-        if of_reports:
+        if of == "reports":
             begins = next((number for number, each in enumerate(call.args) if is_outcome(each)), None)
+        elif of == "runs":
+            begins = -1 if name in FAILURES else None
         else:
             begins = next((number for number, each in enumerate(call.args) if is_code(each)), None)
             begins = -1 if begins is None and name in REASONS else begins
@@ -107,12 +129,15 @@ def _filled(text: str) -> Iterator[str]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("of_reports", [False, True])
-def test_every_message_has_its_german(*, of_reports: bool) -> None:
+@pytest.mark.parametrize(
+    ("of", "rooms", "least"), [("findings", ROOMS, 160), ("reports", ROOMS, 400), ("runs", RUNS, 170)]
+)
+def test_every_message_has_its_german(of: str, rooms: tuple[str, ...], least: int) -> None:
     words = Words("de")
-    modules = [module for room in ROOMS for module in (PACKAGE / room).rglob("*.py")]
-    found = {text for module in modules for text in messages(module, of_reports=of_reports)}
-    assert len(found) > (400 if of_reports else 160)
+    translate = {"findings": words.finding, "reports": words.message, "runs": words.failure}[of]
+    modules = [module for room in rooms for module in (PACKAGE / room).rglob("*.py")]
+    found = {text for module in modules for text in messages(module, of=of)}
+    assert len(found) > least
     missing = []
     for text in found:
         is_path = any(words.place(text.removeprefix("\0")) != text for text in (text, text.replace("\0", "x")))
@@ -120,7 +145,6 @@ def test_every_message_has_its_german(*, of_reports: bool) -> None:
             continue
         # what only says what is wrong with a thing is told behind its name
         filled = (begin + each for begin in ("", "x ") for each in _filled(text))
-        translate = words.message if of_reports else words.finding
         if not any(is_german(told) and told != each for each in filled for told in [translate(each)]):
             missing.append(text.replace("\0", "{}"))
     assert "\n".join(sorted(missing)) == ""

@@ -586,7 +586,7 @@ def test_findings_tell_kinds_of_actions_in_german() -> None:
     words = Words("de")
     kinds = [kind.words for kind in ActionKind if kind is not ActionKind.FORCING]
     for form in (
-        "is set here ({0}), and step 2 writes it continuously ({0})",
+        "is set here ({0}), and step 2 writes it while it is active ({0})",
         "is assigned here, and stored ({0}) in step 2",
     ):
         for kind in kinds:
@@ -611,7 +611,8 @@ CHART G1
     )
     found = words_of(parse(sfc.page(project, lang="de")).xpath("//section[@id='findings']")[0])
     assert (
-        "K2 wird hier gespeichert (bei Deaktivierung), und Schritt 2 schreibt es kontinuierlich (zeitbegrenzt)" in found
+        "K2 wird hier gespeichert (bei Deaktivierung), und Schritt 2 schreibt es, solange er aktiv ist (zeitbegrenzt)"
+        in found
     )
 
 

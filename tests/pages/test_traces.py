@@ -10,6 +10,7 @@ from lxml import etree, html
 
 import plcopen_sfc as sfc
 from plcopen_sfc.pages import page
+from plcopen_sfc.pages.page_words import Words
 from plcopen_sfc.semantics.simulation import Simulation
 from plcopen_sfc.semantics.subjects import resolve
 from tests.pages.browser import Browser
@@ -175,6 +176,19 @@ def test_a_run_without_a_scan_and_one_that_ends_with_an_error_are_shown() -> Non
         ("de", "mit einem Fehler: Division durch null"),
     ):
         assert told in page(project, lang=lang, trace=simulation.trace)
+
+
+def test_a_german_page_of_runs_tells_in_german_why_one_ended() -> None:
+    text = "PROGRAM Main VAR_INPUT x : BOOL; END_VAR VAR n : INT := 9; a : ARRAY [1..3] OF INT; END_VAR "
+    project = sfc.loads(f"{text} n := a[n]; END_PROGRAM".encode(), format="iec-text")
+    simulation = Simulation(resolve(project, None))
+    with pytest.raises(sfc.SfcError):
+        simulation.run(lambda _: {}, 5)
+    told = html.fromstring(page(project, lang="de", trace=simulation.trace)).text_content()
+    assert "mit einem Fehler: der Index 9 liegt außerhalb von 1..3" in told
+    verdict = sfc.equivalent(project, project)
+    told = Words("de").verdict(str(verdict).splitlines()[0])
+    assert "beide enden mit einem Fehler: Zeile 1 (Main): der Index 9 liegt außerhalb von 1..3" in told
 
 
 def test_a_macro_step_is_active_while_a_step_of_its_expansion_is() -> None:

@@ -46,7 +46,7 @@ def _mixed(chart: CheckedChart) -> Iterator[Finding]:
 
 
 def _there(continuous: TargetUse) -> str:
-    return f"step {continuous.step.name} writes it continuously ({how(continuous)})"
+    return f"step {continuous.step.name} writes it while it is active ({how(continuous)})"
 
 
 def _takes_back(use: TargetUse) -> bool:
