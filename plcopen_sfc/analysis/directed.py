@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from itertools import chain, islice
 from math import frexp, inf, nextafter
 from random import Random
-from typing import Any
+from typing import Any, NamedTuple
 
 from plcopen_sfc.analysis.coverage import unreachable_in
 from plcopen_sfc.analysis.deciding_parts import ConditionParts
@@ -102,6 +102,19 @@ class _State:
         return self.key and (self.key[0], self.key[3])
 
 
+class _Wanted(NamedTuple):
+    """Inputs that are tried from a state.
+
+    `rows` are held until the situation changes. `after`: those of a scan behind one with the other values. `bounds`:
+    those with which a comparison just changes. `hoped`: they make a condition TRUE as far as inputs decide it.
+    """
+
+    rows: list[Row]
+    after: list[Row]
+    bounds: list[Row]
+    hoped: list[Row]
+
+
 @dataclass(frozen=True)
 class Directed:
     """Result of a search: the steps of a run that ends with a difference, or None; and how much was run.
@@ -160,19 +173,7 @@ class DirectedSearch:
             self._with_parts.append(self._others)
         self._quiet: Row = {name: signal.default for name, signal in signals.items()}
         self._values = {name: _values(domains[name], signal) for name, signal in signals.items()}
-        for side in self._sides:
-            for name, signal in signals.items():
-                if signal.kind is SignalKind.STRING:
-                    self._learn(name, map(_text, side.text_lengths(signal)))
-        for goals in self._with_parts:  # what is compared with a constant may be a copy of an input
-            for name, signal in signals.items():
-                self._learn(name, goals.constants(signal))
-        self._bitwise = {
-            name
-            for name, signal in signals.items()
-            for side in self._sides
-            if self._learn(name, (_wrapped(each, signal) for each in side.bit_patterns(signal)), most=_MOST_PATTERNS)
-        }
+        self._bitwise = {name for name, signal in signals.items() if self._learn_of_programs(name, signal)}
         self._moved = [name for name in signals if name.casefold().rpartition(".")[2] not in _FLAGS]
         self._states: list[_State] = []
         self._by_key: dict[Any, int] = {}
@@ -210,6 +211,15 @@ class DirectedSearch:
         except KeyboardInterrupt:
             self._stopped = INTERRUPTED
         return Directed(self._difference, self._runs, self._scans, tuple(self._notes), self._stopped)
+
+    def _learn_of_programs(self, name: str, signal: Signal) -> bool:
+        """Try the values of an input that the programs ask for; True where they look at its bits."""
+        if signal.kind is SignalKind.STRING:
+            self._learn(name, (_text(length) for side in self._sides for length in side.text_lengths(signal)))
+        # what is compared with a constant may be a copy of an input
+        self._learn(name, (each for goals in self._with_parts for each in goals.constants(signal)))
+        bits = (_wrapped(each, signal) for side in self._sides for each in side.bit_patterns(signal))
+        return self._learn(name, bits, most=_MOST_PATTERNS)
 
     def _learn(self, name: str, values: Iterable[Value], *, most: int = _MOST_VALUES) -> bool:
         """Try more values of an input; True where there are any."""
@@ -434,7 +444,26 @@ class DirectedSearch:
         """Make the conditions of the next transitions TRUE, each alone where that is possible; then none of them."""
         state = self._states[number]
         self._begin(number)
-        self._runs -= 1
+        self._runs -= 1  # only to look at it
+        wanted = self._wanted(state)
+        for row in wanted.rows:
+            self._begin(number)
+            if self._scan(row):
+                self._wait(row)
+        # An edge is wanted: a scan with the other value comes before.
+        for values in wanted.after:
+            row = {**state.row, **values}
+            self._begin(number)
+            if self._scan({name: False if name in values and value is True else value for name, value in row.items()}):
+                self._scan(row)
+        for values in wanted.bounds:
+            self._begin(number)
+            self._scan({**state.row, **values})
+        for row in wanted.hoped[:_HOPES]:
+            self._hope(number, row)
+
+    def _wanted(self, state: _State) -> _Wanted:
+        """Ask z3 for inputs with which something new happens in a state, in which both sides are."""
         enabled = self._goals.enabled(state.key[0]) if state.key is not None else []
         rows: list[Row] = []
         bounds: list[Row] = []
@@ -484,21 +513,7 @@ class DirectedSearch:
                 bounds += self._at_bound(goals.solve_bound(goal))
             for goal in goals.open_outcomes():
                 try_part(goals, goal, goals.solve([goal], []))
-        for row in rows:
-            self._begin(number)
-            if self._scan(row):
-                self._wait(row)
-        # An edge is wanted: a scan with the other value comes before.
-        for values in after:
-            row = {**state.row, **values}
-            self._begin(number)
-            if self._scan({name: False if name in values and value is True else value for name, value in row.items()}):
-                self._scan(row)
-        for values in bounds:
-            self._begin(number)
-            self._scan({**state.row, **values})
-        for row in hoped[:_HOPES]:
-            self._hope(number, row)
+        return _Wanted(rows, after, bounds, hoped)
 
     def _hold(self, held: Row | None, add: Callable[[Row | None], bool]) -> None:
         """Add inputs that hold the situation, and with which branches are executed that wait for a time in it."""

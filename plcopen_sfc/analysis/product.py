@@ -240,21 +240,22 @@ def _search(
     notes: dict[str, SfcError] = {}
     closed = False
     limit = cap * _RUNS_FOR_A_STATE
+    too_many = f"more than {limit:,} scans to search"
     while waiting:
         number, before_left, before_right = waiting.popleft()
         searched = len(origins) - len(waiting) - 1
         # those that wait take about as many scans each as those before them: when they alone are too many, the search
         # cannot end in time, and the scans are better spent on directed runs
         if runs > limit // _BEFORE_GIVING_UP and runs + len(waiting) * runs / searched > limit:
-            return _too_many(seen, depths[number], limit)
+            return _stopped(len(seen), depths[number], too_many)
         for values in branching.combinations():
             try:
                 yield Progress(runs, depths[number], len(seen))
             except StopError as stop:
-                return Explored(len(seen), depths[number], complete=False, reason=str(stop), capped=True)
+                return _stopped(len(seen), depths[number], str(stop))
             runs += 1
             if runs > limit:
-                return _too_many(seen, depths[number], limit)
+                return _stopped(len(seen), depths[number], too_many)
             left.restore(before_left)
             right.restore(before_right)
             ended, note, failure = _scan(left, right, branching.read, first=number == 0)
@@ -273,8 +274,7 @@ def _search(
                 continue
             seen.add(code)
             if len(seen) > cap:
-                reason = f"more than {cap:,} states"
-                return Explored(len(seen) - 1, depths[number], complete=False, reason=reason, capped=True)
+                return _stopped(cap, depths[number], f"more than {cap:,} states")
             waiting.append((len(origins), *after))
             origins.append((number, dict(values)))
             depths.append(depths[number] + 1)
@@ -286,8 +286,8 @@ def _search(
     return Explored(len(seen), max(depths), complete=True, notes=tuple(notes), dead=dead)
 
 
-def _too_many(seen: set[Any], depth: int, limit: int) -> Explored:
-    return Explored(len(seen), depth, complete=False, reason=f"more than {limit:,} scans to search", capped=True)
+def _stopped(states: int, depth: int, reason: str) -> Explored:
+    return Explored(states, depth, complete=False, reason=reason, capped=True)
 
 
 def _check_domains(domains: Iterable[Domain]) -> None:

@@ -364,14 +364,10 @@ def _report_run(report: ConversionReport, run: _Run, rules: Sequence[str]) -> No
         usual = 1 if run.profiles[1].order is ScanOrder.ACTIONS_FIRST else 0  # a later result passed other situations
         if abs(verdict.delay.scans) <= usual:
             _note_proven(report, path, STABILITY, "which fires transitions once in a scan")
-        _note_proven(report, path, SELECTION, "which fires other transitions of a selection")
-        _note_proven(report, path, CHART_OF_ACTION, "which calls a block for the chart of the action")
-        _note_proven(report, path, ORDER_OF_ACTIONS, "which executes actions in another order")
-        _note_proven(report, path, BOOLEAN_ACTIONS, "which writes variables of actions at other times")
-        _note_proven(report, path, FALLING_EDGE, "which sees another first edge of F_TRIG")
+        for what, how in _PROVEN.items():
+            _note_proven(report, path, what, how)
         if not run.profiles[1].initial_situation_held:  # of which no proof has the first scan
             _note_proven(report, path, FIRST_SCAN, "whose actions have not seen the initial step then")
-        _note_proven(report, path, ARITHMETIC, "which calculates with other numbers of bits")
     if as_run.proven:
         _note_proven(report, path, INPUTS_OF_ACTIONS, "whose actions see other inputs")
     if as_run.equal:  # every run has a first scan
@@ -389,6 +385,17 @@ def _report_run(report: ConversionReport, run: _Run, rules: Sequence[str]) -> No
             told = {INPUTS_OF_ACTIONS, START_OF_CHART}
             report.items = [each for each in report.items if each.what not in told or each.path != path]
         report.add(Outcome.APPROXIMATED, "chart", path, why)
+
+
+_PROVEN = {
+    SELECTION: "which fires other transitions of a selection",
+    CHART_OF_ACTION: "which calls a block for the chart of the action",
+    ORDER_OF_ACTIONS: "which executes actions in another order",
+    BOOLEAN_ACTIONS: "which writes variables of actions at other times",
+    FALLING_EDGE: "which sees another first edge of F_TRIG",
+    ARITHMETIC: "which calculates with other numbers of bits",
+}
+"""What the target does otherwise, which every proof covers, whatever the delay is."""
 
 
 def _note_proven(report: ConversionReport, path: str, what: str, how: str) -> None:
