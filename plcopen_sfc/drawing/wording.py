@@ -95,16 +95,17 @@ class Wording:
         read = self._read(condition)
         if read.tree is None or not read.complete:
             return ""
+        helpers = {helper.name for helper in read.helpers}
+        calls = [self._text(call) for block, call in _calls(read) if block not in helpers]
         text = self._text(read.tree)
+        text = self.told("{}, with {}", text, "; ".join(calls)) if calls else text
         for helper in reversed(read.helpers):
             if helper.name in text:
                 meant = self._meant(read, helper)
                 if meant is None:
                     return ""
                 text = text.replace(f"{helper.name}.Q" if helper.type_name == "R_TRIG" else helper.name, meant)
-        helpers = {helper.name for helper in read.helpers}
-        calls = [self._text(call) for block, call in _calls(read) if block not in helpers]
-        return self.told("{}, with {}", text, "; ".join(calls)) if calls else text
+        return text
 
     def _meant(self, read: NetworkExpression, helper: Helper) -> str | None:
         """Return a helper variable in words: the edge that it has, or the value that it is given; None for others."""

@@ -14,6 +14,9 @@ from plcopen_sfc.drawing.pictures import ChartPart, charts_in, part_prefix
 from plcopen_sfc.drawing.wording import Told, english
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.binding.text_sites import SiteKind
+from plcopen_sfc.languages.networks.network_graph import wires_of
+from plcopen_sfc.model.conditions import WiredCondition
+from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.pou import Action, Method, NamedBody, NamedTransition, Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcBody, SfcNetwork, Step, Transition
@@ -43,13 +46,27 @@ class PlacedBody(NamedTuple):
     path: str
 
 
-_TEXTS = ("text", "name", "target", "value", "duration", "indicator", "entry_action", "main_action", "exit_action")
-"""The fields of conditions, associations, steps and bodies that pictures show."""
+_OF_ACTIONS = ("target", "value", "duration", "indicator", "entry_action", "main_action", "exit_action")
+_TEXTS = ("text", "name", "expression", "instance", *_OF_ACTIONS)
+"""The fields of conditions and what is drawn before them, associations, steps and bodies that pictures show."""
 
 
 def row_anchor(anchor: str) -> str:
     """Return the anchor of where a table tells of the step or transition at an anchor of a picture."""
     return f"{anchor}-row"
+
+
+def _before(transition: Transition, nodes: Mapping[int, Node]) -> list[Node]:
+    """Return the elements drawn in a chart that the condition of a transition depends on."""
+    condition = transition.condition
+    wires = list(condition.input.connections) if isinstance(condition, WiredCondition) else []
+    found: dict[int, Node] = {}
+    for wire in wires:  # grows
+        node = nodes.get(wire.source)
+        if node is not None and node.id not in found:
+            found[node.id] = node
+            wires += wires_of(node)
+    return list(found.values())
 
 
 class PageIndex:
@@ -79,6 +96,10 @@ class PageIndex:
         self._paths: dict[str, str] = {}
         self._links: dict[tuple[int, str | int], list[tuple[int, int, str]]] = {}
         self._uses: dict[str, dict[str, None]] = {}
+        self._before: dict[int, list[Node]] = {}
+        """The elements that are drawn before the condition of each transition."""
+        self._fed: dict[int, list[str]] = {}
+        """The paths of the transitions whose conditions each of these elements feeds."""
         for number, pou in enumerate(project.pous):
             self._place_pou(pou, f"{prefix}pou-{number}")
         self._place_others()
@@ -145,7 +166,9 @@ class PageIndex:
         found: dict[str, dict[str, str]] = {}
         for part in self.parts[prefix]:
             for transition in part.chart.transitions:
-                found[self.anchor(transition)] = self._named(transition) | self._names_in(transition.condition)
+                found[self.anchor(transition)] = self._named(transition) | self._names_in(
+                    transition.condition, *self._before[id(transition)]
+                )
             for step in part.chart.steps:
                 told = [each for row in step.actions for each in (row, row.condition, row.body)]
                 actions = (step.entry_action, step.main_action, step.exit_action)
@@ -205,9 +228,13 @@ class PageIndex:
             labels = part.chart.labels({number: name.rpartition(" / step ")[2] for number, name in steps.items()})
             for step in part.chart.steps:
                 self._place(step, f"{begin}step-{step.id}", f"{around} / step {step.name}")
+            nodes = {node.id: node for node in part.chart.logic}
             for transition in part.chart.transitions:
-                label = labels[transition.id]
-                self._place(transition, f"{begin}transition-{transition.id}", f"{around} / transition {label}")
+                place = f"{around} / transition {labels[transition.id]}"
+                self._place(transition, f"{begin}transition-{transition.id}", place)
+                self._before[id(transition)] = _before(transition, nodes)
+                for node in self._before[id(transition)]:
+                    self._fed.setdefault(id(node), []).append(place)
 
     def _called_when_executed(self, parts: list[DrawnPart]) -> dict[tuple[str, str], list[str]]:
         """Return the anchors of steps and transitions by kind and name in traces and verdicts.
@@ -268,4 +295,5 @@ class PageIndex:
             if anchor and site.path != "project tree":
                 start, end = occurrence.reference.span
                 self._links.setdefault((id(site.holder), site.key), []).append((start, end, anchor))
-                self._uses.setdefault(anchor, {})[site.report_path or site.path] = None
+                fed = self._fed.get(id(site.owner)) or self._fed.get(id(site.holder)) or [site.report_path or site.path]
+                self._uses.setdefault(anchor, {}).update(dict.fromkeys(fed))

@@ -653,3 +653,14 @@ def test_two_actions_of_a_step_on_one_variable_are_two_uses() -> None:
     (uses,) = told
     assert uses.startswith("Used in 2")
     assert "step 1 / action K2 (2)" in uses
+
+
+def test_what_is_drawn_before_a_condition_is_used_at_its_transition() -> None:
+    """It was used at "POU .. / block SettleTimer", and the page has no such place."""
+    page = parse(sfc.page(sfc.load(FIXTURES / "plcopen" / "every_element_2.01.xml")))
+    (row,) = page.xpath("//tr[@data-name='SettleTimer']")
+    (place,) = row.xpath(".//details[@class='uses']//a")
+    assert words_of(place) == "POU Mixer / transition HeatDone+StirSettle -> Sample"
+    assert "transition" in page.get_element_by_id(place.get("href")[1:]).get("class")
+    conditions = [words_of(each) for each in page.xpath("//code") if "with SettleTimer(" in words_of(each)]
+    assert set(conditions) == {"SettleTimer.Q, with SettleTimer(IN := rising edge of StirSettle.X, PT := T#5s)"}
