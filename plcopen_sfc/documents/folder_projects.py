@@ -185,10 +185,7 @@ def files_below(folder: str) -> list[str]:
 def _read(source: FolderSource, kind: Format, name: str, *, as_tool: bool) -> list[ProjectObject]:
     """Read one file, if it is a document of `kind`; its objects."""
     path = Path(source.path, name)
-    if path.suffix.casefold() not in kind.extensions:
-        source.others.append(name)
-        return []
-    if not recognised_as(kind, _start(path)):
+    if path.suffix.casefold() not in kind.extensions or not recognised_as(kind, _start(path)):
         source.others.append(name)
         return []
     return add_document(source, name, read_bytes(path), as_tool=as_tool)
@@ -309,16 +306,12 @@ def _duplicates(
         mine = key(thing)
         other = first.setdefault(mine, thing)
         if other is not thing and mine is not None:
-            severity = Severity.ERROR
             message = f"{thing.name} is declared in {_file(other)} too: one of them is an old copy, or of another PLC"
-            if code == "DIR103":
-                severity = Severity.WARNING
-                message = f"{other.name}, in {_file(other)}, has the same number"
-            elif code == "DIR106":
-                severity = Severity.WARNING
-                message = f"{other.name}, in {_file(other)}, has the same identity {mine}"
+            shared = {"DIR103": "number", "DIR106": f"identity {mine}"}.get(code, "")
+            if shared:
+                message = f"{other.name}, in {_file(other)}, has the same {shared}"
             place = Location(str(Path(source.path, _file(thing))), None, None, thing.name)
-            yield Diagnostic(code, severity, message, place)
+            yield Diagnostic(code, Severity.WARNING if shared else Severity.ERROR, message, place)
 
 
 def _file(thing: ProjectObject) -> str:

@@ -83,6 +83,7 @@ def merge_list(project: Project, edited: Project) -> list[str]:
         raise DamagedSourceError(errors)
     data = encode(project, "csv", flavour="", fresh=True)[0]
     columns = _columns(codec.sheets(source.content))
+    # on a copy first: what is refused on the way must change nothing
     trial = project.model_copy(deep=True)
     _merging(trial, edited, data, columns).run()
     if _listed_names(read_document(data, format="csv", path=None)) - _listed_names(edited):
@@ -447,6 +448,7 @@ class _Charts:
         olds, news = _Ends(self._shown), _Ends(self._now)
         waiting = list(pairs)
         found: dict[int, tuple[Transition, Transition]] = {}
+        # the most alike first: an edit of a condition leaves both ends alike, one of where it leads the start
         for likeness in (_Ends.all, _Ends.ends, _Ends.start, _Ends.sources):
             for transition in self._now.transitions:
                 if transition.id in found:

@@ -1,7 +1,7 @@
 """Function blocks in structured text, for tools that do not have them: of libraries of CODESYS, and flip-flops in SCL.
 
 BLINK is of the library Util, which projects use for lamps. It does what the simulation does for it
-(`semantics.programs.standard_blocks`); a test runs both.
+(`semantics.programs.block_execution`); a test runs both.
 """
 
 from __future__ import annotations

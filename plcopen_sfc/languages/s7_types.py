@@ -40,9 +40,9 @@ class S7Types:
 
     def __init__(self, declarations: Iterable[t.DataTypeDeclaration], values: Mapping[str, str] | None = None) -> None:
         self._values = values or {}
-        self._declared = {each.name.casefold(): each for each in declarations}
-        self.declared = {name: self._with_members(each.type) for name, each in self._declared.items()}
-        self.constants = [each for declaration in self._declared.values() for each in constants_of(declaration)]
+        self._declarations = {each.name.casefold(): each for each in declarations}
+        self.declared = {name: self._with_members(each.type) for name, each in self._declarations.items()}
+        self.constants = [each for declaration in self._declarations.values() for each in constants_of(declaration)]
         self._by_name = {each.name.casefold(): each for each in self.constants}
         self._by_value = {f"{each.type}.{each.value}".casefold(): each for each in self.constants}
         counts = Counter(each.value.casefold() for each in self.constants)
@@ -79,7 +79,7 @@ class S7Types:
             length = self._value(type_.length)
             return type_ if length == type_.length else type_.model_copy(update={"length": length})
         if isinstance(type_, t.DerivedType) and depth < _DEEPEST:
-            declared = self._declared.get(type_.name.casefold())
+            declared = self._declarations.get(type_.name.casefold())
             if declared is not None and not isinstance(declared.type, t.StructType):
                 return self._type(declared.type, depth + 1)
         return type_
@@ -98,7 +98,7 @@ class S7Types:
     def bounds(self, type_: t.DataType) -> t.Dimension | None:
         """Return the bounds of a subrange or of elements in one, which S7 does not have; None for other types."""
         for _ in range(_DEEPEST):
-            declared = self._declared.get(type_.name.casefold()) if isinstance(type_, t.DerivedType) else None
+            declared = self._declarations.get(type_.name.casefold()) if isinstance(type_, t.DerivedType) else None
             inner = type_.base if isinstance(type_, t.ArrayType) else declared.type if declared is not None else None
             if inner is None:
                 break
@@ -113,7 +113,7 @@ class S7Types:
 
     def _start_of(self, type_: t.DataType, depth: int) -> t.Value | None:
         if isinstance(type_, t.DerivedType) and depth < _DEEPEST:
-            declared = self._declared.get(type_.name.casefold())
+            declared = self._declarations.get(type_.name.casefold())
             if declared is None or isinstance(declared.type, t.StructType):
                 return None
             if declared.initial is not None:

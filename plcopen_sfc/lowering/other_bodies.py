@@ -26,7 +26,7 @@ from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Contact
-from plcopen_sfc.model.pou import Action, Pou, PouKind
+from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Body, SfcBody
 from plcopen_sfc.model.variables import SectionKind
@@ -134,10 +134,10 @@ def with_actions(made: Constructed, dialect: Dialect, rules: LoweringRules, proj
                     found = construct(alone, chart, dialect, replace(inner, part=action.name), around)
                 data_types += found.data_types
                 pou = found.pou.model_copy(update={"bodies": pou.bodies})
-                _action_named(pou, action.name).body = found.pou.body
+                pou.action(action.name).body = found.pou.body
                 for step, flag in _by_name(found.step_flags).items():
                     flags.setdefault(step, flag)
-            calling.append(_action_named(pou, action.name).body)
+            calling.append(pou.action(action.name).body)
     # the code of the chart itself has its flags; blocks of S7-GRAPH have one body
     if not rules.profile.graph_parameters and len(list(pou.named_bodies())) > len(pou.bodies):
         pou = with_step_data(pou, flags, dialect)
@@ -147,10 +147,6 @@ def with_actions(made: Constructed, dialect: Dialect, rules: LoweringRules, proj
 def _by_name(flags: Mapping[str, str]) -> dict[str, str]:
     """Return the same by the names of steps instead of their paths."""
     return {path.rpartition(".")[2].casefold(): flag for path, flag in flags.items()}
-
-
-def _action_named(pou: Pou, name: str) -> Action:
-    return next(action for action in pou.actions if action.name == name)
 
 
 _LEAVING = (n.ReturnStatement, n.Goto, n.LabelStatement)

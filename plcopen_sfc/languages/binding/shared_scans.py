@@ -64,19 +64,12 @@ class SharedScans:
 
     @cached_property
     def _following(self) -> dict[int, set[int]]:
-        found: dict[int, set[int]] = {}
-        for transition in self._chart.transitions:
-            for source in transition.sources:
-                found.setdefault(source, set()).update(transition.targets)
-        return found
+        pairs = ((source, each.targets) for each in self._chart.transitions for source in each.sources)
+        return {source: set(chain.from_iterable(targets)) for source, targets in grouped(pairs).items()}
 
     @cached_property
-    def _preceding(self) -> dict[int, set[int]]:
-        found: dict[int, set[int]] = {}
-        for step, following in self._following.items():
-            for each in following:
-                found.setdefault(each, set()).add(step)
-        return found
+    def _preceding(self) -> dict[int, list[int]]:
+        return grouped((each, step) for step, following in self._following.items() for each in following)
 
     @cached_property
     def are_switched(self) -> bool:
@@ -106,11 +99,8 @@ class SharedScans:
 
     @cached_property
     def _together(self) -> dict[int, set[int]]:
-        found: dict[int, set[int]] = {}
-        for situation in self.situations:
-            for step in situation:
-                found.setdefault(step, set()).update(situation)
-        return found
+        found = grouped((step, situation) for situation in self.situations for step in situation)
+        return {step: set(chain.from_iterable(situations)) for step, situations in found.items()}
 
     def meet(self, one: Row, other: Row) -> bool:
         """True if a scan may execute both associations, the final scan of an action included."""
@@ -122,11 +112,15 @@ class SharedScans:
             return self.follow(here, here)
         if self.are_together(here, there):
             return True
-        forth = (
-            first.qualifier is not Qualifier.P1 and second.qualifier is not Qualifier.P0 and self.follow(here, there)
+        return self._may_end_before(one, other) or self._may_end_before(other, one)
+
+    def _may_end_before(self, one: Row, other: Row) -> bool:
+        """True if the end of an action may be in the scan in which another one begins."""
+        (left, ended), (entered, begun) = one, other
+        # P1 has no final scan, and P0 nothing before the end of its own step
+        return (
+            ended.qualifier is not Qualifier.P1 and begun.qualifier is not Qualifier.P0 and self.follow(left, entered)
         )
-        back = second.qualifier is not Qualifier.P1 and first.qualifier is not Qualifier.P0 and self.follow(there, here)
-        return forth or back
 
     def shared(self, one: Row, other: Row) -> str:
         """Return a variable that one of two actions writes and the other one reads or writes; empty without one."""

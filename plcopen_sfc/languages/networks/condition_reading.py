@@ -161,12 +161,12 @@ def kept_conditions(
     bodies: dict[int, n.Expression | None] = {}
     for transition in chart.transitions:
         condition = transition.condition
-        name, body = "", None
-        if isinstance(condition, NamedCondition) and condition.name.casefold() in names:
-            name, body = condition.name, names[condition.name.casefold()].body
-        elif isinstance(condition, BodyCondition):
-            name, body = condition.name, condition.body
-        if not isinstance(body, FbdBody | LdBody) or condition is None:
+        if not isinstance(condition, NamedCondition | BodyCondition):
+            continue
+        name, body = condition.name, condition.body if isinstance(condition, BodyCondition) else None
+        if isinstance(condition, NamedCondition) and name.casefold() in names:
+            body = names[name.casefold()].body
+        if not isinstance(body, FbdBody | LdBody):
             continue
         # conditions that share a transition object share the state of its boxes: it is executed once
         if id(body) not in bodies:

@@ -47,9 +47,9 @@ def translated_comment(kind: CommentKind, text: str, source: Dialect, target: Di
         return PartText(text)
     if kind is CommentKind.PRAGMA:
         return _pragma(text, target, regions=regions)
-    extension_data = _CARRIED.fullmatch(text)
-    if extension_data is not None and source is Dialect.SCL:
-        return PartText(extension_data[1])
+    pragma = _CARRIED.fullmatch(text)
+    if pragma is not None and source is Dialect.SCL:
+        return PartText(pragma[1])
     if text.startswith("(/*") and target is not Dialect.SCL:
         return PartText(f"(*{_harmless(text[3:-3])}*)")
     if text.startswith("/*") and target is not Dialect.IEC:

@@ -305,10 +305,8 @@ def without_emergency_stop(chart: Subject, profile: Profile) -> tuple[Subject, s
         if pressed is None or whole.steps or forced != {each.name.casefold() for each in others}:
             continue
         flags = {f"x{name}".casefold() for name in (partial.name, *(step.name for step in partial.chart.steps))}
-        if not flags.isdisjoint(
-            map(str.casefold, source.names_in_texts())
-        ):  # something asks for the steps that would be gone
-            continue
+        if any(name.casefold() in flags for name in source.names_in_texts()):
+            continue  # something asks for the steps that would be gone
         alone = others[0].chart if len(others) == 1 else None
         reduced = alone or whole.model_copy(update={"partial_charts": others})
         pou = chart.pou.model_copy(update={"bodies": [SfcBody(chart=reduced)]})
@@ -351,7 +349,6 @@ def _pressed(chart: SfcNetwork, transitions: Sequence[NetTransition], source: Ch
     return pressed if opposite is Truth.ALWAYS else None
 
 
-_RULED = "charts that others force or enclose"
 _OF_STOPS = (
     "It takes a chart as the condition of an emergency stop that has two steps, one of which forces {INIT} of all "
     "other charts and does nothing else, and is left on the opposite of what leads to it, without edges and times: "
@@ -364,16 +361,15 @@ def plain_chart(source: ChartSource) -> ChartSource:
     grafcet = source.grafcet
     if grafcet is None:
         return source
-    for what, there in (
-        ("edges", grafcet.edges),
-        ("times of conditions", grafcet.delays),
-        (_RULED, grafcet.ruled),
-    ):
-        if there:
-            refuse_classic(source, what, hint=_OF_STOPS if what == _RULED else "")
+    if grafcet.edges:
+        refuse_classic(source, "edges")
+    if grafcet.delays:
+        refuse_classic(source, "times of conditions")
+    if grafcet.ruled:
+        refuse_classic(source, "charts that others force or enclose", hint=_OF_STOPS)
     actions = {action.name.casefold(): action for action in (*source.actions, *grafcet.continuous)}
     for stored in grafcet.stored:
-        target, use = _use(source, stored)
+        target, use = _stored_use(source, stored)
         name = print_node(target)
         before = actions.get(name.casefold(), ActionSource(name, target, (), ()))
         actions[name.casefold()] = replace(before, uses=(*before.uses, use))
@@ -382,7 +378,7 @@ def plain_chart(source: ChartSource) -> ChartSource:
     return replace(source, actions=tuple(in_order), grafcet=None)
 
 
-def _use(source: ChartSource, stored: StoredAction) -> tuple[n.Expression, ActionUse]:
+def _stored_use(source: ChartSource, stored: StoredAction) -> tuple[n.Expression, ActionUse]:
     """Return the output that a stored action sets or resets, and the association that does so."""
     if stored.kind is not ActionKind.ON_ACTIVATION:
         refuse_classic(source, "stored actions on deactivation or on an event")

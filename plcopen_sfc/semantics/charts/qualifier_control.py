@@ -123,6 +123,7 @@ def _stored(input_: Input, reserve: Reserve) -> _Part:
 
     def step(frame: Frame, _now: int, _situation: int, seen: int, reset: bool) -> int:
         v = frame.v
+        # `seen`: a step that is only passed in a scan stores its action too
         v[slot] = stored = not reset and (v[slot] or input_.is_on(seen, frame))
         return ON | BUSY if stored else 0
 

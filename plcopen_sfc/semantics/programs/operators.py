@@ -208,10 +208,7 @@ class Operators:
         if type_.family is t.Family.SPECIAL:
             return Code(f"({left.text} {_ARITHMETIC.get(operator, '/')} {right.text})", t.ANY, acts=True)
         type_ = self._calculated(type_)
-        left, right = (
-            self._converter.converted(left, type_) if left.type != type_ else left,
-            (self._converter.converted(right, type_) if right.type != type_ else right),
-        )
+        left, right = (self._converter.converted(c, type_) if c.type != type_ else c for c in (left, right))
         if type_.family is t.Family.REAL:
             return self._real(operator, left, right, type_)
         return self._integer(operator, left, right, type_)
@@ -234,6 +231,7 @@ class Operators:
             if operator is Operator.MODULO:
                 self._translator.library.use.shifts.setdefault(0)
             return self._quotient(operator, settled(left), settled(right), type_)
+        # no wrapping between operations: sums of sums are wrapped once, where they are stored, which gives the same
         if _is_big(left) or _is_big(right):
             left, right = settled(left), settled(right)
         sign = _ARITHMETIC[operator]
@@ -252,6 +250,7 @@ class Operators:
         if left.constant and right.constant:
             found = runtime.divided(left.value, right.value) if divides else runtime.remainder(left.value, right.value)
             return settled(constant(found, type_, loose=loose))
+        # Python rounds down, IEC 61131-3 towards zero: the same where nothing is negative, and its operators are faster
         if left.low >= 0 and right.low >= 0:
             text = f"({left.text} {'//' if divides else '%'} {right.text})"
             return Code(text, type_, 0, left.high, acts=acts)
@@ -284,13 +283,14 @@ class Operators:
                 raise SimulationError(f"{operator} of {one.name} and {other.name}")
             left, right = self._converter.converted(left, timed), self._converter.converted(right, timed)
             one = other = timed
-        if one.family is other.family and one.family is not t.Family.DURATION and operator is Operator.SUBTRACT:
+        result = one
+        if one.family is other.family is t.Family.DURATION:
+            result = max(one, other, key=lambda type_: type_.bits)
+        elif one.family is other.family and operator is Operator.SUBTRACT:  # two instants: the time between them
             long = one.name.startswith("L")
             result = t.LTIME if long else t.elementary("TIME", self._translator.library.dialect) or t.LTIME
-        else:
-            result = one if one.family is not t.Family.DURATION or other.family is t.Family.DURATION else other
-            if one.family is other.family is t.Family.DURATION:
-                result = max(one, other, key=lambda type_: type_.bits)
+        elif one.family is t.Family.DURATION:  # a duration and an instant
+            result = other
         left, right = settled(left), settled(right)
         sign = _ARITHMETIC[operator]
         low, high = bounds(operator, (left.low, left.high), (right.low, right.high))

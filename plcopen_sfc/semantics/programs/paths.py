@@ -111,6 +111,7 @@ class PathTranslator(ABC):
         return self._pointed(code, code.type.base, print_node(base))
 
     def _pointed(self, code: Code, type_: t.Type, path: str) -> Place:
+        # a place is `cells[index]` in code: the first half evaluates the pointer, which may be a call, once for both
         held = self.writer.temporary()
         return Place(f"({held} := {code.text}).cells", f"{held}.index", type_, f"{path}^", acts=code.acts)
 
@@ -262,6 +263,7 @@ class PathTranslator(ABC):
         return self._element(place, array.base, rest)
 
     def _checked(self, code: Code, lower: int, upper: int) -> str:
+        # no check where the values that the index can have are known (they are not where `low` is `high`) and inside
         if lower <= code.low and code.high <= upper and code.low < code.high:
             return f"{code.text} - {lower}" if lower else code.text
         held = self.writer.temporary()
