@@ -191,7 +191,7 @@ def _check_places(instance: Instance) -> None:
 
 
 class ProgramParts:
-    """See `plcopen_sfc.analysis.decomposition.parts.Parts`."""
+    """Statements as `Parts`: single ones, also inside of IF and CASE."""
 
     def __init__(self, instance: Instance) -> None:
         self._pou = instance.unit.pou
@@ -277,7 +277,7 @@ _Place = tuple[int, str]
 
 
 class ChartParts:
-    """See `plcopen_sfc.analysis.decomposition.parts.Parts`."""
+    """A chart as `Parts`: steps that transitions connect, then each action of a step."""
 
     def __init__(self, instance: Instance) -> None:
         self._instance = instance
@@ -592,6 +592,7 @@ def race(
     if searching is None:
         return undivided.advance() or _never()
     parts = _Running(searching, look)
+    # turns that double: both have run about as long when one ends, so it takes no more than some times the faster one
     for limit in _doubling(head_start):
         by_parts = parts.advance(limit // _SHARE if undivided.found is None else None)
         if by_parts is not None and (by_parts.complete or (by_parts.inputs is not None and accepted(by_parts))):

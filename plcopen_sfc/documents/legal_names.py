@@ -45,8 +45,7 @@ def give_legal_names(
     kept = [] if leaves else kept_names(copy, KeptNames.DECLARED)
     if not leaves and not kept:
         return
-    names = Names(copy)
-    declared = list(dict.fromkeys(map(names.resolver.original, names.declarations())))
+    declared = _declarations(copy)
     if leaves:
         is_codesys = dialect is not None and family(dialect) is Dialect.CODESYS
         wanted = _legal(copy, declared, tool, is_codesys=is_codesys, with_letters=with_letters)
@@ -86,7 +85,6 @@ def with_legal_names(project: Project, kind: Format, flavour: str) -> tuple[Proj
     Steps keep their names, which only comments of the code have. The project itself where all can stay; also the new
     names of POUs by the old ones in lower case, and what was renamed.
     """
-    from plcopen_sfc.languages.binding import Names  # noqa: PLC0415  # brings the parser
     from plcopen_sfc.refactor.rename import rename_many  # noqa: PLC0415
 
     report = ConversionReport()
@@ -98,9 +96,7 @@ def with_legal_names(project: Project, kind: Format, flavour: str) -> tuple[Proj
     tool = flavour.capitalize() or kind.tool
 
     def wishes(project: Project) -> dict[Declaration, tuple[str, str]]:
-        names = Names(project)
-        declared = list(dict.fromkeys(map(names.resolver.original, names.declarations())))
-        found = _legal(project, declared, tool, is_codesys=True, with_letters=True)
+        found = _legal(project, _declarations(project), tool, is_codesys=True, with_letters=True)
         return {each: new for each, new in found.items() if each.kind is not Kind.STEP}
 
     if not wishes(project):
@@ -117,13 +113,18 @@ def with_legal_names(project: Project, kind: Format, flavour: str) -> tuple[Proj
 
 def illegal_names(project: Project, dialect: Dialect, tool: str) -> Iterator[tuple[str, str]]:
     """Yield the paths of names that the tool of a dialect cannot have, each with the reason."""
+    places, is_codesys = _places(project), family(dialect) is Dialect.CODESYS
+    wanted = _legal(project, _declarations(project), tool, is_codesys=is_codesys, with_letters=True)
+    for each, (_, why) in wanted.items():
+        yield places.get(id(each.holder), each.path), f"{tool} does not compile {each.name}: {why}"
+
+
+def _declarations(project: Project) -> list[Declaration]:
+    """Return what a project declares, once each: VAR_EXTERNAL and instance data blocks repeat others."""
     from plcopen_sfc.languages.binding import Names  # noqa: PLC0415  # brings the parser
 
-    names, places = Names(project), _places(project)
-    declared = list(dict.fromkeys(map(names.resolver.original, names.declarations())))
-    is_codesys = family(dialect) is Dialect.CODESYS
-    for each, (_, why) in _legal(project, declared, tool, is_codesys=is_codesys, with_letters=True).items():
-        yield places.get(id(each.holder), each.path), f"{tool} does not compile {each.name}: {why}"
+    names = Names(project)
+    return list(dict.fromkeys(map(names.resolver.original, names.declarations())))
 
 
 def _legal(

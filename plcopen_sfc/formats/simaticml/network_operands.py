@@ -362,9 +362,9 @@ def _pins(element: XmlNode) -> dict[str, str]:
     found: dict[str, str] = {}
     for wire in (wire for group in children(element) if local(group) == "Wires" for wire in children(group)):
         ends = children(wire)
-        for one, other in zip([*ends, *ends[1:]], [*ends[1:], *([ends[0]] * (len(ends) - 1))], strict=False):
-            if local(one) == "IdentCon" and local(other) == "NameCon":
-                found[one.get("UId", "")] = f"{other.get('UId', '')}.{other.get('Name', '')}"
+        pin = next((end for end in ends if local(end) == "NameCon"), None)
+        for operand in (end for end in ends if pin is not None and local(end) == "IdentCon"):
+            found[operand.get("UId", "")] = f"{pin.get('UId', '')}.{pin.get('Name', '')}" if pin is not None else ""
     return found
 
 

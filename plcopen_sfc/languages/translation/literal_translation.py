@@ -32,7 +32,7 @@ _LACKING = {
 
 
 def translated_literal(text: str, source: Dialect, target: Dialect) -> PartText:
-    """Return a literal of `source` in `target`, both families (see `families`). How it is written stays where it can.
+    """Return a literal of `source` in `target`, both families (see `family`). How it is written stays where it can.
 
     Enumerated values (``Color#red``) are not for here: in CODESYS they are no literals.
     """

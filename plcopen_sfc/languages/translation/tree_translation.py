@@ -343,7 +343,7 @@ class TreeTranslator:
         return new
 
     def _plain_assignment(self, node: n.Assignment) -> Statement:
-        """``a := b := c`` stays for now: see `chains`."""
+        """``a := b := c`` stays for now: see `split_chains`."""
         target, value = self._expression(node.target), self._chained(node.value)
         return node if target is node.target and value is node.value else replace(node, target=target, value=value)
 

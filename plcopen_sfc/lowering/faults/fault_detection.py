@@ -48,10 +48,8 @@ def watched_pou(code: Pou, source: ChartSource, situation: Mapping[str, str], *,
     declared = {v.name.casefold() for v in code.variables()}
     first = LoweredCode(Naming(source.dialect, declared | source.names()))
     last = LoweredCode(first.naming)
-    names: list[dict[int, str]] = []
-    for place, wanted in ((first, "wanted"), (last, "waits")):
-        # at the beginning of a scan and at its end: in between the code changes variables of the conditions
-        names.append(_watch(place, source, flags, wanted) if place is first or behind else {})
+    # at the beginning of a scan and at its end: in between the code changes variables of the conditions
+    names = _watch(first, source, flags, "wanted"), _watch(last, source, flags, "waits") if behind else {}
     if not names[0]:
         return WatchedPou(code, {}, {})
     copy = code.model_copy(deep=True)
@@ -327,6 +325,7 @@ def _not_stable(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
 
 
 Rule = Callable[[ChartFacts, ObservedScan], Iterator[FaultPlace]]
+"""Yields the places in which a scan shows a fault; `FaultKind` tells what each of them is."""
 
 FLIP_FLOP_RULES: Mapping[FaultKind, Rule] = {
     FaultKind.OVERLAP: _overlap,

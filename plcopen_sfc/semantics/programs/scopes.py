@@ -453,7 +453,7 @@ class TranslatedMethod(Callee):
 
 
 class TranslatedPou(Callee):
-    """A program, function block or function; `declarations` fill it, `unit_bodies` translate it."""
+    """A program, function block or function; `routines.declare` fills it, `routines.translate` translates it."""
 
     def __init__(self, library: TranslatedProject, pou: Pou, base: TranslatedPou | None) -> None:
         layout = Layout(pou.name, base.layout if base is not None else None)
