@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeVar
 
 from plcopen_sfc.languages.declarations.declaration_writing import write_type
+from plcopen_sfc.languages.memory_addresses import memory_address
 from plcopen_sfc.languages.networks import NetworkExpression, NetworkText, body_statements, normal_form
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform, walk
@@ -23,7 +24,6 @@ from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.dialect import COUNTING_BYTES, Dialect
 from plcopen_sfc.model.sfc import Body
 from plcopen_sfc.model.types import DataType
-from plcopen_sfc.whole_numbers import whole_number
 
 _NOT_EXECUTED = frozenset(
     {"extension_data", "comment", "global_id", "title", "markup", "worksheet", "attributes", "position", "points"}
@@ -296,22 +296,14 @@ def address_meaning(address: str | None, dialect: Dialect) -> Meaning | None:
     """
     if not address:
         return None
-    text = address.strip().upper().replace("%", "")
-    area, rest = text[:1], text[1:]
-    area = {"E": "I", "A": "Q"}.get(area, area)
-    size = rest[:1] if rest[:1].isalpha() else "X"
-    places = rest.lstrip("XBWDL").split(".")
-    numbers = [number for place in places if (number := whole_number(place)) is not None]
-    if len(numbers) < len(places):
-        return Meaning.of(text, address)
-    if size == "X":
-        bits: Hashable = numbers[0] * 8 + numbers[1] if len(numbers) == 2 else tuple(numbers)
-    else:
-        width = {"B": 8, "W": 16, "D": 32, "L": 64}.get(size, 8)
-        by_bytes = dialect in COUNTING_BYTES and (dialect is not Dialect.SCL or size != "L")
-        unit = 8 if by_bytes else width
-        bits = numbers[0] * unit if len(numbers) == 1 else tuple(numbers)
-    return Meaning.of((area, size, bits), address)
+    found = memory_address(address, by_bytes=dialect in COUNTING_BYTES)
+    if found is not None and found.width == _LONG_WORD and dialect is Dialect.SCL:
+        found = memory_address(address, by_bytes=False)
+    bits = (found.area, found.start, found.width) if found is not None else address.strip().upper()
+    return Meaning.of(bits, address)
+
+
+_LONG_WORD = 64
 
 
 def plain(thing: Any) -> Hashable:

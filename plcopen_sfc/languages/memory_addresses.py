@@ -9,7 +9,8 @@ _ADDRESS = re.compile(
     r"%?(?P<area>[A-Z]|DB\d+\.DB)(?P<size>[XBWDL]?)(?P<numbers>\d{1,9}(?:\.\d{1,9})*)(?::P)?", re.IGNORECASE
 )
 _WIDTHS = {"": 1, "X": 1, "B": 8, "W": 16, "D": 32, "L": 64}
-_AREAS = {"E": "I", "A": "Q"}
+INTERNATIONAL = {"E": "I", "A": "Q"}
+"""The areas of inputs and outputs by the letters of German S7."""
 
 
 class MemoryAddress(NamedTuple):
@@ -32,7 +33,7 @@ def memory_address(text: str, *, by_bytes: bool) -> MemoryAddress | None:
     found = _ADDRESS.fullmatch(text.strip())
     if found is None:
         return None
-    area = _AREAS.get(found["area"].upper(), found["area"].upper())
+    area = INTERNATIONAL.get(found["area"].upper(), found["area"].upper())
     size = found["size"].upper()
     numbers = [int(part) for part in found["numbers"].split(".")]
     width = _WIDTHS[size]

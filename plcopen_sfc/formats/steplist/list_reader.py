@@ -21,6 +21,7 @@ from plcopen_sfc.formats.steplist.list_tables import (
     unread_rows,
 )
 from plcopen_sfc.languages.declarations import read_declarations
+from plcopen_sfc.languages.memory_addresses import INTERNATIONAL
 from plcopen_sfc.languages.translation.literal_translation import translated_address
 from plcopen_sfc.languages.translation.translation_context import PartText
 from plcopen_sfc.model import times
@@ -71,7 +72,6 @@ _VARIABLE = re.compile(r"[^\s:;,]+")
 _NAME = re.compile(r"\w+(?:\.\w+)*")
 _ASSIGNED = re.compile(r"(?P<target>[\w.\[\]]+)\s*:=\s*(?P<value>[^;]+)")
 _QUALIFIERS = {qualifier.value.upper(): qualifier for qualifier in Qualifier}
-_OF_SIEMENS = {"E": "I", "A": "Q"}
 COUNTED = re.compile(r"%[IQM][WD]\d", re.IGNORECASE)
 """The begin of addresses whose numbers are those of bytes in S7, and of words or double words in IEC 61131-3."""
 
@@ -450,7 +450,7 @@ def _address(text: str) -> PartText:
     """
     if not text or text.startswith("%"):
         return PartText(text)
-    address = "%" + _OF_SIEMENS.get(text[0].upper(), text[0].upper()) + text[1:].upper()
+    address = "%" + INTERNATIONAL.get(text[0].upper(), text[0].upper()) + text[1:].upper()
     return translated_address(address, Dialect.SCL, Dialect.IEC) if COUNTED.match(address) else PartText(address)
 
 

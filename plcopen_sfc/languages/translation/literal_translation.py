@@ -6,6 +6,7 @@ import re
 from datetime import date, timedelta
 
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.memory_addresses import INTERNATIONAL
 from plcopen_sfc.languages.st.literals import (
     SHORT_TYPES,
     TIME_RANGES,
@@ -141,7 +142,6 @@ _FULL = {"h": 24, "m": 60, "s": 60}
 
 
 _ADDRESS = re.compile(r"%([IQMEA])([XBWDL]?)(\d{1,9}(?:\.\d{1,9})*)", re.IGNORECASE)
-_ENGLISH = {"E": "I", "A": "Q"}
 _BYTES = {"W": 2, "D": 4, "L": 8}
 _WORDS = {2: "word", 4: "double word", 8: "long word"}
 _COUNTING = "the same bytes: S7 counts bytes, other tools count words or double words; S7 has the high byte first"
@@ -160,10 +160,10 @@ def translated_address(text: str, source: Dialect, target: Dialect) -> PartText:
     if of_s7 is for_s7 and (source in COUNTING_BYTES) is bytes_there:
         return PartText(text)
     found = _ADDRESS.fullmatch(text)
-    if found is None or (for_s7 and found[1].upper() in _ENGLISH):
+    if found is None or (for_s7 and found[1].upper() in INTERNATIONAL):
         problem = PartText(text, Severity.ERROR, f"{text} has no counterpart; left unchanged")
         return problem if of_s7 or for_s7 else PartText(text)
-    area = _ENGLISH.get(found[1].upper(), found[1])
+    area = INTERNATIONAL.get(found[1].upper(), found[1])
     size, place = found[2], found[3]
     if size.upper() in ("", "X"):
         if not (of_s7 or for_s7):
@@ -189,7 +189,7 @@ def translated_address(text: str, source: Dialect, target: Dialect) -> PartText:
 def international_address(text: str) -> str:
     """Return an address with I and Q for the letters of German S7, E and A: ``%E0.3`` is ``%I0.3``."""
     found = _ADDRESS.fullmatch(text)
-    letter = _ENGLISH.get(found[1].upper()) if found is not None else None
+    letter = INTERNATIONAL.get(found[1].upper()) if found is not None else None
     return text if letter is None else f"%{letter}{text[2:]}"
 
 
