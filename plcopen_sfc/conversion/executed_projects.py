@@ -50,7 +50,7 @@ from plcopen_sfc.languages.networks.condition_reading import shown_named_conditi
 from plcopen_sfc.languages.networks.network_graph import without_places
 from plcopen_sfc.languages.s7_globals import TABLE, is_retained, local_tags, type_named
 from plcopen_sfc.languages.s7_programs import names_of_programs, unused_inputs
-from plcopen_sfc.languages.s7_types import is_system_data
+from plcopen_sfc.languages.s7_types import is_operand_of_s5, is_system_data, plain_type
 from plcopen_sfc.languages.sfc_flag_uses import flags_at_rest, named_flags
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.translation.call_translation import has_function
@@ -305,7 +305,7 @@ class _Reader:
         if isinstance(kind, t.DerivedType):
             declared = self.declared.get(kind.name.replace('"', "").casefold())
             stays = declared is None or isinstance(declared, t.StructType) or depth > _DEEPEST
-            return kind if declared is None or stays else self._plain_type(declared, depth + 1)
+            return plain_type(kind) if declared is None or stays else self._plain_type(declared, depth + 1)
         if isinstance(kind, t.StringType) and kind.length is None:
             known = STRING_LENGTHS.get(self.source.dialect) or STRING_LENGTHS.get(self.dialect)
             return t.StringType(wide=kind.wide, length=known or STRING_LENGTHS[Dialect.CODESYS])
@@ -429,7 +429,8 @@ class _Reader:
             for tag in table.tags:
                 variable = t.Variable(name=tag.name, type=type_named(tag.type) or t.DerivedType(name=tag.type))
                 part = self._variable(self.whole, "global variable", variable, VariableSection(), "")
-                part.tell("address", address_meaning(tag.address, Dialect.SCL))
+                if self.detail is Detail.WRITTEN or not is_operand_of_s5(variable.type):
+                    part.tell("address", address_meaning(tag.address, Dialect.SCL))
             for constant in table.constants:
                 self._variable(self.whole, "global variable", constant, VariableSection(constant=True), "")
 
@@ -486,6 +487,8 @@ class _Reader:
         part.tell("edge", Meaning.of(edge) if edge else None)
         if owner is not self.whole:
             section_kind = SectionKind.LOCAL if section.kind is SectionKind.CONSTANT else section.kind
+            if section_kind is SectionKind.INPUT and is_operand_of_s5(variable.type):
+                section_kind = SectionKind.IN_OUT  # the block changes the timer or counter of its caller
             if section_kind is SectionKind.LOCAL and kind == "variable of a function":
                 section_kind = SectionKind.TEMP  # a function keeps nothing
             part.tell("section", Meaning.of(section_kind.value))

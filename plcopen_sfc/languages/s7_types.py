@@ -20,6 +20,22 @@ NO_START = "parameters of functions and temporary variables have no start value 
 _INT = t.ElementaryType(name=t.Elementary.INT)
 _NUMBER = re.compile(r"(?:\w+#)?([-+]?\d[\d_]*)|(?:\w+#)?(2|8|16)#([\dA-Fa-f_]+)")
 _DEEPEST = 32
+_OF_S5 = {"TIMER": t.Elementary.BOOL, "COUNTER": t.Elementary.INT, "S5TIME": t.Elementary.TIME}
+"""The types of S5 by what programs read of them: the output of a timer, the count of a counter."""
+
+
+def is_operand_of_s5(kind: t.DataType | None) -> bool:
+    """True for the types of timers and counters of S5, which are no memory of a block."""
+    return isinstance(kind, t.DerivedType) and kind.name.strip('"').upper() in ("TIMER", "COUNTER")
+
+
+def plain_type(kind: t.DataType) -> t.DataType:
+    """Return a type with those of other tools in the place of those of S5; the same object where it has none."""
+    if isinstance(kind, t.ArrayType):
+        base = plain_type(kind.base)
+        return kind if base is kind.base else kind.model_copy(update={"base": base})
+    found = _OF_S5.get(kind.name.strip('"').upper()) if isinstance(kind, t.DerivedType) else None
+    return t.ElementaryType(name=found) if found is not None else kind
 
 
 @dataclass(frozen=True, slots=True)

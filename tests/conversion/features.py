@@ -527,10 +527,22 @@ def _switch(rig: FeatureChart) -> None:
     rig.act("Done", "q")
 
 
-def _counter(rig: FeatureChart) -> None:
-    rig.declare(m.SectionKind.INPUT, variable("C1", "COUNTER"))
-    rig.act("Work", "C1", "CU", event="S1")
-    rig.act("Done", "q")
+def _of_s5(qualifier: str, condition: str, event: str | None = "S1", **more: str) -> Callable[[FeatureChart], None]:
+    """A row of Work that acts on a timer or counter with a tag, which a condition reads, and rows of Idle."""
+
+    def build(rig: FeatureChart) -> None:
+        is_timer = qualifier.startswith("T")
+        kind, address = ("Timer", "%T1") if is_timer else ("Counter", "%C1")
+        rig.project.tag_tables.append(m.TagTable(name="Tags", tags=[m.Tag(name="S5", type=kind, address=address)]))
+        for step, each in (("Work", qualifier), *(("Idle", each) for each in more.values())):
+            start = event if step == "Work" else "S1"
+            association = rig.act(step, None, each, event=start, duration="S5T#50ms" if is_timer else None)
+            association.target = '"S5"'
+            association.value = "3" if each == "CS" else None
+        rig.chart.transitions[1].condition = m.Expression(text=condition)
+        rig.act("Done", "q")
+
+    return build
 
 
 def _calls_a_block(rig: FeatureChart) -> None:
@@ -642,7 +654,11 @@ def _features() -> Iterator[Feature]:
     yield Feature("SkipSteps", ("simaticml",), _skip)
     yield Feature("two sequences", ("simaticml",), _second_sequence)
     yield Feature("ON", ("simaticml",), _switch)
-    yield Feature("counter", ("simaticml",), _counter)
+    yield Feature("counter", ("simaticml",), _of_s5("CU", '#b AND "S5" > 0', idle="CR"))
+    yield Feature("counter: CS, CD", ("simaticml",), _of_s5("CD", '#b OR "S5" = 2', idle="CS"))
+    for name, condition, event in (("TL", 'NOT "S5"', "S1"), ("TD", '"S5" OR #g', "S1"), ("TF", '#b AND "S5"', None)):
+        yield Feature(f"timer of S5: {name}", ("simaticml",), _of_s5(name, condition, event))
+    yield Feature("timer of S5: TR", ("simaticml",), _of_s5("TR", '#b AND NOT "S5"', idle="TL"))
 
 
 def _count(rig: FeatureChart) -> None:

@@ -47,17 +47,12 @@ CAUTIOUS = {
         for target in ("codesys", "twincat", "codesys-export", "codesys23")
     },
     **{("event A1", target): _AT_ONCE for target in ("codesys", "twincat", "codesys-export", "codesys23")},
-    ("counter", "codesys-export"): "nothing in the chart reads the counter",
-    ("counter", "twincat"): "nothing in the chart reads the counter",
-    ("counter", "codesys"): "nothing in the chart reads the counter",
-    ("counter", "plcopen"): "nothing in the chart reads the counter",
-    ("counter", "codesys23"): "nothing in the chart reads the counter",
 }
 """Where the report says less than that all is executed although both run the same here, and why."""
 REASONS = {
     "scl": {"": "a source in SCL holds no charts; `lower` writes their code"},
     "iec-text": {
-        "ON|event|interlock|supervision|value:|permanent|retained member|initial value": (
+        "ON|event|interlock|supervision|value:|permanent|counter|timer of S5|retained member|initial value": (
             "the rules that write statements in place of what S7-GRAPH has are not applied to text yet: nothing there "
             "would keep the source for the way back"
         ),
@@ -82,7 +77,6 @@ REASONS = {
     },
     "codesys|twincat|codesys-export|plcopen-2.01|iec-text|codesys23": {
         "SkipSteps": "each step is active for a scan at least in other tools",
-        "counter": "other tools have no counters of S5",
     },
 }
 """Why cells are not executed, by targets and features (alternatives)."""

@@ -194,8 +194,9 @@ def test_nothing_runs_without_its_interlock(rows: list[Row]) -> None:
 
 UNSAID: dict[str, Row] = {
     "ON": {"qualifier": Qualifier.ON, "target": "Nowhere", "event": S1},
-    "CU": {"qualifier": Qualifier.CU, "target": '"Parts"', "event": S1},
-    "TD": {"qualifier": Qualifier.TD, "target": '"Time"', "event": S1, "duration": "T#2s"},
+    "CU": {"qualifier": Qualifier.CU, "target": '"Parts"'},
+    "TD": {"qualifier": Qualifier.TD, "target": '"Time"', "event": S1},
+    "TF": {"qualifier": Qualifier.TF, "target": '"Time"', "interlock": True, "duration": "T#2s"},
 }
 
 

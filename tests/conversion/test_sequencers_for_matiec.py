@@ -14,8 +14,8 @@ from plcopen_sfc.report import Outcome
 from tests.conversion.features import FEATURES, Feature, feature_project
 from tests.judges.matiec import require_matiec
 
-LACKED = {"SkipSteps", "counter"}
-QUICK = {"interlock with N", "supervision", "event S0", "permanent instruction after", "ON"}
+LACKED = {"SkipSteps"}
+QUICK = {"interlock with N", "supervision", "event S0", "permanent instruction after", "ON", "timer of S5: TF"}
 OF_GRAPH = [
     pytest.param(feature, id=feature.name, marks=() if feature.name in QUICK else pytest.mark.slow)
     for feature in FEATURES

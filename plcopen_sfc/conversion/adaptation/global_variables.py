@@ -27,6 +27,7 @@ from plcopen_sfc.formats.plcopen.source_marks import (
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.s7_globals import is_retained, type_named
 from plcopen_sfc.languages.s7_programs import is_void
+from plcopen_sfc.languages.s7_types import is_operand_of_s5, plain_type
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7
@@ -114,8 +115,9 @@ def report_types(project: Project, host: ChartHost, report: ConversionReport) ->
 
     for pou in project.pous:
         for section in pou.interface.sections if pou.interface is not None else ():
-            if not is_void(section):
-                look_at(section.variables, pou.report_path)
+            if not is_void(section):  # those of S5 get others
+                plain = [v.model_copy(update={"type": plain_type(v.type)}) for v in section.variables]
+                look_at(plain, pou.report_path)
     for section in project.global_sections():
         look_at(section.variables, f"list of global variables {section.name}" if section.name else "global variables")
     for declaration in project.data_types:
@@ -188,11 +190,14 @@ class _Globals:
         for tag in table.tags:
             path = f"{table.report_path} / tag {tag.name}"
             kind = type_named(tag.type)
-            address = translated_address(tag.address or "", Dialect.SCL, self.host.addresses)
+            is_operand = is_operand_of_s5(kind)
+            kind = plain_type(kind) if kind is not None else None
+            place = "" if is_operand else tag.address or ""  # timers and counters of S5 are in no memory of others
+            address = translated_address(place, Dialect.SCL, self.host.addresses)
             if kind is None or is_foreign_type(kind, self.host):
                 self._note(Outcome.NOT_EXECUTED, "tag", path, f"{self.host.title} has no type {tag.type}")
                 continue
-            if tag.address and address.severity is Severity.ERROR:
+            if place and address.severity is Severity.ERROR:
                 self._note(Outcome.NOT_EXECUTED, "address", path, f"{address.reason}: the tag is left out")
                 continue
             if address.severity is not None:
@@ -268,12 +273,12 @@ class _Globals:
         return t.Variable(name=name, type=type_, initial=_struct_value(given), comment=block.comment)
 
     def _member(self, variable: t.Variable, path: str) -> t.Variable:
-        foreign = is_foreign_type(variable.type, self.host)
+        kind = plain_type(variable.type)
+        foreign = is_foreign_type(kind, self.host)
         if foreign is not None:
             why = f"{self.host.title} has no type {foreign}: it does not compile"
             self._note(Outcome.NOT_EXECUTED, "data type", f"{path} / variable {variable.name}", why)
         name = self.names.new_name(NameScope.MEMBER, variable.name) or identifier(variable.name)
-        kind = variable.type
         if isinstance(kind, t.StructType):
             kind = t.StructType(members=[self._member(member, path) for member in kind.members])
         initial = None if variable.initial is None else filled(variable.initial, variable.type, self.types)

@@ -20,6 +20,12 @@ from plcopen_sfc.conversion.adaptation.global_variables import (
     has_lists,
     report_types,
 )
+from plcopen_sfc.conversion.adaptation.s5_operands import (
+    declare_operands,
+    declare_times,
+    interfaces_with_operands,
+    variables_with_times,
+)
 from plcopen_sfc.formats.format_interface import ChartHost, Format, Marks, WriteOptions, may_have
 from plcopen_sfc.formats.plcopen.source_marks import (
     NO_RESULT_FIELD,
@@ -179,7 +185,14 @@ RULES = (
         lambda this: _order_elements(this.project, this.report),
     ),
     AdaptationRule(
-        "a variable of a type that the target does not have, such as `S5TIME`, in CODESYS `CHAR`",
+        "a variable whose type is `S5TIME`",
+        "all",
+        "a TIME",
+        lambda this: not this.options.same and any(variables_with_times(this.project)),
+        lambda this: declare_times(this.project, this.report),
+    ),
+    AdaptationRule(
+        "a variable of a type that the target does not have, such as `DTL`, in CODESYS `CHAR`",
         "all",
         "not executed: the declaration does not compile",
         lambda this: not this.options.same,
@@ -234,6 +247,14 @@ RULES = (
             or any(needs_rewriting(chart, this.host, this.options) for chart in this.project.charts())
         ),
         _charts,
+        keeps_source=True,
+    ),
+    AdaptationRule(
+        "a `TIMER` or `COUNTER` of S5 of a block",
+        "all",
+        "a BOOL, the output, or an INT, the count; an input is an in-out",
+        lambda this: not this.options.same and any(interfaces_with_operands(this.project)),
+        lambda this: declare_operands(this.project, this.report, this.marks),
         keeps_source=True,
     ),
     AdaptationRule(

@@ -116,6 +116,7 @@ class ShownState:
 _UNKNOWN = Effects(frozenset({ANYTHING}), frozenset({ANYTHING}))
 _NAMES = {
     "shown": ("state_of_sequence", "X_state_of_sequence", "ZY_state_of_sequence"),
+    "timers": ("timers_of_steps", "X_timers_of_steps", "ZX_timers_of_steps"),
     "pulses": ("pulses", "A_pulses", "A0_pulses"),
     "edges": ("edges_of_inputs", "A_edges_of_inputs", "A0_edges_of_inputs"),
     "switches": ("switched_steps", "Z_switched_steps", "ZZZ_switched_steps"),
@@ -155,6 +156,11 @@ class PermanentRewriter:
         if self._shown.lines and initial is not None:
             body = StBody(text="\n".join(self._shown.lines))
             self._steps.store(initial, self.name("shown"), body, first=False, instead_of=None)
+        timers = self._steps.timers
+        if timers.outputs and initial is not None:
+            body = StBody(text="\n".join(timers.in_every_scan()))
+            self._report_early(timers.outputs)
+            self._steps.store(initial, self.name("timers"), body, first=False, instead_of=None)
         for when, operations in (("after", chart.permanent_post), ("before", chart.permanent_pre)):
             found = [operation for operation in operations if has_program(operation.body)]
             if found:
@@ -171,6 +177,14 @@ class PermanentRewriter:
             edges = [*switches, *edges]
         if edges:
             self._edges(StBody(text="\n".join(edges)))
+
+    def _report_early(self, outputs: list[str]) -> None:
+        """Report actions that read the output of a timer of S5: S7-GRAPH writes it after all actions."""
+        acting = Effects.all(self._effects_of(row.body) for _, row in self._chart.associations())
+        for name in () if self._host.is_codesys else outputs:
+            if may_change(acting.reads, self._effects(StBody(text=f"{name} := TRUE;")).writes, frozenset()):
+                why = f"actions that read {name} may see what it is after the scan; in S7-GRAPH what it was before"
+                self._rewriting.note(Outcome.APPROXIMATED, "timers of steps", "", why)
 
     def _edges(self, body: StBody) -> None:
         """Let the edges of inputs be computed before the actions of the steps, which read them."""

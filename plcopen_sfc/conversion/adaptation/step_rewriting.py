@@ -16,11 +16,17 @@ from functools import cached_property
 from itertools import takewhile
 
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, guarded
+from plcopen_sfc.conversion.adaptation.s5_operands import (
+    COUNTERS,
+    NEED_EVENT,
+    TIMERS,
+    TimerRows,
+    counted,
+)
 from plcopen_sfc.conversion.adaptation.special_rows import (
     COILS,
     KINDS_OF_SFC,
     PHASES,
-    QUALIFIERS_OF_GRAPH,
     is_coil,
     is_special,
     mixed_operands,
@@ -44,6 +50,9 @@ from plcopen_sfc.report import ORDER_OF_ACTIONS, Outcome
 
 _SWITCHES = frozenset({Qualifier.ON, Qualifier.OFF})
 _STORING = {Qualifier.S: "TRUE", Qualifier.R: "FALSE"}
+_TIMED = frozenset({Qualifier.D, Qualifier.L, Qualifier.TL, Qualifier.TD, Qualifier.TF})
+_AFTER_ENTRY = (None, ActionEvent.C, ActionEvent.L1, ActionEvent.V1, ActionEvent.R1)
+"""The events of rows that may act as their step begins, in statements after those that are executed once then."""
 _PULSES = {ActionEvent.S1: Qualifier.P1, ActionEvent.S0: Qualifier.P0}
 _MEANT = {
     Qualifier.P1: "the statements of the step that are executed once when it becomes active",
@@ -92,6 +101,7 @@ class StepRewriter:
         self._moved: dict[int, Qualifier] = {}
         self.pulses: dict[str, str] = {}
         """Variables that are TRUE for a scan after a step was left, each with the one that its exit action sets."""
+        self.timers = TimerRows(self._chart, checks.variable, at_once=not self._host.is_codesys)
         self._uses: dict[int, list[str]] = {}
         self._permanent: dict[int, list[str]] = {}
         self._logic: dict[int, Mapping[int, Node] | None] = {}
@@ -470,6 +480,8 @@ class StepRewriter:
                 where = "once when the step was left"
             else:
                 rows.active += lines
+            if row.qualifier is Qualifier.TF:
+                rows.exit += self.timers.left(row)
         # The statement is written in any case. From here on: scans in which it comes before or behind another write of
         # its operand otherwise than in S7-GRAPH, which the report tells.
         order = self._other_order(step, row, event)
@@ -508,18 +520,19 @@ class StepRewriter:
             return f"it depends on a condition of the step, and {_NO_TEXT}"
         if row.forcing is not None or row.kind not in KINDS_OF_SFC:
             return f"{title} has no such action of IEC 60848"
-        if row.qualifier in _SWITCHES and (event is None or not self._checks.switched_by(row, step)):
-            return "it has no event" if event is None else "there is no such step"
-        if row.qualifier not in COILS | _STORING.keys() | _SWITCHES | {Qualifier.CALL}:
-            of_s5 = ", which acts on counters and timers of S5" if row.qualifier.value in QUALIFIERS_OF_GRAPH else ""
-            return f"{title} has no action {row.qualifier.value}{of_s5}"
+        if row.qualifier in _SWITCHES | NEED_EVENT and event is None:
+            return "it has no event"
+        if row.qualifier in _SWITCHES and not self._checks.switched_by(row, step):
+            return "there is no such step"
+        if row.qualifier not in COILS | _STORING.keys() | _SWITCHES | COUNTERS | TIMERS | {Qualifier.CALL}:
+            return f"{title} has no action {row.qualifier.value}"
         if row.negated:
             return "it acts while its step is not active"
         if row.body is not None and not isinstance(row.body, StBody):
             return f"its body is a network in {row.body.language}"
         if row.target is None and row.body is None:
             return "it has no operand"
-        if locked and event is ActionEvent.S0:
+        if locked and (event is ActionEvent.S0 or row.qualifier is Qualifier.TF):
             return f"{title} has no interlock of a step that was left"
         if self._needed(step, row) is None:
             return f"it needs a condition, and {_NO_TEXT}"
@@ -527,8 +540,10 @@ class StepRewriter:
         late = event is ActionEvent.S1 and row_key(row) in self._mixed and self._host.is_codesys
         if late and again and not is_coil(row):
             return f"another row drives {row.target}, and {title} executes it after entry actions"
-        if row.qualifier in (Qualifier.D, Qualifier.L) and (not row.duration or row.condition is not None):
+        if row.qualifier in _TIMED and (not row.duration or row.condition is not None):
             return "its time depends on its condition" if row.duration else "it has no time"
+        if row.qualifier is Qualifier.TF and event is not None:
+            return "its time has no event"
         if is_coil(row):
             if event is ActionEvent.S0:
                 return f"{title} has no action that is TRUE in the scan after its step only"
@@ -544,9 +559,9 @@ class StepRewriter:
         return any(row.qualifier is not Qualifier.S or r.duration is not None or r.interlock for r in coils)
 
     def _overtakes(self, step: Step, row: ActionAssociation) -> bool:
-        """True if rows above one that is executed once write its operand in every cycle."""
+        """True if rows above one that is executed at the start write its operand in that cycle, behind it here."""
         above = takewhile(lambda each: each.id != row.id, step.actions)
-        lasting = [each for each in above if each.event is None and each.target and not is_coil(each)]
+        lasting = [each for each in above if each.event in _AFTER_ENTRY and each.target and not is_coil(each)]
         return any(row_key(each) == row_key(row) for each in lasting)
 
     def _is_written_before(self, step: Step, row: ActionAssociation) -> bool:
@@ -633,6 +648,10 @@ class StepRewriter:
         if row.qualifier in _SWITCHES:
             switched, word = self._checks.switched_by(row, step), row.qualifier.value.lower()
             return [f"{self._checks.switch(each, word)} := TRUE;" for each in switched]
+        if row.qualifier in TIMERS:
+            return self.timers.started(row)
+        if row.qualifier in COUNTERS:
+            return [counted(row)]
         return _plain_statements(row)
 
     def _leave_out(self, step: Step, row: ActionAssociation, why: str) -> None:

@@ -24,7 +24,7 @@ from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Configuration
 from plcopen_sfc.model.sfc import ActionAssociation, BodyCondition, Condition, SfcNetwork, Step, Transition
-from plcopen_sfc.model.variables import VariableSection, sections_of
+from plcopen_sfc.model.variables import SectionKind, VariableSection, sections_of
 
 if TYPE_CHECKING:
     from plcopen_sfc.formats.plcopen.tc6_reading import Fields
@@ -48,6 +48,9 @@ SYSTEM_DATA_FIELD = "system_data"
 
 RETAINED_FIELD = "retained"
 """At an interface: the sections of which TIA Portal retains some members, by their place and how many they became."""
+
+TYPES_OF_S5_FIELD = "types_of_s5"
+"""At an interface: the variables of types of S5, which are declared with others, with their sections and places."""
 
 _M = TypeVar("_M", bound=Model)
 
@@ -467,6 +470,21 @@ def restore_system_data(interface: Fields) -> None:
     for number, place, variable in interface.pop(SYSTEM_DATA_FIELD, None) or ():
         if number < len(sections) and str(variable["name"]).casefold() not in names:
             sections[number]["variables"].insert(place, variable)
+
+
+def restore_types_of_s5(interface: Fields) -> None:
+    """Put variables with types of S5 back into an interface that is being read. Takes the mark."""
+    written = interface.pop(TYPES_OF_S5_FIELD, None) or ()
+    names = {str(variable["name"]).casefold() for _, _, variable in written}
+    sections = interface["sections"]
+    if len(names & {str(v["name"]).casefold() for section in sections for v in section["variables"]}) < len(names):
+        return  # someone has changed them
+    for section in sections:
+        section["variables"] = [v for v in section["variables"] if str(v["name"]).casefold() not in names]
+    for number, place, variable in written:
+        sections[number]["variables"].insert(place, variable)
+    if written and sections[-1]["kind"] == SectionKind.IN_OUT and not sections[-1]["variables"]:
+        sections.pop()
 
 
 def restore_retained(interface: Fields) -> None:

@@ -8,7 +8,12 @@ from itertools import groupby
 
 from lxml import etree
 
-from plcopen_sfc.formats.plcopen.source_marks import restore_no_result, restore_retained, restore_system_data
+from plcopen_sfc.formats.plcopen.source_marks import (
+    restore_no_result,
+    restore_retained,
+    restore_system_data,
+    restore_types_of_s5,
+)
 from plcopen_sfc.formats.plcopen.tc6_reading import (
     Fields,
     Tc6ReadContext,
@@ -429,6 +434,7 @@ def read_interface(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
             read_common(ctx, fields, child, local, "interface")
     restore_retained(fields)
     restore_system_data(fields)
+    restore_types_of_s5(fields)
     restore_no_result(fields)
     keep_attributes(fields, left)
     return fields

@@ -252,6 +252,7 @@ _UNITS = {
 _PART = re.compile(r"(\d[\d_]*)(\.\d[\d_]*)?(ms|us|ns|d|h|m|s)_?", re.IGNORECASE)
 _DAY = _UNITS["d"]
 _S5_BASES = (10_000_000, 100_000_000, SECOND, 10 * SECOND)
+_S5_DIGITS = 999
 _DURATION_PREFIXES = {"TIME": "T", "LTIME": "LTIME", "S5TIME": "S5T"}
 TIME_RANGES = {
     (Dialect.CODESYS, "TIME"): (0, 0xFFFF_FFFF * 1_000_000),
@@ -293,6 +294,10 @@ def _duration(text: str, body: str, type: str) -> int:
         raise LiteralError(f"{text} is finer than a nanosecond")
     if type == "S5TIME" and not 0 <= total <= 9990 * SECOND:
         raise LiteralError(f"{text} does not fit S5TIME, which ends at 2h46m30s")
+    if type == "S5TIME":
+        # three digits of the finest base that holds them, rounded down (STEP 7 help, "Format of S5TIME")
+        base = next(each for each in sorted(_S5_BASES) if total // each <= _S5_DIGITS)
+        return int(total // base) * base
     return -int(total) if sign == "-" else int(total)
 
 
@@ -308,7 +313,7 @@ def time_literal(nanoseconds: int, dialect: Dialect = Dialect.IEC, type: str = "
         raise LiteralError(f"{nanoseconds} ns cannot be said in whole {finest} of {type}")
     if type == "S5TIME":
         steps = [nanoseconds // base for base in _S5_BASES if nanoseconds % base == 0]
-        if nanoseconds < 0 or min(steps, default=1000) > 999:
+        if nanoseconds < 0 or min(steps, default=1000) > _S5_DIGITS:
             raise LiteralError(f"{nanoseconds} ns does not fit S5TIME: it has three digits, from 10 ms to 2h46m30s")
     least, greatest = TIME_RANGES.get((dialect, type), (nanoseconds, nanoseconds))
     if not least <= nanoseconds <= greatest:

@@ -389,6 +389,8 @@ class CallTranslator:
         if name in BOUND_FUNCTIONS:
             return self._with(node, callee, self._bound_arguments(arguments))
         if self._source is Dialect.SCL and len(arguments) == 1 and arguments[0].value is not None:
+            if name == "S5TIME_TO_TIME":  # variables of that type are a TIME elsewhere
+                return arguments[0].value
             if name == "SQR":
                 return self._square(node, arguments[0].value)
             if name == "ROUND":

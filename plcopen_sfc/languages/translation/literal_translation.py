@@ -117,7 +117,8 @@ def _requoted_part(found: re.Match[str], old: str, quote: str) -> str:
 def _duration(text: str, nanoseconds: int, type: str, target: Dialect) -> PartText:
     body = text.partition("#")[2]
     if type == "S5TIME" and target is not Dialect.SCL:
-        return PartText(f"T#{body}", Severity.WARNING, f"{text} is a S5TIME, it became a TIME, which counts finer")
+        exact = literal_value(f"T#{body}", Dialect.IEC).value == nanoseconds
+        return PartText(f"T#{body}" if exact else time_literal(nanoseconds, target))
     if target is Dialect.IEC:
         return PartText(text)
     fine = "." in body or (type != "LTIME" and re.search("us|ns", body, re.IGNORECASE))

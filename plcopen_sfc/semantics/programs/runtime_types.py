@@ -242,8 +242,8 @@ ELEMENTARY: dict[str, ScalarType] = _integers() | {
     "WCHAR": ScalarType("WCHAR", Family.STRING, 16, length=1),
     "STRING": ScalarType("STRING", Family.STRING, 8, length=254),
     "WSTRING": ScalarType("WSTRING", Family.STRING, 16, length=254),
-    "TIMER": ScalarType("TIMER", Family.INTEGER, 16, 0, 0xFFFF),
-    "COUNTER": ScalarType("COUNTER", Family.BITS, 16, 0, 0xFFFF),
+    "TIMER": BOOL,  # what programs read of one is its output
+    "COUNTER": ScalarType("COUNTER", Family.INTEGER, 16, 0, 999),
     "XINT": ScalarType("XINT", Family.INTEGER, 64, -_HALF, _HALF - 1),
     "UXINT": ScalarType("UXINT", Family.INTEGER, 64, 0, 2 * _HALF - 1),
     "XWORD": ScalarType("XWORD", Family.BITS, 64, 0, 2 * _HALF - 1),

@@ -109,6 +109,9 @@ def test_other_values(text: str, kind: LiteralKind, value: Any, type: str) -> No
         ("LT#1ns", 1, "LTIME"),
         ("S5T#10s", 10 * SECOND, "S5TIME"),
         ("S5TIME#2h46m30s", 9990 * SECOND, "S5TIME"),
+        ("S5T#9s995ms", 9990 * MS, "S5TIME"),  # three digits of 10 ms, rounded down
+        ("S5T#10s50ms", 10 * SECOND, "S5TIME"),
+        ("S5T#1h5s", 3600 * SECOND, "S5TIME"),
         ("T#1_000ms", SECOND, "TIME"),
     ],
 )

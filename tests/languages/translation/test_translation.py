@@ -137,9 +137,9 @@ def test_literals_without_counterpart_stay(text: str, source: Dialect, target: D
 
 
 def test_s5time_becomes_time() -> None:
-    found = translated("S5T#1m_5s", SCL, IEC)
-    assert found.text == "T#1m_5s"
-    assert [note.severity for note in found.notes] == [WARNING]
+    for text, time in (("S5T#1m_5s", "T#1m_5s"), ("S5T#1s5ms", "T#1s")):
+        found = translated(text, SCL, IEC)
+        assert (found.text, found.notes) == (time, ())
 
 
 def test_enumerations() -> None:

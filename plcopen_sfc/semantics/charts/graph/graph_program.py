@@ -285,6 +285,7 @@ class GraphActions:
     def _fall_off(self, frame: Frame, now: int, row: _Row, *, active: bool) -> None:
         """TF: TRUE while the step is active, and for its time after that."""
         assert row.timer is not None  # noqa: S101  # the caller has looked
+        self._reached.actions |= row.noted
         v = frame.v
         v[row.timer.mode] = _RUNS[Qualifier.TF]
         v[row.timer.start] = None if active else now
