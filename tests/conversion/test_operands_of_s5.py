@@ -6,7 +6,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.report import Outcome
+from plcopen_sfc.report import START_OF_CHART, Outcome
 from tests.conversion.features import Feature, FeatureChart, feature_project, variable
 from tests.conversion.matrix import converted, same_behaviour
 
@@ -31,7 +31,7 @@ def source(rows: list[tuple[str, str, str | None]], condition: str = '#b OR "S5"
 def test_rows_start_one_timer_in_turn(target: str) -> None:
     project = source([("Idle", "TD", "S0"), ("Work", "TL", "S1"), ("Done", "TR", "S1")])
     result, report = converted(project, target)
-    assert report.losses == []
+    assert {item.what for item in report.losses} <= {START_OF_CHART}
     verdict = same_behaviour(project, result)
     assert verdict is not None
     assert verdict.proven
