@@ -57,6 +57,7 @@ _PROVIDERS = {
     "cross_references": "refactor.queries",
     "edit": "refactor.editor",
     "diff": "comparison",
+    "default_profile": "semantics.profile",
     "add_sequence": "refactor.builder",
     "declare_named": "refactor.builder",
     "chart_records": "refactor.queries",

@@ -51,6 +51,11 @@ class VariableSection(OwnedName, Element):
 
     OWNS: ClassVar[tuple[str, ...]] = ("variables",)
 
+    def with_variables(self, variables: list[Variable]) -> VariableSection:
+        """Return a section for other variables in the same memory (CONSTANT, RETAIN ..)."""
+        fields = {name: getattr(self, name) for name in _MEMORY}
+        return VariableSection(**fields, variables=variables)
+
 
 class Interface(Owned, Element):
     """Declarations of a POU.
@@ -74,7 +79,11 @@ class Interface(Owned, Element):
 
         A new one at the end where there is none: a block of TIA Portal has each section once.
         """
-        plain = VariableSection(kind=kind, constant=constant)
+        return self.section_like(VariableSection(kind=kind, constant=constant))
+
+    def section_like(self, other: VariableSection) -> VariableSection:
+        """Return the section for new variables in the same memory as those of another one."""
+        plain = other.with_variables([])
         for section in self.sections:
             is_kept = section.extension_data is not None and section.extension_data.data  # such as another keyword
             if not is_kept and all(getattr(section, name) == getattr(plain, name) for name in _MEMORY):

@@ -6,10 +6,9 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import cache, wraps
-from inspect import signature
-from types import TracebackType, UnionType
-from typing import Any, Self, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+from functools import wraps
+from types import TracebackType
+from typing import Any, Self, TypeVar, cast
 
 from plcopen_sfc.errors import ModelError, check_argument
 from plcopen_sfc.languages.binding import Declaration, Names
@@ -20,7 +19,8 @@ from plcopen_sfc.model.pou import Action, NamedTransition, Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, Condition, SfcNetwork, Step, Transition
 from plcopen_sfc.operations import provided
-from plcopen_sfc.refactor import chart_edits, name_edits, step_kinds
+from plcopen_sfc.refactor import called_charts, chart_edits, name_edits, runs_of_steps, step_kinds
+from plcopen_sfc.refactor.argument_checks import bound_arguments
 from plcopen_sfc.refactor.chart_edits import refused
 from plcopen_sfc.refactor.journal import EDITS, Journal
 from plcopen_sfc.refactor.queries import charts_of, pou_of
@@ -36,47 +36,10 @@ def _edit(method: _Method) -> _Method:
     @wraps(method)
     def transaction(self: Editor, *args: Any, **kwargs: Any) -> Any:
         with self:
-            wanted = _argument_types(method)
-            bound = signature(method).bind(self, *args, **kwargs)
-            for name, value in bound.arguments.items():
-                types, items = wanted.get(name, ((object,), ()))
-                needs = " or ".join(each.__name__ for each in types if each is not type(None))
-                several = f" of {' or '.join(each.__name__ for each in items)}" if items else ""
-                need = f"{method.__name__} needs as {name}: {needs}{several}"
-                alone = tuple(each for each in types if each not in _SEVERAL)
-                if not items or isinstance(value, alone):
-                    check_argument(value, types, need)
-                    continue
-                check_argument(value, alone if isinstance(value, str | Model) else types, need)  # both can be iterated
-                bound.arguments[name] = things = list(value)
-                for each in things:
-                    check_argument(each, items, need)
+            bound = bound_arguments(method, self, *args, **kwargs)
             return method(*bound.args, **bound.kwargs)
 
     return cast(_Method, transaction)
-
-
-@cache
-def _argument_types(method: Callable[..., Any]) -> dict[str, tuple[tuple[type, ...], tuple[type, ...]]]:
-    """Return the classes that each argument may have, by the annotations, and those of the things in it."""
-    return {name: (_classes(hint), _item_classes(hint)) for name, hint in get_type_hints(method).items()}
-
-
-_SEVERAL = (Iterable, Sequence)
-"""Annotations of arguments that are several things."""
-
-
-def _item_classes(hint: Any) -> tuple[type, ...]:
-    options = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
-    several = (each for each in options if get_origin(each) in _SEVERAL)
-    return tuple(kind for each in several for item in get_args(each) for kind in _classes(item))
-
-
-def _classes(hint: Any) -> tuple[type, ...]:
-    origin = get_origin(hint) or hint
-    if origin in (Union, UnionType):
-        return tuple(each for part in get_args(hint) for each in _classes(part))
-    return (origin,) if isinstance(origin, type) and origin is not Any else (object,)
 
 
 class Editor:
@@ -381,18 +344,43 @@ class Editor:
     @_edit
     def move_to_macro(self, steps: Sequence[Step | str], name: str) -> Step:
         """Move a run of steps, entered at one step and left at one, into a new macro-step."""
-        if not steps:
-            raise ModelError("a macro-step needs steps")
-        moved = [self._step(each)[0] for each in steps]
-        chart = self._step(moved[0])[1]
+        moved, chart = self._run(steps)
         with self._adding(chart):
-            return chart_edits.move_to_macro(self._journal, chart, moved, name)
+            return runs_of_steps.move_to_macro(self._journal, chart, moved, name)
 
     @_edit
     def dissolve_macro(self, macro: Step | str) -> list[Step]:
         """Put the steps of a macro-step into its place."""
         step, chart = self._step(macro)
-        return chart_edits.dissolve_macro(self._journal, chart, step)
+        return runs_of_steps.dissolve_macro(self._journal, chart, step)
+
+    @_edit
+    def move_to_action(self, steps: Sequence[Step | str], name: str, action: str) -> Step:
+        """Move a run of steps into the chart of a new action, which a new step called `name` executes.
+
+        The chart begins and ends with that step, in the same scans as before.
+        """
+        moved, chart = self._run(steps)
+        with self._adding(chart):
+            return called_charts.move_to_action(self._journal, chart, moved, name, action)
+
+    @_edit
+    def move_to_block(self, steps: Sequence[Step | str], name: str, block: str) -> Step:
+        """Move a run of steps into the chart of a new function block, which a new step called `name` executes.
+
+        What only these steps use moves with them; the block gets other variables of the POU as VAR_INPUT (read) and
+        VAR_IN_OUT (written, and instances).
+        """
+        moved, chart = self._run(steps)
+        with self._adding(chart):
+            return called_charts.move_to_block(self._journal, chart, moved, name, block)
+
+    @_edit
+    def dissolve_chart(self, step: Step | str) -> list[Step]:
+        """Put the steps that `move_to_action` or `move_to_block` has moved into the place of the step."""
+        found, chart = self._step(step)
+        with self._removing([found]):
+            return called_charts.dissolve_chart(self._journal, chart, found)
 
     @_edit
     def copy_pou(self, source: Project, name: str, names: Mapping[str, str] | None = None) -> Pou:
@@ -418,6 +406,12 @@ class Editor:
         self._journal.put(chart, "drawing", None)
 
     # -- what edits are about
+
+    def _run(self, steps: Sequence[Step | str]) -> tuple[list[Step], SfcNetwork]:
+        if not steps:
+            raise ModelError("a run of steps has none")
+        found = [self._step(each)[0] for each in steps]
+        return found, self._step(found[0])[1]
 
     def _step(self, what: Step | str) -> tuple[Step, SfcNetwork]:
         step: Any = what

@@ -36,7 +36,7 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.variables import SectionKind, VariableSection
 from plcopen_sfc.refactor.chart_edits import refused
 from plcopen_sfc.refactor.journal import Journal
-from plcopen_sfc.refactor.queries import dialect_in, pou_of
+from plcopen_sfc.refactor.queries import dialect_in, owners, pou_of
 from plcopen_sfc.refactor.rename import edit_markup, is_tokens, rename_many
 from plcopen_sfc.refactor.surroundings import declarations_in, other_meanings
 from plcopen_sfc.report import Use
@@ -260,10 +260,10 @@ def extract_condition(journal: Journal, chart: sfc.SfcNetwork, link: sfc.Transit
 
     One of this name with the same body is used as it is.
     """
-    what, pou = f"the condition of {chart.label(link)} cannot be extracted", _pou(chart)
+    what, pou = f"the condition of {chart.label(link)} cannot be extracted", owners(chart)[1]
     if dialect_in(chart) is Dialect.SCL:
         raise refused(what, "blocks of S7-GRAPH have no named transitions")
-    if Names(_project(chart)).is_in_grafcet(Site(pou, charts=(chart,))):
+    if Names(owners(chart)[0]).is_in_grafcet(Site(pou, charts=(chart,))):
         raise refused(what, "a GRAFCET has no named transitions")
     condition = link.condition
     body: sfc.Body | None = None
@@ -275,7 +275,7 @@ def extract_condition(journal: Journal, chart: sfc.SfcNetwork, link: sfc.Transit
         raise refused(what, "it is named already, drawn in the chart, or there is none")
     known = next((each for each in pou.transitions if each.name.casefold() == name.casefold()), None)
     if known is None or known.body != body:
-        check_free(Names(_project(chart)), pou, name, condition)
+        check_free(Names(owners(chart)[0]), pou, name, condition)
         known = NamedTransition(name=name, body=body)
         journal.put(pou, "transitions", [*pou.transitions, known])
     named = NamedCondition(name=known.name, negated=condition.negated)
@@ -293,7 +293,7 @@ def inline_condition(journal: Journal, chart: sfc.SfcNetwork, link: sfc.Transiti
     condition = link.condition
     if not isinstance(condition, NamedCondition):
         raise refused(what, "it names no transition of the POU")
-    found = [t for t in _pou(chart).transitions if t.name.casefold() == condition.name.casefold()]
+    found = [t for t in owners(chart)[1].transitions if t.name.casefold() == condition.name.casefold()]
     if not found or found[0].body is None:
         raise refused(what, f"the POU has no transition {condition.name!r} with a body")
     body, made = found[0].body, None
@@ -325,19 +325,19 @@ def extract_action(journal: Journal, step: sfc.Step, name: str, at: str | int) -
     what = f"the action of the step {step.name!r} cannot be extracted"
     if chart is None:
         raise refused(what, "the step is in no chart")
-    pou = _pou(chart)
+    pou = owners(chart)[1]
     holder, field = _code_of(step, at, what)
     body = getattr(holder, field)
     if body is None or isinstance(body, str):
         raise refused(what, "there is no code in place")
     if isinstance(holder, sfc.ActionAssociation) and holder.target:
         raise refused(what, f"it names {holder.target!r} too")
-    check_free(Names(_project(chart)), pou, name)
+    check_free(Names(owners(chart)[0]), pou, name)
     action = Action(name=name, body=body)
     journal.put(pou, "actions", [*pou.actions, action])
     journal.put(holder, field, None)
     journal.put(holder, "target" if isinstance(holder, sfc.ActionAssociation) else field, name)
-    _refuse_other_order(what, pou, action, _project(chart).dialect)
+    _refuse_other_order(what, pou, action, owners(chart)[0].dialect)
     return action
 
 
@@ -403,17 +403,6 @@ def change_association(journal: Journal, association: sfc.ActionAssociation, fie
     qualifier = Qualifier(association.qualifier)
     if qualifier.needs_duration and not association.duration and association.kind is None:
         raise refused(f"{association.text!r} cannot be an action", f"{qualifier} needs a duration", 'duration="T#2s"')
-
-
-def _pou(chart: sfc.SfcNetwork) -> Pou:
-    pou = pou_of(chart)
-    if pou is None:
-        raise ModelError("the chart is in no POU", hint="Put it into a POU of a project first.")
-    return pou
-
-
-def _project(chart: sfc.SfcNetwork) -> Project:
-    return chart.project or Project(pous=[_pou(chart)])
 
 
 # -- what nothing uses

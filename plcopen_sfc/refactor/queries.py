@@ -135,6 +135,14 @@ def pou_of(thing: Owned) -> Pou | None:
     return owner
 
 
+def owners(chart: SfcNetwork) -> tuple[Project, Pou]:
+    """Return the project and the POU that a chart is in. Raises `ModelError` where it is in none."""
+    pou = pou_of(chart)
+    if pou is None:
+        raise ModelError("the chart is in no POU", hint="Put it into a POU of a project first.")
+    return chart.project or Project(pous=[pou]), pou
+
+
 def dialect_in(chart: SfcNetwork) -> Dialect:
     """Return the dialect of the texts of a chart."""
     return dialect_of(chart.project) if chart.project is not None else Dialect.CODESYS

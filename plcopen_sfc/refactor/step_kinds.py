@@ -12,7 +12,6 @@ import re
 from collections.abc import Iterable, Iterator
 from textwrap import dedent, indent
 
-from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.binding.name_uses import Names, Occurrence, dialect_of
 from plcopen_sfc.languages.binding.text_sites import SiteKind
 from plcopen_sfc.languages.il import statements
@@ -30,7 +29,7 @@ from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step
 from plcopen_sfc.refactor.chart_edits import refused
 from plcopen_sfc.refactor.journal import Journal
 from plcopen_sfc.refactor.name_edits import extract_action
-from plcopen_sfc.refactor.queries import pou_of
+from plcopen_sfc.refactor.queries import owners
 from plcopen_sfc.refactor.rename import edit_markup
 
 _TIME = re.compile(r"\s*\.\s*(?!x\b)\w+", re.IGNORECASE)
@@ -44,7 +43,7 @@ def use_iec_steps(journal: Journal, chart: SfcNetwork, *, guarded: bool = False)
     `guarded`: the code asks if the step is active, so that it is not executed once more.
     """
     what = "the steps cannot become IEC steps"
-    project, pou = _owners(chart)
+    project, pou = owners(chart)
     reasons = [
         f"the {field.replace('_', ' ')} of {step.name}: an IEC step has none"
         for step in chart.steps
@@ -101,7 +100,7 @@ def use_simple_steps(journal: Journal, chart: SfcNetwork) -> list[str]:
     delays or pulses, and where a text asks for the time of a step, which simple steps have not.
     """
     what = "the steps cannot become simple steps"
-    project, pou = _owners(chart)
+    project, pou = owners(chart)
     executing = _executing(project, chart)
     done: list[tuple[Step, list[str], list[str], str]] = []
     reasons = [
@@ -179,13 +178,6 @@ def _free_name(pou: Pou, wish: str) -> str:
     taken = {each.name.casefold() for part in (pou.actions, pou.transitions, pou.methods) for each in part}
     taken |= {variable.name.casefold() for variable in pou.variables()}
     return free_name(wish, taken)
-
-
-def _owners(chart: SfcNetwork) -> tuple[Project, Pou]:
-    pou = pou_of(chart)
-    if pou is None:
-        raise ModelError("the chart is in no POU", hint="Put it into a POU of a project first.")
-    return chart.project or Project(pous=[pou]), pou
 
 
 _MEMBER = re.compile(r"\s*\.\s*x\b", re.IGNORECASE)

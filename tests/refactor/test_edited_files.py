@@ -82,6 +82,14 @@ EDITS: dict[str, tuple[Edit, int]] = {
         280,
     ),
     "lay texts out": (lambda e, p: e.lay_out_texts() or pytest.skip("it is"), 400),
+    "move steps to an action": (
+        lambda e, p: at_first(lambda s: e.move_to_action([s], "ZZ", "ZZ_Act"), steps_of(p)),
+        40,
+    ),
+    "move steps to a block": (
+        lambda e, p: at_first(lambda s: e.move_to_block([s], "ZZ", "ZZ_Block"), steps_of(p)),
+        270,
+    ),
     "number the names": (lambda e, p: e.renumber(10, 10, names="{name}_{number}"), 110),
 }
 MOVED = {"codesys23": 60, "two sequences": 230}
@@ -174,6 +182,11 @@ def random_edit(edit: Editor, project: sfc.Project, draw: Callable[..., Any]) ->
         lambda: edit.extract_action(target, name, draw(st.integers(0, 1))),
         lambda: edit.move_to_macro([target], name),
         lambda: edit.dissolve_macro(target),
+        lambda: edit.move_to_action([target], name, "Act2"),
+        lambda: edit.move_to_action([target, draw(some_step)], name, "Act3"),
+        lambda: edit.move_to_block([target], name, "FB_Run"),
+        lambda: edit.move_to_block([target, draw(some_step)], name, "FB_Run2"),
+        lambda: edit.dissolve_chart(target),
         lambda: edit.renumber(names=draw(st.sampled_from(["X{number}", "{name}_{number}"]))),
         lambda: edit.rename(target, name),
         lambda: edit.replace_variable("Main.b", "Main.c"),

@@ -235,6 +235,7 @@ def test_a_refused_edit_changes_nothing(number: int) -> None:
             ("redraw", 1),
         ),
         *(("use_iec_steps", 1), ("use_simple_steps", 1), ("move_to_macro", 2), ("dissolve_macro", 1), ("copy_pou", 2)),
+        *(("move_to_action", 3), ("move_to_block", 3), ("dissolve_chart", 1)),
         *(("rename_many", 1), ("redraw", 1)),
     ],
 )
