@@ -48,8 +48,8 @@ class ExploredMarkings:
     """Markings that a search found, by their distance from the initial one.
 
     `unsafe`: a marking and the transition that would enter an active step there. `enabled`: the transitions that are
-    enabled in some marking. `came_from`, only where transitions
-    fired in sets: for each marking all markings before it, each with the transitions that fired.
+    enabled in some marking. `came_from`, only where transitions fired in sets: for each marking all markings before it,
+    each with the transitions that fired.
     """
 
     net: Net
@@ -330,6 +330,7 @@ class MarkingGraph:
     def way_home(self) -> Answer:
         """True if the initial marking can be reached again from every marking."""
         if not self.complete:
+            # from a deadlock there is no way anywhere, but one that is the initial marking is home
             return Answer.NO if self.deadlocks and self.deadlocks != (self.net.initial,) else Answer.UNKNOWN
         return Answer.YES if self.stranded is None else Answer.NO
 

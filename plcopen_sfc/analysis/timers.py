@@ -33,7 +33,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.sfc import BodyCondition, SfcNetwork
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import TermTexts
 from plcopen_sfc.semantics.programs.controller import Instance
-from plcopen_sfc.semantics.programs.runtime_types import INSTANT, Frame, Layout, StructureType
+from plcopen_sfc.semantics.programs.runtime_types import ELAPSED, INSTANT, Frame, Layout, StructureType
 from plcopen_sfc.semantics.subjects import Subject
 
 _CLOCKS = frozenset({"time", "rd_sys_t", "time_tck"})
@@ -380,7 +380,8 @@ class RunningClocks:
                 for item in value:
                     if isinstance(item, Frame):
                         self._look(item)
-            elif not (times and getattr(type_, "name", "") in ("TIME", "LTIME")) and not _is_elapsed(type_):
+            # beside a start, a time is how long ago that was
+            elif not (times and getattr(type_, "name", "") in ("TIME", "LTIME")) and type_ is not ELAPSED:
                 rest.append(slot)
         if rest:
             self._rest.append((frame.v, itemgetter(*rest)))
@@ -404,7 +405,3 @@ class RunningClocks:
             if constant + past > now - start
         ]
         return min(left) // clock.scan_time if left else None
-
-
-def _is_elapsed(type_: Any) -> bool:
-    return getattr(type_, "unit", 0) == 1 and getattr(type_, "length", 0) == 1

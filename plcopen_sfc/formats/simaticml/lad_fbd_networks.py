@@ -157,6 +157,7 @@ class _Writer:
         for draft in self.drafts:
             for end in draft.ends:
                 end.sources = [self._source(*source) for source in end.sources]
+        # in this order: a join is made of the wires that are left, and gets the pins that it needs last
         self._fold_inverters()
         self._enable_moves()
         self._outputs(network)

@@ -1,7 +1,7 @@
 """FBD and LD networks: to structured text and back.
 
-`body_statements`, `network_statements` and `network_expression` read networks, `condition_expression` the condition of
-a transition and `chart_statements` the rest of the logic drawn in a chart. `draw_fbd` and `draw_ld` draw statements,
+`body_statements` and `network_statements` read networks, `condition_expression` the condition of a transition and
+`chart_statements` the rest of the logic drawn in a chart. `draw_fbd` and `draw_ld` draw statements,
 `draw_fbd_expression` and `draw_ld_expression` an expression. `normal_form` is what stays the same there and back.
 
 `network_reading`     from `network_graph` (elements), `wires` (values) and `blocks` (what a box does) to `results`
@@ -35,7 +35,6 @@ from plcopen_sfc.languages.networks.network_drawing import (
 )
 from plcopen_sfc.languages.networks.network_reading import (
     body_statements as body_statements,
-    network_expression as network_expression,
     network_statements as network_statements,
 )
 from plcopen_sfc.languages.networks.results import (

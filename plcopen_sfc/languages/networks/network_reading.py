@@ -74,19 +74,6 @@ def _with_ids(result: NetworkStatements, original: Mapping[int, int]) -> Network
 _MENTION = re.compile(r"\b(element|contact) (\d+)")
 
 
-def network_expression(
-    network: net.LogicNetwork,
-    outputs: Sequence[net.Connection],
-    dialect: Dialect = Dialect.IEC,
-    *,
-    taken: Iterable[str] = (),
-) -> NetworkExpression:
-    """Return the value that `outputs`, wires from a network, have together; see `body_statements`."""
-    pin = net.InputPin(connections=[*outputs])
-    reader = NetworkReader([network.nodes], dialect, taken=taken, also_used=[pin])
-    return reader.run_for_value()
-
-
 def reader_of_chart(
     chart: SfcNetwork,
     nodes: Sequence[net.Node],

@@ -94,6 +94,7 @@ class StepBranches:
 
     def take(self, networks: list[CodeNetwork]) -> list[CodeNetwork]:
         """Take from `networks`, which are before the CASE, what can move into it; return what stays."""
+        # from the last one: what moves passes by all that stays behind it, which `_passed` collects
         stay: list[CodeNetwork] = []
         for network in reversed(networks):
             kept = self._taken(network)

@@ -186,7 +186,7 @@ class Linker:
         while traceback is not None:
             draft = self._places.get(traceback.tb_frame.f_code.co_filename)
             if draft is not None:
-                line = traceback.tb_lineno - 2
+                line = traceback.tb_lineno - 2  # lines count from 1, and the first one is the head
                 found = Location(path=draft.path, line=draft.origins[line] if 0 <= line < len(draft.origins) else None)
             traceback = traceback.tb_next
         return found

@@ -185,14 +185,12 @@ class StatementTranslator:
         self._lines = Lines(text) if text is not None else None
         self._labels: dict[str, int] = {}
         self._loops: list[str] = []
-        self._returns = "return"
         self._marks = translator.library.marks
         self._branch = -1
         self._guards = Guards(translator, wanted=self._marks is not None)
 
-    def body(self, statements: Sequence[Statement], *, returns: str = "return") -> None:
-        """A whole body: labels may be between its statements. `returns` is what RETURN becomes."""
-        self._returns = returns
+    def body(self, statements: Sequence[Statement]) -> None:
+        """A whole body: labels may be between its statements."""
         if statements:
             self.enter("")
         labels = [s.label.identifier for s in statements if isinstance(s, n.LabelStatement)]
@@ -210,6 +208,7 @@ class StatementTranslator:
             parts[0]()
             return
         self._labels = {label.casefold(): index + 1 for index, label in enumerate(labels)}
+        # a jump goes back to the head of this loop and passes by all parts before its label
         self._writer.write("_to = 0")
         with self._writer.block("while True:"):
             self._count_turn()
@@ -275,7 +274,7 @@ class StatementTranslator:
             case n.ReturnStatement(value=value):
                 if value is not None:
                     raise SimulationError("RETURN with a value is not known to the simulator")
-                self._writer.write(self._returns)
+                self._writer.write("return")
             case n.Goto(label=label):
                 self.goto(label.identifier)
             case n.Empty():

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from plcopen_sfc.languages.networks import DrawnExpression, NetworkExpression, condition_expression
 from plcopen_sfc.languages.networks.network_reading import network_statements
 from plcopen_sfc.languages.networks.results import NetworkStatements
 from plcopen_sfc.languages.st.printing import print_node
+from plcopen_sfc.model.conditions import WiredCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import (
     Block,
@@ -23,6 +25,7 @@ from plcopen_sfc.model.network import (
     OutputPin,
     OutputVariable,
 )
+from plcopen_sfc.model.sfc import SfcNetwork, Transition
 
 Wire = int | tuple[int, str]
 
@@ -91,3 +94,10 @@ def lines(result: NetworkStatements, dialect: Dialect = Dialect.IEC) -> list[str
 def told(result: NetworkStatements) -> list[str]:
     """The problems, each with its severity and element."""
     return [str(problem) for problem in result.problems]
+
+
+def read_drawn(drawn: DrawnExpression, dialect: Dialect = Dialect.IEC) -> NetworkExpression:
+    """Return a drawn expression as it reads where it is the condition of a transition."""
+    condition = WiredCondition(input=InputPin(connections=[*drawn.outputs]), negated=drawn.negated)
+    chart = SfcNetwork(logic=[*drawn.network.nodes], transitions=[Transition(id=100_000, condition=condition)])
+    return condition_expression(chart, chart.transitions[0], dialect)

@@ -12,7 +12,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc.formats.plcopen.tc6_versions import validate_tc6
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, declared_rules
 from plcopen_sfc.languages.networks.network_drawing import draw_fbd, draw_fbd_expression, draw_ld, draw_ld_expression
-from plcopen_sfc.languages.networks.network_reading import body_statements, network_expression
+from plcopen_sfc.languages.networks.network_reading import body_statements
 from plcopen_sfc.languages.networks.wires import normal_form
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.parsing import parse_expression, parse_statements
@@ -32,6 +32,7 @@ from plcopen_sfc.model import (
 )
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import BlockCall, Node, Storage
+from tests.languages.networks.build import read_drawn
 from tests.languages.networks.programs import INSTANCES, programs
 from tests.samples import FIXTURES
 from tests.sweeps import examples
@@ -181,7 +182,7 @@ def test_expressions_for_somebody_else_to_take() -> None:
     drawn = draw_ld_expression(parse_expression("a OR b").tree)
     assert not drawn.negated
     assert len(drawn.outputs) == 2
-    read = network_expression(drawn.network, drawn.outputs)
+    read = read_drawn(drawn)
     assert read.tree is not None
     assert normal_form(read.tree) == parse_expression("a OR b").tree
 

@@ -17,13 +17,14 @@ from plcopen_sfc.languages.networks.network_drawing import (
     draw_ld,
     draw_ld_expression,
 )
-from plcopen_sfc.languages.networks.network_reading import body_statements, network_expression
-from plcopen_sfc.languages.networks.wires import inverted, normal_form
+from plcopen_sfc.languages.networks.network_reading import body_statements
+from plcopen_sfc.languages.networks.wires import normal_form
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.parsing import parse_expression, parse_statements
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.model.dialect import Dialect
+from tests.languages.networks.build import read_drawn
 from tests.languages.networks.programs import INSTANCES, booleans, numbers, programs
 
 tools = st.sampled_from([None, *Tool])
@@ -38,26 +39,24 @@ def shown(tree: n.Node) -> str:
 @given(booleans | numbers, tools)
 def test_an_expression_drawn_as_fbd_reads_as_itself(expression: n.Expression, tool: Tool | None) -> None:
     drawn = draw_fbd_expression(expression, DrawingRules(tool=tool))
-    read = network_expression(drawn.network, drawn.outputs)
+    read = read_drawn(drawn)
     assert not read.problems
     assert not read.before
     assert read.tree is not None
-    found = inverted(read.tree) if drawn.negated else read.tree
-    assert shown(found) == shown(expression)
-    assert normal_form(found) == normal_form(expression)
+    assert shown(read.tree) == shown(expression)
+    assert normal_form(read.tree) == normal_form(expression)
 
 
 @settings(deadline=None)
 @given(booleans, tools)
 def test_a_condition_drawn_as_ld_reads_as_itself(expression: n.Expression, tool: Tool | None) -> None:
     drawn = draw_ld_expression(expression, DrawingRules(tool=tool))
-    read = network_expression(drawn.network, drawn.outputs)
+    read = read_drawn(drawn)
     assert not read.problems
     assert not read.before
     assert read.tree is not None
-    found = inverted(read.tree) if drawn.negated else read.tree
-    assert shown(found) == shown(expression)
-    assert normal_form(found) == normal_form(expression)
+    assert shown(read.tree) == shown(expression)
+    assert normal_form(read.tree) == normal_form(expression)
 
 
 @pytest.mark.slow
@@ -95,10 +94,10 @@ def test_odd_expressions_read_as_themselves(text: str, draw: Callable[..., Drawn
     parsed = parse_expression(text, Dialect.CODESYS)
     assert not parsed.problems
     drawn = draw(parsed.tree, DrawingRules(Dialect.CODESYS))
-    read = network_expression(drawn.network, drawn.outputs, Dialect.CODESYS)
+    read = read_drawn(drawn, Dialect.CODESYS)
     assert not read.before
     assert read.tree is not None
-    assert shown(inverted(read.tree) if drawn.negated else read.tree) == shown(parsed.tree)
+    assert shown(read.tree) == shown(parsed.tree)
 
 
 def test_stored_variables_in_texts_of_boxes_are_those_of_the_dialect() -> None:
