@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
 
-from plcopen_sfc.errors import CompetingTransitionsError
 from plcopen_sfc.model import sfc
 
 
@@ -214,27 +213,6 @@ class Net:
                     found |= transition.post
         return found
 
-    def fire(self, marking: int, true: int, competing: Competing = Competing.PRIORITY) -> tuple[int, int]:
-        """One evolution: the new marking and the transitions that fired, where `true` are those with a true condition.
-
-        All of them see the old marking, and a step that is both left and entered stays active (IEC 60848:2013,
-        evolution rules 4 and 5). Raises `CompetingTransitionsError` where competing transitions are true at once
-        against the rule.
-        """
-        fired = cleared = entered = 0
-        for index in self.enabled(marking):
-            transition = self.transitions[index]
-            if not true & transition.bit:
-                continue
-            if competing is not Competing.ALL and transition.pre & cleared:
-                if competing is Competing.ERROR:
-                    self._refuse(transition, fired)
-                continue
-            fired |= transition.bit
-            cleared |= transition.pre
-            entered |= transition.post
-        return marking & ~cleared | entered, fired
-
     def names(self, marking: int) -> tuple[str, ...]:
         """Return the paths of the active steps."""
         return tuple(self.steps[i].path for i in indexes(marking))
@@ -253,14 +231,6 @@ class Net:
             for step in side:
                 found[step].append(index)
         return tuple(tuple(transitions) for transitions in found)
-
-    def _refuse(self, transition: NetTransition, fired: int) -> None:
-        first = next(self.transitions[i] for i in transition.competing if fired >> i & 1)
-        shared = ", ".join(self.names(transition.pre & first.pre))
-        raise CompetingTransitionsError(
-            f"the transitions {first.path} and {transition.path} leave step {shared} at the same time",
-            transitions=(first.path, transition.path),
-        )
 
 
 def mask(indices: Iterable[int]) -> int:

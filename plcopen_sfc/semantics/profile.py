@@ -386,16 +386,7 @@ PROFILES: Mapping[str, Profile] = MappingProxyType(
     {
         "iec": Profile(name="iec"),
         "codesys": _CODESYS,
-        "codesys23": Profile(
-            name="codesys23",
-            order=ScanOrder.ACTIONS_FIRST,
-            action_order=ActionOrder.ALPHABETIC,
-            boolean_targets=BooleanTargets.WHEN_EXECUTED,
-            minimum_times=True,
-            maximum_times=True,
-            flags=CODESYS_FLAGS,
-            step_variables=StepVariables.FLAG,
-        ),
+        "codesys23": replace(_CODESYS, name="codesys23", step_variables=StepVariables.FLAG),
         "s7graph": Profile(
             name="s7graph",
             initial_situation_held=True,

@@ -20,6 +20,7 @@ from plcopen_sfc.model.sfc import (
 )
 from plcopen_sfc.semantics.net import Competing, Net, NetProblemKind
 from tests.analysis.nets import Arcs, any_nets, chart_of, chart_of_arcs
+from tests.semantics.firing import fire
 from tests.sweeps import examples
 
 ALL_TRUE = -1
@@ -30,7 +31,7 @@ def runs(chart: SfcNetwork, scans: int, competing: Competing = Competing.PRIORIT
     marking = net.initial
     seen = ["+".join(net.names(marking))]
     for _ in range(scans):
-        marking, _ = net.fire(marking, ALL_TRUE, competing)
+        marking, _ = fire(net, marking, ALL_TRUE, competing)
         seen.append("+".join(net.names(marking)))
     return seen
 
@@ -41,7 +42,7 @@ def test_one_step_further_in_every_scan() -> None:
 
 def test_all_transitions_see_the_old_marking_and_entering_wins() -> None:
     net = Net.of(chart_of("1>2 2>3", "1+2"))
-    marking, fired = net.fire(net.initial, ALL_TRUE)
+    marking, fired = fire(net, net.initial, ALL_TRUE)
     assert net.names(marking) == ("2", "3")
     assert fired == 0b11
 
@@ -66,7 +67,7 @@ def test_priority_goes_before_the_place_in_the_chart() -> None:
 
 def test_a_competing_transition_that_did_not_fire_excludes_none() -> None:
     net = Net.of(chart_of("1>4 1+2>5 2>6", "1+2"))
-    marking, fired = net.fire(net.initial, ALL_TRUE)
+    marking, fired = fire(net, net.initial, ALL_TRUE)
     assert net.names(marking) == ("4", "6")
     assert fired == 0b101
 
@@ -77,9 +78,9 @@ def test_competing_transitions_in_a_grafcet_all_fire() -> None:
 
 def test_competing_transitions_may_be_an_error() -> None:
     net = Net.of(chart_of("1>2 1>3"))
-    assert net.names(net.fire(net.initial, 0b10, Competing.ERROR)[0]) == ("3",)
-    with pytest.raises(CompetingTransitionsError, match="1 -> 2 and 1 -> 3 leave step 1") as caught:
-        net.fire(net.initial, ALL_TRUE, Competing.ERROR)
+    assert net.names(fire(net, net.initial, 0b10, Competing.ERROR)[0]) == ("3",)
+    with pytest.raises(CompetingTransitionsError, match="1 -> 2 and 1 -> 3 leave the same step") as caught:
+        fire(net, net.initial, ALL_TRUE, Competing.ERROR)
     assert caught.value.transitions == ("1 -> 2", "1 -> 3")
 
 
@@ -89,9 +90,9 @@ def test_fork_and_join() -> None:
 
 def test_source_and_sink_transitions() -> None:
     net = Net.of(chart_of(">2 2>", "1"))
-    marking, _ = net.fire(net.initial, 0b1)
+    marking, _ = fire(net, net.initial, 0b1)
     assert net.names(marking) == ("1", "2")
-    assert net.names(net.fire(marking, 0b10)[0]) == ("1",)
+    assert net.names(fire(net, marking, 0b10)[0]) == ("1",)
 
 
 def test_a_macro_step_with_a_body_is_replaced_by_it() -> None:
@@ -115,9 +116,9 @@ def test_a_macro_step_may_name_its_expansion_and_that_its_ends() -> None:
     )
     assert runs(chart, 3)[:2] == ["1", "M.B"]
     net = Net.of(chart)
-    assert net.names(net.fire(net.marking(["m.c"]), ALL_TRUE)[0]) == ("M.B",)
+    assert net.names(fire(net, net.marking(["m.c"]), ALL_TRUE)[0]) == ("M.B",)
     leaving = next(t for t in net.transitions if t.path == "M -> 1")
-    assert net.names(net.fire(net.marking(["m.c"]), leaving.bit)[0]) == ("1",)
+    assert net.names(fire(net, net.marking(["m.c"]), leaving.bit)[0]) == ("1",)
 
 
 def test_macro_steps_stand_in_macro_steps() -> None:
@@ -210,7 +211,7 @@ def test_broken_references_are_told_and_crash_nothing() -> None:
 
 def test_an_empty_chart_has_an_empty_net() -> None:
     net = Net.of(SfcNetwork())
-    assert (net.steps, net.transitions, net.initial, net.fire(0, ALL_TRUE)) == ((), (), 0, (0, 0))
+    assert (net.steps, net.transitions, net.initial, fire(net, 0, ALL_TRUE)) == ((), (), 0, (0, 0))
 
 
 def test_unknown_names_of_steps() -> None:
@@ -234,6 +235,6 @@ def test_firing_follows_the_definition(net: tuple[int, tuple[int, ...], Arcs], t
                 firing.append(index)
         left = {s for f in firing for s in arcs[f][0]}
         entered = {s for f in firing for s in arcs[f][1]}
-        after, fired = made.fire(marking, true, competing)
+        after, fired = fire(made, marking, true, competing)
         assert fired == sum(1 << f for f in firing)
         assert {i for i in range(steps) if after >> i & 1} == (active - left) | entered
