@@ -370,6 +370,7 @@ class ProgramSystem:
             values = read()
             marking = self._marking() if has_bits else 0
             next_marking = following()
+            # of a step its bit, of a variable its value, of a test if it is met
             return tuple(
                 [
                     (next_marking if follows else marking) & bit != 0

@@ -163,24 +163,9 @@ class _Reader:
     def _read(self) -> None:
         self.names.text_sites()  # what looks for some words only has them then
         for declaration in self.project.data_types:
-            if not isinstance(declaration.type, t.StructType) and not self.detail:
-                continue  # other types are compared where they are used, by what they stand for
-            part = self.whole.add("type", declaration.name, declaration.report_path, declaration)
-            tell_type(part, declaration.type, declaration)
-            if self.detail is Detail.WRITTEN:
-                tell_declaration(part, declaration)
-            else:
-                tell_acting_attributes(part, declaration, typed_attributes(declaration.declaration).get("", ()))
-            self.tell_comment(part, declaration)
-            whole = t.Variable(name=declaration.name, type=declaration.type, initial=declaration.initial)
-            if self.detail and isinstance(declaration.type, t.StructType):
-                for member in declaration.type.members:
-                    self._variable(part, "member", member, VariableSection(), "")
-            else:
-                kind = declaration.type if self.detail else self._plain_type(declaration.type)
-                part.tell("type", type_meaning(kind, self.dialect))
-            if not self.detail or declaration.initial is not None:
-                part.tell("initial value", self.starts.meaning(whole))
+            # other types are compared where they are used, by what they stand for
+            if isinstance(declaration.type, t.StructType) or self.detail:
+                self._data_type(declaration)
         self._globals()
         tasks = TaskReader(
             self.project,
@@ -195,18 +180,38 @@ class _Reader:
         tasks.read()
         for pou in self.project.pous:
             self._pou(pou)
-        names = self.names
-        add_kept(self.whole, self.project, names.text_sites(), self.tool)
-        drawn = [text_site.text for text_site in names.text_sites() if isinstance(text_site.holder, Block)]
+        add_kept(self.whole, self.project, self.names.text_sites(), self.tool)
+        drawn = [text_site.text for text_site in self.names.text_sites() if isinstance(text_site.holder, Block)]
         self.whole.boxes = frozenset(map(plain_name, drawn))
         if self.detail is Detail.WRITTEN:
             self._lists()
-        if self.detail:
-            return
-        self._calls_of_programs(names, tasks)
+        if not self.detail:
+            self._calls_of_programs(self.names, tasks)
+            self._undeclared()
+
+    def _data_type(self, declaration: t.DataTypeDeclaration) -> None:
+        part = self.whole.add("type", declaration.name, declaration.report_path, declaration)
+        tell_type(part, declaration.type, declaration)
+        if self.detail is Detail.WRITTEN:
+            tell_declaration(part, declaration)
+        else:
+            tell_acting_attributes(part, declaration, typed_attributes(declaration.declaration).get("", ()))
+        self.tell_comment(part, declaration)
+        whole = t.Variable(name=declaration.name, type=declaration.type, initial=declaration.initial)
+        if self.detail and isinstance(declaration.type, t.StructType):
+            for member in declaration.type.members:
+                self._variable(part, "member", member, VariableSection(), "")
+        else:
+            kind = declaration.type if self.detail else self._plain_type(declaration.type)
+            part.tell("type", type_meaning(kind, self.dialect))
+        if not self.detail or declaration.initial is not None:
+            part.tell("initial value", self.starts.meaning(whole))
+
+    def _undeclared(self) -> None:
+        """Note the names that nothing declares, neither the project nor its tool."""
         # a source in another dialect may have operators of CODESYS: its tool does not have them, this one does
         dialect = self.dialect if self.compared_with.parts else Dialect.IEC
-        for occurrence in names.undeclared():
+        for occurrence in self.names.undeclared():
             name = occurrence.reference.name
             own = occurrence.text_site.site.pou
             if name.upper() in _OF_OBJECTS or (own is not None and name.casefold() in self._inherited(own)):
@@ -264,29 +269,27 @@ class _Reader:
     def _named(self, node: n.Node, result: str, own: Collection[str]) -> n.Node:
         if self.detail is Detail.WRITTEN:
             return node
-        if (
-            isinstance(node, n.Member)
-            and isinstance(node.base, n.Name)
-            and node.base.identifier.casefold() in self.lists
-        ):
-            name = node.name
-            key = name.identifier.casefold() if isinstance(name, n.Name) else ""
-            if self.listed.get(key, 0) < 2 and key not in own:
-                return name  # the value of a constant, or a name that one list has
-            number = self.values.get(key, self.values.get(f"{node.base.identifier}.{key}".casefold()))
-            return n.Literal(number) if number is not None else node
-        if isinstance(node, n.Member) and isinstance(node.base, n.Name):
-            number = self.values.get(f"{node.base.identifier}.{node.name.identifier}".casefold())
-            return n.Literal(number) if number is not None else node
-        if isinstance(node, n.Name) and node.identifier.casefold() in self.values:
-            is_own = node.quoting is not n.Quoting.GLOBAL and node.identifier.casefold() in own
-            return n.Name(node.identifier) if is_own else n.Literal(self.values[node.identifier.casefold()])
-        if isinstance(node, n.Name) and node.identifier.casefold() in self.programs:
-            return n.Name(self.programs[node.identifier.casefold()])
-        is_result = result and isinstance(node, n.Name) and node.identifier.casefold() in (result.casefold(), "ret_val")
-        if is_result:
-            return n.Name("Ret_Val")
-        return n.Name(node.identifier) if isinstance(node, n.Name) and node.quoting is not n.Quoting.NONE else node
+        match node:
+            case n.Member(n.Name(around), n.Literal() as value) if around.casefold() in self.lists:
+                return value  # parts are rewritten before the whole: the name of a constant is its value by now
+            case n.Member(n.Name(around), n.Name(name)):
+                key, is_of_list = name.casefold(), around.casefold() in self.lists
+                if is_of_list and self.listed.get(key, 0) < 2 and key not in own:
+                    return node.name  # the value of a constant, or a name that one list has
+                number = self.values.get(f"{around}.{key}".casefold())
+                number = self.values.get(key, number) if is_of_list else number
+                return n.Literal(number) if number is not None else node
+            case n.Name(name):
+                key = name.casefold()
+                if key in self.values:
+                    is_own = node.quoting is not n.Quoting.GLOBAL and key in own
+                    return n.Name(name) if is_own else n.Literal(self.values[key])
+                if key in self.programs:
+                    return n.Name(self.programs[key])
+                if result and key in (result.casefold(), "ret_val"):
+                    return n.Name("Ret_Val")
+                return n.Name(name) if node.quoting is not n.Quoting.NONE else node
+        return node
 
     def _number(self, text: str) -> str:
         """Return the number of the value of an enumeration, or of the constant, that `text` names."""

@@ -153,6 +153,7 @@ class MethodCalls:
 
     def without_methods(self, text: str, site: Site, *, is_condition: bool = False) -> InlinedText:
         """Return a text with calls of functions in place of those of methods, the inner ones first."""
+        # a call inside the arguments of another one is replaced first: the span of the outer one changes with it
         found = InlinedText(text)
         while any(name in found.text.casefold() for name in self._methods) and not found.problems:
             edits: list[Edit] = []
@@ -173,11 +174,11 @@ class MethodCalls:
         self, text: str, site: Site, is_condition: bool
     ) -> list[tuple[tuple[int, int], n.Call, Declaration]]:
         """Return the calls of methods in a text that have no others among their arguments, with their places."""
-        tree: n.Node | None = parse_statements(text, self._dialect).tree
-        if is_condition:
-            tree = parse_expression(text, self._dialect).tree
+        tree: n.Node = (
+            parse_expression(text, self._dialect).tree if is_condition else parse_statements(text, self._dialect).tree
+        )
         found: list[tuple[tuple[int, int], n.Call, Declaration]] = []
-        for call in walk(tree) if tree is not None else ():
+        for call in walk(tree):
             if isinstance(call, n.Call) and call.span is not None:
                 declaration = self._declaration(call.callee, site)
                 if declaration is not None and declaration.kind is Kind.METHOD:

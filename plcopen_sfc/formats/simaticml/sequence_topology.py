@@ -6,7 +6,7 @@ every other format with drawings.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from lxml import etree
@@ -91,19 +91,15 @@ def usual_order(links: list[SequenceLink], symbols: list[ElementRef]) -> list[Se
 class TopologyReader:
     """Collects the symbols of all sequences of a chart, then derives the links of the transitions."""
 
-    def __init__(self, ctx: DocumentReading, new_id: object) -> None:
+    def __init__(self, ctx: DocumentReading, new_id: Callable[[], int]) -> None:
         self.ctx = ctx
-        self._new_id = new_id
+        self.new_id = new_id
+        """Returns an id that nothing in the chart has."""
         self.found = Topology()
         self.added: set[ElementRef] = set()
         """Steps and transitions that are not in the chart: see `sequence_rules`."""
         self.counts: list[tuple[Fields, int, etree._Element]] = []
         """Number of paths that the file gives for each branch."""
-
-    def new_id(self) -> int:
-        """Return an id that nothing in the chart has."""
-        number: int = self._new_id()  # type: ignore[operator]  # a plain callable
-        return number
 
     def add(self, ref: ElementRef, kind: SymbolKind, number: int, element: etree._Element) -> None:
         """Add the symbol of a step or transition."""

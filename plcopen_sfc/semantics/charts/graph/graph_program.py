@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from plcopen_sfc.errors import Location, UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, ActionEvent, Qualifier, SfcNetwork
+from plcopen_sfc.model.chart_settings import GraphSettings
 from plcopen_sfc.model.sfc import Condition as Stated
 from plcopen_sfc.semantics.charts.chart_actions import Owner, check_associations, check_step_actions, missing_time
 from plcopen_sfc.semantics.charts.graph import step_data
@@ -328,13 +329,11 @@ class GraphProgram(RunningChart):
         self._transitions = [
             override(scope, t.transition.name, structure) if t.transition.name else None for t in self.net.transitions
         ]
-        settings = chart.graph_settings
-        self._skips = bool(settings is not None and settings.skip_steps)
-        self._parameters = Parameters(scope, path, locked=bool(settings is not None and settings.lock_operating_mode))
+        settings = chart.graph_settings or GraphSettings()
+        self._skips = bool(settings.skip_steps)
+        self._parameters = Parameters(scope, path, locked=bool(settings.lock_operating_mode))
         self._conditions = StepConditions(
-            self.net,
-            self._slots,
-            acknowledged=bool(settings is not None and settings.acknowledge_errors_required),
+            self.net, self._slots, acknowledged=bool(settings.acknowledge_errors_required)
         )
         self._plans = Plans(self._moves_in)
         self._timed = Plans(self._steps.timed)
@@ -393,8 +392,6 @@ class GraphProgram(RunningChart):
             for body, when in bodies
             if body is not None
         )
-
-    # -- looking
 
     # -- running
 
