@@ -52,7 +52,7 @@ CAUTIOUS = {
 REASONS = {
     "scl": {"": "a source in SCL holds no charts; `lower` writes their code"},
     "iec-text": {
-        "ON|event|interlock|supervision|value:|permanent|counter|timer of S5|retained member|initial value": (
+        "ON|event|interlock|supervision|value:|permanent|SkipSteps|counter|timer of S5|retained member|initial value": (
             "the rules that write statements in place of what S7-GRAPH has are not applied to text yet: nothing there "
             "would keep the source for the way back"
         ),
@@ -74,9 +74,6 @@ REASONS = {
     },
     "codesys23": {
         "negated action|macro-step|action that calls a method": "CoDeSys 2.3 has no such element",
-    },
-    "codesys|twincat|codesys-export|plcopen-2.01|iec-text|codesys23": {
-        "SkipSteps": "each step is active for a scan at least in other tools",
     },
 }
 """Why cells are not executed, by targets and features (alternatives)."""

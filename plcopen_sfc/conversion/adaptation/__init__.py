@@ -7,6 +7,7 @@
 `s5_operands`         timers, counters and times of S5
 `sequencer_rewriting` what a block of S7-GRAPH does beside its steps; `operating_inputs`: INIT_SQ and OFF_SQ
 `sequence_loops`      sequences that a chart of the target cannot hold, as a loop of each step
+`passed_steps`        steps that S7-GRAPH skips
 `global_variables`    tags, data blocks and lists of global variables
 `called_methods`      methods as functions, before texts are translated; `called_programs`: programs that others call
 `extended_types`      structures that extend others

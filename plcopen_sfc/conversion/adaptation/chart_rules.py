@@ -21,6 +21,7 @@ from plcopen_sfc.conversion.adaptation.chart_rewriting import (
 )
 from plcopen_sfc.conversion.adaptation.flags_in_tc6 import execute_flags_in_tc6
 from plcopen_sfc.conversion.adaptation.operating_inputs import OperatingModes
+from plcopen_sfc.conversion.adaptation.passed_steps import SkipRewriter
 from plcopen_sfc.conversion.adaptation.sequence_loops import SequenceRewriter, steps_to_start, undrawable
 from plcopen_sfc.conversion.adaptation.sequencer_rewriting import PermanentRewriter, ShownState
 from plcopen_sfc.conversion.adaptation.special_rows import has_special_rows, shared_step_actions, stays_in_place
@@ -215,6 +216,10 @@ class _ChartRewriter:
         SequenceRewriter(self._rewriting, self._checks, self._modes).rewrite()
         self._modes.report()
 
+    def skips(self) -> None:
+        """Add the transitions past steps that S7-GRAPH skips."""
+        SkipRewriter(self._rewriting, self._checks).rewrite()
+
     def surroundings(self) -> None:
         """Add the actions for permanent instructions, edges of inputs and outputs that show the state."""
         self._permanent = PermanentRewriter(self._rewriting, self._steps, self._checks, self._shown)
@@ -316,15 +321,12 @@ class _ChartRewriter:
 
     def _report_graph(self, shown: set[str]) -> None:
         """Report the surroundings of a sequencer of S7-GRAPH that have no counterpart."""
-        chart, title = self._chart, self._host.title
-        for step in chart.steps:
+        for step in self._chart.steps:
             if self._rewriting.interlock(step) not in (None, "TRUE"):
                 why = "rows and outputs that depend on it are statements; it does nothing else"
                 self._note(Outcome.TRANSLATED, "interlock", f"step {step.name}", why)
         if not self._rewriting.of_graph:
             return
-        if chart.graph_settings is not None and chart.graph_settings.skip_steps:
-            self._note(Outcome.NOT_EXECUTED, "skip steps", "", f"each step is active for a scan at least in {title}")
         for variable in self._rewriting.chart.pou.variables():
             if variable.name in ACKNOWLEDGING:
                 why = "statements compute its rising edges where something depends on them"
@@ -512,6 +514,12 @@ CHART_RULES = (
         _ChartRewriter.sequences,
     ),
     ChartRule(
+        "SkipSteps",
+        "transitions that are tried first and lead past the steps that are skipped; not executed where the conditions "
+        "are no expressions, or ask for the time of such a step, and where a way begins or ends with several steps",
+        _ChartRewriter.skips,
+    ),
+    ChartRule(
         "permanent instructions, `S_NO`, `S_ACTIVE`, `S_MORE`, `ERR_FLT`, edges of ACK_EF and REG_EF",
         "actions that the initial step stores, named so that CODESYS executes them before or after all others",
         _ChartRewriter.surroundings,
@@ -529,7 +537,7 @@ CHART_RULES = (
         _ChartRewriter.flags,
     ),
     ChartRule(
-        "SkipSteps; SFC flags that analyse errors in TC6",
+        "SFC flags that analyse errors in TC6",
         "not executed: the target has nothing of the kind",
         _ChartRewriter.losses,
     ),
