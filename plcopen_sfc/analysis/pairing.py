@@ -332,9 +332,11 @@ def step_observations(
 def heed_instability(chart: ProgramSystem, code: ProgramSystem) -> None:
     """End a scan as the chart's where code tells by a variable ``unstable`` that the chart would not become stable.
 
-    `lower` writes such a variable (German: ``instabil``), with a number where the name is taken.
+    `lower` writes such a variable (German: ``instabil``), with a number where the name is taken. A chart that makes one
+    evolution in a scan cannot tell.
     """
     searching = chart.profile.evolution is Evolution.UNTIL_STABLE and chart.instance.charts()
+    chart.is_unanswered = bool(searching and code.instance.charts()) and code.profile.evolution is Evolution.SINGLE
     if not searching or code.instance.charts():
         return
     for name, each in code.variables.items():

@@ -69,6 +69,10 @@ class LeftOutError(SfcError):
     """A scan is none of those that are to be compared."""
 
 
+class UnansweredInstabilityError(UnstableChartError):
+    """A chart never becomes stable, and what it is compared with makes one evolution in a scan: it cannot tell."""
+
+
 class _Regrown(Exception):  # noqa: N818  # no error: the search starts again
     """A constant was found: there are more values to try."""
 
@@ -297,6 +301,8 @@ def _check_domains(domains: Iterable[Domain]) -> None:
 
 
 _SAME, _DIFFERENT, _FAILED = range(3)
+NEVER_STABLE = "situations that never become stable are left out"
+"""What a proof rests on where a chart fires transitions for ever with some inputs."""
 
 
 def _scan(left: System, right: System, read: InputReader, *, first: bool) -> tuple[int, str, SfcError | None]:
@@ -314,14 +320,15 @@ def end_of(failures: Sequence[SfcError | None]) -> tuple[str, SfcError] | None:
 
     Both fail, or neither of them becomes stable; or orders of a chart contradict each other, which is a mistake of its
     author: what follows is unknown; or the user does not want to know what follows. That only one of them never
-    becomes stable is a difference. Raises an error if a system cannot be executed at all.
+    becomes stable is a difference, if the other could tell. Raises an error if a system cannot be executed at all.
     """
     for failure in failures:
         if isinstance(failure, UnknownBehaviourError | UnknownFunctionError):
             raise failure
     for failure in failures:
-        if isinstance(failure, UnstableChartError) and all(isinstance(each, _NOT_FOLLOWED) for each in failures):
-            return "situations that never become stable are left out", failure
+        is_told = all(isinstance(each, _NOT_FOLLOWED) for each in failures)
+        if isinstance(failure, UnansweredInstabilityError) or (isinstance(failure, UnstableChartError) and is_told):
+            return NEVER_STABLE, failure
         if isinstance(failure, ForcingConflictError):
             return "situations in which forcing orders contradict each other are left out", failure
         if isinstance(failure, LeftOutError):

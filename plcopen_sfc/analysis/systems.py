@@ -20,9 +20,15 @@ from typing import Any, Unpack
 
 from plcopen_sfc.analysis.dead_variables import dead_cells
 from plcopen_sfc.analysis.domains import NotProvableError, Probe, Split, Symbolic, Unasked, asked
-from plcopen_sfc.analysis.product import Branching, LeftOutError, end_of, hidden_reason
+from plcopen_sfc.analysis.product import (
+    Branching,
+    LeftOutError,
+    UnansweredInstabilityError,
+    end_of,
+    hidden_reason,
+)
 from plcopen_sfc.analysis.timers import Clocking, StepTimes, WaitingTimer, step_times, waiting_timers
-from plcopen_sfc.errors import ModelError, SfcError, SimulationError
+from plcopen_sfc.errors import ModelError, SfcError, SimulationError, UnstableChartError
 from plcopen_sfc.languages.binding import names_in, uncalled_actions, with_called
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.languages.s7_globals import TABLE
@@ -208,6 +214,8 @@ class ProgramSystem:
         """By the names of variables, how a scan ends that leaves them TRUE; ``NOT x``: that leaves x FALSE."""
         self._not_followed: Callable[[], tuple[Any, ...]] = tuple
         self._followed: tuple[bool, ...] = ()
+        self.is_unanswered = False
+        """True if the other side cannot tell that a chart of this one never becomes stable."""
 
     @property
     def told_types(self) -> Mapping[str, Type]:
@@ -403,6 +411,7 @@ class ProgramSystem:
         made = ProgramSystem(replace(self.subject, pou=pou), self.profile, self.clock, **self._options)
         made.delay(begins=self._begins, kept=self._kept, alone=self._alone, at_rest=self._at_rest, late=self._late)
         made.also_counted = self.also_counted
+        made.is_unanswered = self.is_unanswered
         for name, kind in self.not_followed.items():
             made.leave_out(name, kind)
         bits = {path: 1 << index for index, path in enumerate(made.steps)}
@@ -521,7 +530,12 @@ class ProgramSystem:
         if not first:
             self._controller.now += self.clock.scan_time
         given = {name: self._given(name) for name in self._late}  # a later scan asks for them, if this one does or not
-        self.instance.scan()
+        try:
+            self.instance.scan()
+        except UnstableChartError as error:
+            if self.is_unanswered:
+                raise UnansweredInstabilityError(error.message, location=error.location, hint=error.hint) from None
+            raise
         self._held = given
         if self.not_followed and (values := self._not_followed()) != self._followed:
             wrong = map(ne, values, self._followed)

@@ -288,24 +288,33 @@ def _told_alike(
     """Return how a chart that differs compares under one more rule of the target, or all, and the rules as causes.
 
     Nothing where it differs yet: what is left of a difference then is one of the conversion. With the search for
-    stability, inputs that come together tell apart every chart of a GRAFCET whose steps they pass. Charts that execute
+    stability, inputs that come together tell apart every chart of a GRAFCET whose steps they pass. What is ruled goes
+    on in a second evolution when its order ends, in the target at once: there the runs are compared in which nothing
+    fires behind another transition of the same scan. Charts that execute
     others have no constant delay where the tools execute actions and transitions in another order.
     """
     profiles, tool, example = run.profiles, run.tool, run.verdict.counterexample
     evolution, order = profiles[1].evolution, profiles[1].order
     end = time.thread_time() + limit
 
-    def equal_under(rules: Callable[[], Profile]) -> Verdict | None:
+    def run_under(rules: Callable[[], Profile]) -> Verdict | None:
         left = end - time.thread_time()
         try:
-            found = compared(profile=(rules(), profiles[1]), delay="auto", limit=left) if left > 0 else None
+            return compared(profile=(rules(), profiles[1]), delay="auto", limit=left) if left > 0 else None
         except SfcError:  # some would contradict others: S7-GRAPH has one order
             return None
+
+    def equal_under(rules: Callable[[], Profile]) -> Verdict | None:
+        found = run_under(rules)
         return found if found is not None and found.equal else None
 
     if profiles[0].evolution is Evolution.UNTIL_STABLE is not evolution:
-        found = equal_under(lambda: replace(profiles[0], evolution=evolution))
-        return ([f"without its search for stability: {found.summary}"], []) if found is not None else ([], [])
+        if (found := equal_under(lambda: replace(profiles[0], evolution=evolution))) is not None:
+            return [f"without its search for stability: {found.summary}"], []
+        found = run_under(lambda: replace(profiles[0], max_evolutions=2))
+        if found is None or found.counterexample is not None:
+            return [], []
+        return [f"where it passes no step: {found.summary}"], []
     if example is None:
         return [], []
     if profiles[0].order is not order and (found := equal_under(lambda: replace(profiles[0], order=order))) is not None:
@@ -358,11 +367,13 @@ class _Run(NamedTuple):
 
 def _report_run(report: ConversionReport, run: _Run, rules: Sequence[str]) -> None:
     """Report the verdict on a chart of which the report names no loss; `rules`: see `_Run.told`."""
+    from plcopen_sfc.analysis.product import NEVER_STABLE  # noqa: PLC0415  # most conversions run nothing
+
     verdict, as_run, path = run.verdict, run.as_run, run.chart.report_path
     report.compared[path] = "\n".join(run.seen)
     if verdict.proven:
         usual = 1 if run.profiles[1].order is ScanOrder.ACTIONS_FIRST else 0  # a later result passed other situations
-        if abs(verdict.delay.scans) <= usual:
+        if abs(verdict.delay.scans) <= usual and NEVER_STABLE not in verdict.notes:
             _note_proven(report, path, STABILITY, "which fires transitions once in a scan")
         for what, how in _PROVEN.items():
             _note_proven(report, path, what, how)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -24,6 +25,7 @@ from plcopen_sfc.model import (
 )
 from plcopen_sfc.model.numbering import numbered_in_order
 from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.semantics.profile import default_profile
 from tests.conversion.random_plans import random_plan
 from tests.lowering.random_grafcets import random_grafcet
 
@@ -149,6 +151,86 @@ def test_what_is_left_without_the_search_for_stability_is_told(form: str) -> Non
     assert found.startswith("different")
     assert "\nwithout its search for stability: equal" in found
     assert "(proof" in found.partition("\nwithout")[2]
+
+
+@pytest.mark.parametrize("form", ["codesys", "simaticml", "plcopen-2.01"])
+def test_a_ruled_chart_is_compared_where_it_passes_no_step(form: str) -> None:
+    """In a GRAFCET what an order ruled goes on in the next evolution: no verdict told more than `different`."""
+    project = sfc.load("fixtures/grafcet/initialised_chain.gct")
+    found = sfc.save(project, io.BytesIO(), format=form, limit=60).compared["POU Kette"]
+    assert found.startswith("different")
+    assert "\nwhere it passes no step: equal" in found
+    # a chart that goes on where it should not is different there, too
+    wrong = sfc.loads(sfc.convert(project, form, limit=0).data)
+    chart = wrong.pous[0].chart
+    assert chart is not None
+    transition = next(t for t in chart.transitions if t.targets == [chart.step("Step3").id])
+    transition.targets = [chart.step("Step4").id]
+    rules = replace(default_profile(project), max_evolutions=2)
+    assert sfc.equivalent(project, wrong, (rules, default_profile(wrong)), delay="auto", limit=60).counterexample
+
+
+CIRCLE = """GRAFCET M
+INPUTS
+    a
+    b
+OUTPUTS
+    Q
+INITIAL STEP 1
+1 -> 2 : a
+STEP 2
+    Q
+2 -> 1 : b
+"""
+
+
+@pytest.mark.parametrize("form", ["codesys", "simaticml", "plcopen-2.01"])
+def test_inputs_that_never_let_a_grafcet_become_stable_are_left_out(form: str) -> None:
+    """IEC 60848 has no situation for `a * b` here; the first scan with both was the only thing that a verdict told."""
+    report = sfc.save(sfc.loads(CIRCLE.encode()), io.BytesIO(), format=form, limit=60)
+    verdict, premise, *_ = report.compared["POU M"].splitlines()
+    assert re.match(r"equal.* \(proof", verdict)
+    assert premise == "given: situations that never become stable are left out"
+    assert [item.outcome for item in report.items if item.what == STABILITY] == ["approximated"]
+
+
+BUTTON = """GRAFCET Anlage
+INPUTS
+    S1
+    S2
+    B1
+OUTPUTS
+    Q1
+    Q2
+INITIAL STEP 1
+1 -> M2 : S1 * /S2 * /B1
+MACRO M2
+M2 -> 1 : S2 * /S1
+EXPANSION M2
+    STEP E2
+        Q1
+    E2 -> 20 : B1 * /S2
+    STEP 20
+        Q2
+    20 -> S2 : /B1 * /S2
+    STEP S2
+"""
+
+
+@pytest.mark.parametrize("form", ["codesys", "simaticml", "plcopen-2.01", "iec-text"])
+def test_the_last_step_of_an_expansion_may_be_called_as_a_button(form: str) -> None:
+    """The flag of step S2 was the variable S2: the simulation wrote an input, and TIA Portal and `lower` refused it."""
+    source = sfc.loads(BUTTON.encode())
+    given = [{"S1": True, "S2": False, "B1": False}, {"S1": False, "B1": True}, {"B1": False}, {}, {"S2": True}]
+    trace = sfc.simulate(source, inputs=lambda scan, _: given[scan], scans=5)
+    assert [trace.active(scan) for scan in range(5)] == [("M2.E2",), ("M2.20",), ("M2.S2",), ("M2.S2",), ("1",)]
+    data, report = sfc.convert(source, form, limit=60)
+    assert "(proof" in report.compared["POU Anlage"]
+    chart = sfc.loads(data).pous[0].chart
+    assert chart is not None
+    assert {"E2", "Step_S2"} < {step.name for step in chart.steps}
+    verdict = sfc.equivalent(source, sfc.lower(source, "auto"))
+    assert verdict.proven, verdict
 
 
 def test_strict_conversions_refuse_the_difference() -> None:
@@ -580,7 +662,7 @@ def test_verdicts_compare_the_steps_of_all_charts(form: str) -> None:
     """Steps beside partial charts were compared with those of other charts, those in partial charts with none."""
     report = sfc.save(sfc.loads(MIXED.encode()), io.BytesIO(), format=form, limit=20)
     assert "(proof" in report.compared["POU M"], report.compared
-    passing = MIXED.replace("21 -> 20 : /a", "21 -> 20 : a")  # which no output shows
+    passing = MIXED.replace("21 -> 20 : /a", "21 -> 22 : a\n    STEP 22\n    22 -> 20 : /a")  # which no output shows
     report = sfc.save(sfc.loads(passing.encode()), io.BytesIO(), format=form, limit=20, partial=True)
     assert report.compared["POU M"].startswith("different")
     assert [item.why for item in report.items if item.what == "chart" and "G3.2" in item.why]

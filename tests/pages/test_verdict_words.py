@@ -75,6 +75,7 @@ LINES = (
     "with actions and transitions in the order of TIA Portal: equal, first 1 scan later (proof: 14 states, all inputs)",
     "under the rules of beremiz: equal (proof: 5 states, all inputs)",
     "without its search for stability: equal (proof: 5 states, all inputs)",
+    "where it passes no step: equal, second 1 scan later (proof: 7 states, all inputs)",
     "types that nothing declares have the members that are used of them",
     "not compared: it is only in one of the two",
     "only if something outside writes a, b; while they keep their start values, both do the same",

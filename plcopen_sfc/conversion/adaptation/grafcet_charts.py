@@ -130,12 +130,7 @@ class _Chart:
                 self._refuse_hierarchy(path, error)
         self._terms.steps = {step.name.casefold(): step for step in self._chart.steps}
         self._misfits = {id(each): why for _, each in self._chart.associations() if (why := self._misfit(each))}
-        for step in self._chart.steps:
-            if step.name.isdecimal():
-                new = f"Step{step.name}"
-                if new.casefold() not in self._terms.steps:
-                    step.number, step.name = int(step.name), new
-                    self._note(Outcome.TRANSLATED, "step name", f"{path} / step {new}", "a name begins with no digit")
+        self._name_steps(path)
         edged = set()
         for transition in self._chart.transitions:
             place = f"{path} / transition {self._chart.label(transition)}"
@@ -158,6 +153,20 @@ class _Chart:
             self._sequences()
         elif len(starts) > 1:
             self._start(starts, path)
+
+    def _name_steps(self, path: str) -> None:
+        """Give steps the names of variables: ``S2``, the last step of an expansion, may be a button, too."""
+        variables = {each.name.casefold() for each in self._pou.variables()}
+        for step in self._chart.steps:
+            why = ""
+            if step.name.isdecimal() and f"Step{step.name}".casefold() not in self._terms.steps:
+                step.number, step.name = int(step.name), f"Step{step.name}"
+                why = "a name begins with no digit"
+            elif step.name.casefold() in variables:
+                why = f"a variable is called {step.name}, too"
+                step.name = self._terms.new_name(f"Step_{step.name}")
+            if why:
+                self._note(Outcome.TRANSLATED, "step name", f"{path} / step {step.name}", why)
 
     def _place_of(self, error: SfcError, path: str) -> str:
         """Return the place of the step that an error about the hierarchy names; `path` where it names none."""

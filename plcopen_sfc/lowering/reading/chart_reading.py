@@ -115,7 +115,8 @@ class _Reader(TextReader):
         )
         for step in net.steps:
             kind = self._types.get(step.step.name.casefold())
-            is_flag = isinstance(kind, ElementaryType) and kind.name is Elementary.BOOL
+            # the flag of a step of a GRAFCET has another name, XS2
+            is_flag = self._grafcet is None and isinstance(kind, ElementaryType) and kind.name is Elementary.BOOL
             skipped = not profile.initial_steps_entered and net.initial & step.bit and step.step.entry_action
             twice = f"a variable of the POU is called {step.step.name}, too: rename it or the step"
             self.refuse_any(

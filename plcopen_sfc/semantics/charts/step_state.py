@@ -98,8 +98,9 @@ class Steps:
         if self._announces:
             members = {**members, "_X": BOOL}
         structure = None if simple else scope.structure(_STRUCTURE, members)
+        self._has_flags = profile.step_variables is StepVariables.GRAFCET
         self.names = tuple(self._declare(scope, name, bits, structure) for name, bits in named.values())
-        if profile.step_variables is StepVariables.GRAFCET:
+        if self._has_flags:
             self.names += tuple(self._flags(scope))
         self._by_step: list[list[StepName]] = [[] for _ in net.steps]
         for variable in self.names:
@@ -109,10 +110,14 @@ class Steps:
     def _declare(self, scope: Scope, name: str, bits: int, structure: StructureType | None) -> StepName:
         """Return the variable of a step.
 
-        Another chart of the POU may have one of the same name; TIA Portal declares steps.
+        Another chart of the POU may have one of the same name; TIA Portal declares steps. The flag of a step of a
+        GRAFCET is ``XS2``: a variable ``S2`` is another thing.
         """
         start = self._start_of(scope, name, bits)
         there = scope.lookup(name)
+        if there is not None and there.type == BOOL and self._has_flags and structure is not None:
+            slot = scope.declare(f"{self._path}: {name}", structure, hidden=True)
+            return StepName(name, bits, slot, start, flag=False)
         if there is not None and there.type == BOOL:
             return StepName(name, bits, there.slot, start, flag=True)
         if there is not None and isinstance(there.type, StructureType) and there.type.name == _STRUCTURE:
