@@ -7,11 +7,12 @@ of the model is put behind it.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from plcopen_sfc.errors import Location, ModelError, StructureError
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
+from plcopen_sfc.formats.grafcet.condition_notation import flags_of, in_notation
 from plcopen_sfc.formats.grafcet.grafcet_text_reader import (
     CHARTS,
     SITUATIONS,
@@ -49,7 +50,10 @@ _STORED_WORDS = {kind: word for word, kind in STORED.items()}
 
 def write_blocks(project: Project, report: ConversionReport) -> WrittenBlock:
     """Return the text of a project, in the blocks that an edit replaces."""
-    blocks = [*numbered_blocks(_Writer(pou, report).grafcet() for pou in project.pous if pou.chart is not None)]
+    writers = (
+        _Writer(pou, report, of_tool=project.origin is not None) for pou in project.pous if pou.chart is not None
+    )
+    blocks = [*numbered_blocks(writer.grafcet() for writer in writers)]
     if not blocks:  # a text has a head, to be recognised
         blocks.append(WrittenBlock(("grafcet", ""), f"GRAFCET {project.name or 'empty'}"))
     written = WrittenBlock(("file", ""), blocks=tuple(blocks))
@@ -66,9 +70,11 @@ _QUOTES = "a comment begins with the quotation mark in the text of a GRAFCET"
 
 
 class _Writer:
-    def __init__(self, pou: Pou, report: ConversionReport) -> None:
+    def __init__(self, pou: Pou, report: ConversionReport, *, of_tool: bool) -> None:
+        """`of_tool`: its conditions are those of a chart of a tool, which a GRAFCET writes in its own notation."""
         self._pou = pou
         self._report = report
+        self._flags = flags_of(pou, pou.chart) if of_tool and pou.chart is not None else None
 
     def grafcet(self) -> WrittenBlock:
         pou = self._pou
@@ -125,20 +131,20 @@ class _Writer:
             )
         blocks = [_line(("head", ""), text, step.comment, indent)]
         for action in (_with_condition(each, step) for each in step.actions):
-            blocks += self._action_line(action, f"{path} / action {action.target or 'in place'}", indent)
+            blocks += self._action_line(action, f"{path} / action {action.target or 'in place'}", indent, step.name)
         for name, qualifier in _OF_STEPS.items():
             done: str | sfc.Body | None = getattr(step, f"{name}_action")
             if done is not None:
                 named, body = (done, None) if isinstance(done, str) else (None, done)
                 action = sfc.ActionAssociation(id=0, qualifier=qualifier, target=named, body=body)
-                blocks += self._action_line(action, f"{path} / {name} action", indent)
+                blocks += self._action_line(action, f"{path} / {name} action", indent, step.name)
         return WrittenBlock(("step", step.name), blocks=numbered_blocks(blocks), apart=apart)
 
-    def _action_line(self, action: sfc.ActionAssociation, path: str, indent: str) -> list[WrittenBlock]:
-        line = self._action(action, path)
+    def _action_line(self, action: sfc.ActionAssociation, path: str, indent: str, step: str) -> list[WrittenBlock]:
+        line = self._action(action, path, step)
         return [] if line is None else [_line(("action", ""), line, action.comment, indent + "    ")]
 
-    def _action(self, action: sfc.ActionAssociation, path: str) -> str | None:
+    def _action(self, action: sfc.ActionAssociation, path: str, step: str) -> str | None:
         """Return the line of an action; None where GRAFCET has none that does the same."""
         if action.forcing is not None:
             return f"FORCE {_forced(action.forcing)}"
@@ -159,7 +165,7 @@ class _Writer:
             return None
         else:
             done = action.target + (f" := {' '.join(value.split())}" if value is not None else "")
-        condition = _expression(action.condition)
+        condition = self._expression(action.condition, [step])
         if '"' in condition or (body is None and '"' in done):
             self._lost("action", path, _QUOTES)
             return None
@@ -181,7 +187,7 @@ class _Writer:
         designation = transition.name or ("" if transition.number is None else str(transition.number))
         text = f"({designation}) " if designation and not re.search(r"[()\n]", designation) else ""
         text += f"{', '.join(sources)} -> {', '.join(targets)}".strip()
-        condition = _expression(transition.condition)
+        condition = self._expression(transition.condition, sources)
         if transition.condition is not None and not condition:
             shown = shown_condition(chart, transition, Dialect.IEC, self._pou.transitions)
             if shown is None or shown[1]:
@@ -196,6 +202,16 @@ class _Writer:
             text = f"{text.rstrip()} : {condition}"
         key = ("transition", f"{','.join(sources)} -> {','.join(targets)}")
         return _line(key, text, transition.comment, indent)
+
+    def _expression(self, condition: sfc.Condition | None, active: Sequence[str]) -> str:
+        """Return the text of a condition that is asked for while the steps `active` are; empty where it has none."""
+        if not isinstance(condition, Expression):
+            return ""
+        own = {step.casefold() for step in active}
+        if self._flags is not None and (written := in_notation(condition, self._flags, own)) is not None:
+            return written
+        text = " ".join(condition.text.split())
+        return f"NOT ({text})" if condition.negated else text
 
     def _variable(self, variable: Variable) -> WrittenBlock:
         text = _named(variable.name, f"variable {variable.name}")
@@ -246,13 +262,6 @@ def _named(name: str, path: str) -> str:
         hint = "Rename it: blanks, commas, colons, parentheses and quotation marks divide the parts of a line."
         raise ModelError(f"{name!r} cannot be a name in the text of a GRAFCET", location=Location(path=path), hint=hint)
     return name
-
-
-def _expression(condition: sfc.Condition | None) -> str:
-    if not isinstance(condition, Expression):
-        return ""
-    text = " ".join(condition.text.split())
-    return f"NOT ({text})" if condition.negated else text
 
 
 def _time(text: str) -> str:

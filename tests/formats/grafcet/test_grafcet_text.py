@@ -12,6 +12,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.errors import LoweringError, StructureError
+from plcopen_sfc.languages.grafcet_conditions import condition_problem
 from plcopen_sfc.model import ActionKind, ForcedSituation, PartialChartKind, PouKind, Project, SfcNetwork, Variable
 from plcopen_sfc.model.numbering import numbered_in_order
 from plcopen_sfc.report import Outcome
@@ -374,7 +375,7 @@ def test_not_is_of_the_operand_in_a_chart_and_of_the_comparison_in_a_grafcet() -
 END_PROGRAM
 """
     data, _ = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "grafcet-text")
-    assert "A -> A : (NOT w) = 16#F AND NOT a AND n > 3\n" in data.decode()
+    assert "A -> A : [(NOT w) = 16#F] * /a * [n > 3]\n" in data.decode()
     plan = "GRAFCET G\nINPUTS\n n : INT\nOUTPUTS\n Q\nINITIAL STEP 1\n1 -> 2 : {}\nSTEP 2\n Q\n2 -> 1 : /[n>3] * [n<9]"
     read = [sfc.loads(plan.format(each).encode()) for each in ("NOT n>3", "/[n>3]", "NOT NOT n<=3")]
     assert sfc.equivalent(read[0], read[1], "grafcet").kind == "equal (proof)"
@@ -507,3 +508,54 @@ END_FUNCTION_BLOCK
     _, report = sfc.convert(source, "grafcet-text", partial=True)
     told = [item.path for item in report.losses if item.what == "final scan"]
     assert told == ["POU F / step S2 / action Follow", "POU F / step S2 / action Twice"]
+
+
+NOTATION = """PROGRAM P
+    VAR_INPUT
+        a : BOOL;
+        b : BOOL;
+        n : INT;
+        XWait : BOOL;
+    END_VAR
+    VAR
+        t : TON;
+    END_VAR
+    INITIAL_STEP Fill: END_STEP
+    STEP Wait: END_STEP
+    STEP Rest: END_STEP
+    TRANSITION FROM Fill TO Wait := {condition}; END_TRANSITION
+    TRANSITION FROM Wait TO Rest := Wait.T >= T#1m30s; END_TRANSITION
+    TRANSITION FROM Rest TO Fill := TRUE; END_TRANSITION
+END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize(
+    ("condition", "written"),
+    [
+        ("a AND NOT b", "a * /b"),
+        ("NOT (a OR b) AND (a OR (a AND b))", "/(a + b) * (a + a * b)"),
+        ("NOT NOT a", "/(/a)"),
+        ("Fill.T >= T#3s AND NOT (Fill.T >= T#4s)", "3s/XFill * /(4s/XFill)"),
+        ("Rest.X AND a", "XRest * a"),
+        ("Wait.X AND a", "Wait.X * a"),  # XWait is an input
+        ("Rest.T >= T#3s", "[Rest.T >= T#3s]"),  # the time of another step stands still
+        ("n > 3 OR t.Q", "[n > 3] + t.Q"),
+        ("(NOT a) = b", "[(NOT a) = b]"),
+        ("NOT (n + 1 > 3)", "/[n + 1 > 3]"),
+        ("a XOR b", "a XOR b"),
+        ("a AND (b XOR a)", "a AND (b XOR a)"),
+        ("n = ABS(n) AND a", "[n = ABS(n)] * a"),
+    ],
+)
+def test_charts_of_tools_have_conditions_of_iec_60848(condition: str, written: str) -> None:
+    """They were structured text: a GRAFCET for people to read had `a AND NOT b` and `Fill.T >= T#3s`."""
+    source = sfc.loads(NOTATION.format(condition=condition).encode())
+    text = sfc.convert(source, "grafcet-text", limit=0, partial=True).data
+    lines = [line.partition(" : ")[2] for line in text.decode().splitlines() if " -> " in line]
+    assert lines == [written, "[Wait.T >= T#1m30s]", "1"]
+    assert all(condition_problem(line) is None for line in lines)
+    back = sfc.loads(text).pous[0].chart
+    assert back is not None
+    conditions = [each.condition for each in back.transitions]
+    assert next(isinstance(each, m.Expression) and each.text for each in conditions) == condition
