@@ -9,7 +9,6 @@ from plcopen_sfc.languages.grafcet_conditions import is_operand
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, print_node
 from plcopen_sfc.model.conditions import Expression
-from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcNetwork
 
 _SIGNS = {n.Operator.AND: " * ", n.Operator.OR: " + "}
@@ -30,9 +29,8 @@ def in_notation(condition: Expression, flags: Mapping[str, str], own: Collection
     return _Notation(flags, own).written(tree)
 
 
-def flags_of(pou: Pou, chart: SfcNetwork) -> dict[str, str]:
-    """Return the flags of steps that are no variables of the POU, by the names of the steps in lower case."""
-    declared = {variable.name.casefold() for variable in pou.variables()}
+def flags_of(chart: SfcNetwork, declared: Collection[str]) -> dict[str, str]:
+    """Return the flags of steps that are no `declared` variables, all by their names in lower case."""
     named = {step.name.casefold(): f"X{step.name}" for step in chart.steps}
     return {step: flag for step, flag in named.items() if flag.casefold() not in declared}
 

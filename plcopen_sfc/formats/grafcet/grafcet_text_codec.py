@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import chain
 
 from plcopen_sfc.errors import Location, ModelError, StructureError
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
@@ -23,7 +24,7 @@ from plcopen_sfc.formats.grafcet.grafcet_text_reader import (
     read_text,
 )
 from plcopen_sfc.formats.grafcet.other_notations import translated
-from plcopen_sfc.formats.grafcet.sfc_losses import action_of_sfc, report_unexpressed
+from plcopen_sfc.formats.grafcet.sfc_losses import action_of_sfc, report_unexpressed, tags_of
 from plcopen_sfc.formats.remainder_comments import lacking
 from plcopen_sfc.formats.text_codec import TextCodec
 from plcopen_sfc.formats.text_encoding import SourceText
@@ -50,9 +51,7 @@ _STORED_WORDS = {kind: word for word, kind in STORED.items()}
 
 def write_blocks(project: Project, report: ConversionReport) -> WrittenBlock:
     """Return the text of a project, in the blocks that an edit replaces."""
-    writers = (
-        _Writer(pou, report, of_tool=project.origin is not None) for pou in project.pous if pou.chart is not None
-    )
+    writers = (_Writer(project, pou, report) for pou in project.pous if pou.chart is not None)
     blocks = [*numbered_blocks(writer.grafcet() for writer in writers)]
     if not blocks:  # a text has a head, to be recognised
         blocks.append(WrittenBlock(("grafcet", ""), f"GRAFCET {project.name or 'empty'}"))
@@ -70,11 +69,14 @@ _QUOTES = "a comment begins with the quotation mark in the text of a GRAFCET"
 
 
 class _Writer:
-    def __init__(self, pou: Pou, report: ConversionReport, *, of_tool: bool) -> None:
-        """`of_tool`: its conditions are those of a chart of a tool, which a GRAFCET writes in its own notation."""
+    def __init__(self, project: Project, pou: Pou, report: ConversionReport) -> None:
         self._pou = pou
         self._report = report
-        self._flags = flags_of(pou, pou.chart) if of_tool and pou.chart is not None else None
+        self._tags = tags_of(project, pou)
+        # conditions of a tool's chart, which a GRAFCET writes in its own notation
+        of_tool = project.origin is not None and pou.chart is not None
+        declared = {each.name.casefold() for each in (*pou.variables(), *chain(*self._tags.values()))}
+        self._flags = flags_of(pou.chart, declared) if of_tool and pou.chart is not None else None
 
     def grafcet(self) -> WrittenBlock:
         pou = self._pou
@@ -82,11 +84,12 @@ class _Writer:
         chart = pou.chart or sfc.SfcNetwork()
         block = " AS FUNCTION_BLOCK" if pou.kind is PouKind.FUNCTION_BLOCK else ""
         blocks = [_line(("head", ""), f"GRAFCET {_named(pou.name, f'POU {pou.name}')}{block}", pou.comment, "")]
-        for section in sections_of(pou.interface):
-            word = _TABLE_WORDS.get(section.kind)
+        tables = [(each.kind, each.comment, each.variables) for each in sections_of(pou.interface)]
+        for kind, comment, declared in (*tables, *((kind, None, tags) for kind, tags in self._tags.items())):
+            word = _TABLE_WORDS.get(kind)
             if word is not None:
-                head = _line(("head", ""), word, section.comment, "")
-                variables = numbered_blocks(self._variable(variable) for variable in section.variables)
+                head = _line(("head", ""), word, comment, "")
+                variables = numbered_blocks(self._variable(variable) for variable in declared)
                 blocks.append(WrittenBlock(("table", word), blocks=(head, *variables), apart=True))
         blocks += self._elements(chart, f"POU {pou.name}", "")
         blocks += [self._partial(partial) for partial in chart.partial_charts]

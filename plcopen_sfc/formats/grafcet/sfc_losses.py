@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from plcopen_sfc.languages.binding import Names
+from plcopen_sfc.languages.binding import Names, names_in
 from plcopen_sfc.languages.networks import is_empty_network
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, print_node, transform
+from plcopen_sfc.languages.words import identifier
 from plcopen_sfc.model.actions import ActionKind, Qualifier
 from plcopen_sfc.model.body import has_program
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.conditions import Expression
-from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou
-from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.pou import DataBlockKind, Pou
+from plcopen_sfc.model.project import Project, Tag, TagTable
 from plcopen_sfc.model.sfc import ActionAssociation, SfcBody, SfcNetwork, Step
+from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import SectionKind, sections_of
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -33,9 +35,11 @@ def report_unexpressed(project: Project, report: ConversionReport) -> None:
     for section in project.global_sections():
         place = f"global variables {section.name or ''}".rstrip()
         report.add(Outcome.NOT_EXECUTED, "global variables", place, _SHARED)
-    for shared in (*project.data_blocks, *project.tag_tables):
-        if not (isinstance(shared, DataBlock) and shared.kind is DataBlockKind.INSTANCE):
-            report.add(Outcome.NOT_EXECUTED, shared.kind_in_reports, shared.report_path, _SHARED)
+    for block in project.data_blocks:
+        if block.kind is not DataBlockKind.INSTANCE:
+            report.add(Outcome.NOT_EXECUTED, block.kind_in_reports, block.report_path, _SHARED)
+    for table in project.tag_tables:
+        _report_tags(project, table, report)
     named = [(each.text_site.site.pou, each.reference.name) for each in Names(project).occurrences(*flags)]
     for pou in project.pous:
         chart = pou.chart
@@ -73,6 +77,44 @@ def report_unexpressed(project: Project, report: ConversionReport) -> None:
         for body in pou.bodies:
             if not isinstance(body, SfcBody):
                 report.add(Outcome.NOT_EXECUTED, "body", pou.report_path, "a GRAFCET has no program beside its charts")
+
+
+def tags_of(project: Project, pou: Pou) -> dict[SectionKind, list[Variable]]:
+    """Return the tags that a POU names, as variables that a GRAFCET can declare, by the kind of its tables."""
+    tags = {identifier(tag.name).casefold(): tag for table in project.tag_tables for tag in table.tags}
+    named = names_in(pou, project.dialect) - {each.name.casefold() for each in pou.variables()} if tags else set()
+    found: dict[SectionKind, list[Variable]] = {}
+    for tag in (tag for name, tag in tags.items() if name in named and _is_declarable(tag)):
+        kind = _OF_AREAS.get((tag.address or "")[:2].upper(), SectionKind.LOCAL)
+        type_ = ElementaryType(name=Elementary(tag.type.upper()))
+        variable = Variable(name=identifier(tag.name), type=type_, address=tag.address, comment=tag.comment)
+        found.setdefault(kind, []).append(variable)
+    return dict(sorted(found.items(), key=lambda each: _DECLARED.index(each[0])))
+
+
+_OF_AREAS = {
+    "%I": SectionKind.INPUT,
+    "%E": SectionKind.INPUT,
+    "%Q": SectionKind.OUTPUT,
+    "%A": SectionKind.OUTPUT,
+}
+
+
+def _is_declarable(tag: Tag) -> bool:
+    return tag.type.upper() in list(Elementary)
+
+
+def _report_tags(project: Project, table: TagTable, report: ConversionReport) -> None:
+    named = {name for pou in project.pous for name in names_in(pou, project.dialect)}
+    for constant in table.constants:
+        why = "a GRAFCET declares no constants"
+        report.add(Outcome.NOT_EXECUTED, "constant", f"{table.report_path} / {constant.name}", why)
+    for tag in table.tags:
+        if identifier(tag.name).casefold() in named and not _is_declarable(tag):
+            why = f"a GRAFCET declares no variable of the type {tag.type}"
+            report.add(Outcome.NOT_EXECUTED, "tag", f"{table.report_path} / {tag.name}", why)
+    why = "the GRAFCET declares those that its chart names"
+    report.add(Outcome.TRANSLATED, table.kind_in_reports, table.report_path, why)
 
 
 _OF_SFC = {
@@ -113,7 +155,7 @@ def action_of_sfc(
 
 
 _SHARED = "a GRAFCET declares no variables of a project"
-_DECLARED = frozenset({SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.LOCAL})
+_DECLARED = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.LOCAL)
 
 
 def _bracketed(text: str) -> str:

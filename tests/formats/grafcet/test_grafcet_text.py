@@ -15,6 +15,7 @@ from plcopen_sfc.errors import LoweringError, StructureError
 from plcopen_sfc.languages.grafcet_conditions import condition_problem
 from plcopen_sfc.model import ActionKind, ForcedSituation, PartialChartKind, PouKind, Project, SfcNetwork, Variable
 from plcopen_sfc.model.numbering import numbered_in_order
+from plcopen_sfc.model.project import Tag
 from plcopen_sfc.report import Outcome
 from tests.lowering.random_grafcets import random_hierarchy
 
@@ -559,3 +560,26 @@ def test_charts_of_tools_have_conditions_of_iec_60848(condition: str, written: s
     assert back is not None
     conditions = [each.condition for each in back.transitions]
     assert next(isinstance(each, m.Expression) and each.text for each in conditions) == condition
+
+
+def test_tags_that_a_chart_names_are_in_its_tables() -> None:
+    """A chart of TIA Portal with a tag table was refused: a GRAFCET declares no variables of a project."""
+    source = sfc.loads(sfc.convert(sfc.load(path_of("two_cylinders")), "simaticml", limit=0).data)
+    source.tag_tables[0].tags += [
+        Tag(name="Spare", type="Bool", address="%I9.0"),
+        Tag(name="Level", type="Int", address="%MW30"),
+        Tag(name="Clock", type="Timer", address="%T1"),
+    ]
+    chart = source.pous[0].chart
+    assert chart is not None
+    chart.transitions[-1].condition = m.Expression(text='"Level" > 3 AND "NOT_AUS"')
+    data, report = sfc.convert(source, "grafcet-text", limit=0)
+    head = data.decode().partition("INITIAL STEP")[0].split("\n\n")[1:-1]
+    assert [table.splitlines()[0] for table in head] == ["INPUTS", "OUTPUTS", "INTERNALS"]
+    assert head[0].splitlines()[1] == '    START %I0.0 "Taster (Schließer)"'
+    assert head[2].splitlines()[1:] == ["    Level %MW30 : INT"]
+    assert not report.with_outcome(Outcome.NOT_EXECUTED)
+    assert sfc.loads(data).tag_tables == source.tag_tables
+    chart.transitions[-1].condition = m.Expression(text='"Clock"')
+    lost = sfc.convert(source, "grafcet-text", limit=0, partial=True).report.with_outcome(Outcome.NOT_EXECUTED)
+    assert [item.path.rpartition(" / ")[2] for item in lost] == ["Clock"]
