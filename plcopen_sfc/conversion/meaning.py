@@ -15,6 +15,7 @@ from typing import Any, Generic, TypeVar
 from plcopen_sfc.languages.declarations.declaration_writing import write_type
 from plcopen_sfc.languages.memory_addresses import memory_address
 from plcopen_sfc.languages.networks import NetworkExpression, NetworkText, body_statements, normal_form
+from plcopen_sfc.languages.networks.wires import DUALS, with_inner_negations
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform, walk
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
@@ -181,7 +182,17 @@ def _common_form(tree: N, named: Renaming) -> N:
         node = named(node)
         return replace(node, identifier=node.identifier.casefold()) if isinstance(node, n.Name) else node
 
-    return transform(normal_form(tree), common)
+    tree = normal_form(tree)
+    inner = transform(tree, _with_inner_negations)
+    return transform(tree if inner is tree else normal_form(inner), common)
+
+
+def _with_inner_negations(node: n.Node) -> n.Node:
+    """Return NOT of AND or OR as ladders have it: they are drawn so, and mean the same."""
+    match node:
+        case n.Unary(n.Operator.NOT, n.Operation(operator)) if operator in DUALS:
+            return with_inner_negations(node)
+    return node
 
 
 def code_meaning(body: Body | None, dialect: Dialect, named: Renaming) -> Meaning | None:

@@ -29,7 +29,7 @@ from plcopen_sfc.languages.networks.element_places import (
 )
 from plcopen_sfc.languages.networks.fbd_drafting import Drafter, Rung
 from plcopen_sfc.languages.networks.results import NetworkProblem
-from plcopen_sfc.languages.networks.wires import TRUE, is_true, joined, normal_form
+from plcopen_sfc.languages.networks.wires import DUALS, TRUE, is_true, joined, normal_form, with_inner_negations
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.languages.standard_blocks import operator_block, standard_block
@@ -90,13 +90,14 @@ class LadderDrafter(Drafter):
         """Return a Boolean value as contacts that start at the left power rail."""
         if self._in_block_input:
             return super().value(expression)
-        part = self._part(expression, at_rail=True)
+        part = self._part(with_inner_negations(expression), at_rail=True)
         return DrawnItem(part.line, lambda x, y: part.place(x, y, None))
 
     def value(self, expression: Expression) -> DrawnItem:
         """As in FBD, but that AND and OR of contacts come from the left power rail."""
         inner = n.bare(expression)
-        joins = isinstance(inner, n.Operation) and inner.operator in (Operator.AND, Operator.OR)
+        value = n.bare(inner.operand) if isinstance(inner, n.Unary) and inner.operator is Operator.NOT else inner
+        joins = isinstance(value, n.Operation) and value.operator in DUALS
         return self.power(inner) if joins and self._is_boolean(inner) else super().value(inner)
 
     # -- parts of a rung
@@ -106,7 +107,7 @@ class LadderDrafter(Drafter):
         inner = n.bare(expression)
         if is_true(inner):
             return _Part(ROW / 2, self._through)
-        if isinstance(inner, n.Operation) and inner.operator in (Operator.AND, Operator.OR) and self._is_boolean(inner):
+        if isinstance(inner, n.Operation) and inner.operator in DUALS and self._is_boolean(inner):
             flat = joined(inner.operator, inner.operands)
             operands = flat.operands if isinstance(flat, n.Operation) else (flat,)
             if inner.operator is Operator.OR:

@@ -92,6 +92,23 @@ def inverted(expression: Expression) -> Expression:
     return Unary(Operator.NOT, expression)
 
 
+DUALS = {Operator.AND: Operator.OR, Operator.OR: Operator.AND}
+"""By De Morgan NOT of one is the other one of what is inverted."""
+
+
+def with_inner_negations(expression: Expression, *, negated: bool = False) -> Expression:
+    """Return a Boolean value, or its NOT, with no NOT around AND or OR: a ladder has none around several contacts."""
+    inner = bare(expression)
+    if isinstance(inner, Unary) and inner.operator is Operator.NOT:
+        return with_inner_negations(inner.operand, negated=not negated)
+    if negated and isinstance(inner, Operation) and inner.operator in DUALS:
+        inner = normal_form(inner)  # what is always TRUE is no contact
+    if isinstance(inner, Operation) and inner.operator in DUALS:
+        operator = DUALS[inner.operator] if negated else inner.operator
+        return joined(operator, [with_inner_negations(each, negated=negated) for each in inner.operands])
+    return Unary(Operator.NOT, inner) if negated else expression
+
+
 def product_of(products: Sequence[Product]) -> Product:
     """Return the product of products; what is in several of them counts once."""
     return tuple({factor.identity: factor for product in products for factor in product}.values())

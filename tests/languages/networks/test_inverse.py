@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from plcopen_sfc.conversion.meaning import program_form
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules
 from plcopen_sfc.languages.networks.network_drawing import (
     DrawnExpression,
@@ -34,6 +35,11 @@ def shown(tree: n.Node) -> str:
     return print_node(normal_form(tree))
 
 
+def meant(tree: n.Node) -> str:
+    """What a text means: in ladders NOT is at each contact, not around several."""
+    return program_form(tree, lambda node: node)
+
+
 @pytest.mark.slow
 @settings(deadline=None)
 @given(booleans | numbers, tools)
@@ -55,8 +61,7 @@ def test_a_condition_drawn_as_ld_reads_as_itself(expression: n.Expression, tool:
     assert not read.problems
     assert not read.before
     assert read.tree is not None
-    assert shown(read.tree) == shown(expression)
-    assert normal_form(read.tree) == normal_form(expression)
+    assert meant(read.tree) == meant(expression)
 
 
 @pytest.mark.slow
@@ -70,8 +75,8 @@ def test_statements_drawn_read_as_themselves(
     read = body_statements(draw(program.statements, rules, divided=divided).body, Dialect.CODESYS)
     assert read.complete, read.problems
     assert not read.helpers
-    assert shown(read.tree) == shown(program)
-    assert normal_form(read.tree) == normal_form(program)
+    assert meant(read.tree) == meant(program)
+    assert language == "LD" or normal_form(read.tree) == normal_form(program)
 
 
 @settings(deadline=None)
