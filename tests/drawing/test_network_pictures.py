@@ -319,6 +319,40 @@ def test_the_power_of_a_comparison_has_no_name_in_a_ladder() -> None:
     assert texts(tree) == ["GE", "IN1", "IN2", "OUT"]
 
 
+def test_a_comparison_of_tia_portal_is_a_contact_in_a_ladder() -> None:
+    """It was a box GE with IN1 and IN2, which LAD of TIA Portal does not have."""
+    compare = box(3, "GE", pre=1, IN1=2)
+    compare.parameters.inputs.append(n.BlockVariable(name="IN2", input=n.InputPin(expression="3")))
+    contact, coil = n.Contact(id=1, variable="a", input=wire(0)), n.Coil(id=4, variable="y", input=wire(3))
+    nodes = [n.LeftPowerRail(id=0), contact, n.InputVariable(id=2, expression="Level_of_tank"), compare, coil]
+    tree = etree.fromstring(LdBody(networks=[n.LogicNetwork(nodes=nodes)]).to_svg().encode("ascii"))
+    found = {each.findtext(f"{SVG}title"): each for each in tree.iter(f"{SVG}g")}
+    shown = found["contact Level_of_tank >= 3"]
+    assert shown.get("class") == "contact"
+    above, sign, below = shown.findall(f"{SVG}text")
+    assert (above.text, sign.text, below.text) == ("Level_of_tank", ">=", "3")
+    assert int(above.get("y")) < int(sign.get("y")) < int(below.get("y"))
+    assert {y for path in tree.iterfind(f"{SVG}path[@class='wire']") for _, y in points(path)} == {
+        int(sign.get("y")) - 4
+    }
+
+
+def test_nothing_is_beside_the_left_rail() -> None:
+    """A block that other blocks follow was on the rail, and wires from the rail began in the middle of nothing."""
+    contact = n.Contact(id=1, variable="a", input=wire(0))
+    operands = [n.InputVariable(id=number, expression=f"Operand_{number}") for number in (2, 3)]
+    deep = [box(4, "XOR", IN1=2, IN2=3), box(5, "XOR", IN1=4), box(6, "XOR", IN1=5)]
+    nodes = [n.LeftPowerRail(id=0), contact, *operands, *deep, box(7, "AND", IN1=1, IN2=6)]
+    tree = etree.fromstring(LdBody(networks=[n.LogicNetwork(nodes=nodes)]).to_svg().encode("ascii"))
+    (rail,) = (points(path) for path in tree.iterfind(f"{SVG}path[@class='bar']"))
+    right = rail[0][0]
+    places = [int(g.get("data-area").split()[0]) for g in tree.iter(f"{SVG}g") if g.get("class") != "rail"]
+    assert places
+    assert min(places) > right
+    begins = [min(x for x, _ in points(path)) for path in tree.iter(f"{SVG}path") if path.get("class") == "wire"]
+    assert min(begins) == right
+
+
 def test_names_are_text_only() -> None:
     nasty = "<script>x</script>"
     node = n.Block(id=1, type_name=nasty, instance=nasty)

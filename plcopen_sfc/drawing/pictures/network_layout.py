@@ -140,8 +140,9 @@ class NetworkLayout:
     def _choose_columns(self, *, together: bool) -> None:
         """Choose the columns; if not `together`, a branch leaves before the column of what else feeds a box."""
         boxes = self.boxes
+        begin = 1 if any(box.first for box in boxes) else 0  # nothing is beside a rail
         for box in boxes:
-            box.column = 0
+            box.column = 0 if box.first else begin
         waiting = [0] * len(boxes)
         leaving: list[list[int]] = [[] for _ in boxes]
         for wire in self.wires:

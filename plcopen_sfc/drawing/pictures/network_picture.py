@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 from plcopen_sfc.drawing.pictures.chart_picture import chosen_theme
-from plcopen_sfc.drawing.pictures.network_layout import Box, NetworkLayout, Wire, feedback_wires
-from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme, text_width, widest, wrap
+from plcopen_sfc.drawing.pictures.network_layout import NetworkLayout, Wire, feedback_wires
+from plcopen_sfc.drawing.pictures.network_symbols import PAD, Pin, Symbol
+from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme, widest, wrap
 from plcopen_sfc.drawing.wording import Told, english
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model import network as n
@@ -22,9 +23,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.text import plain
 
 _MARGIN = 24
-_PITCH = 20
 _BETWEEN = 16
-_PAD = 7
 _TEXT = 360
 _MODIFIERS = {n.Edge.RISING: "P", n.Edge.FALLING: "N", n.Storage.SET: "S", n.Storage.RESET: "R"}
 
@@ -66,155 +65,6 @@ def _picture(body: FbdBody | LdBody, theme: Theme | None, prefix: str, name: str
     return canvas.document(right + _MARGIN, y + _MARGIN - 24, theme, name or kind, size)
 
 
-@dataclass(slots=True)
-class _Pin:
-    """A pin of a symbol: its name, the text at it instead of a wire, and its effect on the signal."""
-
-    name: str
-    text: str = ""
-    link: str = ""
-    negated: bool = False
-    modifier: str = ""
-    connections: Sequence[n.Connection] = ()
-    wired: bool = False
-
-    @property
-    def label(self) -> str:
-        """The name as it is drawn: TIA Portal shows none at the power that enters a comparison."""
-        return "" if self.name == "pre" else self.name
-
-
-@dataclass(slots=True)
-class _Symbol:
-    """An element of a network. `look` is block, text, contact, coil, rail, join or note; `caption` is above it."""
-
-    look: str
-    lines: list[str]
-    title: str
-    identifier: str = ""
-    caption: str = ""
-    inputs: list[_Pin] = field(default_factory=list)
-    outputs: list[_Pin] = field(default_factory=list)
-    negated: bool = False
-    modifier: str = ""
-    before: int = 0
-    body: int = 0
-    is_at_pin: bool = False
-    box: Box = field(default_factory=lambda: Box(0, 0))
-
-    def measure(self) -> None:
-        """Set the size; the texts at the pins are known."""
-        self.before = max((text_width(pin.text, 12) + 12 for pin in self.inputs if pin.text), default=0)
-        behind = max((text_width(pin.text, 12) + 12 for pin in self.outputs if pin.text), default=0)
-        rows = max(len(self.inputs), len(self.outputs), 1)
-        inner = widest(self.lines, 13 if self.look == "block" else 12, bold=self.look == "block")
-        above = 17 if self.caption else 0
-        levels: list[int]
-        if self.look == "block":
-            sides = self.inputs, self.outputs
-            names = [max((text_width(pin.label, 11) for pin in pins), default=0) for pins in sides]
-            self.body = max(inner + 2 * _PAD, sum(names) + 4 * _PAD, text_width(self.caption, 12), 46)
-            head = 18 * len(self.lines)
-            height = above + head + rows * _PITCH + 4
-            levels = [above + head + _PITCH * row + 10 for row in range(rows)]
-        elif self.look in ("contact", "coil", "assignment"):
-            self.body = max(text_width(self.caption, 12) + 8, 52)
-            height, levels = above + 23, [above + 11] * rows
-        elif self.look == "rail":
-            self.body, height, levels = 6, 26, [13] * rows
-        elif self.look == "join":  # the layout knows the levels
-            self.body, height, levels = 0, 0, [0] * rows
-        else:
-            self.body = inner + 3 * _PAD
-            height = max(len(self.lines), 1) * 15 + 6
-            levels = [height // 2] * rows
-        count = (len(self.inputs), len(self.outputs))
-        self.box = Box(self.before + self.body + behind, height, levels[: count[0]], levels[: count[1]])
-        self.box.joins = self.look == "join"
-
-    def draw(self, canvas: Canvas, x: int, y: int) -> None:
-        """Draw the symbol with its upper left corner at `x`, `y`."""
-        left, right = x + self.before, x + self.before + self.body
-        area = (x, y, self.box.width, self.box.height)
-        kind = {"text": "operand", "note": "comment"}.get(self.look, self.look)
-        with canvas.element(kind, self.identifier, self.title, area):
-            if self.caption:
-                canvas.text("plain", (left + right) // 2, y + 12, self.caption, anchor="middle")
-            draw = {
-                "block": self._draw_block,
-                "rail": self._draw_rail,
-                "join": self._draw_join,
-                "text": self._draw_text,
-                "note": self._draw_note,
-            }
-            draw.get(self.look, self._draw_switch)(canvas, left, right, y)
-            for pins, levels, edge, side in (
-                (self.inputs, self.box.inputs, left, -1),
-                (self.outputs, self.box.outputs, right, 1),
-            ):
-                for pin, down in zip(pins, levels, strict=True):
-                    self._draw_pin(canvas, pin, edge, y + down, side)
-
-    def _draw_pin(self, canvas: Canvas, pin: _Pin, edge: int, level: int, side: int) -> None:
-        outer = edge + side * (self.before if side < 0 else self.box.width - self.before - self.body)
-        if pin.text:
-            canvas.line("thin", (edge, level), (edge + side * 8, level))
-            canvas.text(
-                "link" if pin.link else "plain",
-                edge + side * 11,
-                level + 4,
-                pin.text,
-                anchor="end" if side < 0 else "start",
-                link=pin.link,
-            )
-        elif outer != edge and pin.wired:
-            canvas.line("wire", (outer, level), (edge, level))
-        if self.look == "block" and pin.label:
-            canvas.text("small", edge - side * (_PAD + 1), level + 4, pin.label, anchor="start" if side < 0 else "end")
-        if pin.negated:
-            canvas.circle("mark", edge + side * 4, level, 4)
-        if pin.modifier:
-            canvas.text("quiet", edge + side * 6, level - 4, pin.modifier, anchor="end" if side < 0 else "start")
-
-    def _draw_block(self, canvas: Canvas, left: int, right: int, y: int) -> None:
-        top = y + (17 if self.caption else 0)
-        canvas.box("box", left, top, right - left, y + self.box.height - top)
-        canvas.lines("name", (left + right) // 2, top + 14, self.lines, 16, anchor="middle")
-
-    def _draw_rail(self, canvas: Canvas, left: int, right: int, y: int) -> None:  # noqa: ARG002
-        if not self.outputs:
-            canvas.line("bar", (left, y), (left, y + self.box.height))
-
-    def _draw_join(self, canvas: Canvas, left: int, right: int, y: int) -> None:  # noqa: ARG002
-        *meeting, last = sorted(y + level for level in self.box.inputs)
-        canvas.line("wire", (left, y), (left, last))
-        for level in meeting:
-            canvas.circle("head", left, level, 3)
-
-    def _draw_text(self, canvas: Canvas, left: int, right: int, y: int) -> None:
-        canvas.box("row", left, y, right - left, self.box.height)
-        canvas.lines("plain", left + _PAD, y + 14, self.lines, 15)
-
-    def _draw_note(self, canvas: Canvas, left: int, right: int, y: int) -> None:  # noqa: ARG002
-        canvas.lines("remark", left + 2 * _PAD, y + 14, self.lines, 15)
-
-    def _draw_switch(self, canvas: Canvas, left: int, right: int, y: int) -> None:
-        level, middle = y + self.box.height - 12, (left + right) // 2
-        sign = "".join(("/" if self.negated else "", self.modifier))
-        for pin, begin, end in ((self.inputs[0], left, middle - 9), (self.outputs[0], middle + 9, right)):
-            if pin.wired or pin.text:
-                canvas.line("wire", (begin, level), (end, level))
-        if self.look == "contact":
-            for x in (middle - 9, middle + 9):
-                canvas.line("bar", (x, level - 9), (x, level + 9))
-        elif self.look == "coil":
-            canvas.circle("mark", middle, level, 10)
-        else:
-            canvas.box("box", middle - 13, level - 11, 26, 22)
-            sign = sign or "="
-        canvas.text("plain", middle, level + 4, sign, anchor="middle")
-
-
 class _Sheet:
     """A network: its symbols and their places."""
 
@@ -223,7 +73,7 @@ class _Sheet:
         self._told = told
         self._is_ladder = is_ladder
         self._is_s7 = is_s7
-        self.symbols: list[_Symbol] = []
+        self.symbols: list[Symbol] = []
         self._of: dict[int, tuple[int, dict[str, int]]] = {}
         self._rails: set[int] = set()
         nodes = list(network.nodes)
@@ -234,6 +84,7 @@ class _Sheet:
         self._operands_to_pins(nodes)
         if is_ladder:
             self._join_branches()
+            self._comparisons_to_contacts()
         wires = list(self._connect())
         for symbol in self.symbols:
             symbol.measure()
@@ -271,18 +122,18 @@ class _Sheet:
         if rails:
             canvas.wire(min(rails), max(rails), kind="bar")
 
-    def _indent(self, symbols: Sequence[_Symbol]) -> int:
+    def _indent(self, symbols: Sequence[Symbol]) -> int:
         """Return the room that symbols keep from a left rail that goes past them."""
         is_apart = not any(symbol.box.first or symbol.look == "note" for symbol in symbols)
-        return 2 * _PAD if is_apart and self._rails else 0
+        return 2 * PAD if is_apart and self._rails else 0
 
     def _operands_to_pins(self, nodes: Sequence[n.Node]) -> None:
         """Write operands that feed one pin of a block at this pin: no wire is needed."""
-        users: dict[int, list[_Pin]] = {}
+        users: dict[int, list[Pin]] = {}
         for symbol in self.symbols:
             for pin in symbol.inputs:
                 for connection in pin.connections:
-                    users.setdefault(connection.source, []).append(pin if symbol.look == "block" else _Pin(""))
+                    users.setdefault(connection.source, []).append(pin if symbol.look == "block" else Pin(""))
         for node in nodes:
             pins = users.get(node.id, [])
             if not isinstance(node, n.InputVariable) or len(pins) != 1 or len(pins[0].connections) != 1:
@@ -305,9 +156,22 @@ class _Sheet:
                 if len(pin.connections) > 1:
                     free += 1
                     self._of[free] = (len(self.symbols), {})
-                    ends = [_Pin("", connections=[connection]) for connection in pin.connections]
-                    self.symbols.append(_Symbol("join", [], "OR", inputs=ends, outputs=[_Pin("")]))
+                    ends = [Pin("", connections=[connection]) for connection in pin.connections]
+                    self.symbols.append(Symbol("join", [], "OR", inputs=ends, outputs=[Pin("")]))
                     pin.connections = [n.Connection(source=free)]
+
+    def _comparisons_to_contacts(self) -> None:
+        """Draw comparisons of TIA Portal as contacts: one operand above, one below."""
+        for symbol in self.symbols:
+            sign = _COMPARISONS.get("".join(symbol.lines)) if symbol.look == "block" else None
+            pins = {pin.name.lower(): pin for pin in symbol.inputs}
+            if sign is None or pins.keys() != {"pre", "in1", "in2"} or len(symbol.outputs) != 1:
+                continue
+            above, below = pins["in1"], pins["in2"]
+            if all(pin.text and not pin.link and not pin.negated for pin in (above, below)):
+                title = f"{self._told('contact')} {above.text} {sign} {below.text}"
+                symbol.look, symbol.lines, symbol.title, symbol.sign = "contact", [], title, sign
+                symbol.caption, symbol.below, symbol.inputs = above.text, below.text, [pins["pre"]]
 
     def _add(self, node: n.Node) -> None:
         if isinstance(node, n.LeftPowerRail):
@@ -316,7 +180,7 @@ class _Sheet:
         if isinstance(node, n.RightPowerRail):
             for connection in (each for pin in node.inputs for each in pin.connections):
                 self.symbols.append(
-                    _Symbol("rail", [], self._told("Right power rail"), inputs=[_Pin("", connections=[connection])])
+                    Symbol("rail", [], self._told("Right power rail"), inputs=[Pin("", connections=[connection])])
                 )
             return
         symbol = self._symbol(node)
@@ -340,7 +204,7 @@ class _Sheet:
             source, names = self._of.get(connection.source, (-1, {}))
             if connection.source in self._rails:
                 wires[Wire(len(self.symbols), 0, number, place)] = None
-                self.symbols.append(_Symbol("rail", [], self._told("Left power rail"), outputs=[_Pin("")]))
+                self.symbols.append(Symbol("rail", [], self._told("Left power rail"), outputs=[Pin("")]))
             elif source >= 0 and self.symbols[source].outputs:
                 wires[Wire(source, names.get(connection.pin or "", 0), number, place)] = None
             else:
@@ -355,7 +219,7 @@ class _Sheet:
             name = ".".join(filter(None, (start.caption or " ".join(start.lines), start.outputs[wire.pin].name)))
             pin.text, pin.link = f"\u2190 {name}", start.identifier
 
-    def _symbol(self, node: n.Node) -> _Symbol:
+    def _symbol(self, node: n.Node) -> Symbol:
         match node:
             case n.Block():
                 name, caption, (inputs, outputs) = node.type_name, node.instance or "", _pins(node.parameters)
@@ -373,15 +237,15 @@ class _Sheet:
                     inputs = [pin for pin in inputs if pin not in states]
                 lines = wrap(node.code or name, 13, _TEXT, bold=True)
                 title = " ".join(filter(None, (name, caption)))
-                return _Symbol("block", lines, title, "", caption, inputs, outputs)
+                return Symbol("block", lines, title, "", caption, inputs, outputs)
             case n.Contact() | n.Coil():
                 kind = "contact" if isinstance(node, n.Contact) else "coil" if self._is_ladder else "assignment"
-                symbol = _Symbol(kind, [], f"{self._told(kind)} {node.variable}", caption=node.variable)
+                symbol = Symbol(kind, [], f"{self._told(kind)} {node.variable}", caption=node.variable)
                 symbol.negated, symbol.modifier = node.negated, _modifier(node.edge, node.storage)
-                symbol.inputs, symbol.outputs = [_input(node.input)], [_Pin("")]
+                symbol.inputs, symbol.outputs = [_input(node.input)], [Pin("")]
                 return symbol
             case n.InputVariable():
-                pin = _Pin("", negated=node.negated, modifier=_modifier(node.edge, node.storage))
+                pin = Pin("", negated=node.negated, modifier=_modifier(node.edge, node.storage))
                 return self._text(node.expression, outputs=[pin])
             case n.OutputVariable():
                 pin = _input(node.input)
@@ -390,7 +254,7 @@ class _Sheet:
             case n.InOutVariable():
                 pin = _input(node.input)
                 pin.negated, pin.modifier = node.negated_in, _modifier(node.edge_in, node.storage_in)
-                out = _Pin("", negated=node.negated_out, modifier=_modifier(node.edge_out, node.storage_out))
+                out = Pin("", negated=node.negated_out, modifier=_modifier(node.edge_out, node.storage_out))
                 return self._text(node.expression, inputs=[pin], outputs=[out])
             case n.Jump():
                 return self._text(f">> {node.label}", inputs=[_input(node.input)])
@@ -401,24 +265,24 @@ class _Sheet:
             case n.Connector():
                 return self._text(f"{node.name} >", inputs=[_input(node.input)])
             case n.Continuation():
-                return self._text(f"> {node.name}", outputs=[_Pin("")])
+                return self._text(f"> {node.name}", outputs=[Pin("")])
             case n.VendorElement() if node.parameters is not None:
                 lines = wrap(plain(node.alternative_text) or node.element_type or "?", 13, _TEXT, bold=True)
                 inputs, outputs = _pins(node.parameters)
-                return _Symbol("block", lines, " ".join(lines), inputs=inputs, outputs=outputs)
+                return Symbol("block", lines, " ".join(lines), inputs=inputs, outputs=outputs)
             case n.VendorElement():  # CODESYS keeps settings of the editor in those without a type
                 text = plain(node.alternative_text) if node.element_type or not node.attributes else ""
             case _:
                 text = plain(getattr(node, "content", ""))
-        return _Symbol("note", wrap(text, 12, 2 * _TEXT), text)
+        return Symbol("note", wrap(text, 12, 2 * _TEXT), text)
 
-    def _text(self, text: str, *, inputs: Sequence[_Pin] = (), outputs: Sequence[_Pin] = ()) -> _Symbol:
-        return _Symbol("text", wrap(text, 12, _TEXT) or [""], text, inputs=list(inputs), outputs=list(outputs))
+    def _text(self, text: str, *, inputs: Sequence[Pin] = (), outputs: Sequence[Pin] = ()) -> Symbol:
+        return Symbol("text", wrap(text, 12, _TEXT) or [""], text, inputs=list(inputs), outputs=list(outputs))
 
 
 def _connected(
-    shown: Sequence[_Symbol], symbols: Sequence[_Symbol], wires: Sequence[Wire]
-) -> Iterator[tuple[list[_Symbol], NetworkLayout]]:
+    shown: Sequence[Symbol], symbols: Sequence[Symbol], wires: Sequence[Wire]
+) -> Iterator[tuple[list[Symbol], NetworkLayout]]:
     """Yield the symbols that wires connect with each other, in the order of `shown`, with their layout."""
     near: list[list[Wire]] = [[] for _ in symbols]
     for wire in wires:
@@ -446,7 +310,7 @@ def _connected(
             yield members, NetworkLayout([symbol.box for symbol in members], own)
 
 
-def _pins(parameters: n.BlockParameters) -> tuple[list[_Pin], list[_Pin]]:
+def _pins(parameters: n.BlockParameters) -> tuple[list[Pin], list[Pin]]:
     """Return the pins on the left and on the right of a block; hidden ones without a use are left out."""
     left, right = [], []
     for variable in (*parameters.inputs, *parameters.in_outs):
@@ -461,23 +325,24 @@ def _pins(parameters: n.BlockParameters) -> tuple[list[_Pin], list[_Pin]]:
     left = _in_order(left)
     for variable in (*parameters.in_outs, *parameters.outputs):
         text = (variable.output.expression if variable.output is not None else None) or ""
-        pin = _Pin(variable.name, text)
+        pin = Pin(variable.name, text)
         if variable in parameters.outputs:
             pin.negated, pin.modifier = variable.negated, _modifier(variable.edge, variable.storage)
         right.append(pin)
     return left, right
 
 
+_COMPARISONS = {"EQ": "==", "NE": "<>", "GT": ">", "GE": ">=", "LT": "<", "LE": "<="}
 _FLIP_FLOPS_OF_S7 = {"RS": "SR", "SR": "RS"}
 """What TIA Portal calls the flip-flops of IEC 61131-3: the dominant input is the last in the name and the lower one."""
 _NUMBERED = re.compile(r"(\D*)(\d+)")
 
 
-def _is_wire(pin: _Pin) -> bool:
+def _is_wire(pin: Pin) -> bool:
     return len(pin.connections) == 1 and not pin.negated and not pin.modifier
 
 
-def _in_order(pins: list[_Pin]) -> list[_Pin]:
+def _in_order(pins: list[Pin]) -> list[Pin]:
     """Return pins with ``IN1`` above ``IN2``: SimaticML has them in the order of its wires."""
     numbered = [_NUMBERED.fullmatch(pin.name) for pin in pins]
     alike: dict[str, list[tuple[int, int]]] = {}
@@ -490,10 +355,10 @@ def _in_order(pins: list[_Pin]) -> list[_Pin]:
     ]
 
 
-def _input(pin: n.InputPin | None) -> _Pin:
+def _input(pin: n.InputPin | None) -> Pin:
     if pin is None:
-        return _Pin("")
-    return _Pin("", (pin.expression or "") if not pin.connections else "", connections=pin.connections)
+        return Pin("")
+    return Pin("", (pin.expression or "") if not pin.connections else "", connections=pin.connections)
 
 
 def _modifier(edge: n.Edge, storage: n.Storage) -> str:
