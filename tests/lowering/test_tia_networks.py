@@ -116,12 +116,29 @@ END_FUNCTION_BLOCK
     other.pou("Test").bodies = [drawn.body]
     data = sfc.dumps(other, format="simaticml", partial=True)
     networks = list(etree.fromstring(data).iter("{*}FlgNet"))
-    assert [len(net.findall("{*}Parts/{*}Part[@Name='A']")) for net in networks] == [0, 1, 0]
+    assert [len(net.findall("{*}Parts/{*}Part[@Name='A']")) for net in networks] == [0, 0, 0]
     found = equivalent(project, sfc.loads(data), "iec")
     assert not found.different, str(found)
 
 
 @pytest.mark.slow
+def test_not_of_several_contacts_is_at_each_of_them() -> None:
+    """NOT (b OR c) was a box AND with a negated input, which LAD of TIA Portal does not have."""
+    text = """PROGRAM Main VAR_INPUT a, b, c, d : BOOL; n : INT; END_VAR VAR_OUTPUT q : BOOL; END_VAR
+INITIAL_STEP S1: END_STEP STEP S2: q(N); END_STEP
+TRANSITION FROM S1 TO S2 := a AND NOT (b OR c) AND n >= 3; END_TRANSITION
+TRANSITION FROM S2 TO S1 := NOT (a AND (b OR NOT (c AND TRUE))) OR d AND n < 7; END_TRANSITION END_PROGRAM"""
+    source = sfc.loads(text.encode(), format="iec-text")
+    lowered = sfc.lower(source, "flipflop", language="LD", target="simaticml")
+    assert lowered.proof is not None
+    assert lowered.proof.equal
+    root = etree.fromstring(sfc.dumps(lowered.project, format="simaticml"))
+    parts = [part.get("Name") for part in root.iter("{*}Part")]
+    assert set(parts) == {"Contact", "Coil", "O", "Sr", "Ge", "Lt"}
+    assert parts.count("O") == 1
+    assert len(list(root.iter("{*}Negated"))) == 4  # b and c in one, a and b in the other network
+
+
 def test_a_block_that_was_graph_is_none_any_more() -> None:
     lowered = sfc.lower(sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml"), "bits", verify=False)
     for fresh in (False, True):
