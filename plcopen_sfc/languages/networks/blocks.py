@@ -26,6 +26,7 @@ from plcopen_sfc.languages.networks.wires import (
     expression_of,
     inverted,
     joined,
+    meeting,
     product_of,
 )
 from plcopen_sfc.languages.st import nodes as n
@@ -38,6 +39,7 @@ from plcopen_sfc.model.network import (
     BlockVariable,
     Contact,
     Edge,
+    LeftPowerRail,
     Node,
     OutputVariable,
     Storage,
@@ -58,6 +60,7 @@ class BlockReader:
 
     def __init__(self, graph: Graph, wires: Wires) -> None:
         self._graph = graph
+        self._is_ladder = any(isinstance(node, LeftPowerRail) for node in graph.nodes.values())
         self._wires = wires
         self._written: set[int] = set()
         for node in graph.nodes.values():
@@ -392,11 +395,12 @@ class BlockReader:
         there = [a for a in arguments if a.value is not None]
         values = [a.value for a in there if a.value is not None]
         source = (block.id, "result")
-        if standard is not None and standard.name == "AND" and there:
+        if standard is not None and there and (standard.name == "AND" or (standard.name == "OR" and self._is_ladder)):
             products = [
                 a.product if a.product is not None else (Factor((*source, i), values[i]),) for i, a in enumerate(there)
             ]
-            return product_of(products)
+            # in LAD of TIA Portal an OR is where branches meet, which may have parted behind the same contacts
+            return product_of(products) if standard.name == "AND" else meeting(products, self._wires.meetings)
         if standard is not None and standard.name == "MOVE" and there:
             return there[0].product or (Factor(source, values[0]),)
         value = _operation(standard, values) if standard is not None and not outputs else None
