@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from plcopen_sfc.drawing.pictures.chart_picture import chosen_theme
 from plcopen_sfc.drawing.pictures.network_layout import NetworkLayout, Wire, feedback_wires
-from plcopen_sfc.drawing.pictures.network_symbols import PAD, Pin, Symbol
+from plcopen_sfc.drawing.pictures.network_symbols import PAD, NetworkPin, NetworkSymbol
 from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme, widest, wrap
 from plcopen_sfc.drawing.wording import Told, english
 from plcopen_sfc.languages.standard_blocks import standard_block
@@ -73,7 +73,7 @@ class _Sheet:
         self._told = told
         self._is_ladder = is_ladder
         self._is_s7 = is_s7
-        self.symbols: list[Symbol] = []
+        self.symbols: list[NetworkSymbol] = []
         self._of: dict[int, tuple[int, dict[str, int]]] = {}
         self._rails: set[int] = set()
         nodes = list(network.nodes)
@@ -122,18 +122,18 @@ class _Sheet:
         if rails:
             canvas.wire(min(rails), max(rails), kind="bar")
 
-    def _indent(self, symbols: Sequence[Symbol]) -> int:
+    def _indent(self, symbols: Sequence[NetworkSymbol]) -> int:
         """Return the room that symbols keep from a left rail that goes past them."""
         is_apart = not any(symbol.box.first or symbol.look == "note" for symbol in symbols)
         return 2 * PAD if is_apart and self._rails else 0
 
     def _operands_to_pins(self, nodes: Sequence[n.Node]) -> None:
         """Write operands that feed one pin of a block at this pin: no wire is needed."""
-        users: dict[int, list[Pin]] = {}
+        users: dict[int, list[NetworkPin]] = {}
         for symbol in self.symbols:
             for pin in symbol.inputs:
                 for connection in pin.connections:
-                    users.setdefault(connection.source, []).append(pin if symbol.look == "block" else Pin(""))
+                    users.setdefault(connection.source, []).append(pin if symbol.look == "block" else NetworkPin(""))
         for node in nodes:
             pins = users.get(node.id, [])
             if not isinstance(node, n.InputVariable) or len(pins) != 1 or len(pins[0].connections) != 1:
@@ -156,8 +156,8 @@ class _Sheet:
                 if len(pin.connections) > 1:
                     free += 1
                     self._of[free] = (len(self.symbols), {})
-                    ends = [Pin("", connections=[connection]) for connection in pin.connections]
-                    self.symbols.append(Symbol("join", [], "OR", inputs=ends, outputs=[Pin("")]))
+                    ends = [NetworkPin("", connections=[connection]) for connection in pin.connections]
+                    self.symbols.append(NetworkSymbol("join", [], "OR", inputs=ends, outputs=[NetworkPin("")]))
                     pin.connections = [n.Connection(source=free)]
 
     def _comparisons_to_contacts(self) -> None:
@@ -180,7 +180,9 @@ class _Sheet:
         if isinstance(node, n.RightPowerRail):
             for connection in (each for pin in node.inputs for each in pin.connections):
                 self.symbols.append(
-                    Symbol("rail", [], self._told("Right power rail"), inputs=[Pin("", connections=[connection])])
+                    NetworkSymbol(
+                        "rail", [], self._told("Right power rail"), inputs=[NetworkPin("", connections=[connection])]
+                    )
                 )
             return
         symbol = self._symbol(node)
@@ -204,7 +206,7 @@ class _Sheet:
             source, names = self._of.get(connection.source, (-1, {}))
             if connection.source in self._rails:
                 wires[Wire(len(self.symbols), 0, number, place)] = None
-                self.symbols.append(Symbol("rail", [], self._told("Left power rail"), outputs=[Pin("")]))
+                self.symbols.append(NetworkSymbol("rail", [], self._told("Left power rail"), outputs=[NetworkPin("")]))
             elif source >= 0 and self.symbols[source].outputs:
                 wires[Wire(source, names.get(connection.pin or "", 0), number, place)] = None
             else:
@@ -219,7 +221,7 @@ class _Sheet:
             name = ".".join(filter(None, (start.caption or " ".join(start.lines), start.outputs[wire.pin].name)))
             pin.text, pin.link = f"\u2190 {name}", start.identifier
 
-    def _symbol(self, node: n.Node) -> Symbol:
+    def _symbol(self, node: n.Node) -> NetworkSymbol:
         match node:
             case n.Block():
                 name, caption, (inputs, outputs) = node.type_name, node.instance or "", _pins(node.parameters)
@@ -237,15 +239,15 @@ class _Sheet:
                     inputs = [pin for pin in inputs if pin not in states]
                 lines = wrap(node.code or name, 13, _TEXT, bold=True)
                 title = " ".join(filter(None, (name, caption)))
-                return Symbol("block", lines, title, "", caption, inputs, outputs)
+                return NetworkSymbol("block", lines, title, "", caption, inputs, outputs)
             case n.Contact() | n.Coil():
                 kind = "contact" if isinstance(node, n.Contact) else "coil" if self._is_ladder else "assignment"
-                symbol = Symbol(kind, [], f"{self._told(kind)} {node.variable}", caption=node.variable)
+                symbol = NetworkSymbol(kind, [], f"{self._told(kind)} {node.variable}", caption=node.variable)
                 symbol.negated, symbol.modifier = node.negated, _modifier(node.edge, node.storage)
-                symbol.inputs, symbol.outputs = [_input(node.input)], [Pin("")]
+                symbol.inputs, symbol.outputs = [_input(node.input)], [NetworkPin("")]
                 return symbol
             case n.InputVariable():
-                pin = Pin("", negated=node.negated, modifier=_modifier(node.edge, node.storage))
+                pin = NetworkPin("", negated=node.negated, modifier=_modifier(node.edge, node.storage))
                 return self._text(node.expression, outputs=[pin])
             case n.OutputVariable():
                 pin = _input(node.input)
@@ -254,7 +256,7 @@ class _Sheet:
             case n.InOutVariable():
                 pin = _input(node.input)
                 pin.negated, pin.modifier = node.negated_in, _modifier(node.edge_in, node.storage_in)
-                out = Pin("", negated=node.negated_out, modifier=_modifier(node.edge_out, node.storage_out))
+                out = NetworkPin("", negated=node.negated_out, modifier=_modifier(node.edge_out, node.storage_out))
                 return self._text(node.expression, inputs=[pin], outputs=[out])
             case n.Jump():
                 return self._text(f">> {node.label}", inputs=[_input(node.input)])
@@ -265,24 +267,26 @@ class _Sheet:
             case n.Connector():
                 return self._text(f"{node.name} >", inputs=[_input(node.input)])
             case n.Continuation():
-                return self._text(f"> {node.name}", outputs=[Pin("")])
+                return self._text(f"> {node.name}", outputs=[NetworkPin("")])
             case n.VendorElement() if node.parameters is not None:
                 lines = wrap(plain(node.alternative_text) or node.element_type or "?", 13, _TEXT, bold=True)
                 inputs, outputs = _pins(node.parameters)
-                return Symbol("block", lines, " ".join(lines), inputs=inputs, outputs=outputs)
+                return NetworkSymbol("block", lines, " ".join(lines), inputs=inputs, outputs=outputs)
             case n.VendorElement():  # CODESYS keeps settings of the editor in those without a type
                 text = plain(node.alternative_text) if node.element_type or not node.attributes else ""
             case _:
                 text = plain(getattr(node, "content", ""))
-        return Symbol("note", wrap(text, 12, 2 * _TEXT), text)
+        return NetworkSymbol("note", wrap(text, 12, 2 * _TEXT), text)
 
-    def _text(self, text: str, *, inputs: Sequence[Pin] = (), outputs: Sequence[Pin] = ()) -> Symbol:
-        return Symbol("text", wrap(text, 12, _TEXT) or [""], text, inputs=list(inputs), outputs=list(outputs))
+    def _text(
+        self, text: str, *, inputs: Sequence[NetworkPin] = (), outputs: Sequence[NetworkPin] = ()
+    ) -> NetworkSymbol:
+        return NetworkSymbol("text", wrap(text, 12, _TEXT) or [""], text, inputs=list(inputs), outputs=list(outputs))
 
 
 def _connected(
-    shown: Sequence[Symbol], symbols: Sequence[Symbol], wires: Sequence[Wire]
-) -> Iterator[tuple[list[Symbol], NetworkLayout]]:
+    shown: Sequence[NetworkSymbol], symbols: Sequence[NetworkSymbol], wires: Sequence[Wire]
+) -> Iterator[tuple[list[NetworkSymbol], NetworkLayout]]:
     """Yield the symbols that wires connect with each other, in the order of `shown`, with their layout."""
     near: list[list[Wire]] = [[] for _ in symbols]
     for wire in wires:
@@ -310,7 +314,7 @@ def _connected(
             yield members, NetworkLayout([symbol.box for symbol in members], own)
 
 
-def _pins(parameters: n.BlockParameters) -> tuple[list[Pin], list[Pin]]:
+def _pins(parameters: n.BlockParameters) -> tuple[list[NetworkPin], list[NetworkPin]]:
     """Return the pins on the left and on the right of a block; hidden ones without a use are left out."""
     left, right = [], []
     for variable in (*parameters.inputs, *parameters.in_outs):
@@ -325,7 +329,7 @@ def _pins(parameters: n.BlockParameters) -> tuple[list[Pin], list[Pin]]:
     left = _in_order(left)
     for variable in (*parameters.in_outs, *parameters.outputs):
         text = (variable.output.expression if variable.output is not None else None) or ""
-        pin = Pin(variable.name, text)
+        pin = NetworkPin(variable.name, text)
         if variable in parameters.outputs:
             pin.negated, pin.modifier = variable.negated, _modifier(variable.edge, variable.storage)
         right.append(pin)
@@ -338,11 +342,11 @@ _FLIP_FLOPS_OF_S7 = {"RS": "SR", "SR": "RS"}
 _NUMBERED = re.compile(r"(\D*)(\d+)")
 
 
-def _is_wire(pin: Pin) -> bool:
+def _is_wire(pin: NetworkPin) -> bool:
     return len(pin.connections) == 1 and not pin.negated and not pin.modifier
 
 
-def _in_order(pins: list[Pin]) -> list[Pin]:
+def _in_order(pins: list[NetworkPin]) -> list[NetworkPin]:
     """Return pins with ``IN1`` above ``IN2``: SimaticML has them in the order of its wires."""
     numbered = [_NUMBERED.fullmatch(pin.name) for pin in pins]
     alike: dict[str, list[tuple[int, int]]] = {}
@@ -355,10 +359,10 @@ def _in_order(pins: list[Pin]) -> list[Pin]:
     ]
 
 
-def _input(pin: n.InputPin | None) -> Pin:
+def _input(pin: n.InputPin | None) -> NetworkPin:
     if pin is None:
-        return Pin("")
-    return Pin("", (pin.expression or "") if not pin.connections else "", connections=pin.connections)
+        return NetworkPin("")
+    return NetworkPin("", (pin.expression or "") if not pin.connections else "", connections=pin.connections)
 
 
 def _modifier(edge: n.Edge, storage: n.Storage) -> str:

@@ -14,7 +14,7 @@ PAD = 7
 
 
 @dataclass(slots=True)
-class Pin:
+class NetworkPin:
     """A pin of a symbol: its name, the text at it instead of a wire, and its effect on the signal."""
 
     name: str
@@ -32,7 +32,7 @@ class Pin:
 
 
 @dataclass(slots=True)
-class Symbol:
+class NetworkSymbol:
     """An element of a network. `look` is block, text, contact, coil, rail, join or note.
 
     `caption` is above it; of a comparison in a ladder of TIA Portal `sign` is between the lines, and `below` below.
@@ -43,8 +43,8 @@ class Symbol:
     title: str
     identifier: str = ""
     caption: str = ""
-    inputs: list[Pin] = field(default_factory=list)
-    outputs: list[Pin] = field(default_factory=list)
+    inputs: list[NetworkPin] = field(default_factory=list)
+    outputs: list[NetworkPin] = field(default_factory=list)
     sign: str = ""
     below: str = ""
     negated: bool = False
@@ -107,7 +107,7 @@ class Symbol:
                 for pin, down in zip(pins, levels, strict=True):
                     self._draw_pin(canvas, pin, edge, y + down, side)
 
-    def _draw_pin(self, canvas: Canvas, pin: Pin, edge: int, level: int, side: int) -> None:
+    def _draw_pin(self, canvas: Canvas, pin: NetworkPin, edge: int, level: int, side: int) -> None:
         outer = edge + side * (self.before if side < 0 else self.box.width - self.before - self.body)
         if pin.text:
             canvas.line("thin", (edge, level), (edge + side * 8, level))
