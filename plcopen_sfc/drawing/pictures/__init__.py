@@ -7,7 +7,8 @@
 * `symbol_pictures`: steps, transitions and jumps
 * `action_blocks`: the tables beside steps
 * `symbol_facts`: what the symbols of a chart have in common
-* `network_picture`: networks of FBD and LD; `network_layout`: their boxes in columns, and the wires between them
+* `network_picture`: networks of FBD and LD; `network_symbols`: their blocks, contacts and operands
+* `network_layout`: boxes in columns, and the wires between them
 * `picture_sheets`: large pictures on several sheets of paper
 * `graph_texts`: Mermaid and Graphviz
 * `svg_canvas`: shapes, texts and themes, widths of texts
