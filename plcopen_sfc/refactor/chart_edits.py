@@ -80,8 +80,13 @@ def insert_step(
 def _put_beside(
     journal: Journal, chart: SfcNetwork, link: Transition, added: Sequence[Transition], *, behind: bool
 ) -> None:
-    """Put transitions beside another into the list of a chart: its order is that of competing transitions."""
+    """Put transitions beside another into the list of a chart: its order is that of competing transitions.
+
+    A `.grafcet` file refers to transitions by their places, and none is tried before another: there they come last.
+    """
     place = next(index for index, each in enumerate(chart.transitions) if each is link) + behind
+    if chart.project is not None and chart.project.tool_format == "grafcet":
+        place = len(chart.transitions)
     journal.put(chart, "transitions", [*chart.transitions[:place], *added, *chart.transitions[place:]])
 
 

@@ -257,8 +257,8 @@ class ChartReader:
         if inside is None or not found:
             self._ctx.error("TWC102", "a macro has nothing in it", element)
             return above
-        ends = {"first": member(found[0], "Id"), "last": member(found[-1], "Id")}
-        kept = {name: str(number) for name, value in ends.items() if (number := number_of(value)) is not None}
+        numbers = [number_of(member(each, "Id")) for each in found]
+        kept = {"elements": " ".join(str(number) for number in numbers if number is not None)}
         kept |= {"id": str(number_of(member(element, "Id")) or 0)}
         kept |= {name: str(value) for name, value in fields.items() if name != "exclude"}
         above = self._segment(inside, above)
@@ -471,10 +471,11 @@ class ChartWriter:
             yield {str(name): str(value) for name, value in macro.attrib.items()}
 
     def _fold(self, segment: _Segment, macro: dict[str, str]) -> bool:
-        """Fold the elements of a macro, if they still are beside each other; True if they were found here."""
-        places = {str(_number(part)): place for place, part in enumerate(segment.parts)}
-        first, last = places.get(macro.get("first", "")), places.get(macro.get("last", ""))
-        if first is not None and last is not None and first <= last:
+        """Fold the elements of a macro that still are there, with all between them; True if they were found here."""
+        own = {*macro.get("elements", "").split()}
+        places = [place for place, part in enumerate(segment.parts) if str(_number(part)) in own]
+        if places:
+            first, last = places[0], places[-1]
             inside = _Segment(segment.parts[first : last + 1])
             fields = {name: value for name, value in macro.items() if name in ("name", "comment")}
             segment.parts[first : last + 1] = [_Macro(whole_number(macro.get("id")) or 0, fields, inside)]

@@ -22,6 +22,8 @@ from plcopen_sfc.formats.grafcet.grafcet_xmi_reader import (
     UNNAMED,
     XmiOrder,
     XmiReader,
+    bar_of,
+    keys_in,
 )
 from plcopen_sfc.formats.grafcet.grafcet_xmi_terms import XSI_TYPE, ReadCondition, TermError, TermWriter
 from plcopen_sfc.formats.grafcet.sfc_losses import action_of_sfc, report_unexpressed
@@ -196,27 +198,26 @@ class XmiWriter:
             yield from (partial.chart for partial in chart.partial_charts)
 
     def _arcs(self, element: etree._Element, path: str, network: SfcNetwork) -> None:
-        references = {step.id: self._numbers[id(step)] for step in network.steps}
-        arcs: list[tuple[str, str]] = []
+        steps, labels = keys_in(network)
+        references = {steps[step.id]: self._numbers[id(step)] for step in network.steps}
+        arcs: list[tuple[Hashable, Hashable]] = []
         bars: list[Hashable] = []
-        for transition in network.transitions:
-            sides = (tuple(transition.sources), tuple(transition.targets))
-            bars += [(*sides, side is sides[0]) for side in sides if len(side) > 1]
-        bars = _arranged(bars, lambda bar: bar, self._order.bars.get(path, []))
-        for _ in bars:
-            etree.SubElement(element, "synchronizations")
         for number, transition in enumerate(network.transitions):
-            own = f"{path}/@transitions.{number}"
+            own = labels[transition.id]
+            references[own] = f"{path}/@transitions.{number}"
             for ids, before in ((transition.sources, True), (transition.targets, False)):
-                ends = [references[each] for each in ids if each in references]
+                ends = [steps[each] for each in ids if each in steps]
                 bar = own
                 if len(ends) > 1:
-                    key = (tuple(transition.sources), tuple(transition.targets), before)
-                    bar = f"{path}/@synchronizations.{bars.index(key)}"
+                    bar = bar_of(transition, steps, joins=before)
+                    bars.append(bar)
                     arcs.append((bar, own) if before else (own, bar))
                 arcs += [(end, bar) if before else (bar, end) for end in ends]
-        for source, target in arcs:
-            etree.SubElement(element, "arcs", source=source, target=target)
+        for number, bar in enumerate(_arranged(bars, lambda bar: bar, self._order.bars.get(path, []))):
+            references[bar] = f"{path}/@synchronizations.{number}"
+            etree.SubElement(element, "synchronizations")
+        for source, target in _arranged(arcs, lambda arc: arc, self._order.arcs.get(path, [])):
+            etree.SubElement(element, "arcs", source=references[source], target=references[target])
 
     def _actions(self, element: etree._Element, path: str, network: SfcNetwork, where: str) -> None:
         links: list[tuple[str, int]] = []

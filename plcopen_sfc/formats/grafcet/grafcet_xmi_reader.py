@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Hashable, Iterator
+from collections import Counter
+from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from lxml import etree
@@ -50,15 +51,32 @@ _CODES = {DAMAGED: "GRF202", OUTDATED: "GRF203"}
 
 @dataclass
 class XmiOrder:
-    """The order in a file of what is referred to by position; bars and actions by the path of their chart.
+    """The order in a file of arcs and what is referred to by position; but for variables by the path of the chart.
 
     `namespaces` are those of the file by their prefixes: the program has written two spellings of them.
     """
 
     variables: list[str] = field(default_factory=list)
     bars: dict[str, list[Hashable]] = field(default_factory=dict)
+    arcs: dict[str, list[Hashable]] = field(default_factory=dict)
     actions: dict[str, list[Hashable]] = field(default_factory=dict)
     namespaces: dict[str, str] = field(default_factory=dict)
+
+
+def keys_in(network: sfc.SfcNetwork) -> tuple[dict[int, Hashable], dict[int, Hashable]]:
+    """Return the keys of steps and transitions in an `XmiOrder`, by their ids: names, for ids change with edits."""
+    names: Counter[str] = Counter()
+    steps: dict[int, Hashable] = {}
+    for step in network.steps:
+        names[step.name] += 1
+        steps[step.id] = step.name, names[step.name]
+    return steps, {**network.labels()}
+
+
+def bar_of(transition: sfc.Transition, steps: Mapping[int, Hashable], *, joins: bool) -> Hashable:
+    """Return what the bar of a transition is known by: that of its sources if it `joins` them, else of its targets."""
+    sides = (transition.sources, transition.targets)
+    return (*(tuple(steps[each] for each in side if each in steps) for side in sides), joins)
 
 
 @dataclass
@@ -192,14 +210,18 @@ class XmiReader:
                 step.macro = sfc.Macro(expansion=self._partials[target].name)
 
     def _transitions(self, part: _Part, path: str) -> None:
+        arcs: list[tuple[etree._Element, etree._Element]] = []
         into: dict[etree._Element, list[etree._Element]] = {}
         out: dict[etree._Element, list[etree._Element]] = {}
         for arc in part.element.findall("arcs"):
             source, target = (self._target(arc.get(end, ""), arc) for end in ("source", "target"))
             self._check_alternation(part, source, target, arc)
+            arcs.append((source, target))
             out.setdefault(source, []).append(target)
             into.setdefault(target, []).append(source)
         found: dict[etree._Element, Hashable] = {}
+        made: dict[etree._Element, int] = {}
+        steps, _ = keys_in(part.network)
         for element in part.element.findall("transitions"):
             self._ids += 1
             number = element.get("id", "")
@@ -210,13 +232,17 @@ class XmiReader:
             joins = len(bars)
             transition.targets = [part.steps[each].id for each in self._reached(part, out, element, bars)]
             for index, bar in enumerate(bars):
-                key = (tuple(transition.sources), tuple(transition.targets), index < joins)
-                found.setdefault(bar, key)
+                found.setdefault(bar, bar_of(transition, steps, joins=index < joins))
             text = self._condition(element)
             transition.condition = Expression(text=text) if text is not None else None
+            made[element] = transition.id
             part.network.transitions.append(transition)
             self._line(f"{self._path(part)} / transition {part.network.label(transition)}", element)
         self.order.bars[path] = [found.get(bar) for bar in part.element.findall("synchronizations")]
+        _, labels = keys_in(part.network)
+        own = {element: steps[step.id] for element, step in part.steps.items()} | found
+        own |= {element: labels[number] for element, number in made.items()}
+        self.order.arcs[path] = [(own.get(source), own.get(target)) for source, target in arcs]
 
     def _check_alternation(
         self, part: _Part, source: etree._Element, target: etree._Element, arc: etree._Element

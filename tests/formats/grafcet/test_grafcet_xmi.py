@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import itertools
 import re
 from collections import Counter
 from pathlib import Path
@@ -182,6 +183,51 @@ def test_an_edit_is_put_into_the_file_with_its_references(place: str) -> None:
     chart.steps.remove(chart.step("3"))
     removed = sfc.loads(sfc.convert(project, "grafcet").data)
     assert numbered_in_order(removed).pous == numbered_in_order(project).pous
+
+
+def with_arcs_in_another_order(data: bytes) -> bytes:
+    """The file as the editor writes it: arcs in the order in which a person has drawn them."""
+    groups = itertools.groupby(data.decode().splitlines(keepends=True), lambda line: "<arcs " in line)
+    return "".join(line for arcs, lines in groups for line in (reversed([*lines]) if arcs else lines)).encode()
+
+
+def lines_gone(before: bytes, after: bytes) -> list[str]:
+    old, new = (each.decode().splitlines() for each in (before, after))
+    return [line for line in difflib.unified_diff(old, new, n=0) if line[:1] == "-" and line[:3] != "---"]
+
+
+@pytest.mark.parametrize("name", ["selection", "two_cylinders", "belt"])
+def test_an_inserted_step_moves_nothing_that_others_refer_to(name: str) -> None:
+    """Arcs in another order than ours had the whole file written again; a transition in the middle moved all others."""
+    data = with_arcs_in_another_order(fresh(sfc.load(f"fixtures/grafcet/{name}.gct")))
+    links = 0
+    for number in range(len(sfc.loads(data).find_transitions())):
+        project = sfc.loads(data)
+        link = project.find_transitions()[number]
+        joined = len(link.sources) > 1 or len(link.targets) > 1
+        edit = project.edit()
+        step = edit.insert_step("977", link, "TRUE")
+        saved = sfc.dumps(project)
+        assert len(lines_gone(data, saved)) <= (4 if joined else 1)
+        assert numbered_in_order(sfc.loads(saved)).pous == numbered_in_order(project).pous
+        edit.delete_step(step, "incoming")
+        again = sfc.dumps(project)
+        assert numbered_in_order(sfc.loads(again)).pous == numbered_in_order(project).pous
+        edit.undo()
+        edit.undo()
+        assert sfc.dumps(project) == data
+        links += 1
+    assert links > 3
+
+
+@pytest.mark.corpus
+@pytest.mark.parametrize("path", SAMPLES, ids=lambda path: path.stem)
+def test_an_inserted_step_in_a_file_of_the_editor_moves_nothing(path: Path) -> None:
+    data = path.read_bytes()
+    for link in sfc.loads(data).find_transitions()[:1]:
+        project = sfc.loads(data)
+        project.edit().insert_step("977", project.find_transitions()[0], "TRUE")
+        assert len(lines_gone(data, sfc.dumps(project))) <= 1 + len(link.sources) + len(link.targets)
 
 
 HEAD = (

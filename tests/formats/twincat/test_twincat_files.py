@@ -125,6 +125,27 @@ def test_a_step_that_is_put_in_changes_no_other_element(path: Path) -> None:
     assert sorted(back.labels().values()) == sorted(chart.labels().values())
 
 
+@pytest.mark.parametrize("end", [0, -1])
+def test_a_macro_stays_folded_when_its_first_or_last_step_is_deleted(end: int) -> None:
+    """Its first or last element was gone, so all the others were written again, outside of it."""
+    project = sfc.load(CHART)
+    data, macros = CHART.read_bytes(), {}
+    chart = project.pous[0].chart
+    assert chart is not None
+    for element in etree.fromstring(data).iter("o"):
+        if element.get("t") == "SFCMacro":
+            names = [each.text or "" for each in element.iter("v") if each.get("n") == "Value"]
+            macros[id(element)] = [step for step in chart.steps if f'"{step.name}"' in names]
+    (steps,) = macros.values()
+    edit = project.edit()
+    edit.delete_step(steps[end], "both")
+    saved = sfc.dumps(project)
+    assert saved.count(b"SFCMacro") == data.count(b"SFCMacro")
+    assert sum(line.startswith("+") for line in changed(data, saved)) <= 30
+    edit.undo()
+    assert sfc.dumps(project) == data
+
+
 def test_a_chart_goes_to_plcopen_xml_and_back() -> None:
     project = sfc.load(CHART)
     export = sfc.loads(sfc.dumps(project, format="codesys"))
