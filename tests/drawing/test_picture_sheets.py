@@ -119,6 +119,28 @@ def test_a_small_chart_is_one_file_and_papers_have_names(tmp_path: Path) -> None
         sfc.draw(project, tmp_path / "x.svg", pou="FB_Pusher", paper="A5")
 
 
+def test_a_few_sheets_are_a_little_smaller_rather_than_one_more(tmp_path: Path) -> None:
+    """A third sheet had nothing but the arrow of a jump."""
+    chart = sfc.SfcNetwork()
+    step = first = chart.add_step("S0", initial=True)
+    for number in range(1, 12):
+        after = chart.add_step(f"S{number}")
+        chart.add_transition(step, after, "a")
+        step = after
+    chart.add_transition(step, first, "a")
+    pou = sfc.Pou(name="P", kind=sfc.PouKind.PROGRAM, bodies=[sfc.SfcBody(chart=chart)])
+    svg = chart.to_svg()
+    height = int(etree.fromstring(svg.encode()).get("height"))
+    assert 1.0 < height / (1123 - 76) < 1 / 0.85, "more than a sheet, and less than one at the smallest scale"
+    (drawn,) = sfc.draw(sfc.Project(pous=[pou]), tmp_path / "p.svg", paper="A4")
+    root = etree.fromstring(drawn.path.read_bytes())
+    (shown,) = root.findall("{*}svg")
+    assert (root.get("width"), root.get("height")) == ("794", "1123")
+    assert float(shown.get("height")) <= 1123 - 76
+    assert float(shown.get("height")) / float(shown.get("viewBox").split()[3]) >= 0.85
+    assert len(areas(root)) == len(areas(etree.fromstring(svg.encode())))
+
+
 def test_sheets_hold_whatever_names_and_comments_have_in_them() -> None:
     hostile = 'A\nB<g class="step">\r</g>\n<title>'
     chart = sfc.SfcNetwork()

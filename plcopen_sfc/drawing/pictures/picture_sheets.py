@@ -15,6 +15,10 @@ _MARGIN = 38
 """The margin of a sheet, 10 mm at 96 pixels an inch."""
 PAPERS = {"A4": (794, 1123), "A3": (1123, 1587), "letter": (816, 1056)}
 """Papers, upright, in pixels. They lie where a picture needs fewer sheets so."""
+_SCALES = (1.0, 0.95, 0.9, 0.85)
+"""Scales that are tried, the largest that needs the fewest sheets is taken."""
+_FEW = 4
+"""The most sheets that a picture may need in its own size for smaller scales to be tried."""
 _LEAST = 0.5
 """The part of a sheet that is filled at least."""
 _REPEATED = 0.4
@@ -59,9 +63,24 @@ class _Sheet:
         return at_corner or not _FRAME.match(part.shape)
 
 
+@dataclass(frozen=True)
+class _Plan:
+    """Rows of sheets of a paper that is turned so that its size is `page`."""
+
+    page: tuple[int, int]
+    scale: float
+    rows: list[list[_Sheet]]
+
+    @property
+    def count(self) -> int:
+        """The number of sheets."""
+        return sum(map(len, self.rows))
+
+
 def sheets(svg: str, paper: str) -> list[str]:
     """Return a picture in its size on sheets of `paper`, from left to right and then down.
 
+    It is a little smaller where a few sheets are fewer so: the last one would hold no more than an arrow.
     An element that a border would divide is whole on the next sheet, which begins before it; a large one is divided.
     The margins of several have the number of the sheet and of those beside it. Raises `ModelError` for a paper that
     does not exist.
@@ -77,21 +96,31 @@ def sheets(svg: str, paper: str) -> list[str]:
     width, height = int(head[2]), int(head[3])
     size = known[paper.casefold()]
     parts = _parts(shapes)
-    upright, across = (
-        (page, _divided(parts, (width, height), (page[0] - 2 * _MARGIN, page[1] - 2 * _MARGIN)))
-        for page in (size, size[::-1])
-    )
-    preferred = (upright, across) if height >= width else (across, upright)
-    page, rows = min(preferred, key=lambda each: sum(map(len, each[1])))
+    pages = (size, size[::-1]) if height >= width else (size[::-1], size)
+
+    def plans(scale: float) -> list[_Plan]:
+        rooms = [(int((page[0] - 2 * _MARGIN) / scale), int((page[1] - 2 * _MARGIN) / scale)) for page in pages]
+        return [
+            _Plan(page, scale, _divided(parts, (width, height), room)) for page, room in zip(pages, rooms, strict=True)
+        ]
+
+    found = plans(_SCALES[0])
+    if 1 < min(plan.count for plan in found) <= _FEW:
+        found += [plan for scale in _SCALES[1:] for plan in plans(scale)]
+    plan = min(found, key=lambda each: each.count)
+    page, rows = plan.page, plan.rows
     title = re.sub("<[^>]*>", "", shapes[1].partition("<desc>")[0])
     kept = [shape for shape in shapes[1:3] if shape.startswith(("<title>", "<style>"))]
     first = list(accumulate(map(len, rows), initial=1))
     made = [(row, number, sheet) for row, sheets in enumerate(rows) for number, sheet in enumerate(sheets, first[row])]
     if len(made) == 1:
-        return [_document(made[0][2], page, head[1], kept)]
+        return [_document(made[0][2], plan, head[1], kept)]
     return [
         _document(
-            sheet, page, head[1], [*kept, *_marks(f"{title} {number}/{len(made)}", page, rows, first, (row, number))]
+            sheet,
+            plan,
+            head[1],
+            [*kept, *_marks(f"{title} {number}/{len(made)}", page, rows, first, (row, number))],
         )
         for row, number, sheet in made
     ]
@@ -190,16 +219,16 @@ def _spoilt(cut: int, spans: Sequence[Span], room: int) -> int:
     return cut - start + room * sum(low < start and high > cut for low, high in spans)
 
 
-def _document(sheet: _Sheet, page: tuple[int, int], classes: str, shapes: Sequence[str]) -> str:
+def _document(sheet: _Sheet, plan: _Plan, classes: str, shapes: Sequence[str]) -> str:
     """Return one sheet as a picture of the size of the paper: `shapes` beside its part of the whole."""
     (left, right), (top, bottom) = sheet.across, sheet.down
-    width, height = right - left, bottom - top
+    width, height, page, scale = right - left, bottom - top, plan.page, plan.scale
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" {classes} width="{page[0]}" height="{page[1]}" '
         f'viewBox="{-_MARGIN} {-_MARGIN} {page[0]} {page[1]}">',
         f'<rect class="paper" x="{-_MARGIN}" y="{-_MARGIN}" width="{page[0]}" height="{page[1]}"/>',
         *shapes,
-        f'<svg width="{width}" height="{height}" viewBox="{left} {top} {width} {height}">',
+        f'<svg width="{width * scale:g}" height="{height * scale:g}" viewBox="{left} {top} {width} {height}">',
         *(part.shape for part in sheet.parts),
         "</svg></svg>",
     ]
