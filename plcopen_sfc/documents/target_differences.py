@@ -132,15 +132,28 @@ def _note_operands(project: Project, kind: Format, options: WriteOptions, report
                 report.add(Outcome.NOT_EXECUTED, "action", path, why)
 
 
+def has_task_configuration(project: Project) -> bool:
+    """True if an export of CoDeSys 2.3 says which programs its controller executes; without that it is PLC_PRG."""
+    sections = (text for name, text in kept(project.extension_data).items() if name.startswith("section"))
+    return any(_holds_tasks(_word_of(text), text) for text in sections)
+
+
+def _holds_tasks(word: str, text: str) -> bool:
+    return "TASK" in word or (word == "RESOURCE" and "TASK" in text.upper())
+
+
+def _word_of(section: str) -> str:
+    found = _SECTION.match(section)
+    return found["word"].upper() if found is not None else ""
+
+
 def _note_sections(project: Project, kind: Format, report: ConversionReport) -> None:
     """Report sections of an export of CoDeSys 2.3 that are kept as text, but for libraries, whose blocks have names."""
     for name, text in kept(project.extension_data).items():
-        found = _SECTION.match(text)
-        word = found["word"].upper() if found is not None else ""
+        word = _word_of(text)
         if kind.name == EXPORTS or not name.startswith("section") or word == "LIBRARY":
             continue
-        has_tasks = "TASK" in word or (word == "RESOURCE" and "TASK" in text.upper())
-        if word == "VAR_CONFIG" or has_tasks:
+        if word == "VAR_CONFIG" or _holds_tasks(word, text):
             outcome, why = Outcome.NOT_EXECUTED, f"it is kept as text: what it says has to be made in {kind.tool}"
         elif word in KNOWN_SECTIONS or word.startswith("_"):
             outcome = Outcome.EXTENSION_DATA if kind.extension_data else Outcome.DROPPED

@@ -10,13 +10,15 @@ from plcopen_sfc.conversion import Part, executed
 from plcopen_sfc.conversion.adaptation import rewrite_project
 from plcopen_sfc.conversion.adaptation.called_methods import adapt_calls
 from plcopen_sfc.conversion.adaptation.extended_types import include_bases
+from plcopen_sfc.conversion.adaptation.main_programs import give_task
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.documents.legal_names import give_legal_names
-from plcopen_sfc.documents.target_differences import note_differences, note_final_scans
+from plcopen_sfc.documents.target_differences import has_task_configuration, note_differences, note_final_scans
 from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, NetworkForm, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_library import count_in_seconds
 from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
 from plcopen_sfc.languages.library_blocks import put_flip_flops
+from plcopen_sfc.languages.networks.exported_networks import EXPORTS
 from plcopen_sfc.languages.s7_boxes import translate_boxes
 from plcopen_sfc.languages.s7_programs import has_results, name_results
 from plcopen_sfc.languages.translation.translation_context import family
@@ -76,6 +78,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     copy.origin = origin
     if _names_results(project, kind):
         name_results(copy, report)
+    if project.tool_format == EXPORTS != kind.name and kind.tool and not has_task_configuration(project):
+        give_task(copy, report)
     if kind.tool and not options.same:
         # letters of a GRAFCET follow rules of their own
         give_legal_names(copy, kind.dialect, kind.tool, report, with_letters=not of_grafcet)

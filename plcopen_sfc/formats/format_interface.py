@@ -200,6 +200,7 @@ class ChartHost:
     `title` is what reports call it. `is_codesys`: associations take an action of the POU by its name, steps have entry,
     main and exit actions and minimum times, conditions are expressions or names of transition objects and never
     negated. Other tools take bodies in place, with the qualifiers P1 and P0. `has_tasks`: its files hold tasks.
+    `has_main`: its controller executes the program PLC_PRG in every cycle where there is no task.
     `has_methods`: its language is object-oriented, with the keywords for that. `il_conditions`: conditions may be
     instruction list. `keeps_bodies`: a step without associations has its main action in place. `by_bytes`: words at
     direct addresses have the number of a byte. `names_lists`: texts name a variable with its list, ``GVL_IO.x``.
@@ -210,6 +211,7 @@ class ChartHost:
     is_codesys: bool = False
     is_s7: bool = False
     has_tasks: bool = True
+    has_main: bool = False
     has_methods: bool = True
     il_conditions: bool = False
     keeps_bodies: bool = False

@@ -291,6 +291,7 @@ FORMATS: tuple[Format, ...] = (
             "CoDeSys 2.3",
             is_codesys=True,
             has_tasks=False,
+            has_main=True,
             has_methods=False,
             il_conditions=True,
             keeps_bodies=True,

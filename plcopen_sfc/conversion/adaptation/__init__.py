@@ -10,6 +10,7 @@
 `passed_steps`        steps that S7-GRAPH skips
 `global_variables`    tags, data blocks and lists of global variables
 `called_methods`      methods as functions, before texts are translated; `called_programs`: programs that others call
+`main_programs`       tasks in CoDeSys 2.3, whose controller executes PLC_PRG without one
 `extended_types`      structures that extend others
 `chart_rewriting`     a chart that is being rewritten
 `flag_transitions`    SFC flags of CODESYS in S7-GRAPH, with `boxes_before_conditions` for timers and edges;

@@ -15,6 +15,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
+from plcopen_sfc.conversion.adaptation.main_programs import MAIN, add_main
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.format_interface import ChartHost
 from plcopen_sfc.formats.plcopen.source_marks import (
@@ -68,7 +69,9 @@ def add_globals(project: Project, host: ChartHost, report: ConversionReport, mar
     cyclic = _cyclic_blocks(project, host, report)
     if host.is_codesys:
         project.global_variables = [*project.global_variables, *sections]
-        if cyclic:
+        if cyclic and host.has_main:
+            add_main(project, cyclic, report, marks)
+        elif cyclic:
             called = [PouInstance(name=name, type_name="") for name in cyclic]
             task = Task(name="MainTask", settings=TaskSettings(kind=FREEWHEELING), instances=called)
             resource = Resource(name="Application", tasks=[task])
@@ -88,13 +91,16 @@ def add_globals(project: Project, host: ChartHost, report: ConversionReport, mar
 def _cyclic_blocks(project: Project, host: ChartHost, report: ConversionReport) -> list[str]:
     """Return the organization blocks that are executed in every cycle; the others are in the report."""
     found: list[str] = []
+    others = [thing.name for thing in project.objects()]
     for pou in project.pous:
         if pou.kind is not PouKind.ORGANIZATION_BLOCK:
             continue
         # OB1 is the cyclic one; others start at events that no file names.
-        if pou.number in (None, 1) and host.has_tasks and not any(project.resources()):
+        can_call = host.has_tasks or (host.has_main and MAIN not in map(str.upper, others))
+        if pou.number in (None, 1) and can_call and not any(project.resources()):
             found.append(pou.name)
             why = "a program of a task without a cycle time" if host.is_codesys else "a program of the resource"
+            why = f"a program that {MAIN} calls in every cycle" if host.has_main else why
             report.add(Outcome.TRANSLATED, "program", pou.report_path, why)
         else:
             why = f"a program that no task of {host.title} calls: give it one"

@@ -20,6 +20,7 @@ from plcopen_sfc.conversion.adaptation.global_variables import (
     has_lists,
     report_types,
 )
+from plcopen_sfc.conversion.adaptation.main_programs import call_from_main, executes_without_tasks
 from plcopen_sfc.conversion.adaptation.s5_operands import (
     declare_operands,
     declare_times,
@@ -255,6 +256,14 @@ RULES = (
         "a BOOL, the output, or an INT, the count; an input is an in-out",
         lambda this: not this.options.same and any(interfaces_with_operands(this.project)),
         lambda this: declare_operands(this.project, this.report, this.marks),
+        keeps_source=True,
+    ),
+    AdaptationRule(
+        "a task with the programs that it calls",
+        "CoDeSys 2.3",
+        "calls in the program PLC_PRG, which the controller executes in every cycle",
+        lambda this: this.host.has_main and executes_without_tasks(this.project),
+        lambda this: call_from_main(this.project, this.host, this.report, this.marks),
         keeps_source=True,
     ),
     AdaptationRule(
