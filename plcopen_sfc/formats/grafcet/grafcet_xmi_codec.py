@@ -26,7 +26,7 @@ from plcopen_sfc.formats.grafcet.grafcet_xmi_reader import (
     keys_in,
 )
 from plcopen_sfc.formats.grafcet.grafcet_xmi_terms import XSI_TYPE, ReadCondition, TermError, TermWriter
-from plcopen_sfc.formats.grafcet.sfc_losses import action_of_sfc, report_unexpressed
+from plcopen_sfc.formats.grafcet.sfc_losses import action_of_sfc, report_unexpressed, tags_of
 from plcopen_sfc.formats.remainder_comments import lacking
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle
@@ -53,8 +53,9 @@ _Item = TypeVar("_Item")
 class XmiWriter:
     """Writes the GRAFCET of `pou`; what is referred to by position stays in the `order` of the file."""
 
-    def __init__(self, pou: Pou | None, report: ConversionReport, order: XmiOrder) -> None:
+    def __init__(self, project: Project, pou: Pou | None, report: ConversionReport, order: XmiOrder) -> None:
         self._pou = pou
+        self._tags = tags_of(project, pou) if pou is not None else {}
         self._order = order
         self._report = report
         namespaces = _NAMESPACES | order.namespaces
@@ -111,6 +112,7 @@ class XmiWriter:
         positions: dict[str, str] = {}
         words = {kind: word for word, kind in SECTIONS.items()}
         declared = [(v, s.kind) for s in sections_of(pou.interface) for v in s.variables]
+        declared += [(v, kind) for kind, variables in self._tags.items() for v in variables]
         texts = " ".join(_texts(networks))
         flags = {
             f"X{step.name}": self._numbers[id(step)]
@@ -413,7 +415,7 @@ class GrafcetXmiCodec(XmlCodec):
             reader = XmiReader(parse_xml(options.source), None)
             reader.run()
             order = reader.order
-        root = XmiWriter(found[0] if found else None, report, order).run()
+        root = XmiWriter(project, found[0] if found else None, report, order).run()
         for pou in found[1:]:
             report.add(Outcome.NOT_EXECUTED, "chart", f"POU {pou.name}", "a .grafcet file has one GRAFCET")
         for variable in found[0].variables() if found and not options.same else ():

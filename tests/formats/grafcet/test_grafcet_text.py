@@ -580,6 +580,10 @@ def test_tags_that_a_chart_names_are_in_its_tables() -> None:
     assert head[2].splitlines()[1:] == ["    Level %MW30 : INT"]
     assert not report.with_outcome(Outcome.NOT_EXECUTED)
     assert sfc.loads(data).tag_tables == source.tag_tables
+    editor, report = sfc.convert(source, "grafcet", limit=0)
+    assert not report.with_outcome(Outcome.NOT_EXECUTED)
+    assert editor.count(b"<variableDeclarations ") == sum(table.count("\n") for table in head)
+    assert sfc.loads(editor).tag_tables == source.tag_tables
     chart.transitions[-1].condition = m.Expression(text='"Clock"')
     lost = sfc.convert(source, "grafcet-text", limit=0, partial=True).report.with_outcome(Outcome.NOT_EXECUTED)
     assert [item.path.rpartition(" / ")[2] for item in lost] == ["Clock"]
