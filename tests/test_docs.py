@@ -312,6 +312,17 @@ def test_convert_folder(workplace: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("file", ["plan.xml", "plan.st"])
+@pytest.mark.parametrize("name", ["four_steps", "two_cylinders", "initialised_chain", "selection", "press"])
+def test_a_grafcet_in_a_tool_that_calls_it_until_it_is_stable(workplace: Path, name: str, file: str) -> None:
+    result = example(workplace, "until_stable.py", f"fixtures/grafcet/{name}.gct", file)
+    assert result.stdout.startswith("equal (proof: "), result
+    program = plcopen_sfc.load(workplace / file).pous[-1]
+    given = plcopen_sfc.load(workplace / "fixtures" / "grafcet" / f"{name}.gct").pous[0].variables()
+    assert {v.name.lstrip("_") for v in program.variables()} > {v.name for v in given}
+
+
+@pytest.mark.slow
 def test_the_pictures_of_the_documentation_are_those_of_today(tmp_path: Path) -> None:
     run = example(tmp_path, "draw_gallery.py", str(tmp_path))
     assert run.returncode == 0, run.stderr
