@@ -8,10 +8,9 @@ such elements. ``LineIds``, which the tool counts itself, stay in the file and a
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Container, Iterable, Iterator, Set
+from collections.abc import Callable, Iterable, Set
 from itertools import chain
 from typing import TypeAlias
-from uuid import NAMESPACE_URL, uuid5
 
 from lxml import etree
 
@@ -19,14 +18,21 @@ from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import FormatError, Location, StructureError
 from plcopen_sfc.formats.archives.archived_charts import ChartReader, ChartWriter, read_settings, write_settings
 from plcopen_sfc.formats.archives.object_archive import archived, kept_data, kept_in, unknown_type
+from plcopen_sfc.formats.archives.object_identities import add_code, identity, identity_of
+from plcopen_sfc.formats.archives.property_elements import (
+    edited_property,
+    kept_properties,
+    kept_property,
+    name_of_property,
+    written_property,
+)
 from plcopen_sfc.formats.iectext.object_declarations import METHOD, PROPERTY, bare, declaration_of, read, unit_of
 from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext
 from plcopen_sfc.formats.xml.extension_data import add_markup, markup
 from plcopen_sfc.formats.xml.xml_parsing import line_of
-from plcopen_sfc.languages.declarations.kept_texts import unwrapped, wrapped
 from plcopen_sfc.languages.networks.condition_reading import shown_body, shown_named_condition
 from plcopen_sfc.languages.networks.exported_networks import SOURCES, network_statements
-from plcopen_sfc.model.base import Element, ExtensionData, ForeignData
+from plcopen_sfc.model.base import Element, ExtensionData
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.chart_settings import SfcSettings
 from plcopen_sfc.model.dialect import Dialect
@@ -168,7 +174,7 @@ class _Reader:
                 pou.transitions.append(NamedTransition(name=child.get("Name", "")))
                 self._part(pou.transitions[-1], child, names)
             elif child.tag == "Property":
-                _keep_data(pou).data.append(_property(child))
+                _keep_data(pou).data.append(kept_property(child))
         others = [child for child in thing if isinstance(child.tag, str) and child.tag not in _OWN_ELEMENTS]
         _keep(pou, dict(set(attributes_of(thing).items()) - {_NOT_SPECIAL}), others)
         ctx.place = []
@@ -218,12 +224,6 @@ def declaration_in(element: etree._Element) -> str | None:
     return (found.text or "") if found is not None else None
 
 
-def identity_of(element: etree._Element) -> str | None:
-    """Return the identity of an object, without braces."""
-    found = element.get("Id")
-    return str(found).strip("{}") if found is not None else None
-
-
 def attributes_of(element: etree._Element) -> dict[str, str]:
     """Return the attributes of an element but for its name and its identity."""
     return {str(name): str(value) for name, value in element.attrib.items() if name not in ("Name", "Id")}
@@ -241,39 +241,6 @@ def _keep(thing: Element, attributes: dict[str, str], elements: Iterable[etree._
         _keep_data(thing).data += data
 
 
-def _property(element: etree._Element) -> ForeignData:
-    """Return a property as the text that is kept of one."""
-    return ForeignData.model_validate(wrapped(PROPERTY, "\n".join(text for text, _ in _texts_of_property(element))))
-
-
-def _texts_of_property(element: etree._Element) -> Iterator[tuple[str, etree._Element | None]]:
-    """Yield the parts of the text of a property, each with the element that has it, None for keywords."""
-    head = element.find("Declaration")
-    found: list[tuple[str, etree._Element | None]] = [
-        ((head.text if head is not None else "") or f"PROPERTY {element.get('Name')}", head)
-    ]
-    for access in element.iterchildren("Get", "Set"):
-        parts = (access.find("Declaration"), access.find("Implementation/ST"))
-        texts = [((part.text or "") if part is not None else "", part) for part in parts]
-        found += [(access.tag.upper(), None), *texts, (f"END_{access.tag.upper()}", None)]
-    yield from ((text.strip(), part) for text, part in found if text.strip())
-    yield "END_PROPERTY", None
-
-
-def _edited_property(source: etree._Element, text: str) -> etree._Element | None:
-    """Return a copy of a property with another text of as many lines; None where it has another form."""
-    written = copy.deepcopy(source)
-    lines = text.split("\n")
-    for before, part in [*_texts_of_property(written)]:
-        count = before.count("\n") + 1
-        after, lines = "\n".join(lines[:count]), lines[count:]
-        if part is None and after != before:
-            return None
-        if part is not None and after != before:
-            part.text = (part.text or "").replace(before, after, 1) or after
-    return written if not lines else None
-
-
 # -- writing ----------------------------------------------------------------------------------------------------------
 
 
@@ -287,7 +254,7 @@ def write_declared(project: Project, source: etree._Element | None, *, taken: Se
     written = etree.Element(
         kind, Name=name, Id=identity(known, kind, name, taken=taken)
     )  # a POU may have the name, too
-    _add_code(written, "Declaration", text)
+    add_code(written, "Declaration", text)
     return written
 
 
@@ -316,27 +283,10 @@ def path_of(project: Project) -> str:
     return f"global variables {project.global_variables[0].name}"
 
 
-def identity(known: str | None, *names: str, taken: Container[str] = ()) -> str:
-    """Return the identity of an object: a new one follows from its name, so that it is the same in every run.
-
-    An object that was renamed since keeps the one of its old name: that is `taken`.
-    """
-    made = str(uuid5(NAMESPACE_URL, "/".join(("twincat", *names))))
-    while made in taken:
-        made = str(uuid5(NAMESPACE_URL, made))
-    return f"{{{known or made}}}"
-
-
 def identities_in(pou: Pou) -> set[str]:
     """Return the identities that a POU and its parts have."""
     things: list[Pou | _Part] = [pou, *pou.actions, *pou.methods, *pou.transitions]
     return {each.object_id for each in things if each.object_id is not None}
-
-
-def _add_code(parent: etree._Element, name: str, text: str) -> None:
-    child = etree.SubElement(parent, name)
-    # text that ends such a section cannot stand in one
-    child.text = etree.CDATA(text) if "]]>" not in text else text
 
 
 def write_pou(
@@ -389,7 +339,7 @@ class _PouWriter:
 
     def _declaration(self, written: etree._Element, thing: Pou | Method, source: etree._Element | None) -> None:
         text = declaration_in(source) if source is not None else None
-        _add_code(written, "Declaration", declaration_of(bare(thing), text))
+        add_code(written, "Declaration", declaration_of(bare(thing), text))
 
     def _source_of(self, part: _Part) -> etree._Element | None:
         """Return the element of a part in the file: by its id, which a rename leaves, or by its name."""
@@ -430,9 +380,9 @@ class _PouWriter:
         match body:
             case None:
                 if part is None:
-                    _add_code(held, "ST", "")
+                    add_code(held, "ST", "")
             case StBody(text=text):
-                _add_code(held, "ST", text)
+                add_code(held, "ST", text)
             case SfcBody(chart=chart):
                 old = source.find("Implementation/SFC/XmlArchive") if source is not None else None
 
@@ -462,27 +412,33 @@ class _PouWriter:
             text = "body_is_not_written" if isinstance(part, NamedTransition) else "body_is_not_written := TRUE;"
         else:
             self._report.add(Outcome.TRANSLATED, "body", path, f"from {body.language} into structured text")
-        _add_code(held, "ST", text)
+        add_code(held, "ST", text)
 
     def _settings(self, owner: etree._Element, body: Body | None) -> None:
         if isinstance(body, SfcBody) and body.chart.settings is not None:
             etree.SubElement(owner, "ObjectProperties").append(write_settings(body.chart.settings))
 
     def _properties(self) -> list[tuple[int, etree._Element]]:
-        """Return the properties of the file that is patched, with other names in them; elsewhere none is written."""
+        """Return the properties: those of the file that is patched with other names in them, and new ones."""
         stay = [*self._source.iterfind("Property")] if self._source is not None else []
-        texts = [text for _, text in _properties(self._pou)]
-        edited = [_edited_property(*each) for each in zip(stay, texts, strict=False)]
-        if len(texts) != len(stay) or None in edited:
-            why = "properties are not written: those of a file stay in it, and other names in them are all that changes"
-            self._report.add(Outcome.NOT_EXECUTED, PROPERTY, self._pou.report_path, why)
-            edited = [copy.deepcopy(each) for each in stay]
-        places = (self._children.index(each) for each in stay)
-        return [(place, each) for place, each in zip(places, edited, strict=True) if each is not None]
+        texts = [text for _, text in kept_properties(self._pou)]
+        sources: list[etree._Element | None] = [*stay]
+        if len(texts) != len(stay):  # else one that has no source of its name was renamed
+            named = {each.get("Name", "").casefold(): each for each in stay}
+            sources = [named.get(name_of_property(text).casefold()) for text in texts]
+        placed: list[tuple[int, etree._Element]] = []
+        for source, text in zip(sources, texts, strict=True):
+            made = edited_property(source, text) if source is not None else None
+            made = made if made is not None else written_property(self._pou.name, text, source, self._taken)
+            if made is None:
+                path = f"{self._pou.report_path} / property {name_of_property(text)}"
+                self._report.add(Outcome.NOT_EXECUTED, PROPERTY, path, _NO_PROPERTY)
+                made = copy.deepcopy(source) if source is not None else None
+            elif source is None:
+                self._report.add(Outcome.KEPT, PROPERTY, f"{self._pou.report_path} / property {made.get('Name')}")
+            place = self._children.index(source) if source is not None else len(self._children)
+            placed += [(place, made)] if made is not None else []
+        return placed
 
 
-def _properties(pou: Pou) -> Iterator[tuple[str, str]]:
-    for data in pou.extension_data.data if pou.extension_data is not None else ():
-        kept = unwrapped(data.content)
-        if kept is not None and kept[0] == PROPERTY:
-            yield kept
+_NO_PROPERTY = "its text is not GET and SET with their code, so it is not written"

@@ -21,13 +21,13 @@ from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import FormatError, Location, StructureError
 from plcopen_sfc.formats.archives.object_elements import (
     identities_in,
-    identity_of,
     path_of,
     read_element,
     take_out_others,
     write_declared,
     write_pou,
 )
+from plcopen_sfc.formats.archives.object_identities import identity_of
 from plcopen_sfc.formats.archives.object_lines import object_lines
 from plcopen_sfc.formats.codesys_export.export_entries import (
     ACCESSOR,
@@ -300,10 +300,10 @@ class _Writer:
             for part in written:
                 if part.tag in PARTS:
                     self._put(str(part.tag), part, inside, f"{pou.name}.{part.get('Name')}")
-                for each in (part, *part) if part.tag == PROPERTY else ():
-                    known = self._entries.get((identity_of(each) or "").casefold())
-                    if known is not None:
-                        put(known, each)
+                if part.tag == PROPERTY:
+                    around = ObjectPlace.inside(self._put(PROPERTY, part, inside, ""))
+                    for accessor in part.iterchildren("Get", "Set"):
+                        self._put(ACCESSOR, accessor, around, "")
             for each in self._inner.get(entry.guid, ()):
                 move_inside(each, entry)
         for declared in project.data_types:
@@ -355,10 +355,10 @@ class _Writer:
         for entry in self._entries.values():
             owner = self._entries.get(entry.parent)
             around = self._entries.get(owner.parent) if entry.kind == ACCESSOR and owner is not None else owner
-            gone = entry.kind in (POU, TYPE, LIST, TASK, *PARTS) and entry.guid not in self._written
+            gone = entry.kind in (POU, TYPE, LIST, TASK, *INNER) and entry.guid not in self._written
             if entry.kind in INNER and around is not None and around.kind == POU:
                 gone = gone or around.guid not in self._written
-            elif entry.kind in PARTS:
+            elif entry.kind in INNER:
                 gone = False  # of an interface
             holder = entry.element.getparent()
             if gone and holder is not None:

@@ -260,6 +260,8 @@ _MEMBERS = {
     ACTION: ("Implementation", "UniqueIdGenerator"),
     METHOD: ("Implementation", "Interface"),
     TRANSITION: ("Implementation", "UniqueIdGenerator"),
+    PROPERTY: ("Interface",),
+    ACCESSOR: ("Implementation", "Interface"),
 }
 """Members of an object of each kind in their order; those of a transition object are assumed: as an action."""
 

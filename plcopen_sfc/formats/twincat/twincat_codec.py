@@ -17,14 +17,13 @@ from plcopen_sfc.errors import Location, ModelError, StructureError
 from plcopen_sfc.formats.archives.object_elements import (
     KINDS,
     attributes_of,
-    identity,
-    identity_of,
     path_of,
     read_element,
     take_out_others,
     write_declared,
     write_pou,
 )
+from plcopen_sfc.formats.archives.object_identities import identity, identity_of
 from plcopen_sfc.formats.archives.object_lines import object_lines
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.plcopen.tc6_reading import PLACELESS, Tc6ReadContext

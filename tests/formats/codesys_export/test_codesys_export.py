@@ -143,6 +143,16 @@ def test_objects_are_put_in_and_taken_out_with_what_is_in_them() -> None:
     assert b"Library Manager" in rest
 
 
+def test_a_property_that_is_gone_is_taken_out_with_its_accessors() -> None:
+    project = mixer()
+    data = project.pou("Ruehrwerk").extension_data
+    assert data is not None
+    data.data = [each for each in data.data if "Laeuft" not in each.content]
+    saved = sfc.dumps(project)
+    assert b"Laeuft" not in saved
+    assert all(line.startswith("-") for line in changed(MIXER.read_bytes(), saved))
+
+
 def test_a_rename_changes_the_code_of_properties() -> None:
     project = mixer()
     assert project.rename("Ruehrwerk.Motor", "Antrieb").undecided == ()

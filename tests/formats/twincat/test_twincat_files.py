@@ -16,7 +16,7 @@ from plcopen_sfc.errors import LossError, SfcError
 from plcopen_sfc.formats.archives.chart_elements import ELEMENTS
 from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.twincat.twincat_codec import CODEC
-from plcopen_sfc.model import Pou, PouInstance, PouKind, Project, Step, Task, Transition, VariableSection
+from plcopen_sfc.model import ForeignData, Pou, PouInstance, PouKind, Project, Step, Task, Transition, VariableSection
 from plcopen_sfc.model.drawing import SymbolKind
 from plcopen_sfc.report import ConversionReport, Outcome
 from tests.corpus import ROOT, corpus_files
@@ -426,7 +426,8 @@ def test_methods_and_properties() -> None:
     report = ConversionReport()
     sfc.dumps(project, format="codesys", partial=True)
     CODEC.write(project, WriteOptions(), report)
-    assert "property" in {item.what for item in report.with_outcome(Outcome.NOT_EXECUTED)}
+    assert ("property", "POU Pump / property Runs") in {(item.what, item.path) for item in report.items}
+    assert report.with_outcome(Outcome.NOT_EXECUTED) == []
 
 
 INTERFACE = METHODS.replace(b"POU", b"Itf").replace(
@@ -489,18 +490,74 @@ def test_a_rename_changes_the_code_of_properties() -> None:
     assert sfc.loads(edited) == project
 
 
-def test_a_property_that_is_gone_or_has_more_lines_is_not_written() -> None:
-    for content in ("", None):
-        project = sfc.loads(PROPERTY)
-        extension_data = project.pous[0].extension_data
-        assert extension_data is not None
-        kept = next(each for each in extension_data.data if "PROPERTY" in each.content)
-        if content is None:
-            kept.content = kept.content.replace("END_IF", "END_IF\nRuns := FALSE;")
-        else:
-            extension_data.data.remove(kept)
-        with pytest.raises(LossError, match="properties are not written"):
-            sfc.dumps(project)
+ALONE = PROPERTY.replace(b" EXTENDS Base", b"")
+
+
+def kept_property(project: Project) -> ForeignData:
+    extension_data = project.pous[0].extension_data
+    assert extension_data is not None
+    return next(each for each in extension_data.data if "PROPERTY" in each.content)
+
+
+def test_a_property_is_changed_added_and_taken_out() -> None:
+    """A file got no property that it did not have, and none with another number of lines."""
+    project = sfc.loads(PROPERTY)
+    kept = kept_property(project)
+    kept.content = kept.content.replace("END_IF", "END_IF\nRuns := FALSE;")
+    longer = sfc.dumps(project)
+    assert sfc.loads(longer) == project
+    assert [line.strip() for line in changed(PROPERTY, longer) if line[0] == "+" and "Runs := FALSE" in line] != []
+    assert longer.count(b"{5a961730-f4bc-46e9-979d-c80cbcef2de8}") == 1, "its accessor stays the same object"
+    data = project.pous[0].extension_data
+    assert data is not None
+    second = "PROPERTY PUBLIC Second : INT\nGET\nSecond := Count;\nEND_GET\n"
+    second += "SET\nVAR\n\ty : INT;\nEND_VAR\nCount := Second;\nEND_SET"
+    data.data.append(kept.model_copy(update={"content": kept.content.replace(second_of(kept.content), second)}))
+    both = sfc.dumps(project)
+    assert sfc.loads(both) == project
+    properties = etree.fromstring(both).findall(".//Property")
+    assert [each.get("Name") for each in properties] == ["Runs", "Second"]
+    assert [each.findtext("Declaration") for each in properties[1]][1:] == ["", "VAR\n\ty : INT;\nEND_VAR"]
+    data.data.remove(kept)
+    alone = sfc.dumps(project)
+    assert [each.get("Name") for each in etree.fromstring(alone).iter("Property")] == ["Second"]
+    kept_property(project).content = kept_property(project).content.replace("END_GET", "END_SET")
+    with pytest.raises(LossError, match="not GET and SET with their code"):
+        sfc.dumps(project)
+
+
+def second_of(content: str) -> str:
+    """The text of a property in what is kept of it, without its end."""
+    return content[content.index("PROPERTY Runs") : content.index("\nEND_PROPERTY")]
+
+
+@pytest.mark.parametrize("to", ["twincat", "codesys-export"])
+@pytest.mark.parametrize("kind", ["twincat", "iec-text", "codesys-export"])
+def test_properties_go_to_the_formats_that_have_them(kind: str, to: str) -> None:
+    source = sfc.loads(sfc.dumps(sfc.loads(ALONE), format=kind))
+    found = sfc.loads(sfc.convert(source, to).data)
+    assert " ".join(kept_property(found).content.split()) == " ".join(kept_property(source).content.split())
+
+
+@pytest.mark.parametrize("to", ["twincat", "codesys-export"])
+def test_a_copied_block_takes_its_properties_and_methods_along(to: str, tmp_path: Path) -> None:
+    place = tmp_path / ("plc" if to == "twincat" else "plc.export")
+    (tmp_path / "plc").mkdir()
+    target = Project(dialect="codesys")
+    for name in ("Main", "Other"):
+        target.add_program(name)
+    sfc.save(target, place, format=to)
+    target = sfc.load(place)
+    edit = target.edit()
+    edit.copy_pou(sfc.loads(ALONE), "Pump", {"Pump": "Pump2", "Pump.Count": "Number"})
+    sfc.save(target, place)
+    copy = sfc.load(place).pou("Pump2")
+    assert [each.name for each in copy.methods] == ["Start"]
+    assert copy.extension_data is not None
+    assert "IF Number &gt;= 2" in next(each.content for each in copy.extension_data.data if "PROPERTY" in each.content)
+    edit.undo()
+    sfc.save(target, place)
+    assert [each.name for each in sfc.load(place).pous] == ["Main", "Other"]
 
 
 def test_properties_are_texts_that_other_formats_have_too() -> None:
