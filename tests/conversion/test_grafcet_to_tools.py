@@ -217,6 +217,18 @@ EXPANSION M2
 """
 
 
+@pytest.mark.parametrize("form", ["codesys", "simaticml", "plcopen-2.01"])
+@pytest.mark.parametrize("name", ["Step1", "Step2"])
+def test_a_numbered_step_is_not_called_as_a_variable(form: str, name: str) -> None:
+    """Step 1 was Step1, and so was an input: the chart did something else, for an unknown cause."""
+    text = CIRCLE.replace(" a", f" {name}").replace(": b", f": b * /{name}")
+    data, report = sfc.convert(sfc.loads(text.encode()), form, limit=60)
+    assert "(proof" in report.compared["POU M"], report.compared
+    chart = sfc.loads(data).pous[0].chart
+    assert chart is not None
+    assert [(step.number, step.name != name) for step in chart.steps] == [(1, True), (2, True)]
+
+
 @pytest.mark.parametrize("form", ["codesys", "simaticml", "plcopen-2.01", "iec-text"])
 def test_the_last_step_of_an_expansion_may_be_called_as_a_button(form: str) -> None:
     """The flag of step S2 was the variable S2: the simulation wrote an input, and TIA Portal and `lower` refused it."""

@@ -155,14 +155,16 @@ class _Chart:
             self._start(starts, path)
 
     def _name_steps(self, path: str) -> None:
-        """Give steps the names of variables: ``S2``, the last step of an expansion, may be a button, too."""
-        variables = {each.name.casefold() for each in self._pou.variables()}
+        """Give steps names that are theirs alone: ``S2``, the last step of an expansion, may be a button, too."""
+        taken = {each.name.casefold() for each in self._pou.variables()}
         for step in self._chart.steps:
             why = ""
-            if step.name.isdecimal() and f"Step{step.name}".casefold() not in self._terms.steps:
-                step.number, step.name = int(step.name), f"Step{step.name}"
-                why = "a name begins with no digit"
-            elif step.name.casefold() in variables:
+            if step.name.isdecimal():
+                step.number, why = int(step.name), "a name begins with no digit"
+                wish = f"Step{step.name}"
+                is_free = wish.casefold() not in taken | self._terms.steps.keys()
+                step.name = wish if is_free else self._terms.new_name(wish)
+            elif step.name.casefold() in taken:
                 why = f"a variable is called {step.name}, too"
                 step.name = self._terms.new_name(f"Step_{step.name}")
             if why:
