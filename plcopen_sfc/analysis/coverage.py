@@ -30,6 +30,8 @@ STEP, TRANSITION, ACTION, ASSIGNMENT = "step", "transition", "action", "assignme
 PART = "part of condition"
 OUTCOME = "outcome of comparison"
 DECISION = "outcome of condition"
+_INSIDE = frozenset({PART, OUTCOME, DECISION})
+"""Kinds that are no elements, but what is asked in one: a search for a proof does not count them."""
 _SHOWN = 10
 _DELAYED = (Qualifier.D, Qualifier.SD, Qualifier.DS)
 _LIMITED = (Qualifier.L, Qualifier.SL)
@@ -110,11 +112,10 @@ class Coverage:
 
     def joined(self, other: Coverage) -> Coverage:
         """Return the coverage here or there, in two searches of the same side."""
+        # a proof, which may have been made with some inputs at rest, does not tell these
+        told_here_only = _INSIDE - other.counts.keys()
         known = {each.key: each for each in other.unreached}
-        for kind in sorted(
-            {PART, OUTCOME, DECISION} - other.counts.keys()
-        ):  # a proof with some inputs at rest: it does not tell these
-            known |= {each.key: each for each in self.unreached if each.kind == kind}
+        known |= {each.key: each for each in self.unreached if each.kind in told_here_only}
         both = [(each, known[each.key]) for each in self.unreached if each.key in known]
         unreached = tuple(mine if mine.impossible else theirs for mine, theirs in both)
         missing = Counter(each.kind for each in unreached)
@@ -149,7 +150,7 @@ class Coverage:
         together = grouped(
             ((each.kind, each.why), each.name)
             for each in known
-            if each.kind not in (PART, OUTCOME, DECISION) or each.why.startswith("needs ")
+            if each.kind not in _INSIDE or each.why.startswith("needs ")
         )
         for kind, why in list(together):
             if kind == TRANSITION and (STEP, why) in together:  # told by the steps behind it
@@ -158,15 +159,13 @@ class Coverage:
             f"not reached: {kind}{'s' * (len(names) > 1)} {listed(names)}: {why}"
             for (kind, why), names in together.items()
         ]
-        missed = {each.name for each in self.unreached if each.kind == TRANSITION}
+        # of a transition that never fired no parts are told, of an assignment that was not executed no outcomes
+        missed = {(each.kind, each.name) for each in self.unreached}
         parts = [each for each in known if each.kind == PART]
-        lines += [f"not reached: {each}" for each in parts if each.name.partition(": `")[0] not in missed]
-        missed = {each.name for each in self.unreached if each.kind == ASSIGNMENT}
-        lines += [f"not reached: {each}" for each in known if each.kind == OUTCOME and each.name not in missed]
-        lines += [
-            f"not reached: {each}" for each in known if each.kind == DECISION and not each.why.startswith("needs ")
-        ]
-        return lines
+        alone = [each for each in parts if (TRANSITION, each.name.partition(": `")[0]) not in missed]
+        alone += [each for each in known if each.kind == OUTCOME and (ASSIGNMENT, each.name) not in missed]
+        alone += [each for each in known if each.kind == DECISION and not each.why.startswith("needs ")]
+        return lines + [f"not reached: {each}" for each in alone]
 
     def as_dict(self) -> dict[str, Any]:
         """Return the coverage as plain data, for JSON."""
@@ -412,21 +411,13 @@ class _Reasons:
         self._nets = {name: chart.net for name, chart in counted_charts(system)}
 
     def of(self, kind: str, key: Key) -> Unreached:
-        name, label, number, condition = key
+        name, label, number, _ = key
         if kind in (OUTCOME, DECISION):
             return self._outcome(kind, key)
         several = (len(self._nets) > 1 and kind != ASSIGNMENT) or not _is_own(self._system, name)
         shown = f"{name}: {label}" if several else label
         if kind == ASSIGNMENT:
-            if self._unreachable.is_never_executed(name):
-                return Unreached(kind, shown, "the code around it is never executed (proven)", impossible=True)
-            never = self._never_true(ASSIGNMENT, key)
-            if never:
-                return Unreached(kind, shown, f"needs {never}, never TRUE (proven)", impossible=True)
-            if self._waits_for_nothing(name, label):
-                return Unreached(kind, shown, f"needs {_NO_EVENT}", impossible=True)
-            why = f"needs {_quoted(condition)}, never reached" if condition else "the code around it was not executed"
-            return Unreached(kind, shown, why, impossible=self._complete, follows=not condition and self._has_unentered)
+            return self._assignment(shown, key)
         net = self._nets[name]
         if kind == ACTION:
             why, impossible = self._not_executed(name, label, net)
@@ -446,6 +437,19 @@ class _Reasons:
             why, impossible = f"{why} (proven)", True
         follows = kind == TRANSITION and not self._reached_steps(name, net).issuperset(transition.sources)
         return Unreached(kind, shown, why, impossible=impossible, follows=follows)
+
+    def _assignment(self, shown: str, key: Key) -> Unreached:
+        owner, text, _, condition = key
+        if self._unreachable.is_never_executed(owner):
+            return Unreached(ASSIGNMENT, shown, "the code around it is never executed (proven)", impossible=True)
+        never = self._never_true(ASSIGNMENT, key)
+        if never:
+            return Unreached(ASSIGNMENT, shown, f"needs {never}, never TRUE (proven)", impossible=True)
+        if self._waits_for_nothing(owner, text):
+            return Unreached(ASSIGNMENT, shown, f"needs {_NO_EVENT}", impossible=True)
+        why = f"needs {_quoted(condition)}, never reached" if condition else "the code around it was not executed"
+        follows = not condition and self._has_unentered
+        return Unreached(ASSIGNMENT, shown, why, impossible=self._complete, follows=follows)
 
     def _outcome(self, kind: str, key: Key) -> Unreached:
         owner, name, number, inside = key
@@ -593,8 +597,9 @@ class _Reasons:
         if missing:
             return f"{self._way_to(name, net, missing)}, never reached".replace(", never reached, never", ", never")
         condition = transition.transition.condition
-        text = condition.text if isinstance(condition, conditions.Expression) else f"the condition of {transition.path}"
-        return f"needs {_quoted(text) if isinstance(condition, conditions.Expression) else text}, never reached"
+        if isinstance(condition, conditions.Expression):
+            return f"needs {_quoted(condition.text)}, never reached"
+        return f"needs the condition of {transition.path}, never reached"
 
 
 def _transition(net: Net, key: Key) -> NetTransition:
