@@ -113,13 +113,12 @@ class _ChartWriter:
         self.rows = RowsWriter(ctx, planner)
         transitions = pou.transitions if pou is not None else []
         self.declared = {variable.name.casefold() for variable in pou.variables()} if pou is not None else set()
-        labels = (
-            {network.label for network in ctx.action_controls.networks} if ctx.action_controls is not None else set()
-        )
-        has_watch = pou is not None and SfcFlag.ERROR.variable in labels
+        self._control_networks = ctx.action_controls.networks if ctx.action_controls is not None else []
+        has_watch = SfcFlag.ERROR.variable in {network.label for network in self._control_networks}
         self._watching = watching_flags(pou, chart) if has_watch and pou is not None else frozenset()
         self.conditions = ConditionWriter(ctx, condition_reader(chart, Dialect.SCL, transitions=transitions))
         self.steps = {step.id: step for step in chart.steps}
+        self.has_one_sequence = len(chart.sequences) <= 1
 
     def write(self, root: etree._Element) -> None:
         """Write the whole block."""
@@ -174,14 +173,13 @@ class _ChartWriter:
 
     def _controls(self, parent: etree._Element) -> None:
         """Write the networks that control actions."""
-        networks = self.ctx.action_controls.networks if self.ctx.action_controls is not None else []
-        for network in networks:
+        for network in self._control_networks:
             child = sub(parent, "PermanentOperation")
             write_languages(self.ctx, child, "Title", network.label)
             write_flgnet_body(self.ctx, child, network.body)
             keep_fields(child, {CONTROLLED: network.label})
             mark_added(child)
-        if networks:
+        if self._control_networks:
             why = "the networks that control actions"
             self.ctx.note(Outcome.TRANSLATED, "permanent instruction after the sequence", why=why)
 
@@ -200,6 +198,30 @@ class _ChartWriter:
         last.
         """
         sequences = list(self.chart.sequences) or [Sequence()]
+        sequence_of = self._sequence_of_steps(sequences)
+        # in the order that the sequence has its steps in; those that came to it by connections follow
+        steps = [dict.fromkeys(n for n in each.steps if n in sequence_of) for each in sequences]
+        for number, index in sequence_of.items():
+            steps[index].setdefault(number)
+        found: list[list[Transition]] = [[] for _ in sequences]
+        for transition in self.chart.transitions:
+            index = next((sequence_of[n] for n in (*transition.sources, *transition.targets) if n in sequence_of), -1)
+            found[index].append(transition)
+        written: list[tuple[Sequence, list[Transition]]] = []
+        for index, sequence in enumerate(sequences):
+            own = [n for n in steps[index] if sequence_of[n] == index]
+            if own or not steps[index]:
+                written.append((sequence.model_copy(update={"steps": own}), found[index]))
+                continue
+            # an edit connected all its steps to an earlier sequence
+            for what, text in (("title", plain(sequence.title)), ("comment", plain(sequence.comment))):
+                if text:
+                    why = f"its steps belong to another sequence now: {text}"
+                    self.ctx.note(Outcome.DROPPED, what, f"sequence {index + 1}", why)
+        return written
+
+    def _sequence_of_steps(self, sequences: list[Sequence]) -> dict[int, int]:
+        """Return the index of the sequence that each step is connected with; the last one for those with none."""
         near: dict[int, list[int]] = {step.id: [] for step in self.chart.steps}
         jumps = {transition.id for transition in self.chart.jumps_between_sequences()}
         for transition in self.chart.transitions:
@@ -208,47 +230,29 @@ class _ChartWriter:
             for one, other in pairwise(ends):
                 near[one].append(other)
                 near[other].append(one)
-        member: dict[int, int] = {}
+        reached: dict[int, int] = {}
         for index, sequence in enumerate(sequences):
             waiting = [number for number in sequence.steps if number in near]
             while waiting:
                 number = waiting.pop()
-                if number not in member:
-                    member[number] = index
+                if number not in reached:
+                    reached[number] = index
                     waiting += near[number]
-        steps: list[dict[int, None]] = [dict.fromkeys(n for n in each.steps if n in near) for each in sequences]
-        found: list[list[Transition]] = [[] for _ in sequences]
-        for number in near:
-            steps[member.setdefault(number, len(sequences) - 1)].setdefault(number)
-        for transition in self.chart.transitions:
-            index = next((member[n] for n in (*transition.sources, *transition.targets) if n in member), -1)
-            found[index].append(transition)
-        written: list[tuple[Sequence, list[Transition]]] = []
-        for index, sequence in enumerate(sequences):
-            own = [n for n in steps[index] if member[n] == index]
-            if own or not steps[index]:
-                written.append((sequence.model_copy(update={"steps": own}), found[index]))
-                continue
-            for what, text in (("title", plain(sequence.title)), ("comment", plain(sequence.comment))):
-                if text:
-                    why = f"its steps belong to another sequence now: {text}"
-                    self.ctx.note(Outcome.DROPPED, what, f"sequence {index + 1}", why)
-        return written
+        return {number: reached.get(number, len(sequences) - 1) for number in near}
 
     def _sequence(self, parent: etree._Element, sequence: Sequence, transitions: list[Transition]) -> None:
         ctx = self.ctx
         element = sub(parent, "Sequence")
         write_languages(ctx, element, "Title", sequence.title)
         write_languages(ctx, element, "Comment", sequence.comment)
-        steps = {step.id: step for step in self.chart.steps}
         kept = elements_of(sequence.extension_data)
         is_kept = any(_is_shell(content, CONNECTIONS) for content in kept)
         connections = None if is_kept else self._connections(sequence, {t.id for t in transitions})
         added = connections.added if connections is not None else InsertedElements()
         holder = sub(element, "Steps")
         for number in sequence.steps:
-            if number in steps:
-                self._step(holder, steps[number])
+            if number in self.steps:
+                self._step(holder, self.steps[number])
         for number in added.steps:
             self._added_step(holder, number)
         self._fill_shell(holder, sequence.extension_data, "Steps")
@@ -290,13 +294,12 @@ class _ChartWriter:
         order = kept_order(attributes_of(sequence.extension_data).get(CONNECTIONS, ""))
         links.sort(key=lambda link: order.get(str(link), len(order)))  # stable: new connections stay in usual order
         used = _branches_of(links)
-        alone = len(self.chart.sequences) < _TWO
         # a branch that no connection names is one of the only sequence; of several it might be in any
         dissolved = drawn - used
         branches = [
             (symbol, marks)
             for symbol, marks in writer.branches()
-            if int(marks["Number"]) in used or (alone and int(marks["Number"]) not in dissolved)
+            if int(marks["Number"]) in used or (self.has_one_sequence and int(marks["Number"]) not in dissolved)
         ]
         left = {link.source for link in links}
         dead_ends = [ref.number for ref in own if ref.kind == "S" and ref not in left]
@@ -346,7 +349,7 @@ class _ChartWriter:
         """True if a connection that starts at a step, transition or branch is one of a sequence."""
         if source.kind != "B":
             return (source.kind, source.number) in members
-        return len(self.chart.sequences) < _TWO or writer.leads_from(source.number, members)
+        return self.has_one_sequence or writer.leads_from(source.number, members)
 
     def _step(self, parent: etree._Element, step: Step) -> None:
         ctx = self.ctx
@@ -444,9 +447,8 @@ class _ChartWriter:
     def _transition_condition(self, element: etree._Element, transition: Transition) -> None:
         sources = [self.steps[number] for number in transition.sources if number in self.steps]
         if transition.exclude or any(step.exclude for step in sources):
-            self.ctx.note(
-                Outcome.TRANSLATED, "exclude", why="it is excluded from the build: a network that is never TRUE"
-            )
+            why = "it is excluded from the build: a network that is never TRUE"
+            self.ctx.note(Outcome.TRANSLATED, "exclude", why=why)
             source = transition.condition.model_dump(mode="json", exclude_none=True) if transition.condition else None
             body = condition_body(Expression(text="FALSE"), RESULT_OF["Transition"])
             self.conditions.write_instead(
@@ -477,7 +479,6 @@ class _ChartWriter:
         self._fill_shell(element, self.chart.extension_data, "AlarmsSettings")
 
 
-_TWO = 2
 _SYMBOL = ("id", "kind", "inputs", "outputs", "local_id", "name", "position", "width", "height")
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.effects import conditional_assignment, is_variable
@@ -19,10 +18,12 @@ from plcopen_sfc.languages.networks.network_graph import (
     is_memory_pin,
 )
 from plcopen_sfc.languages.networks.wires import (
+    EXTENSIBLE_COMPARISONS,
     TRUE,
     Factor,
     Product,
     Wires,
+    compared,
     expression_of,
     inverted,
     joined,
@@ -112,7 +113,7 @@ class BlockReader:
     def _call(self, block: Block, arguments: list[_Argument], guard: Expression | None) -> None:
         outputs = [variable for variable in block.parameters.outputs if not _is(variable, "eno")]
         if block.code is not None or block.call is BlockCall.EXECUTE:
-            self._wires.execute_all(self._guarded(guard, self._wires.code(block.code or "", block.id)))
+            self._execute(guard, *self._wires.code(block.code or "", block.id))
             return
         if block.type_name.upper() in EDGE_CONTACTS | EDGE_COILS and not block.instance:
             self._edge_element(block, arguments, outputs)
@@ -121,7 +122,7 @@ class BlockReader:
         step = _COUNTING.get(block.type_name.upper())
         if counted is not None and step is not None and not block.instance:
             more = n.Assignment(counted, n.Operation(step, (counted, n.Literal("1"))))
-            self._wires.execute_all(self._guarded(guard, (more,)))
+            self._execute(guard, more)
             return
         standard = standard_block(block.type_name)
         self._check_pins(block, standard, arguments)
@@ -133,7 +134,7 @@ class BlockReader:
         if called_on or (standard is not None and standard.stateful) or block.call is BlockCall.PROGRAM:
             self._function_block(block, arguments, outputs, guard)
         elif block.call is BlockCall.ACTION:
-            self._wires.execute_all(self._guarded(guard, (n.CallStatement(n.Call(self._callee(block))),)))
+            self._execute(guard, n.CallStatement(n.Call(self._callee(block))))
         else:
             self._function(block, standard, arguments, outputs, guard)
 
@@ -206,8 +207,11 @@ class BlockReader:
         is_known = self._wires.dialect in (Dialect.CODESYS, Dialect.TWINCAT)
         return stored if is_known else conditional_assignment(stored) or stored
 
-    def _guarded(self, guard: Expression | None, statements: tuple[Statement, ...]) -> tuple[Statement, ...]:
-        return statements if guard is None else (n.If((n.Branch(guard, statements),)),)
+    def _execute(self, guard: Expression | None, *statements: Statement) -> None:
+        """Append statements that are executed while `guard`, the input EN, is TRUE."""
+        guarded = statements if guard is None else (n.If((n.Branch(guard, statements),)),)
+        for statement in guarded:
+            self._wires.execute(statement)
 
     def _check_pins(self, block: Block, standard: StandardBlock | None, arguments: list[_Argument]) -> None:
         """Report pins that a standard block does not have: text would lose them or get them wrong."""
@@ -239,7 +243,7 @@ class BlockReader:
         if any(not a.variable.name for a in arguments):
             self._wires.problem(f"an input of {block.type_name} has no name", block.id)
         given = tuple(n.Argument(a.value, n.Name(a.variable.name)) for a in arguments if a.value is not None)
-        self._wires.execute_all(self._guarded(guard, (n.CallStatement(n.Call(callee, given)),)))
+        self._execute(guard, n.CallStatement(n.Call(callee, given)))
         for variable in outputs:
             self._give(block, variable, n.Member(callee, n.Name(variable.name)))
 
@@ -324,12 +328,11 @@ class BlockReader:
             product = product_of([*powers, product])
         if not outputs or (standard is None and not self._is_used(block, outputs[0])):
             if product is not None:
-                call = n.CallStatement(expression_of(product))
-                self._wires.execute_all(self._guarded(guard, (call,)))
+                self._execute(guard, n.CallStatement(expression_of(product)))
                 product = None
         elif product is not None and guard is not None and not extra and self._writes_at_pin_only(outputs, moves=moves):
             target = self._wires.expression(_target(outputs[0]), block.id)
-            self._wires.execute_all(self._guarded(guard, (n.Assignment(target, expression_of(product)),)))
+            self._execute(guard, n.Assignment(target, expression_of(product)))
             source = (block.id, outputs[0].name)
             self._wires.store(source, (Factor(source, target),))
             return
@@ -362,13 +365,13 @@ class BlockReader:
         sink = self._only_sink(block, result)
         if guard is not None and sink is not None and not _target(result) and not result.negated:
             target = self._wires.expression(sink.expression, sink.id)
-            self._wires.execute_all(self._guarded(guard, (n.Assignment(target, value),)))
+            self._execute(guard, n.Assignment(target, value))
             self._written.add(sink.id)
             return None
         type_name = self._graph.type_of((block.id, result.name))
         # retained: while the box is not executed, its wire has the value of the last time
         helper = self._wires.helper("value", (block.id, None), type_name, retained=guard is not None)
-        self._wires.execute_all(self._guarded(guard, (n.Assignment(helper, value),)))
+        self._execute(guard, n.Assignment(helper, value))
         return (Factor((block.id, result.name), helper),)
 
     def _only_sink(self, block: Block, result: BlockVariable) -> OutputVariable | None:
@@ -428,7 +431,6 @@ _ACTING = frozenset(
 )
 _COUNTING = {"INC": Operator.ADD, "DEC": Operator.SUBTRACT}
 """Boxes of S7 that change their operand (TIA Portal help: INC, DEC)."""
-_COMPARISONS = n.COMPARISONS - {Operator.UNEQUAL}
 
 
 def _is(variable: BlockVariable, name: str) -> bool:
@@ -470,7 +472,4 @@ def _operation(standard: StandardBlock, values: list[Expression]) -> Expression 
         return n.Operation(operator, tuple(values))
     if len(values) == 2:
         return n.Operation(operator, (values[0], values[1]))
-    if operator in _COMPARISONS:
-        pairs = pairwise(values)
-        return n.Operation(Operator.AND, tuple(n.Operation(operator, pair) for pair in pairs))
-    return None
+    return compared(operator, values) if operator in EXTENSIBLE_COMPARISONS else None

@@ -109,6 +109,14 @@ def with_inner_negations(expression: Expression, *, negated: bool = False) -> Ex
     return Unary(Operator.NOT, inner) if negated else expression
 
 
+EXTENSIBLE_COMPARISONS = n.COMPARISONS - {Operator.UNEQUAL}
+
+
+def compared(operator: Operator, values: Sequence[Expression]) -> Expression:
+    """Return a comparison of neighbours: GT of three values is `a > b AND b > c` (IEC 61131-3 ed. 3, table 33)."""
+    return joined(Operator.AND, [Operation(operator, pair) for pair in pairwise(values)])
+
+
 def product_of(products: Sequence[Product]) -> Product:
     """Return the product of products; what is in several of them counts once."""
     return tuple({factor.identity: factor for product in products for factor in product}.values())
@@ -197,9 +205,6 @@ def _or(flat: Expression) -> Expression:
     return joined(Operator.OR, [o for index, o in enumerate(flat.operands) if index not in always[1:]])
 
 
-_COMPARISONS = n.COMPARISONS - {Operator.UNEQUAL}
-
-
 def _standard_call(call: n.Call, block: StandardBlock) -> Expression:
     given = [(a.name.identifier if a.name is not None else "", a.value) for a in call.arguments]
     values = [value for _, value in given if value is not None]
@@ -227,8 +232,8 @@ def _by_position(block: StandardBlock, values: Sequence[Expression]) -> Expressi
         return values[0]
     if operator is Operator.NOT:
         return inverted(values[0])
-    if operator in _COMPARISONS and len(values) > 2:
-        return joined(Operator.AND, [n.Operation(operator, pair) for pair in pairwise(values)])
+    if operator in EXTENSIBLE_COMPARISONS and len(values) > 2:
+        return compared(operator, values)
     if operator is not None:
         return _operation(operator, values)
     return n.Call(n.Name(block.name), tuple(n.Argument(value) for value in values))
@@ -331,11 +336,6 @@ class Wires:
         self._private.update(path[:1])
         if standard_block(type_name) is not None:
             self._standard.add(path)
-
-    def execute_all(self, statements: Iterable[Statement]) -> None:
-        """Append statements."""
-        for statement in statements:
-            self.execute(statement)
 
     @cached_property
     def _taken(self) -> set[str]:

@@ -70,12 +70,12 @@ class Snapshots:
     def _plan(self, layout: Layout, leave_out: frozenset[int]) -> _Plan:
         plan = self._plans.get((layout, leave_out))
         if plan is None or not plan.is_current:
-            plan = self._plans[layout, leave_out] = _Writer().plan(layout, leave_out)
+            plan = self._plans[layout, leave_out] = _SnapshotWriter().plan(layout, leave_out)
         return plan
 
 
 @dataclass
-class _Writer:
+class _SnapshotWriter:
     """Writes the functions of one layout, or the loops of an array at some `depth` of arrays.
 
     `stored` are items of the tuple, `loads` are statements.
@@ -100,6 +100,7 @@ class _Writer:
 
     def _frame(self, v: str, layout: Layout, leave_out: frozenset[int] = frozenset()) -> None:
         self.counts[layout] = len(layout.fields)
+        # plain values in slots behind each other are one slice, which takes a fraction of the time
         run: list[int] = []
         for variable in self._seen(layout, leave_out):
             if not _is_plain(variable.type):
@@ -142,7 +143,7 @@ class _Writer:
         if _is_plain(type_.base):
             self._add(f"tuple({place})", f"{place}[:] = {at}")
             return
-        element = _Writer(depth=self.depth + 1, counts=self.counts)
+        element = _SnapshotWriter(depth=self.depth + 1, counts=self.counts)
         index = f"i{element.depth}"
         element._value(f"{place}[{index}]", type_.base)
         stored = f"tuple([({_items(element.stored)}) for {index} in range(len({place}))])"
@@ -186,11 +187,10 @@ class Controller:
     that the project calls but does not have, by name; they get the arguments of the call. `read_input(path)` gives the
     value of a free input the first time that a scan reads it: of an input of the instance, a global variable or an
     undeclared name that nothing writes and no declaration gives a value. `unknown_calls` has results for calls that
-    the project has nothing for; without it they are errors. `max_steps`: turns of loops and calls of
-    functions in a scan before it counts as endless. `free_inputs`: variables that nothing writes
-    and that count as inputs though no declaration makes them one, or ``all`` of them, but never
-    `not_free`. `marking`: note which assignments are
-    reached (`library.marks`). `known_types`: types of undeclared names, in lower case, whose first use tells none.
+    the project has nothing for; without it they are errors. `max_steps`: turns of loops and calls of functions in a
+    scan before it counts as endless. `free_inputs`: variables that nothing writes and that count as inputs though no
+    declaration makes them one, or ``all`` of them, but never `not_free`. `marking`: note which assignments are reached
+    (`library.marks`). `known_types`: types of undeclared names, in lower case, whose first use tells none.
     """
 
     def __init__(
