@@ -78,10 +78,10 @@ def _inputs_read(chart: Chart, project: Project) -> list[str]:
 
     They are inputs of its POU, and other variables that nothing writes which a scan executes.
     """
-    (_, _), *others_called = reading = list(_names_of_actions(chart, project))
-    actions = actions_by_name(chart.pou)
-    done = step_effects(list(_acting(chart)), actions, project.dialect)
-    named = {name for path in done.reads for name in path} | {name for _, names in others_called for name in names}
+    reading = list(_names_of_actions(chart, project))
+    # of the chart itself only what is read counts; of what it calls any name may be
+    done = step_effects(list(_acting(chart)), actions_by_name(chart.pou), project.dialect)
+    named = {name for path in done.reads for name in path} | {name for _, names in reading[1:] for name in names}
     called = {path[-1] for path in done.calls}
     methods = [method for method in chart.pou.methods if method.name.casefold() in called]
     named |= {name for method in methods for name in names_in(method, project.dialect)}
@@ -90,7 +90,7 @@ def _inputs_read(chart: Chart, project: Project) -> list[str]:
     blocks = [block.interface for block in project.data_blocks if block.interface is not None]
     own = [each for each in (chart.pou.interface, *blocks) if each is not None]
     sections = [*project.global_sections(), *(section for each in own for section in each.sections)]
-    plain = {each.name.casefold() for each in project.data_types}
+    plain = {each.name.casefold() for each in project.data_types}  # function blocks get no values from outside
     others = {
         variable.name
         for section in sections

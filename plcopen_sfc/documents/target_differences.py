@@ -58,13 +58,13 @@ def note_differences(
     _note_initial_steps(project, kind, options, report)
     if project.tool_format == EXPORTS != kind.name and dialect is not Dialect.SCL:
         _note_bits_of_words(project, kind, report)
-    target = PROFILES[options.flavour] if options.flavour else profile_as(project, kind.name)
-    _note_overlapping_words(project, target, options.flavour or kind.tool, report)
+    flavour = PROFILES[options.flavour] if options.flavour else None
+    as_it_is = flavour or profile_as(project, kind.name)
+    _note_overlapping_words(project, as_it_is, options.flavour or kind.tool, report)
     _note_falling_edges(project, kind, dialect, report)
     if default_profile(project).flags and (kind.charts is None or not kind.charts.is_codesys):
-        is_text = dialect is None and not options.flavour
-        target = PROFILES[options.flavour] if options.flavour else profile_of_format(kind.name)
-        _note_step_actions(project, profile_as(project, kind.name) if is_text else target, report)
+        target = as_it_is if dialect is None else flavour or profile_of_format(kind.name)
+        _note_step_actions(project, target, report)
 
 
 def _note_bodies(project: Project, kind: Format, options: WriteOptions, report: ConversionReport) -> None:

@@ -49,7 +49,7 @@ class FlagValues:
 
     @cached_property
     def _before(self) -> dict[int, list[int]]:
-        """The steps (bits) before each transition of the model (by `id`)."""
+        """The steps (bits) before each transition of the model (by `id`), which may be several of the net."""
         found: dict[int, list[int]] = {}
         for each in self._net.transitions:
             found.setdefault(id(each.transition), []).append(each.pre)

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
 
 from plcopen_sfc.conversion.adaptation.main_programs import MAIN, add_main
 from plcopen_sfc.diagnostics import Severity
@@ -34,7 +33,7 @@ from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7
 from plcopen_sfc.languages.start_values import filled
 from plcopen_sfc.languages.task_schedules import FREEWHEELING
-from plcopen_sfc.languages.translation import NameScope, Renames
+from plcopen_sfc.languages.translation import NameScope
 from plcopen_sfc.languages.translation.literal_translation import translated_address
 from plcopen_sfc.languages.translation.renames import kept_renames
 from plcopen_sfc.languages.words import identifier, take_name
@@ -146,19 +145,12 @@ def is_foreign_type(kind: t.DataType, host: ChartHost) -> str | None:
             return None
 
 
-@dataclass
 class _Globals:
-    project: Project
-    host: ChartHost
-    report: ConversionReport
-    names: Renames = field(init=False)
-    declared: set[str] = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.names = kept_renames(self.project)
-        things = [*self.project.pous, *self.project.data_types]
-        self.declared = {thing.name.casefold() for thing in things}
-        self.types = {each.name.casefold(): each.type for each in self.project.data_types}
+    def __init__(self, project: Project, host: ChartHost, report: ConversionReport) -> None:
+        self.project, self.host, self.report = project, host, report
+        self.names = kept_renames(project)
+        self.types = {each.name.casefold(): each.type for each in project.data_types}
+        self.declared = self.types.keys() | {pou.name.casefold() for pou in project.pous}
 
     def sections(self) -> list[VariableSection]:
         """Return the lists of variables."""
@@ -179,9 +171,6 @@ class _Globals:
             section.name = take_name(section.name or "", taken)
         return found
 
-    def _note(self, outcome: Outcome, what: str, path: str, why: str) -> None:
-        self.report.add(outcome, what, path, why)
-
     def _named(self, name: str) -> str:
         return self.names.new_name(NameScope.GLOBAL, name) or identifier(name)
 
@@ -201,10 +190,10 @@ class _Globals:
             place = "" if is_operand else tag.address or ""  # timers and counters of S5 are in no memory of others
             address = translated_address(place, Dialect.SCL, self.host.addresses)
             if kind is None or is_foreign_type(kind, self.host):
-                self._note(Outcome.NOT_EXECUTED, "tag", path, f"{self.host.title} has no type {tag.type}")
+                self.report.add(Outcome.NOT_EXECUTED, "tag", path, f"{self.host.title} has no type {tag.type}")
                 continue
             if place and address.severity is Severity.ERROR:
-                self._note(Outcome.NOT_EXECUTED, "address", path, f"{address.reason}: the tag is left out")
+                self.report.add(Outcome.NOT_EXECUTED, "address", path, f"{address.reason}: the tag is left out")
                 continue
             if address.severity is not None:
                 counted.append(f"{tag.name} AT {address.text}")
@@ -217,8 +206,8 @@ class _Globals:
         ]
         if counted:
             why = "the same bytes, where S7 counts bytes and other tools words or double words: "
-            self._note(Outcome.TRANSLATED, "address", table.report_path, why + ", ".join(counted))
-        self._note(Outcome.TRANSLATED, "tag table", table.report_path, "global variables")
+            self.report.add(Outcome.TRANSLATED, "address", table.report_path, why + ", ".join(counted))
+        self.report.add(Outcome.TRANSLATED, "tag table", table.report_path, "global variables")
         found = [self._list(identifier(table.name), tags)] if tags else []
         if constants:
             found.append(self._list(f"{identifier(table.name)}_constants", constants))
@@ -235,35 +224,37 @@ class _Globals:
             known = type_name.casefold() in self.declared or type_name.upper() in BLOCKS_OF_S7.values()
             if not known:
                 why = f"{self.host.title} does not know what it is an instance of: {type_name or 'its type'} is missing"
-                self._note(Outcome.NOT_EXECUTED, "data block", path, why)
+                self.report.add(Outcome.NOT_EXECUTED, "data block", path, why)
                 return []
             instances.append(self._instance(name, type_name, block))
-            self._note(Outcome.TRANSLATED, "data block", path, f"a global instance of {type_name}")
+            self.report.add(Outcome.TRANSLATED, "data block", path, f"a global instance of {type_name}")
             return []
         variables = block.interface.variables() if block.interface is not None else []
         if not variables or block.kind is not DataBlockKind.GLOBAL:
-            self._note(Outcome.NOT_EXECUTED, "data block", path, f"{self.host.title} has no such block")
+            self.report.add(Outcome.NOT_EXECUTED, "data block", path, f"{self.host.title} has no such block")
             return []
         members = [self._member(variable, path) for variable in variables]
         retained = _retained(block)
         if self.host.is_codesys:
             section = self._list(name, members)
-            self._note(Outcome.TRANSLATED, "data block", path, f"the list of global variables {name}")
+            self.report.add(Outcome.TRANSLATED, "data block", path, f"the list of global variables {name}")
         else:
             initial = _struct_value(members)
             plain = [member.model_copy(update={"initial": None}) for member in members]
             whole = t.Variable(name=name, type=t.StructType(members=plain), initial=initial, comment=block.comment)
             section = self._list(f"{name}_data", [whole])
-            self._note(Outcome.TRANSLATED, "data block", path, f"the global structure {name}")
-            self._note(Outcome.TRANSLATED, "global variables", f"global variables {name}", "members of a structure")
+            self.report.add(Outcome.TRANSLATED, "data block", path, f"the global structure {name}")
+            self.report.add(
+                Outcome.TRANSLATED, "global variables", f"global variables {name}", "members of a structure"
+            )
         section.retain = all(retained)
         for variable in variables if section.retain else ():
             place = f"global variable {name}.{variable.name}"
-            self._note(Outcome.TRANSLATED, "retain", place, "as in its data block")
+            self.report.add(Outcome.TRANSLATED, "retain", place, "as in its data block")
         if any(retained) and not all(retained):
             kept = ", ".join(v.name for v, is_kept in zip(variables, retained, strict=True) if is_kept)
             why = f"{kept} would be retained, other variables of the block not: none is"
-            self._note(Outcome.NOT_EXECUTED, "retain", path, why)
+            self.report.add(Outcome.NOT_EXECUTED, "retain", path, why)
         return [section]
 
     def _instance(self, name: str, type_name: str, block: DataBlock) -> t.Variable:
@@ -283,7 +274,7 @@ class _Globals:
         foreign = is_foreign_type(kind, self.host)
         if foreign is not None:
             why = f"{self.host.title} has no type {foreign}: it does not compile"
-            self._note(Outcome.NOT_EXECUTED, "data type", f"{path} / variable {variable.name}", why)
+            self.report.add(Outcome.NOT_EXECUTED, "data type", f"{path} / variable {variable.name}", why)
         name = self.names.new_name(NameScope.MEMBER, variable.name) or identifier(variable.name)
         if isinstance(kind, t.StructType):
             kind = t.StructType(members=[self._member(member, path) for member in kind.members])

@@ -268,7 +268,12 @@ class GrafcetTexts:
         parsed = parse_expression(text)
         if parsed.problems:  # a variable whose name is a keyword of structured text
             raise ConditionError(parsed.problems[0].message, parsed.problems[0].span)
-        for each in in_tree(parsed.tree, Dialect.IEC):
+        self._check_uses(parsed.tree, text)
+        return print_node(transform(parsed.tree, flag or self.flag))
+
+    def _check_uses(self, tree: n.Expression, text: str) -> None:
+        """Refuse steps as values, and Booleans as numbers: structured text would mean something else, or nothing."""
+        for each in in_tree(tree, Dialect.IEC):
             is_value = each.base is None and each.callee is None and not each.access
             if is_value and each.name.casefold() in self.steps and not self.is_known(each.name):
                 raise MissingTermError(f"{each.name} is a step and no value: its flag is X{each.name}")
@@ -276,15 +281,12 @@ class GrafcetTexts:
                 raise MissingTermError(
                     f"{each.name} is a BOOL: it has no {each.access}; AND is written * or . between blanks"
                 )
-        operations = [
-            each for each in walk(parsed.tree) if isinstance(each, n.Operation) and each.operator in CALCULATING
-        ]
+        operations = [each for each in walk(tree) if isinstance(each, n.Operation) and each.operator in CALCULATING]
         for operand in (n.bare(operand) for each in operations for operand in each.operands):
             if isinstance(operand, n.Name) and self._is_bool(operand.identifier):
                 raise MissingTermError(
                     f"{operand.identifier} is BOOL, and {text} calculates with it: write [..] around a comparison"
                 )
-        return print_node(transform(parsed.tree, flag or self.flag))
 
     def is_known(self, name: str) -> bool:
         """True for what the GRAFCET or a list of global variables declares."""

@@ -88,16 +88,17 @@ class SequenceRewriter:
             if not self._rewriting.of_graph:
                 why = "it leads to all sequences: each step of branches that do not end together is one"
                 self._rewriting.note(Outcome.APPROXIMATED, START, f"step {start.name}", why)
-        elif not self._rewriting.of_graph and (
-            together := steps_to_start(self._chart, self._host, self._rewriting.options)
-        ):
-            start = self._start(together, added)
-            why = "it leads to all initial steps: charts of the target have one, and the first scan passes with it"
-            self._rewriting.note(Outcome.APPROXIMATED, START, f"step {start.name}", why)
+        elif not self._rewriting.of_graph:
+            together = steps_to_start(self._chart, self._host, self._rewriting.options)
+            if together:
+                start = self._start(together, added)
+                why = "it leads to all initial steps: charts of the target have one, and the first scan passes with it"
+                self._rewriting.note(Outcome.APPROXIMATED, START, f"step {start.name}", why)
         instead_of = replaced_sequences(self._rewriting.source, self._chart)
         added.mark([_TOGETHER], instead_of, of="" if self._rewriting.of_graph else OF_BRANCHES)
-        told = not any(self._initial.intersection(each.sources) for each in unknown)
-        OperatingInputs(self._rewriting, self._checks, added).execute(plain if told else [], self._initial)
+        # INIT_SQ holds the transitions that leave an initial step: their conditions must be known
+        is_known = not any(self._initial.intersection(each.sources) for each in unknown)
+        OperatingInputs(self._rewriting, self._checks, added).execute(plain if is_known else [], self._initial)
 
     def _is_irregular(self, part: Sequence[Step]) -> bool:
         """True if a chart of the target cannot hold the sequence, whatever people operate."""
@@ -179,6 +180,7 @@ class SequenceRewriter:
         found = any_of(left)
         entered = [self._fires(each) for each in self._order if step.id in each.targets and step.id not in each.sources]
         if entered and found != "FALSE" and self._is_crowded:
+            # a step that is left and entered in one cycle stays active
             found = all_of([found, f"NOT {as_term(any_of(entered))}"])
         return self._operated(step, any_of([found, self._modes.switched(step)[1]]), edges, begins=False)
 
@@ -204,8 +206,9 @@ class SequenceRewriter:
         terms.append(self._texts[transition.id] or "TRUE")
         for other in self._order[: self._order.index(transition)]:
             if not set(other.sources).isdisjoint(transition.sources):
-                is_known = len(other.sources) == 1
-                terms.append(f"NOT {as_term((self._texts[other.id] or 'TRUE') if is_known else self._fires(other))}")
+                # the only step before the other one is one before this one, whose flag is asked already
+                condition = self._texts[other.id] or "TRUE"
+                terms.append(f"NOT {as_term(condition if len(other.sources) == 1 else self._fires(other))}")
         return all_of(terms)
 
     def _is_active(self, step: Step) -> str:

@@ -33,6 +33,7 @@ from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.net import NetStep
 
 _MODES = {Qualifier.TR: "0", Qualifier.TL: "1", Qualifier.TD: "2", Qualifier.TF: "3"}
+"""What a timer does, as a variable of the code has it: stopped, extended pulse, on-delay, off-delay."""
 _STOPPED, _DELAY = n.Literal(_MODES[Qualifier.TR]), n.Literal(_MODES[Qualifier.TD])
 
 
@@ -64,7 +65,8 @@ class S5Timer:
 
     def runs(self) -> list[Statement]:
         """Return the statements at the end of each cycle."""
-        # an S5 timer starts again with each event: a TON needs to see FALSE before
+        # an S5 timer starts again with each event: a TON needs to see FALSE before. One TON serves all modes: a pulse
+        # and an off-delay are TRUE until its time is over, and end the mode
         begins = when(self._starts, call(self._timer, IN=FALSE, PT=self._time), assignment(self._starts, FALSE))
         is_on = n.Operation(Operator.UNEQUAL, (self._mode, _STOPPED))
         over = n.Member(self._timer, n.Name("Q"))
@@ -226,7 +228,7 @@ _COUNTS = {
     Qualifier.CU: (Operator.ADD, Operator.LESS, n.Literal("999")),
     Qualifier.CD: (Operator.SUBTRACT, Operator.GREATER, _ZERO),
 }
-"""How counters of S5 count, while they are so before their end, and that."""
+"""Counting of S5: the operation, the comparison that tells that the end is not reached, and the end, 999 or 0."""
 
 
 def _falls_off(row: ActionRow) -> bool:

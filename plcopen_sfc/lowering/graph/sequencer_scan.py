@@ -152,7 +152,7 @@ class GraphCycle:
         if quantity == "SNO":
             return n.Literal(str(self._net.steps[step].step.number or 0))
         if quantity in _LIMITS:
-            return self._clock.stated(getattr(self._net.steps[step].step, _LIMITS[quantity]))
+            return n.Literal(getattr(self._net.steps[step].step, _LIMITS[quantity]) or "T#0ms")
         if quantity in ("T", "U"):
             return self._clock.value(step, quantity)
         if quantity in _STEP_EVENTS:

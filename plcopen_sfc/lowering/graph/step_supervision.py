@@ -56,42 +56,49 @@ class SupervisionChecks:
         self._interlock = source.interlocks.get(step)
         self._supervision = source.supervisions.get(step)
         self._must_acknowledge = source.acknowledged
-        remembers = self._supervision is not None and (source.acknowledged or "A1" in needed)
+        self._remembers = self._supervision is not None and (source.acknowledged or "A1" in needed)
         stated = [c for c in (self._interlock, self._supervision) if c is not None]
         # checks are behind the step change where that makes no difference: one evaluation there, two if they come
-        # before
+        # before, as the steps that are entered must be checked too
         asked_early = (step, "U") in questions or questions.asked(
             step, {*INTERLOCK, *SUPERVISION}, CyclePhase.CHECK, CyclePhase.SWITCH
         )
         self.early = (
-            remembers
+            self._remembers
             or (asked_early and bool(stated))
             or any(c.preparation or questions.asks(c.value) for c in stated)
             or not source.prepared_names.isdisjoint(names_in(*(c.value for c in stated)))
         )
-        wanted: set[str] = set()
-        if self._interlock is not None:
-            wanted |= needed & {*INTERLOCK}
-            wanted |= {"LS"} if wanted or (self.early and self._interlock.preparation) else set()
-            wanted |= {"LA"} if wanted & {"L1", "L0"} else set()
-        if self._supervision is not None:
-            wanted |= needed & {*SUPERVISION}
-            if remembers:
-                wanted |= {"VS", "VA", "acknowledged"}
-            if wanted & {"V1", "V0"}:
-                wanted |= {"VS", "fault"}
-            # without acknowledgement the error is there as long as its condition: one variable for both
-            if "VA" in wanted and not remembers:
-                wanted = wanted - {"VA"} | {"VS"}
-            if self.early:
-                wanted |= {"VS"}
-        self._remembers = remembers
+        kept = self._kept_of_interlock(needed) | self._kept_of_supervision(needed)
         self._asked_between = questions.asked(step, _EVENTS, CyclePhase.CHECK)
         self._variables = {
             name: code.declare(_called(name, asked.sign.name, code.texts), comment=asked.comment(name))
             for name in _ORDER
-            if name in wanted
+            if name in kept
         }
+
+    def _kept_of_interlock(self, needed: set[str]) -> set[str]:
+        """Return the results of the interlock that have variables; the events compare with LA of the last cycle."""
+        if self._interlock is None:
+            return set()
+        kept = needed & {*INTERLOCK}
+        if kept or (self.early and self._interlock.preparation):
+            kept |= {"LS"}
+        return kept | {"LA"} if kept & {"L1", "L0"} else kept
+
+    def _kept_of_supervision(self, needed: set[str]) -> set[str]:
+        """Return the results of the supervision with variables; the events compare `fault` with VS, the last one."""
+        if self._supervision is None:
+            return set()
+        kept = needed & {*SUPERVISION}
+        if self._remembers:
+            kept |= {"VS", "VA", "acknowledged"}
+        if kept & {"V1", "V0"}:
+            kept |= {"VS", "fault"}
+        # without acknowledgement the error is there as long as its condition: one variable for both
+        if "VA" in kept and not self._remembers:
+            kept = kept - {"VA"} | {"VS"}
+        return kept | {"VS"} if self.early else kept
 
     def value(self, quantity: str) -> Expression:
         """Return the expression for a quantity that is needed."""
@@ -288,10 +295,6 @@ class StepClock:
         if self._limits[step] == time and isinstance(time, n.Literal):
             return n.Member(self._timers[step], n.Name("Q"))
         return n.Operation(Operator.GREATER_OR_EQUAL, (self._elapsed(step), time))
-
-    def stated(self, text: str | None) -> Expression:
-        """Return a limit that a step has, T_MAX or T_WARN."""
-        return n.Literal(text) if text else _NONE
 
     def calls(self, *, ahead: bool) -> list[Statement]:
         """Return the calls of the timers; `ahead` of the step change only of those that are read there."""

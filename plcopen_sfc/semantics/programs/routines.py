@@ -369,9 +369,8 @@ class Routines:
             is_global = name != text
             if not is_global and not is_unreserved(text):
                 continue
-            if isinstance(
-                self._scope.resolve(n.Name(name, n.Quoting.GLOBAL if is_global else n.Quoting.NONE)), Unknown
-            ):
+            used = n.Name(name, n.Quoting.GLOBAL if is_global else n.Quoting.NONE)
+            if isinstance(self._scope.resolve(used), Unknown):
                 found = self._library.named_type(type_name, self._scope)
                 if isinstance(found, t.StructureType) and is_global:
                     self._library.implicit(name, found)
