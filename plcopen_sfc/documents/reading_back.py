@@ -141,7 +141,10 @@ def _shown(value: object) -> str:
             return repr(plain(value))
         case Model():
             inner = [each for name in type(value).model_fields if (each := getattr(value, name)) not in (None, [], {})]
-            return " ".join(_shown(each) for each in inner if isinstance(each, str | Model | list)) or "something"
+            told = [
+                each for each in inner if isinstance(each, str | Model | list) and not isinstance(each, ExtensionData)
+            ]
+            return " ".join(map(_shown, told)) or "something"
         case list() | tuple():
             return ", ".join(map(_shown, value)) or _NOTHING
         case _:
