@@ -162,3 +162,36 @@ def link_fits(transition: Transition, link: Link, steps: Set[int]) -> bool:
     """True if a transition leads from where to where the wires lead, as far as `steps` has these."""
     sources, targets = steps & set(transition.sources), steps & set(transition.targets)
     return sources == set(link.sources) and targets == set(link.targets)
+
+
+def expressions_are_wired(drawing: Drawing, chart: SfcNetwork, style: DrawingStyle) -> bool:
+    """True if most transitions of the drawing show their expressions as symbols of their own."""
+    conditions = {t.id: t.condition for t in chart.transitions}
+    votes = 0
+    for symbol in drawing.symbols:
+        if symbol.kind is SymbolKind.TRANSITION:
+            condition = conditions.get(symbol.transitions[0] if symbol.transitions else symbol.id)
+            if isinstance(condition, Expression):
+                votes += 1 if symbol.condition is not None else -1
+    return votes > 0 if votes else style.structured
+
+
+def is_structured(chart: SfcNetwork) -> bool:
+    """True if a chart is drawn as CODESYS draws: wires lead back to earlier symbols, conditions are symbols."""
+    drawing = chart.drawing
+    if drawing is None:
+        return False
+    seen: set[int] = {node.id for node in chart.logic}
+    conditions = {transition.id: transition.condition for transition in chart.transitions}
+    for symbol in drawing.symbols:
+        wires = [connection.source for pin in symbol.inputs for connection in pin.connections]
+        if symbol.kind is SymbolKind.TRANSITION:
+            condition = conditions.get(symbol.transitions[0] if symbol.transitions else symbol.id)
+            if isinstance(condition, Expression) and symbol.condition is None:
+                return False
+        if symbol.kind in STEPS and any(output.name == "" for output in symbol.outputs):
+            return False
+        if any(source not in seen for source in wires):
+            return False
+        seen.add(symbol.id)
+    return True

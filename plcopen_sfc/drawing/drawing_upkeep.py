@@ -17,10 +17,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from plcopen_sfc.drawing.attached_symbols import AttachedSymbols, block_owner, draw_step_actions, erase_step_actions
-from plcopen_sfc.drawing.drawing_style import DrawingStyle, fits, in_order, link_fits
+from plcopen_sfc.drawing.drawing_style import (
+    DrawingStyle,
+    expressions_are_wired,
+    fits,
+    in_order,
+    is_structured,
+    link_fits,
+)
 from plcopen_sfc.drawing.new_drawing import Pen, draw, highest_id, sketch
 from plcopen_sfc.drawing.symbol_layout import has_positions, layout, place_nearby
-from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.drawing import BARS, CONVERGENCES, DIVERGENCES, STEPS, Drawing, Places, Symbol, SymbolKind
 from plcopen_sfc.model.network import InputPin, OutputPin
 from plcopen_sfc.model.project import Project
@@ -42,9 +48,12 @@ def output_side(number: int) -> int:
 
 
 class WireClusters:
-    """Clusters of a list of symbols. Sides of steps and transitions, bars and jumps are its members."""
+    """Clusters of a list of symbols. Sides of steps and transitions, bars and jumps are its members.
 
-    def __init__(self, symbols: Iterable[Symbol]) -> None:
+    `jumps_apart`: a wire from a jump joins nothing. CODESYS ends a branch that jumps at the convergence of the others.
+    """
+
+    def __init__(self, symbols: Iterable[Symbol], *, jumps_apart: bool) -> None:
         self.parent: dict[int, int] = {}
         symbols = list(symbols)
         kinds = {symbol.id: symbol.kind for symbol in symbols}
@@ -60,6 +69,8 @@ class WireClusters:
             for pin in symbol.inputs:
                 for connection in pin.connections:
                     kind = kinds.get(connection.source)
+                    if kind is SymbolKind.JUMP and jumps_apart:
+                        continue
                     side = output_side(connection.source) if kind in _TWO_SIDED else input_side(connection.source)
                     if side in self.parent:
                         self._unite(side, input_side(symbol.id))
@@ -210,10 +221,14 @@ class _Redrawing:
 
     def run(self) -> None:
         """Put the drawing together from what stays and what is new."""
-        stale = self.stale(WireClusters(self.old.values()), WireClusters(self.new.values()))
+        for apart in (True, False):
+            clusters = [WireClusters(each.values(), jumps_apart=apart) for each in (self.old, self.new)]
+            stale = self.stale(*clusters)
+            fresh = [s for i, s in self.new.items() if s.kind in _FLOW and input_side(i) in stale]
+            if all(each.kind is SymbolKind.JUMP for each in fresh):
+                break  # else branches may end together that did not, which must be drawn together
         kept = {i for i in self.old if self.keeps(i, stale)}
         gone = [s for i, s in self.old.items() if s.kind in _FLOW and i not in kept]
-        fresh = [s for i, s in self.new.items() if s.kind in _FLOW and input_side(i) in stale]
         unused = {i for i, s in self.new.items() if s.kind in _FLOW and input_side(i) not in stale}
         take_over(gone, fresh, self.old, self.new)
         self.new = {symbol.id: symbol for i, symbol in self.new.items() if i not in unused}
@@ -226,9 +241,27 @@ class _Redrawing:
                     self.update(self.old[number], symbol, rewire=input_side(number) in stale)
                 else:
                     symbols[number] = symbol
+        self.follow_jumps(symbols, [each for each in gone if each.kind is SymbolKind.JUMP])
         parts = AttachedSymbols(self.chart, self.old, self.new, symbols, wired=self.wired)
         parts.settle()
         self.arrange(symbols, parts.kept_for)
+
+    def follow_jumps(self, symbols: Mapping[int, Symbol], gone: Iterable[Symbol]) -> None:
+        """Lead wires from jumps that are gone to those that are drawn in their place, or take them out."""
+        drawn = [each for i, each in symbols.items() if each.kind is SymbolKind.JUMP and i not in self.old]
+        again: dict[int, int | None] = {}
+        for jump in (each for each in gone if each.id not in symbols):
+            found = next((each for each in drawn if each.target == jump.target and each.id not in again.values()), None)
+            again[jump.id] = found.id if found is not None else None
+        for symbol in symbols.values():
+            wires = [connection for pin in symbol.inputs for connection in pin.connections]
+            if again.keys().isdisjoint(each.source for each in wires):
+                continue
+            for each in wires:
+                each.source = again.get(each.source, each.source) or each.source
+            for pin in symbol.inputs:
+                pin.connections = [each for each in pin.connections if each.source not in again]
+            symbol.inputs = [pin for pin in symbol.inputs if pin.connections]
 
     def update(self, present: Symbol, symbol: Symbol, *, rewire: bool) -> None:
         """Let a step or transition that stays follow its chart."""
@@ -334,18 +367,6 @@ class _Redrawing:
             place_nearby(self.chart, {i: followed.get(i) for i in order if i not in self.old})
 
 
-def expressions_are_wired(drawing: Drawing, chart: SfcNetwork, style: DrawingStyle) -> bool:
-    """True if most transitions of the drawing show their expressions as symbols of their own."""
-    conditions = {t.id: t.condition for t in chart.transitions}
-    votes = 0
-    for symbol in drawing.symbols:
-        if symbol.kind is SymbolKind.TRANSITION:
-            condition = conditions.get(symbol.transitions[0] if symbol.transitions else symbol.id)
-            if isinstance(condition, Expression):
-                votes += 1 if symbol.condition is not None else -1
-    return votes > 0 if votes else style.structured
-
-
 def _merged(before: list[int], symbols: list[int], nodes: set[int]) -> list[int]:
     """Return the order of symbols and logic: logic stays behind the symbol that it was behind."""
     place: dict[int | None, list[int]] = {}
@@ -387,27 +408,6 @@ def _forget_pins(inputs: list[InputPin | None], outputs: list[OutputPin | None])
     for output in outputs:
         if output is not None:
             output.position = None
-
-
-def is_structured(chart: SfcNetwork) -> bool:
-    """True if a chart is drawn as CODESYS draws: wires lead back to earlier symbols, conditions are symbols."""
-    drawing = chart.drawing
-    if drawing is None:
-        return False
-    seen: set[int] = {node.id for node in chart.logic}
-    conditions = {transition.id: transition.condition for transition in chart.transitions}
-    for symbol in drawing.symbols:
-        wires = [connection.source for pin in symbol.inputs for connection in pin.connections]
-        if symbol.kind is SymbolKind.TRANSITION:
-            condition = conditions.get(symbol.transitions[0] if symbol.transitions else symbol.id)
-            if isinstance(condition, Expression) and symbol.condition is None:
-                return False
-        if symbol.kind in STEPS and any(output.name == "" for output in symbol.outputs):
-            return False
-        if any(source not in seen for source in wires):
-            return False
-        seen.add(symbol.id)
-    return True
 
 
 def prepare(

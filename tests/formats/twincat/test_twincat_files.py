@@ -12,6 +12,7 @@ import pytest
 from lxml import etree
 
 import plcopen_sfc as sfc
+from plcopen_sfc import jump, selection, step
 from plcopen_sfc.errors import LossError, SfcError
 from plcopen_sfc.formats.archives.chart_elements import ELEMENTS
 from plcopen_sfc.formats.format_interface import WriteOptions
@@ -142,6 +143,31 @@ def test_a_macro_stays_folded_when_its_first_or_last_step_is_deleted(end: int) -
     saved = sfc.dumps(project)
     assert saved.count(b"SFCMacro") == data.count(b"SFCMacro")
     assert sum(line.startswith("+") for line in changed(data, saved)) <= 30
+    edit.undo()
+    assert sfc.dumps(project) == data
+
+
+@pytest.mark.parametrize("kind", ["twincat", "codesys"])
+def test_a_step_before_a_jump_leaves_the_other_branches_where_they_are(kind: str) -> None:
+    """The jump hung together with the end of the others by its wire, and what is below the branches moved into one."""
+    project = Project(dialect="codesys")
+    branches = [["a", step("First"), "b"], ["c", step("Second"), "d"], ["e", jump("Wait")]]
+    project.add_program(
+        "Main",
+        *(step("Wait", initial=True), "Start", step("Ready"), selection(*branches)),
+        *(step("Run"), "f", step("End"), "g", jump("Ready")),
+    )
+    project = sfc.loads(sfc.dumps(project, format=kind))
+    project.edit().remove_branch(project.pous[0].chart.transition("Ready -> Second"))
+    data = sfc.dumps(project)
+    project = sfc.loads(data)
+    chart = project.pous[0].chart
+    edit = project.edit()
+    edit.insert_step("Extra", chart.transition("Ready -> Wait"), "TRUE")
+    saved = sfc.dumps(project)
+    assert sum(line.startswith("-") for line in changed(data, saved)) <= 12
+    back = sfc.loads(saved).pous[0].chart
+    assert sorted(back.labels().values()) == sorted(chart.labels().values())
     edit.undo()
     assert sfc.dumps(project) == data
 
