@@ -532,7 +532,8 @@ def _of_s5(qualifier: str, condition: str, event: str | None = "S1", **more: str
 
     def build(rig: FeatureChart) -> None:
         is_timer = qualifier.startswith("T")
-        kind, address = ("Timer", "%T1") if is_timer else ("Counter", "%C1")
+        number = ("CU", "CD", "TL", "TD", "TF", "TR").index(qualifier)  # a timer or counter of its own
+        kind, address = ("Timer", f"%T{number}") if is_timer else ("Counter", f"%C{number}")
         rig.project.tag_tables.append(m.TagTable(name="Tags", tags=[m.Tag(name="S5", type=kind, address=address)]))
         for step, each in (("Work", qualifier), *(("Idle", each) for each in more.values())):
             start = event if step == "Work" else "S1"

@@ -19,7 +19,7 @@ from tests.conversion.matrix import CAUTIOUS, TARGETS, Cell, is_other, judge
 
 _NAMES = re.compile(
     r"(?:\b|(?<=\\n))(Count|Clear|Inner|Ready|Wait|Note|Raise|One|Two|Other|Left|Right|Side|Last|Test|Sum|FB_Odd|counter|timer|"
-    r'text|limit|LIMIT|level|total|lamp|Lamp|E_Level|Low|High|GVL|Tags)\b(?!":)'
+    r'S5|text|limit|LIMIT|level|total|lamp|Lamp|E_Level|Low|High|GVL|Tags)\b(?!":)'
 )
 """Names that features give: those of the first one get an A behind, but for keys of JSON."""
 

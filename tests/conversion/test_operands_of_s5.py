@@ -95,4 +95,14 @@ def test_the_call_of_a_timer_of_s5_is_not_executed() -> None:
     )
     _, report = sfc.convert(sfc.loads(text, format="scl"), "codesys", partial=True)
     (item,) = report.with_outcome(Outcome.NOT_EXECUTED)
-    assert "S_ODT" in item.why
+    assert "has no timers and counters of S5" in item.why
+
+
+def test_two_tags_of_one_timer_would_be_two_variables() -> None:
+    project = source([("Work", "TL", "S1"), ("Done", "TR", "S1")])
+    project.tag_tables[0].tags.append(m.Tag(name="Same", type="Timer", address="%T1"))
+    project.pou("Main").chart.step("Done").actions[0].target = '"Same"'
+    _, report = converted(project, "codesys")
+    assert [item.path for item in report.with_outcome(Outcome.NOT_EXECUTED) if item.what == "tag"] == [
+        "tag table Tags / tag Same"
+    ]

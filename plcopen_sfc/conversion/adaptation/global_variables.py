@@ -151,6 +151,8 @@ class _Globals:
         self.names = kept_renames(project)
         self.types = {each.name.casefold(): each.type for each in project.data_types}
         self.declared = self.types.keys() | {pou.name.casefold() for pou in project.pous}
+        self._operands: dict[str, str] = {}
+        """The tags of timers and counters of S5 by their addresses."""
 
     def sections(self) -> list[VariableSection]:
         """Return the lists of variables."""
@@ -187,6 +189,11 @@ class _Globals:
             kind = type_named(tag.type)
             is_operand = is_operand_of_s5(kind)
             kind = plain_type(kind) if kind is not None else None
+            other = self._operands.setdefault((tag.address or tag.name).upper(), tag.name) if is_operand else tag.name
+            if other != tag.name:
+                why = f"it is the same as {other}, and would be another variable in {self.host.title}"
+                self.report.add(Outcome.NOT_EXECUTED, "tag", path, why)
+                continue
             place = "" if is_operand else tag.address or ""  # timers and counters of S5 are in no memory of others
             address = translated_address(place, Dialect.SCL, self.host.addresses)
             if kind is None or is_foreign_type(kind, self.host):

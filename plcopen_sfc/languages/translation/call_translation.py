@@ -141,6 +141,8 @@ _OF_DATES = re.compile(r"(?P<source>[A-Z]+)_TO_(?P<result>[A-Z]+)")
 _DATES = frozenset({"DATE", "LDATE", "DT", "LDT"})
 _FROM_DATES = frozenset({"DT_TO_DATE", "DT_TO_TOD", "LDT_TO_DATE", "LDT_TO_TOD", "LDT_TO_LTOD"})
 """Conversions of dates that S7 has, and that give the same there."""
+_OF_S5 = re.compile(r"S_(?:PULSE|PEXT|ODTS?|OFFDT|CU|CD|CUD)")
+"""Functions of S7 that act on timers and counters of S5."""
 _TO_BOOL = re.compile(r"(?:[A-Z]+_)?TO_BOOL")
 _BIT_STRINGS = frozenset({"BYTE", "WORD", "DWORD", "LWORD"})
 _SHIFTS = frozenset({"SHL", "SHR", "ROL", "ROR"})
@@ -403,6 +405,8 @@ class CallTranslator:
             self._notes.add(Severity.ERROR, f"{target} has no counterpart of {name}; left unchanged", callee)
         else:
             reason = f"{name} is no standard function of {target}, which needs one of this name"
+            if _OF_S5.fullmatch(name):
+                reason = f"{name} is no standard function of {target}, which has no timers and counters of S5"
             self._notes.add(Severity.ERROR, f"{reason}; left unchanged", callee)
         return self._with(node, callee, arguments)
 
