@@ -64,10 +64,7 @@ REASONS = {
     "simaticml": {
         "priority of a convergence": "a branch of S7-GRAPH cannot begin where a simultaneous one ends",
         "macro-step": "S7-GRAPH has no such element",
-        "SFCQuitError|SFCCurrentStep": (
-            "nothing forgets an error there and lets the times of steps begin again; `S_NO` has the number of the "
-            "step, and no network the name"
-        ),
+        "SFCCurrentStep": "`S_NO` has the number of the step, and no network the name",
     },
     "codesys|twincat|codesys-export": {
         "negated action|macro-step": "charts of CODESYS have no such element",

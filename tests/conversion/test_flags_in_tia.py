@@ -15,6 +15,7 @@ from plcopen_sfc.languages.networks import draw_ld
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.profile import default_profile
+from tests.conversion.features import FEATURES, feature_project
 from tests.conversion.matrix import same_behaviour
 
 RETIMED = Delay(-1, retimed=True)
@@ -220,10 +221,27 @@ def test_flags_without_a_counterpart_are_refused(flag: str, fields: dict[str, st
     assert not [item for item in rested.losses if item.path.endswith(flag)]
 
 
-def test_an_error_that_is_quitted_is_refused_with_its_reason() -> None:
+def test_an_error_is_quitted() -> None:
+    """SFCError falls, the chart stands still, and the maximum time begins again."""
+    feature = next(each for each in FEATURES if each.name == "SFCQuitError")
+    source = sfc.loads(sfc.dumps(feature_project(feature, "codesys"), format="codesys", partial=True), format="codesys")
+    data, report = converted(source)
+    assert losses(report) == [("approximated", "max time", "POU Main / step Work")]
+    seen = sfc.loads(data, format="simaticml", as_tool=True)
+
+    def inputs(scan: int, _values: object) -> dict[str, object]:
+        return {"a": True, "b": scan in (25, 26), "c": True, "SFCQuitError": scan in (9, 10, 15)}
+
+    before, now = (sfc.simulate(each, pou="Main", inputs=inputs, scans=40) for each in (source, seen))
+    assert list(before["SFCError"]) == list(now["SFCError"])
+    assert [scan for scan in range(1, 40) if now["SFCError"][scan] and not now["SFCError"][scan - 1]] == [5, 20]
+    assert list(before["q"])[20:] == list(now["q"])[19:-1]  # CODESYS shows a step a scan later
+
+
+def test_an_error_that_a_caller_sets_is_not_quitted() -> None:
     report = converted(chart_with("SFCError", "SFCQuitError"))[1]
     (why,) = [item.why for item in report.losses if item.path.endswith("SFCQuitError")]
-    assert why.endswith("nothing forgets an error there and lets the times of steps begin again")
+    assert why.endswith("SFCError is an input")
 
 
 @pytest.mark.parametrize("language", ["ST", "LD", "IL"])

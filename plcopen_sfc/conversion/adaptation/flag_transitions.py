@@ -32,15 +32,19 @@ from plcopen_sfc.languages.effects import may_change, path_of
 from plcopen_sfc.languages.networks import draw_ld
 from plcopen_sfc.languages.sfc_flag_uses import flags_at_rest, named_flags
 from plcopen_sfc.languages.st import parse_expression, parse_statements
+from plcopen_sfc.languages.st.literals import TIME_RANGES, time_literal
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.chart_settings import WATCHING_FLAGS, SfcFlag
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import ActionAssociation, PermanentOperation, Step, Transition
-from plcopen_sfc.model.types import Elementary, ElementaryType
+from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType
+from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import ConversionReport, Outcome
 
+_LONGEST = time_literal(TIME_RANGES[Dialect.SCL, "TIME"][1], Dialect.SCL)
+"""The time of a timer that goes on."""
 _FIRST = 0
 """The priority of what is tried before all other transitions."""
 _STORING = frozenset({Qualifier.SD, Qualifier.DS, Qualifier.SL})
@@ -48,7 +52,6 @@ _STORED = frozenset({Qualifier.S, Qualifier.R, Qualifier.R0})
 _LASTING = _STORED | {Qualifier.N, Qualifier.NONE}
 _WITH_FINAL_SCAN = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.P})
 _WITHOUT = {
-    SfcFlag.QUIT_ERROR: "nothing forgets an error there and lets the times of steps begin again",
     SfcFlag.CURRENT_STEP: "it has S_NO, the number of the step",
 }
 """Why flags have no effect in a block of S7-GRAPH."""
@@ -381,12 +384,39 @@ class FlagRewriter(ABC):
 class _GraphFlags(FlagRewriter):
     """Rewrites one chart for a block of S7-GRAPH."""
 
+    obeyed = FlagRewriter.obeyed | {SfcFlag.QUIT_ERROR}
     prefix = "#"
 
     def _execute(self, flags: Collection[SfcFlag]) -> None:
         if not _ENDING.isdisjoint(flags):
             self._wait()
         super()._execute(flags)
+        if SfcFlag.QUIT_ERROR in flags:
+            self._quit()
+
+    def _quit(self) -> None:
+        """Let SFCQuitError reset SFCError, which is not set before a maximum time has passed since then."""
+        quits, error = f"#{SfcFlag.QUIT_ERROR.variable}", SfcFlag.ERROR.variable
+        for step in self._chart.steps:
+            if self._is_read(step, "t"):
+                why = f"{SfcFlag.QUIT_ERROR.variable} does not let it begin again, which it does in CODESYS"
+                self._note(Outcome.APPROXIMATED, "step time", f"step {step.name}", why)
+        if SfcFlag.ERROR not in flags_in_use(self._place):
+            return
+        before, enable = self._memory(f"{SfcFlag.QUIT_ERROR.variable}_before"), SfcFlag.ENABLE_LIMIT
+        is_held = f" OR ({before} AND {self._pause})" if self._pause != quits else ""
+        self.lines += [f"IF {quits} THEN #{error} := FALSE; END_IF;", f"{before} := {quits}{is_held};"]
+        watches = [f"#{enable.variable}"] * (enable in flags_in_use(self._place))
+        for step in (each for each in self._chart.steps if each.max_time):
+            timer = self._rewriting.new_variable(f"{step.name}_watch", DerivedType(name="TON"))
+            late = all_of([*watches, f"#{timer}.ET > {step.max_time}"])
+            self.lines += [
+                f"#{timer}(IN := {self._host.active(step)} AND NOT {before}, PT := {_LONGEST});",
+                f"IF {late} THEN #{error} := TRUE; END_IF;",
+            ]
+            why = f"the timer {timer} sets {error}, which counts whole milliseconds and begins again behind {quits[1:]}"
+            self._note(Outcome.APPROXIMATED, "max time", f"step {step.name}", why)
+            step.max_time = None
 
     def _wait(self) -> None:
         """Let the transitions of the chart wait for minimum times, which those of flags do not."""
@@ -430,6 +460,13 @@ class _GraphFlags(FlagRewriter):
         written = Effects.all(body.code for body in self._bodies).writes
         is_unknown = any(body.unknown for body in self._bodies)
         return bool(operands) and (is_unknown or may_change(operands, written, frozenset()))
+
+    def _refused_quit(self) -> str | None:
+        is_input = any(v.name.casefold() == "sfcerror" for v in self._place.pou.variables(SectionKind.INPUT))
+        return "SFCError is an input" if is_input else None
+
+    def _refusal(self, flag: SfcFlag) -> str | None:
+        return super()._refusal(flag) or (self._refused_quit() if flag is SfcFlag.QUIT_ERROR else None)
 
     def _refused_pause(self) -> str | None:
         for step, row in self._chart.associations():

@@ -212,7 +212,8 @@ class _Planner:
         found = ActionControls()
         self._ends = list(ends)
         for line in more:
-            found.networks += self._drawn(_Draft(FLAG_LABEL, lines=[line]))
+            error = SfcFlag.ERROR.variable
+            found.networks += self._drawn(_Draft(error if f"#{error} := " in line else FLAG_LABEL, lines=[line]))
         for rows in self._actions():
             taken = set(self._taken)
             try:
@@ -481,7 +482,8 @@ class _Planner:
     # -- networks
 
     def _rules(self, draft: _Draft) -> DrawingRules:
-        timers = [Variable(name=f"#{v.name}", type=DerivedType(name="TON")) for v in draft.variables if _is_timer(v)]
+        known = [*self._pou.variables(), *draft.variables]
+        timers = [Variable(name=f"#{v.name}", type=DerivedType(name="TON")) for v in known if _is_timer(v)]
         return declared_rules(timers, Dialect.SCL, Tool.S7)
 
     def _drawn(self, draft: _Draft) -> list[ControlNetwork]:
@@ -537,7 +539,7 @@ def _is_of_iec(row: ActionAssociation) -> bool:
 
 
 def _is_timer(variable: Variable) -> bool:
-    return isinstance(variable.type, DerivedType)
+    return isinstance(variable.type, DerivedType) and variable.type.name.upper().startswith("TON")
 
 
 def _shown(step: Step, row: ActionAssociation) -> str:

@@ -376,7 +376,7 @@ def test_flags_without_a_counterpart_are_told_with_the_reason() -> None:
     report = sfc.convert(project_of(build), "simaticml", partial=True).report
     told = {item.path.rpartition(" ")[2]: item.why for item in report.with_outcome(Outcome.NOT_EXECUTED)}
     assert told.keys() == {"SFCQuitError"}
-    assert "lets the times of steps begin again" in told["SFCQuitError"]
+    assert "the actions of the step Done go on there" in told["SFCQuitError"]
 
 
 def test_inlined_statements_are_readable_and_whole() -> None:
