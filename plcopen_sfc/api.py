@@ -20,7 +20,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.report import ConversionReport, Converted, Outcome
+from plcopen_sfc.report import ConversionReport, Converted, Item, Outcome
 
 if TYPE_CHECKING:
     from plcopen_sfc.documents.folder_projects import Progress
@@ -207,32 +207,9 @@ def check_import(project: Project, tool: str) -> list[Diagnostic]:
     data, report = convert(project, format, flavour=flavour, tia=version, partial=True, fresh=True)
     file = project.source.path if project.source is not None else None
     kind = project.source.format if project.source is not None else format
-    losses, own = report.losses, format_named(format)[0]
-    if kind == format and own.charts is not None and own.charts.is_codesys:  # a file that no tool of this format wrote
-        from plcopen_sfc.conversion.adaptation.project_rewriting import report_keywords  # noqa: PLC0415
-        from plcopen_sfc.documents.writer_preparation import note_limits  # noqa: PLC0415  # to write, and here
-
-        limits = ConversionReport()
-        note_limits(project.charts(), own, limits)
-        if limits.items:  # loops are in the place of some of these charts in the file
-            limits.items.clear()
-            note_limits(loads(data, format=format, as_tool=True).charts(), own, limits)
-        report_keywords(project, own.charts, limits)
-        losses += limits.with_outcome(Outcome.NOT_EXECUTED)
-    if kind == format and own.dialect is not None and own.dialect is project.dialect:
-        from plcopen_sfc.documents.legal_names import illegal_names  # noqa: PLC0415  # brings the parser
-
-        named = ConversionReport()
-        for path, why in illegal_names(project, own.dialect, own.tool):
-            named.add(Outcome.NOT_EXECUTED, "name", path, why)
-        losses += named.items
-    if kind == format == "simaticml":
-        from plcopen_sfc.refactor.declaration_translation import compute_constants  # noqa: PLC0415  # here alone
-
-        calculated = ConversionReport()
-        for place in compute_constants(project.model_copy(deep=True)):
-            calculated.add(Outcome.NOT_EXECUTED, place.what, place.path, place.notes[0].reason)
-        losses += calculated.items
+    losses = report.losses
+    if kind == format:
+        losses += _losses_of_file(project, format_named(format)[0], data)
     found = [
         Diagnostic(
             "IMP001" if item.outcome is Outcome.NOT_EXECUTED else "IMP002",
@@ -254,6 +231,40 @@ def check_import(project: Project, tool: str) -> list[Diagnostic]:
             text = f"convert writes something in other terms here: {', '.join(dict.fromkeys(kinds))}"
             found.append(Diagnostic("IMP003", Severity.INFO, text, Location(file, path=owner)))
     return found
+
+
+def _losses_of_file(project: Project, own: Format, data: bytes) -> list[Item]:
+    """Return what a tool refuses in a file of its own format, which it may not have written itself.
+
+    A conversion mends that, so that its report has none of it. `data` is what the conversion wrote.
+    """
+    losses: list[Item] = []
+    if own.charts is not None and own.charts.is_codesys:
+        from plcopen_sfc.conversion.adaptation.project_rewriting import report_keywords  # noqa: PLC0415
+        from plcopen_sfc.documents.writer_preparation import note_limits  # noqa: PLC0415  # to write, and here
+
+        limits = ConversionReport()
+        note_limits(project.charts(), own, limits)
+        if limits.items:  # loops are in the place of some of these charts in the file
+            limits.items.clear()
+            note_limits(loads(data, format=own.name, as_tool=True).charts(), own, limits)
+        report_keywords(project, own.charts, limits)
+        losses += limits.with_outcome(Outcome.NOT_EXECUTED)
+    if own.dialect is not None and own.dialect is project.dialect:
+        from plcopen_sfc.documents.legal_names import illegal_names  # noqa: PLC0415  # brings the parser
+
+        named = ConversionReport()
+        for path, why in illegal_names(project, own.dialect, own.tool):
+            named.add(Outcome.NOT_EXECUTED, "name", path, why)
+        losses += named.items
+    if own.name == "simaticml":
+        from plcopen_sfc.refactor.declaration_translation import compute_constants  # noqa: PLC0415  # here alone
+
+        calculated = ConversionReport()
+        for place in compute_constants(project.model_copy(deep=True)):
+            calculated.add(Outcome.NOT_EXECUTED, place.what, place.path, place.notes[0].reason)
+        losses += calculated.items
+    return losses
 
 
 def check_syntax(project: Project | Pou | SfcNetwork) -> list[Diagnostic]:

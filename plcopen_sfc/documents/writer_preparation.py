@@ -88,12 +88,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
             include_bases(copy, report)
         adapt_calls(copy, dialect, kind.tool, report, with_instances=not options.flavour)
     if dialect is Dialect.SCL and project.dialect is not Dialect.SCL and not options.same:
-        from plcopen_sfc.refactor.dialect_translation import rename_pins  # noqa: PLC0415  # brings the parser
-
-        rename_pins(copy, copy.dialect)  # the blocks have the names of one tool, and texts may mix those
-        for path, block in put_flip_flops(copy):
-            why = f"SCL calls no flip-flops: it is an instance of {block}, whose statements are in the file"
-            report.add(Outcome.TRANSLATED, "instance", path, why)
+        _add_flip_flops(copy, report)
     if kind.xml and kind.name != TIA_FORMAT and project.dialect is Dialect.SCL and dialect not in (None, Dialect.SCL):
         translate_boxes(copy, dialect, kind.tool, report)
     if of_grafcet:
@@ -127,6 +122,15 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     if written is not copy and _has_flags(kind):
         _put_into_notation(written, kind, report)
     return Prepared(written, copy, replace(options, marks=marks, rewritten=copy), behaviour)
+
+
+def _add_flip_flops(copy: Project, report: ConversionReport) -> None:
+    from plcopen_sfc.refactor.dialect_translation import rename_pins  # noqa: PLC0415  # brings the parser
+
+    rename_pins(copy, copy.dialect)  # the blocks have the names of one tool, and texts may mix those
+    for path, block in put_flip_flops(copy):
+        why = f"SCL calls no flip-flops: it is an instance of {block}, whose statements are in the file"
+        report.add(Outcome.TRANSLATED, "instance", path, why)
 
 
 def _stays(project: Project, kind: Format, options: WriteOptions) -> bool:

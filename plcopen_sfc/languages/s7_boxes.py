@@ -50,12 +50,9 @@ def put_boxes(project: Project) -> None:
     for _, _, body in project.bodies():
         for network in body.networks if isinstance(body, FbdBody | LdBody) else ():
             for node in list(network.nodes):
-                if (
-                    isinstance(node, net.Block)
-                    and node.extension_data is not None
-                    and BOX in node.extension_data.attributes
-                ):
-                    _put_back(network, node, node.extension_data.attributes.pop(BOX))
+                marks = node.extension_data.attributes if node.extension_data is not None else {}
+                if isinstance(node, net.Block) and BOX in marks:
+                    _put_back(network, node, marks.pop(BOX))
 
 
 def _operand(box: net.Block) -> str:
@@ -108,13 +105,9 @@ def _rename_wires(network: net.LogicNetwork, source: int, pin: str | None) -> No
 
 
 def _assigns(node: net.Node) -> str | None:
-    return (
-        node.variable
-        if isinstance(node, net.Coil)
-        else node.expression
-        if isinstance(node, net.OutputVariable)
-        else None
-    )
+    if isinstance(node, net.Coil):
+        return node.variable
+    return node.expression if isinstance(node, net.OutputVariable) else None
 
 
 def _put_back(network: net.LogicNetwork, outer: net.Block, kept: str) -> None:

@@ -309,24 +309,32 @@ class CheckedProject:
             if isinstance(each.holder, sfc.ActionAssociation) and each.key in ("target", "indicator"):
                 tree = parse_condition(each.text, self.dialect).tree
                 constant = constant_written(tree, self.named.resolver, each.site)
-                yield from (Misfit(each, f"{constant} is a constant, and written: {each.text}"),) if constant else ()
-            if not each.is_program_text:
-                continue
-            is_value, text = each.reading is SiteKind.EXPRESSION, each.text
-            if each.key == "value" and isinstance(each.holder, sfc.ActionAssociation) and each.holder.target:
-                is_value, text = False, f"{each.holder.target} := {text};"
-            parsed = (parse_condition if is_value else parse_statements)(text, self.dialect)
-            if not parsed.problems:
-                found = type_mistakes(parsed.tree, self.named.resolver, each.site)
-                yield from (Misfit(each, message) for message in found)
-                if is_value and each.key in _DURATIONS:
-                    kind = value_kind(parse_condition(text, self.dialect).tree, self.named.resolver, each.site)
-                    if kind not in ("", "TIME"):
-                        yield Misfit(each, f"a duration is {kind}: {text}")
-                if isinstance(each.holder, SimpleValue):
-                    value = parse_condition(text, self.dialect).tree
-                    message = value_mistake(value, self.named.resolver, each)
-                    yield from (Misfit(each, message),) if message else ()
+                if constant:
+                    yield Misfit(each, f"{constant} is a constant, and written: {each.text}")
+            if each.is_program_text:
+                yield from (Misfit(each, message) for message in self._mistakes(each))
+
+    def _mistakes(self, text_site: TextSite) -> Iterator[str]:
+        """Yield what does not fit in a text; one that cannot be read is a mistake of another rule."""
+        text, holder, resolver = text_site.text, text_site.holder, self.named.resolver
+        target = holder.target if isinstance(holder, sfc.ActionAssociation) and text_site.key == "value" else None
+        if target or text_site.reading is not SiteKind.EXPRESSION:
+            # the value of a row must fit its target: it is read as the assignment that it stands for
+            statements = parse_statements(f"{target} := {text};" if target else text, self.dialect)
+            if not statements.problems:
+                yield from type_mistakes(statements.tree, resolver, text_site.site)
+            return
+        value = parse_condition(text, self.dialect)
+        if value.problems:
+            return
+        yield from type_mistakes(value.tree, resolver, text_site.site)
+        if text_site.key in _DURATIONS:
+            kind = value_kind(value.tree, resolver, text_site.site)
+            if kind not in ("", "TIME"):
+                yield f"a duration is {kind}: {text}"
+        message = value_mistake(value.tree, resolver, text_site) if isinstance(holder, SimpleValue) else ""
+        if message:
+            yield message
 
     @cached_property
     def knowledge(self) -> ProjectKnowledge:
@@ -604,14 +612,11 @@ class CheckedChart:
 
     def fires_with(self, one: NetTransition, other: NetTransition) -> bool:
         """Return True if two transitions of a GRAFCET may fire in one evolution, as far as their conditions tell."""
-        for each in (one, other):
-            self.condition(self.sheet_of(each), each.transition)
         return not self.exclusive(self.sheet_of(one), one.transition, other.transition)
 
     def place_of(self, element: NetStep | NetTransition) -> FindingPlace:
         """Return the place of a step or transition of the net."""
-        sheet = self._sheet_of[id(element.chart)]
-        return sheet.at(element.step if isinstance(element, NetStep) else element.transition)
+        return self.sheet_of(element).at(element.step if isinstance(element, NetStep) else element.transition)
 
     def sheet_of(self, element: NetStep | NetTransition) -> CheckedSheet:
         """Return the network that has a step or transition of the net."""

@@ -48,16 +48,15 @@ _WHY_LEFT_OUT = "left out, as Beremiz and OpenPLC do not execute it"
 _WHY_AFTER = "the boxes drawn before conditions are executed there in every scan, which conditions see a scan later"
 
 
-class _Moved(NamedTuple):
-    """A transition with boxes before its condition: the condition without them, and the networks that call them.
+class _MovedBoxes(NamedTuple):
+    """Boxes before conditions as networks, and the conditions without them, by the ids of their transitions.
 
     `helpers`: instances of edges, which the source does not declare.
     """
 
-    transition: Transition
-    condition: str
-    networks: LdBody
-    helpers: Sequence[Helper]
+    conditions: dict[int, str]
+    networks: list[LdBody]
+    helpers: list[Helper]
 
 
 def has_boxes(project: Project, options: WriteOptions) -> bool:
@@ -67,8 +66,7 @@ def has_boxes(project: Project, options: WriteOptions) -> bool:
     for chart in project.charts():
         taken = taken_names(project, chart)
         rewriting = ChartRewriting(chart, chart.chart, GRAPH_CHARTS, options, ConversionReport(), {}, taken)
-        found = _boxes_after(chart) if options.of_matiec else _moved(rewriting)
-        if found or _acting(chart, options) is not None:
+        if _moved(rewriting) is not None or _acting(chart, options) is not None:
             return True
     return False
 
@@ -83,27 +81,29 @@ def execute_boxes(
         acting = _acting(chart, options)
         if acting is not None:
             _execute_drawn(chart, acting, report)
+        moved = _moved(rewriting)
+        if moved is not None:
+            _execute_moved(rewriting, moved)
+        if acting is not None or moved is not None:
             marks.setdefault(id(chart.chart), {})[SOURCE_CHART_FIELD] = before.chart
-        if options.of_matiec:
-            after = _boxes_after(chart)
-            if after is not None:
-                _execute_after(rewriting, after)
-                marks.setdefault(id(chart.chart), {})[SOURCE_CHART_FIELD] = before.chart
-            continue
-        found = _moved(rewriting)
-        if not found:
-            continue
-        fed = [id(node) for each in found for node in _feeding(chart.chart, each.transition)]
-        rewriting.declare_helpers(helper for each in found for helper in each.helpers)
-        for moved in found:
-            chart.chart.permanent_pre.append(PermanentOperation(body=moved.networks))
-            moved.transition.condition = Expression(text=moved.condition)
-            place = f"{chart.report_path} / transition {chart.chart.label(moved.transition)}"
-            report.add(Outcome.TRANSLATED, "condition", place, _WHY)
-        others = {id(node) for each in chart.chart.transitions for node in _feeding(chart.chart, each)}
-        chart.chart.logic = [node for node in chart.chart.logic if id(node) not in fed or id(node) in others]
-        report.add(Outcome.TRANSLATED, "permanent instruction before the sequence", chart.report_path, _WHY)
-        marks.setdefault(id(chart.chart), {})[SOURCE_CHART_FIELD] = before.chart
+
+
+def _execute_moved(rewriting: ChartRewriting, moved: _MovedBoxes) -> None:
+    """Let permanent instructions execute the boxes of a chart, and take out of its drawing what fed them alone."""
+    network, is_after = rewriting.chart.chart, rewriting.options.of_matiec
+    why, place = (_WHY_AFTER, "after") if is_after else (_WHY, "before")
+    rewriting.declare_helpers(moved.helpers)
+    transitions = {each.id: each for each in network.transitions}
+    fed = {id(node) for number in moved.conditions for node in _feeding(network, transitions[number])}
+    for number, condition in moved.conditions.items():
+        transitions[number].condition = Expression(text=condition)
+        label = network.label(transitions[number])
+        rewriting.note(Outcome.TRANSLATED, "condition", f"transition {label}", why)
+    others = {id(node) for each in network.transitions for node in _feeding(network, each)}
+    network.logic = [node for node in network.logic if id(node) not in fed or id(node) in others]
+    operations = network.permanent_post if is_after else network.permanent_pre
+    operations += [PermanentOperation(body=body) for body in moved.networks]
+    rewriting.note(Outcome.TRANSLATED, f"permanent instruction {place} the sequence", "", why)
 
 
 def _acting(chart: Chart, options: WriteOptions) -> list[LdBody] | None:
@@ -133,19 +133,16 @@ def _execute_drawn(chart: Chart, acting: list[LdBody], report: ConversionReport)
     network.logic = [node for node in network.logic if id(node) in fed]
 
 
-class _BoxesAfter(NamedTuple):
-    """The boxes before all conditions as networks for behind the sequence, and the conditions that read them."""
-
-    networks: LdBody
-    helpers: Sequence[Helper]
-    conditions: dict[int, str]
-
-
-def _boxes_after(chart: Chart) -> _BoxesAfter | None:
-    """Return the boxes of a chart of Beremiz; None where it has none, or they cannot be drawn elsewhere."""
-    network = chart.chart
-    if network is not chart.pou.chart:
+def _moved(rewriting: ChartRewriting) -> _MovedBoxes | None:
+    """Return the boxes of a chart, executed as its tool does; None where it has none, or they cannot be elsewhere."""
+    if rewriting.chart.chart is not rewriting.chart.pou.chart:
         return None
+    return _boxes_after(rewriting.chart) if rewriting.options.of_matiec else _boxes_before(rewriting)
+
+
+def _boxes_after(chart: Chart) -> _MovedBoxes | None:
+    """Return the boxes of a chart of Beremiz, which are executed in every scan."""
+    network = chart.chart
     read = condition_reader(network, Dialect.SCL, transitions=chart.pou.transitions)
     needed: list[Transition] = []
     for transition in network.transitions:
@@ -163,52 +160,35 @@ def _boxes_after(chart: Chart) -> _BoxesAfter | None:
     rules = declared_rules([*chart.pou.variables(), *added], Dialect.SCL, Tool.S7)
     drawn = draw_ld(kept.tree.statements, rules)
     conditions = {number: print_node(tree) for number, tree in trees.items()}
-    return _BoxesAfter(drawn.body, kept.helpers, conditions) if not drawn.problems else None
-
-
-def _execute_after(rewriting: ChartRewriting, after: _BoxesAfter) -> None:
-    """Let a permanent instruction behind the sequence execute the boxes of a chart."""
-    network = rewriting.chart.chart
-    moved = [each for each in network.transitions if each.id in after.conditions]
-    fed = [id(node) for each in moved for node in _feeding(network, each)]
-    rewriting.declare_helpers(after.helpers)
-    for transition in moved:
-        transition.condition = Expression(text=after.conditions[transition.id])
-        rewriting.note(Outcome.TRANSLATED, "condition", f"transition {network.label(transition)}", _WHY_AFTER)
-    others = {id(node) for each in network.transitions for node in _feeding(network, each)}
-    network.logic = [node for node in network.logic if id(node) not in fed or id(node) in others]
-    network.permanent_post.append(PermanentOperation(body=after.networks))
-    rewriting.note(Outcome.TRANSLATED, "permanent instruction after the sequence", "", _WHY_AFTER)
+    return _MovedBoxes(conditions, [drawn.body], [*kept.helpers]) if not drawn.problems else None
 
 
 def _feeding(chart: SfcNetwork, transition: Transition) -> list[Node]:
     return feeding_nodes(chart, transition.condition, Dialect.SCL)
 
 
-def _moved(rewriting: ChartRewriting) -> list[_Moved]:
-    """Return the transitions whose boxes can be called elsewhere; none where those of one cannot."""
+def _boxes_before(rewriting: ChartRewriting) -> _MovedBoxes | None:
+    """Return the boxes of a chart that enabled transitions execute."""
     chart = rewriting.chart
-    if chart.chart is not chart.pou.chart:
-        return []
     instances = {f"#{variable.name}": _block(variable.type) for variable in chart.pou.variables()}
     tried: list[tuple[Transition, str]] = []
-    result: list[_Moved] = []
+    moved = _MovedBoxes({}, [], [])
     for transition in by_priority(chart.chart.transitions):
         found = rewriting.read(transition.condition) if transition.condition is not None else None
         if found is None or found.tree is None or found.obstacles or not found.complete:
-            return []
+            return None
         text = print_node(found.tree)
         if found.before:
             known = {f"#{each.name}": each.type_name or "" for each in found.helpers}
-            if not set(known.values()) <= _INPUTS.keys():
-                return []
             instances |= known
             body = _networks(found.before, rewriting.enabled(transition, tried), instances)
-            if body is None:
-                return []
-            result.append(_Moved(transition, text, body, found.helpers))
+            if body is None or not set(known.values()) <= _INPUTS.keys():
+                return None
+            moved.conditions[transition.id] = text
+            moved.networks.append(body)
+            moved.helpers.extend(found.helpers)
         tried.append((transition, text))
-    return result
+    return moved if moved.networks else None
 
 
 def _networks(before: Sequence[n.Statement], enabled: str, instances: dict[str, str]) -> LdBody | None:

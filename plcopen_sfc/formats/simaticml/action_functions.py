@@ -49,6 +49,8 @@ _LONGEST = 120
 """Most characters of a name: TIA Portal takes 125, and a number may follow."""
 _LOCAL = (n.Quoting.LOCAL, n.Quoting.LOCAL_QUOTED)
 _NO_TEXT = "its network is no list of statements"
+_OF_FOLDER = "the function for it is a file of its own, which an edit of the folder does not write"
+_ANY_WRITTEN = "it calls what may write variables that its text does not name"
 _STEP_DATA = {"X": t.Elementary.BOOL, "T": t.Elementary.TIME}
 """The data of steps that calls pass, with their types."""
 
@@ -137,7 +139,7 @@ class ActionFunctions:
             return f"it calls what nothing replaces: {calls.problems[0]}"
         body = StBody(text=calls.text)
         if self._is_of_folder:
-            return "the function for it is a file of its own, which an edit of the folder does not write"
+            return _OF_FOLDER
         key = (pou.name, label, body.text)
         found = self._found.get(key)
         if found is None:
@@ -232,7 +234,7 @@ class ActionFunctions:
 
     def _make_chart(self, owner: Pou, action: Action) -> ActionChart | str:
         if self._is_of_folder:
-            return "the block for it is a file of its own, which an edit of the folder does not write"
+            return _OF_FOLDER.replace("function", "block")
         if not isinstance(action.body, SfcBody):
             return "it is no chart"
         chart = action.body.chart
@@ -262,7 +264,7 @@ class ActionFunctions:
     def _make_method(self, owner: Pou, method: Method) -> MethodFunction | str:
         """Make the function for a method, with the parameters of that and the variables of the block that it uses."""
         if self._is_of_folder:
-            return "the function for it is a file of its own, which an edit of the folder does not write"
+            return _OF_FOLDER
         if why_not := without_function(owner, method, self._pous, _declared):
             return why_not
         text = _text(method.body) if method.body is not None else ""
@@ -276,12 +278,8 @@ class ActionFunctions:
         own = {variable.name.casefold() for variable in interface.variables()} | {method.name.casefold()}
         found = self.effects(owner, parsed.tree)
         if ANYTHING in found.writes:
-            return "it calls what may write variables that its text does not name"
-        used = {
-            each.identifier.casefold()
-            for each in walk(parsed.tree)
-            if isinstance(each, n.Name) and each.quoting in _LOCAL
-        }
+            return _ANY_WRITTEN
+        used = _local_names(parsed.tree)
         filled = self._parameters(owner, used - own, {path[0] for path in found.writes if path} - own)
         if isinstance(filled, str):
             return filled
@@ -353,13 +351,11 @@ class ActionFunctions:
             body, parsed = StBody(text=text), parse_statements(text, Dialect.SCL)
         tree, inputs = parsed.tree, {variable.name.casefold() for variable, _ in data}
         inside = {variable.name.casefold() for variable in temporary}
-        used = {
-            each.identifier.casefold() for each in walk(tree) if isinstance(each, n.Name) and each.quoting in _LOCAL
-        }
+        used = _local_names(tree)
         found = self.effects(pou, tree)
         written = {path[0] for path in found.writes if path}
         if ANYTHING in found.writes:
-            return "it calls what may write variables that its text does not name"
+            return _ANY_WRITTEN
         if not written.isdisjoint(inputs):
             return "it writes data of a step"
         filled = self._parameters(pou, used - inputs - inside, written)
@@ -531,6 +527,11 @@ def _text(body: Body) -> str | None:
         drawn = body_statements(body, Dialect.SCL)
         return None if drawn.obstacles or drawn.helpers or drawn.open_ends else print_node(drawn.tree)
     return body.text if isinstance(body, StBody) else None
+
+
+def _local_names(tree: n.Node) -> set[str]:
+    """Return the variables of the block (lower case) that a text names."""
+    return {each.identifier.casefold() for each in walk(tree) if isinstance(each, n.Name) and each.quoting in _LOCAL}
 
 
 def _declared(pou: Pou) -> Pou:

@@ -237,17 +237,13 @@ def read_project(
     fields: Fields = {"dialect": Dialect.SCL, "header": header, "pous": [], "data_blocks": [], "data_types": []}
     fields["tag_tables"] = []
     _find_schemas(ctx, root)
-    frame = ("Engineering", "DocumentInfo")
-    order = [each.model for each in dict.fromkeys(KINDS.values())]
-    kinds = [KINDS.get(local(child)) for child in children(root) if local(child) not in frame]
-    ranks = [order.index(kind.model) if kind is not None else len(order) for kind in kinds]
-    usual = ranks == sorted(ranks)  # else ids tell in which order the objects of all kinds are
+    in_usual_order = _is_in_usual_order(root)  # else ids tell in which order the objects of all kinds are
     seen: set[str] = set()
     for place, child in enumerate(root):
         kind = local(child)
         if not kind:
             continue
-        if kind in frame:
+        if kind in _FRAME:
             if kind in seen:
                 keep_element(fields, child)
                 continue
@@ -263,7 +259,7 @@ def read_project(
                 ctx.edited_copies.add((child.findtext("{*}AttributeList/{*}Name") or "").casefold())
                 ctx.warn("XML213", f"an object added for {PRODUCT} was edited: it is one of the project now", child)
             look_at_object(ctx, child)
-            fields[known.field].append(late.object(child, known, place, keep_id=not usual))
+            fields[known.field].append(late.object(child, known, place, keep_id=not in_usual_order))
         elif kind != "Engineering":
             keep_element(fields, child)
             ctx.warn("XML201", no_object(kind), child)
@@ -288,6 +284,17 @@ def read_project(
 
 
 _IDS_IN: Any = etree.XPath("//@ID")  # quicker than asking every element of a large file
+
+
+_FRAME = ("Engineering", "DocumentInfo")
+
+
+def _is_in_usual_order(root: etree._Element) -> bool:
+    """True if the objects of a document are in the order in which they are written: kind by kind."""
+    order = [each.model for each in dict.fromkeys(KINDS.values())]
+    kinds = [KINDS.get(local(child)) for child in children(root) if local(child) not in _FRAME]
+    ranks = [order.index(kind.model) if kind is not None else len(order) for kind in kinds]
+    return ranks == sorted(ranks)
 
 
 def _find_schemas(ctx: DocumentReading, root: etree._Element) -> None:
