@@ -378,6 +378,7 @@ class ExecutedChartReader:
         if event is not None:
             when = {ActionEvent.S1: "on activation", ActionEvent.S0: "on deactivation"}.get(event, event.value)
             return Meaning.of((when, control), shown)
+        # with a final scan the code of a pulse is executed twice, in other tools once
         twice = qualifier is Qualifier.P and is_code and self.owner.profile.final_scan
         if qualifier in (Qualifier.P1, Qualifier.P) and not twice:
             return Meaning.of(("on activation", control), shown)
@@ -397,6 +398,7 @@ class ExecutedChartReader:
         name = plain_name(association.target) if association.target is not None else ""
         matters = is_code or association.qualifier.needs_duration or association.qualifier is Qualifier.P
         function = self._function(association.body)
+        # a single association is the same with a control of its own and with a common one
         if not matters or (self.used[name] if function is None else self.calls[function.name]) < 2:
             return ALONE
         if association.qualifier is Qualifier.P and not is_code and self._is_plain_but_for(association):

@@ -66,6 +66,7 @@ def _operand(box: net.Block) -> str:
 def _replace(network: net.LogicNetwork, box: net.Block, number: int) -> None:
     kind = box.type_name.upper()
     sets, reset = (_pin(box, name) for name in _PINS[kind])
+    # RS is (S OR state) AND NOT R1, SR is S1 OR (state AND NOT R): the inner operator has the number that is new
     reset.negated = not reset.negated
     state = net.BlockVariable(name="", input=net.InputPin(expression=_operand(box)))
     if kind == "RS":

@@ -82,7 +82,8 @@ class TextTerms:
         passed = f"{step.name}.T >= {first}"
         if last is not None:
             return self._chart.time(f"({bare} AND {passed})", None, last, is_late=True)
-        return passed if step.id in self._leaves else f"({bare} AND {passed})"  # the time of a step stays
+        # a step that was left keeps its last time; where a transition leaves it, it is active
+        return passed if step.id in self._leaves else f"({bare} AND {passed})"
 
 
 class GrafcetTexts:

@@ -154,6 +154,7 @@ class ActionFunctions:
         owner = around.owner if around is not None else pou
         found = self._of_actions.get(id(action))
         if found is None:
+            # found while its block is made, by a call in its own chart
             self._of_actions[id(action)] = "it executes itself"
             found = self._of_actions[id(action)] = self._make_chart(owner, action)
             if isinstance(found, ActionChart):
@@ -164,6 +165,7 @@ class ActionFunctions:
     def method(self, owner: Pou, method: Method, _path: str = "") -> MethodFunction | str:
         """Return the function for a method of `owner`; a reason where there is none."""
         if id(method) not in self._of_methods:
+            # found while its function is made
             self._of_methods[id(method)] = "it calls itself"
             self._of_methods[id(method)] = self._make_method(owner, method)
         return self._of_methods[id(method)]

@@ -224,13 +224,14 @@ class Drafter:
             return None
         item = self._not_negated(self.power(condition))
         pin = input_pin(ROW / 2)
-        common = {"id": self.new_id(), "input": pin, "execution_order": self.new_order()}
-        text = statement.label.identifier if isinstance(statement, n.Goto) else "RETURN"
-        node: net.Node = (
-            net.Jump.model_validate({"label": text, **common})
-            if text != "RETURN"
-            else net.Return.model_validate(common)
-        )
+        number, order = self.new_id(), self.new_order()
+        node: net.Node
+        if isinstance(statement, n.Goto):
+            text = statement.label.identifier
+            node = net.Jump(id=number, label=text, input=pin, execution_order=order)
+        else:
+            text = "RETURN"
+            node = net.Return(id=number, input=pin, execution_order=order)
         self.nodes.append(node)
         return placed(node, (text_width(text), ROW), [Slot(pin, ROW / 2, item)], [], ROW / 2)
 
@@ -287,6 +288,7 @@ class Drafter:
                 item = self._function_block(call, expression.name.identifier, None)
                 self._drawn_calls.append(path_of(expression.base))
                 return item
+        # a call with effects would be executed before the function blocks that are not drawn yet
         if is_impure(expression) and len(self._drawn_calls) < len(self._pending_calls):
             self._order_violated = True
         draft = self._operation_draft(expression, enable=None)

@@ -142,6 +142,7 @@ def with_distinct(tree: Statement, alternative: Alternative) -> Statement:
             return disjunction(inside) if changed else node
         if not (isinstance(node, n.Operation) and node.operator is Operator.AND):
             return node
+        # `s = A` and `(s = A OR s = B)` leave s these values, which decide all other comparisons of s beside them
         known: dict[Hashable, set[Hashable]] = {}
         for operand in node.operands:
             one_of = operands_of(operand, Operator.OR)

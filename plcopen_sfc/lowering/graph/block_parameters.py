@@ -130,7 +130,7 @@ def _one_displayed(commands: BlockCommands, state: n.Name) -> Iterator[Statement
     number, more, active = (commands.variable(name) for name in ("S_NO", "S_MORE", "S_ACTIVE"))
     selection, by_hand = commands.variable("S_SEL"), commands.is_on(Mode.MANUAL)
     some = negation(equal(state, _NONE))
-    other: Expression = FALSE
+    other: Expression = FALSE  # the step displayed is another one than the active one
     if number is not None:
         yield assignment(number, state)
     if selection is not None and not is_constant(by_hand, FALSE):

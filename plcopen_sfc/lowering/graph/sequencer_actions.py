@@ -59,6 +59,7 @@ class S5Timer:
 
     def falls_off(self, time: Expression, *, active: bool) -> list[Statement]:
         """Return the statements of TF: its time begins when the step is left."""
+        # while the step is active the TON rests, and the output is TRUE: NOT Q
         run = [assignment(self._runs, FALSE)] if active else [assignment(self._runs, TRUE)]
         mode = assignment(self._mode, n.Literal(_MODES[Qualifier.TF]))
         return [mode, assignment(self._time, time), *run]

@@ -354,11 +354,13 @@ class Instance:
         except OverflowError as error:
             raise self._said(f"a value is out of range: {error}", error) from None
         except (AttributeError, TypeError) as error:
+            # the generated code does not test references, which would take time: one to nothing is None
             if "NoneType" not in str(error):
                 raise
             raise self._said("a reference or VAR_IN_OUT that leads to nothing is used", error) from None
 
     def _renew(self) -> None:
+        # a function has no memory: every scan is a new call, with the inputs that were set
         fresh = self.unit.layout.new().v
         for field in self.unit.parameters:
             fresh[field.slot] = self.frame.v[field.slot]

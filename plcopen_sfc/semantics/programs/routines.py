@@ -186,7 +186,7 @@ def _body_function(callee: Callee, body: Body) -> Callable[..., None]:
 def _write_entry(callee: Callee, parameters: str, run: str) -> None:
     """Write the function that makes a frame, gives it arguments, runs it, and returns it."""
     writer = Writer()
-    writer.write("p.left -= 1")
+    writer.write("p.left -= 1")  # a recursion that does not end is found as a loop is
     writer.write("if p.left < 0: endless()")
     writer.write(f"f = {callee.library.new_name(callee.layout)}()")
     arguments = [f"a{field.slot}" for field in callee.parameters]
