@@ -111,16 +111,18 @@ def test_an_instance_is_a_global_variable_of_its_block(target: str) -> None:
 def test_what_has_no_type_is_reported() -> None:
     timer = DataBlock(name="T_1", kind=DataBlockKind.INSTANCE, type_name="IEC_TIMER")
     tags = TagTable(
-        name="S5", tags=[Tag(name="T5", type="Timer", address="%T5"), Tag(name="W", type="Int", address="%MW2")]
+        name="S5", tags=[Tag(name="Block", type="Block_FB", address="%M5"), Tag(name="T5", type="Timer", address="%T5")]
     )
     members = [Variable(name="at", type="DTL")]
     dated = DataBlock(name="Log", interface=Interface(sections=[VariableSection(variables=members)]))
     source = plant(pous=[], tag_tables=[tags], data_blocks=[timer, dated])
-    _, report = sfc.convert(source, "plcopen", partial=True)
+    data, report = sfc.convert(source, "plcopen", partial=True)
+    timed = all_globals(sfc.loads(data, format="plcopen", as_tool=True))["T5"]  # what steps run of it is its output
+    assert (str(timed.type), timed.address) == ("ElementaryType(name=BOOL)", None)
     found = {item.path: item.outcome for item in report.losses}
     assert found == {
         "data block T_1": Outcome.NOT_EXECUTED,
-        "tag table S5 / tag T5": Outcome.NOT_EXECUTED,
+        "tag table S5 / tag Block": Outcome.NOT_EXECUTED,
         "data block Log / variable at": Outcome.NOT_EXECUTED,
     }
 
