@@ -6,14 +6,18 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import hypothesis.strategies as st
 import pytest
+from hypothesis import HealthCheck, assume, given, settings
 
 import plcopen_sfc as sfc
 from plcopen_sfc import jump, selection, simultaneous, step
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.refactor.editor import Editor
+from tests.refactor.test_edited_files import random_project
 from tests.samples import FIXTURES
+from tests.sweeps import examples
 
 RUN = ["Main.Fill", "Main.Mix"]
 
@@ -99,6 +103,24 @@ def test_a_run_may_be_left_at_several_steps_where_actions_come_first(move: str, 
     other = plant("iec")
     with pytest.raises(ModelError, match="left at 2"):
         other.edit().move_to_action([*RUN, "Main.Drain"], "A", "B")
+
+
+@settings(max_examples=examples(20), deadline=None, suppress_health_check=[*HealthCheck])
+@given(st.data(), st.sampled_from(["iec", "codesys"]), st.sampled_from(["action", "block"]))
+def test_random_runs_do_the_same_in_the_same_scans(data: st.DataObject, dialect: str, move: str) -> None:
+    project = random_project(data.draw)
+    project.dialect = sfc.Dialect(dialect)
+    chart = project.pou("Main").chart
+    assert chart is not None
+    steps = data.draw(st.lists(st.sampled_from(chart.steps), min_size=1, max_size=3, unique_by=id))
+    edit = project.edit()
+    before = project.model_copy(deep=True)
+    try:
+        {"action": edit.move_to_action, "block": edit.move_to_block}[move](steps, "Moved", "Moved_into")
+    except ModelError:
+        assume(False)  # most random steps are no run
+    (proof, *_) = sfc.diff(before, project, prove=True, limit="20s").proofs
+    assert proof.equal, str(proof)
 
 
 def test_the_chart_of_an_action_has_the_form_of_its_tool() -> None:
