@@ -560,12 +560,9 @@ class _Reasons:
         transition, pou = part.transition, self._system.subject.pou
         value = "" if part.value is None else str(part.value).upper()
         shown = f"{transition_shown}: {_quoted(part.text)}"
-        is_dead = transition.index in self._unreachable.transitions.get(key[0], ())
-        is_dead |= self._unreachable.is_never_tested(key[0], transition, part.deciding)
-        if is_dead or (
-            part.value is not None and self._unreachable.has_never(key[0], transition, part.text, part.value)
-        ):
-            why = f"is never {value} (proven)" if value else "can never decide it (proven)"
+        is_never = self._unreachable.is_never_tested(key[0], transition, part.deciding)
+        if is_never or transition.index in self._unreachable.transitions.get(key[0], ()):
+            why = f"is never {value} (proven)" if value and is_never else "can never decide it (proven)"
             return Unreached(PART, shown, why, impossible=True, value=value)
         why = f"was never {value}" if value else "never decided it"
         frozen = self._unreachable.frozen_by([part.deciding], transition.chart or pou.chart)

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from datetime import date
 from functools import cache, cached_property, reduce
-from operator import or_
+from operator import and_, or_
 
 from plcopen_sfc.analysis.exclusivity import condition_of
 from plcopen_sfc.analysis.formulas import Formula, JudgedCondition
@@ -34,12 +35,36 @@ from plcopen_sfc.model.sfc import SfcBody, SfcNetwork, Step
 from plcopen_sfc.model.types import PointerType
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.net import Competing, Net, NetStep, NetTransition, indexes
-from plcopen_sfc.semantics.profile import ActionControl, Evolution, ScanOrder
+from plcopen_sfc.semantics.profile import ActionControl, Evolution
 from plcopen_sfc.semantics.programs.marks import may_act
 
 _MARKINGS = 20_000
+_MOST_SETTINGS = 64
+"""Combinations of step flags that are looked at one by one."""
+
+_WHILE_ACTIVE = frozenset({Qualifier.N, Qualifier.P, Qualifier.P0, Qualifier.P1, Qualifier.L, Qualifier.D})
 _POINTING = frozenset({"adr", "ref"})
 _FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
+
+
+@dataclass(frozen=True)
+class _Situations:
+    """Situations of a chart: the steps that are active and those that are not (bits); of others nothing is known."""
+
+    net: Net
+    known: tuple[tuple[int, int], ...]
+
+    def flags(self, names: Iterable[str]) -> list[dict[str, bool]]:
+        """Return the values that the flags of steps among some names have together."""
+        bits = {f"{step.path}.x".casefold(): step.bit for step in self.net.steps}
+        asked = {name: bits[name.casefold()] for name in names if name.casefold() in bits}
+        every = reduce(or_, asked.values(), 0)
+        found = {(active & every, idle & every) for active, idle in self.known}
+        if len(found) > _MOST_SETTINGS:
+            found = {(reduce(and_, (each[0] for each in found)), reduce(and_, (each[1] for each in found)))}
+        return [
+            {name: bool(active & bit) for name, bit in asked.items() if (active | idle) & bit} for active, idle in found
+        ]
 
 
 class Unreachable:
@@ -72,6 +97,7 @@ class Unreachable:
         self.fixed: set[str] = set()
         """Names (lower case) of variables that keep their first value: nothing that is executed writes them."""
         self._graph = cache(self._marking_graph)
+        self._executed_in = cache(self._situations_of)
         self._given = cache(self._constant_inputs)
         self._never_said: set[str] = set()
         main = [body for body in self._pou.bodies if isinstance(body, SfcBody)]
@@ -110,8 +136,7 @@ class Unreachable:
         if self._is_late():
             return False
         if called is None:
-            active = self._active_in.get(owner.removeprefix(f"{self._pou.name}.").casefold(), "")
-            return self._is_impossible(trees, chart, self.fixed, active)
+            return self._is_impossible(trees, chart, self.fixed, self._situations(owner))
         pou = self._system.called_pous()[called]
         formula = Formula(self._system.subject.project.dialect, self._knowledge.at(pou))
         terms = formula.terms([JudgedCondition(tree) for tree in trees])
@@ -141,7 +166,8 @@ class Unreachable:
 
     def is_never_tested(self, name: str, transition: NetTransition, tree: Expression) -> bool:
         """True if `tree` is FALSE wherever a chart of this name tests the condition of a transition."""
-        return self._is_impossible([tree, *self._false_before(name, transition)], transition.chart, self.fixed)
+        trees = [tree, *self._false_before(name, transition)]
+        return self._is_impossible(trees, transition.chart, self.fixed, self._tested_in(name, transition))
 
     def frozen_by(self, trees: Sequence[Expression], chart: SfcNetwork | None) -> list[str]:
         """The variables whose values keep conditions from being TRUE together, as nothing writes or gives them."""
@@ -152,20 +178,13 @@ class Unreachable:
             return []
         return sorted((frozen[name] for name in names), key=str.casefold)
 
-    def has_never(self, name: str, transition: NetTransition, text: str, value: bool) -> bool:
-        """True if the flag of a step never has a value where the condition of a transition is tested."""
-        path, dot, member = text.casefold().rpartition(".")
+    def _tested_in(self, name: str, transition: NetTransition) -> _Situations | None:
+        """Return the situations in which a chart tests the condition of a transition; None: not known."""
         net = self._nets.get(name)
-        profile = self._system.profile
-        if net is None or dot != "." or member != "x" or profile.evolution is not Evolution.SINGLE:
-            return False
-        bit = next((step.bit for step in net.steps if step.path.casefold() == path), 0)
-        if not bit or profile.order is ScanOrder.RETIMED:
-            return False
-        graph = self._graph(name)
-        return graph.complete and not any(
-            bool(marking & bit) is value for marking in graph if not transition.pre & ~marking
-        )
+        if net is None or self._system.profile.evolution is not Evolution.SINGLE or not self._graph(name).complete:
+            return None
+        pre = transition.pre
+        return _Situations(net, tuple((marking, ~marking) for marking in self._graph(name) if not pre & ~marking))
 
     def _marking_graph(self, name: str) -> MarkingGraph:
         return MarkingGraph(self._nets[name], competing=self._system.profile.competing, cap=_MARKINGS)
@@ -279,24 +298,47 @@ class Unreachable:
         owners += self._pou.transitions if owners else []
         return set().union(*map(self._changing_names, owners))
 
-    @cached_property
-    def _active_in(self) -> Mapping[str, str]:
-        """The flag of the step that is active wherever an action is executed, by the name of the action.
+    def _situations(self, owner: str) -> _Situations | None:
+        """Return the situations in which a text is executed that only one step has; None: not known."""
+        return self._executed_in(owner.removeprefix(f"{self._pou.name}.").casefold())
 
-        The step has it with N, nothing else names it, and no transition that can fire leaves the step: so it is not
-        executed once more behind the step either.
-        """
+    def _situations_of(self, action: str) -> _Situations | None:
+        step = self._only_step.get(action)
+        own = self._pou.name
+        if step is None or self._system.profile.evolution is not Evolution.SINGLE:
+            return None
+        net = self._nets[own]
+        firing = [t for t in net.transitions if t.index not in self.transitions.get(own, ())]
+        if not any(step.index in transition.sources for transition in firing):
+            return _Situations(net, ((step.bit, 0),))  # it is not executed once more behind the step either
+        if not self._graph(own).complete:
+            return None
+        # Behind the step it is executed once more, when its transitions have fired: what is active then was so before,
+        # or is entered from there.
+        found = []
+        for marking in self._graph(own):
+            if marking & step.bit:
+                later = reduce(or_, (t.post for t in firing if not t.pre & ~marking), marking)
+                found += [(marking, ~marking), (0, ~later | step.bit)]
+        return _Situations(net, tuple(found))
+
+    @cached_property
+    def _only_step(self) -> Mapping[str, NetStep]:
+        """The step of the POU's own chart that alone executes an action while it is active, by the action's name."""
+        net = self._nets.get(self._pou.name)
+        if net is None or net.hierarchy or net.chart.flags_in_use(lambda flag: flag.casefold() in self._declared_flags):
+            return {}
         named = Counter(self._named_once())
-        found: dict[str, str] = {}
-        for name, net in self._nets.items():
-            if net.hierarchy or net.chart.flags_in_use(lambda flag: flag.casefold() in self._declared_flags):
-                continue
-            left = {i for t in net.transitions if t.index not in self.transitions.get(name, ()) for i in t.sources}
-            for step in net.steps:
-                for each in step.step.actions if step.index not in left and not step.step.negated else ():
-                    action = (each.target or "").casefold()
-                    if each.qualifier is Qualifier.N and not each.negated and named[action] == 1:
-                        found[action] = f"{step.path}.x".casefold()
+        found: dict[str, NetStep] = {}
+        for step in net.steps:
+            own = step.step
+            rows = [each for each in own.actions if each.qualifier in _WHILE_ACTIVE and not each.negated]
+            names = [each.target for each in rows] + [own.entry_action, own.main_action, own.exit_action]
+            found |= {
+                name.casefold(): step
+                for name in names
+                if isinstance(name, str) and named[name.casefold()] == 1 and not own.negated
+            }
         return found
 
     def _named_once(self) -> Iterator[str]:
@@ -376,24 +418,25 @@ class Unreachable:
         return bool(trees) and self._is_impossible(trees, transition.chart, fixed)
 
     def _is_impossible(
-        self, trees: Sequence[Expression], chart: SfcNetwork | None, fixed: set[str], active: str = ""
+        self,
+        trees: Sequence[Expression],
+        chart: SfcNetwork | None,
+        fixed: set[str],
+        situations: _Situations | None = None,
     ) -> bool:
-        """Return True if one of some conditions is FALSE while some variables are not written.
-
-        `active`: the flag of a step that is active, in lower case.
-        """
+        """Return True if one of some conditions is FALSE, in each situation, while some variables are not written."""
         if self._is_late():
             return False
         formula = Formula(self._system.subject.project.dialect, self._knowledge.at(self._pou, chart))
         terms = formula.terms([JudgedCondition(tree) for tree in (*trees, *self._known)])
-        known = {}
-        for text in formula.names():
+        known: dict[str, bool | int | float | str | date | None] = {}
+        names = formula.names()
+        for text in names:
             root = text.casefold().partition(".")[0]
             if root in fixed or text.casefold() in fixed:
                 known[text] = self._first_value(text)
-            elif text.casefold() == active:
-                known[text] = True
-        return formula.is_impossible(terms, known)
+        flags = situations.flags(name for name in names if name not in known) if situations is not None else [{}]
+        return all(formula.is_impossible(terms, known | each) for each in flags)
 
     def _first_value(self, text: str) -> bool | int | float | None:
         self._system.reset()

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import json
 from functools import cache
+from random import Random
 
 import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
+from plcopen_sfc.analysis.coverage import PART
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.lowering.proof import prove
-from plcopen_sfc.model import Action, ActionAssociation, ActionEvent, Project, Qualifier, StBody, conditions
+from plcopen_sfc.model import Action, ActionAssociation, ActionEvent, Pou, Project, Qualifier, StBody, conditions
 from plcopen_sfc.semantics.subjects import resolve
+from tests.lowering.random_charts import random_chart
 
 
 def project(declarations: str, transitions: str, steps: str = "INITIAL_STEP A: END_STEP STEP B: END_STEP") -> Project:
@@ -762,3 +765,44 @@ def test_conditions_of_called_programs_are_solved_for_inputs_of_their_callers() 
     sides = [sfc.loads(each.encode(), format="iec-text").pou("PLC_PRG") for each in texts]
     verdict = equivalent(*sides, "codesys", cap=10, runs=20, scans=100)
     assert verdict.different, str(verdict)
+
+
+def test_flags_that_are_never_together_are_proven_apart() -> None:
+    """What the action of one step asks of the time of another one, which is not active then, is reached by nothing."""
+    chart = project(
+        "VAR_INPUT Go : BOOL; END_VAR\nVAR_OUTPUT Q : BOOL; END_VAR",
+        "TRANSITION FROM A TO B := Go; END_TRANSITION TRANSITION FROM B TO C := Go; END_TRANSITION"
+        " TRANSITION FROM C TO A := NOT Go; END_TRANSITION",
+        "INITIAL_STEP A: END_STEP STEP B: Early(N); END_STEP STEP C: Late(N); END_STEP"
+        " ACTION Early: Q := B.X AND B.T < T#3s OR C.X; END_ACTION"
+        " ACTION Late: Q := B.X AND B.T < T#3s OR C.X; END_ACTION",
+    )
+    verdict = equivalent(chart, chart, "codesys", cap=1, runs=10, scans=100)
+    assert verdict.kind is VerdictKind.TESTED
+    assert verdict.coverage[0].untested == ()
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys", "matiec"])
+def test_what_is_called_unreachable_is_reached_by_no_longer_run(profile: str) -> None:
+    """The flags of some steps are asked for in the actions of others, in charts of all shapes."""
+    impossible = 0
+    for seed in range(12):
+        random = Random(seed)  # noqa: S311
+        pou = random_chart(seed, size=5, codesys=profile == "codesys")
+        chart = pou.chart
+        names = [step.name for step in chart.steps]
+        for number, step in enumerate(chart.steps):
+            asked = " AND ".join(f"{random.choice(names)}.X" for _ in range(2))
+            text = f"IF {asked} AND {random.choice(names)}.T > T#20ms THEN q1 := TRUE; END_IF;"
+            pou.actions.append(Action(name=f"Asks{number}", body=StBody(text=text)))
+            step.actions.append(ActionAssociation(id=900 + number, qualifier=Qualifier.N, target=f"Asks{number}"))
+
+        def unreached(pou: Pou = pou, **effort: int) -> dict[tuple[str, ...], bool]:
+            first = equivalent(pou, pou, profile, cap=1, **effort).coverage[0]
+            return {each.key: each.impossible for each in first.unreached if each.kind != PART}
+
+        short, long = unreached(runs=1, scans=3), unreached(runs=30, scans=120)
+        never = {key for key, proven in short.items() if proven}
+        assert never <= long.keys()
+        impossible += len(never)
+    assert impossible > 20
