@@ -365,6 +365,7 @@ def _initial_value(rig: FeatureChart) -> None:
     if rig.project.dialect is m.Dialect.SCL:
         rig.pou.actions.clear()
         rig.act("Work", "n", "N", value="limit")
+        rig.act("Done", "limit", "N", value="5")
     else:
         rig.act("Work", "Count")
     rig.act("Done", "q")
