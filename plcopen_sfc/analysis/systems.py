@@ -123,7 +123,7 @@ class FreeCalls(UnknownCalls):
 InputReader = Callable[[str], Any]
 _NONE: Mapping[str, Value] = MappingProxyType({})
 _NOT = "NOT "
-_NO_STEPS = StepTimes(limit=0, anywhere=frozenset(), read=frozenset())
+_NO_STEPS = StepTimes(limit=0, anywhere=frozenset(), read=frozenset(), names=frozenset())
 
 
 @dataclass(frozen=True)
@@ -189,10 +189,10 @@ class ProgramSystem:
         self.times = _NO_STEPS
         if self.instance.charts():
             self.times = times or step_times(subject, clock.scan_time)
+        self._looked_at: list[str] = []
         self._forget = self._forgetting()
         self._dead: list[tuple[list[Any], int, Value | None]] = []
         self._timers: list[WaitingTimer] = []
-        self._looked_at: list[str] = []
         frames = [frame for _, _, frame in self.instance.charts()]
         self._starts = [(f.v, x.slot) for f in frames for x in f.layout.fields if x.type is INSTANT]
         structures = [each for f in frames for each in f.v if isinstance(each, Frame)]
@@ -470,6 +470,7 @@ class ProgramSystem:
         """Variables are read at the end of scans. The state is the one before the first scan then."""
         self.reset()
         self._looked_at += paths
+        self._forget = self._forgetting()
         found = dead_cells(self.instance, self._looked_at)
         own = self.instance.frame.v
         self.instance.leave_out(frozenset(slot for cells, slot, _ in found if cells is own))
@@ -621,9 +622,10 @@ class ProgramSystem:
     def _forgetting(self) -> list[tuple[Frame, Callable[[Frame, int], None]]]:
         """Return the statements that set back the times of steps."""
         found: list[tuple[Frame, Callable[[Frame, int], None]]] = []
+        names = self.times.names.union(path.rpartition(".")[2].casefold() for path in self._looked_at)
         for _, chart, frame in self.instance.charts():
             if isinstance(chart, RunningChart):
-                found.append((frame, chart.forgetting(self.times.anywhere, self.times.read)))
+                found.append((frame, chart.forgetting(self.times.anywhere, self.times.read, names)))
         return found
 
     def _clamp(self, now: int) -> None:

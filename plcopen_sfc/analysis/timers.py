@@ -56,16 +56,18 @@ class Clocking:
 
 @dataclass(frozen=True)
 class StepTimes:
-    """Use that a program makes of the times of the steps of its charts.
+    """Use that a program makes of the times and other data of the steps of its charts.
 
     Elapsed times beyond `limit` make no difference any more (None: they may). `read` are the steps of which a text
-    reads the time, `anywhere` those of which one does elsewhere than in the conditions behind them. Names are in lower
+    reads the time, `anywhere` those of which one does elsewhere than in the conditions behind them. `names` are all
+    that texts have but those of what a member is read of: ``V1`` and not ``Clamp`` of ``Clamp.V1``. Names are in lower
     case.
     """
 
     limit: int | None
     anywhere: frozenset[str]
     read: frozenset[str]
+    names: frozenset[str]
 
 
 def clocking(subjects: Sequence[Subject], scan_time: int | None) -> Clocking:
@@ -100,7 +102,21 @@ def step_times(subject: Subject, scan_time: int) -> StepTimes:
     known = all(duration is None or duration_of(duration) is not None for duration in durations)
     plain = all(read.is_compared for read in reads)
     limit = max(_constants(texts), default=0) + scan_time if plain and known else None
-    return StepTimes(limit, *_steps_read(charts, [read.step for read in reads], subject.project.dialect))
+    names = frozenset(name for text in texts for tree in _trees(text) for name in _names_in(tree))
+    return StepTimes(limit, *_steps_read(charts, [read.step for read in reads], subject.project.dialect), names)
+
+
+def _names_in(tree: n.Node) -> Iterator[str]:
+    """Yield the names in a tree, in lower case, but for those that a member is named of."""
+    pending = [tree]
+    while pending:
+        node = pending.pop()
+        if isinstance(node, n.Name):
+            yield node.identifier.casefold()
+        elif isinstance(node, n.Member) and isinstance(node.base, n.Name):
+            yield node.name.identifier.casefold()
+        else:
+            pending += children(node)
 
 
 def _steps_read(

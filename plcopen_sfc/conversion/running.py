@@ -56,6 +56,9 @@ if TYPE_CHECKING:
 _CAP, _RUNS, _MOST_RUNS, _SCANS = 2_000, 10, 100, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
 
+_LEAST_LIMIT, _LIMIT_OF_STEP = 5.0, 0.1
+"""Seconds for which charts are simulated if no limit is given: 300 steps are entered and compared in 20."""
+
 _IN_IT = "what the report names as approximated is in it"
 SHIFTED = "the same but for the inputs that actions see, and the first scan"
 """Part of the verdict on a chart that does the same in both tools if its actions get the same inputs."""
@@ -66,6 +69,11 @@ _APART |= {"max time", "maximum time"}
 """Losses beside which a run shows more: what operates a chart rests, nothing looks at addresses or times of tasks, and
 the chart of a GRAFCET may have no step that is only passed or left by two transitions, and begins one scan later. A
 block for the chart of an action may do the same, and actions in another order or calculations of other widths."""
+
+
+def usual_limit(project: Project) -> float:
+    """Return the seconds that suffice for the charts of a project, as far as their sizes tell."""
+    return max(_LEAST_LIMIT, _LIMIT_OF_STEP * sum(len(place.chart.steps) for place in project.charts()))
 
 
 def report_running(
@@ -95,6 +103,7 @@ def report_running(
     assumed = assumed_types(source, undeclared) if undeclared else []
     undeclared -= {declaration.name.casefold() for declaration in assumed}
     pairs = list(chart_pairs(source, result, called))
+    cap = round(_CAP * max(limit / usual_limit(source), 1))  # who gives more time wants a proof of more states
     asked = with_inputs(result, _kept_inside(pairs, called))
     listed = _listed_variables(source, result)
     running = [with_types(project, assumed) if assumed else project for project in (source, asked)]
@@ -115,7 +124,7 @@ def report_running(
             step_flags=_step_flags(there, here, called, _hidden_flags(report, there)),
             inputs=listed | _renamed_variables(here, called) | _executed_inputs(report, there),
             free_inputs=ALL_FREE,
-            cap=_CAP,
+            cap=cap,
             runs=_RUNS,
             most_runs=_MOST_RUNS,
             scans=_SCANS,

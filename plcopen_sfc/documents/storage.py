@@ -274,21 +274,16 @@ def _format_of_list(path: str) -> Format | None:
     return next((kind for kind in all_formats() if kind.list_extension and kind.list_extension == extension), None)
 
 
-_LEAST_LIMIT, _LIMIT_OF_STEP = 5.0, 0.1
-"""Seconds for which charts are simulated if no limit is given: 300 steps are entered and compared in 20."""
-
-
 def _seconds(limit: float | str, project: Project) -> float:
     """Return a limit in seconds; ``auto`` are those that suffice for the charts of a project, as their sizes tell."""
     if not isinstance(limit, str):
         return limit
-    if limit.strip().casefold() == "auto":
-        return max(_LEAST_LIMIT, _LIMIT_OF_STEP * sum(len(place.chart.steps) for place in project.charts()))
     if limit.strip() == "0":
         return 0
     from plcopen_sfc.analysis.search_limits import seconds  # noqa: PLC0415  # brings the interpreter
+    from plcopen_sfc.conversion.running import usual_limit  # noqa: PLC0415  # brings the interpreter
 
-    return seconds(limit) or 0
+    return usual_limit(project) if limit.strip().casefold() == "auto" else seconds(limit) or 0
 
 
 @collecting_rarely()

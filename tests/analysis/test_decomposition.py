@@ -8,6 +8,8 @@ from collections.abc import Callable
 from random import Random
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalence, equivalent
@@ -20,6 +22,9 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.analysis.schemes import EXACT, Flow, chart_of, program, step_flags
 from tests.lowering.random_charts import random_chart
+from tests.lowering.random_sequencers import sequencers
+from tests.lowering.sequencers import block
+from tests.sweeps import examples
 
 Divided = Callable[[], Search | None]
 Accepted = Callable[[Explored], bool]
@@ -93,6 +98,45 @@ def test_random_charts_and_programs_with_mistakes(name: str, monkeypatch: pytest
         outcomes[parts.kind, parts.parts > 1] += 1
     assert outcomes[VerdictKind.DIFFERENT, True] >= 4, outcomes
     assert outcomes[VerdictKind.PROVEN, True] >= 4, outcomes
+
+
+@pytest.mark.slow
+@settings(deadline=None, max_examples=examples(60), derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@given(sequencers(switching=False), st.integers(0, 999))
+def test_random_sequencers_of_s7_graph_with_mistakes(drawn: tuple[m.SfcNetwork, str, str], seed: int) -> None:
+    """What is left out of states and of parts changes no verdict: nothing that is proven differs in random runs."""
+    chart, inputs, outputs = drawn
+    project = block(chart, inputs, outputs)
+    other = project.model_copy(deep=True)
+    with_mistake(other.pous[0].chart, Random(seed))  # noqa: S311
+    with pytest.MonkeyPatch.context() as patch:
+        whole, parts = verdicts(patch, lambda: equivalent(project, other, "s7graph", cap=300, runs=0))
+    if VerdictKind.TESTED not in (whole.kind, parts.kind):
+        assert parts.kind is whole.kind, f"{whole}\n{parts}"
+    if whole.counterexample is not None and parts.counterexample is not None:
+        assert len(parts.counterexample.inputs) == len(whole.counterexample.inputs)
+    if VerdictKind.PROVEN in (whole.kind, parts.kind):
+        assert not equivalent(project, other, "s7graph", cap=1, runs=12, scans=60, seed=seed).different
+
+
+def with_mistake(chart: m.SfcNetwork, random: Random) -> None:
+    """Change something of a sequencer, or nothing that counts."""
+    step = random.choice(chart.steps)
+    transition = random.choice(chart.transitions) if chart.transitions else None
+    match random.randrange(6):
+        case 0 if transition is not None:
+            transition.condition = m.Expression(text="#c1 OR #c2")
+        case 1:
+            step.interlock = None
+        case 2:
+            step.supervision = None
+        case 3 | 4 if step.actions:
+            action = random.choice(step.actions)
+            action.interlock = not action.interlock
+            if random.randrange(2):
+                step.actions = [each for each in step.actions if each is not action]
+        case _:
+            step.comment = "nothing"
 
 
 def test_a_part_that_counts_is_proven_whatever_the_number_is() -> None:

@@ -7,7 +7,8 @@ from collections.abc import Iterable
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.analysis.decomposition import NotDivisibleError, cone, parts_of
+from plcopen_sfc import model as m
+from plcopen_sfc.analysis.program_parts import NotDivisibleError, cone, parts_of
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.analysis.timers import clocking
 from plcopen_sfc.model import ActionAssociation, Pou, Qualifier, SfcNetwork, StBody
@@ -15,6 +16,8 @@ from plcopen_sfc.semantics.profile import profile
 from plcopen_sfc.semantics.programs.controller import Instance
 from plcopen_sfc.semantics.subjects import resolve
 from tests.analysis.schemes import program
+from tests.lowering.sequencers import act as act_of_s7
+from tests.lowering.sequencers import block, guarded
 
 
 def instance(subject: Pou | SfcNetwork | sfc.Project, name: str = "iec") -> Instance:
@@ -203,3 +206,30 @@ def test_charts_that_act_as_a_whole_are_not_divided() -> None:
     """
     with pytest.raises(NotDivisibleError, match="as a whole"):
         taken(sfc.loads(flagged.encode(), format="iec-text"), ["s0"], under="codesys")
+
+
+def test_the_actions_of_a_sequencer_are_parts_beside_one_net() -> None:
+    """Interlocks and supervisions hold steps and release actions: they are in every part, as conditions are."""
+    chart = guarded(act_of_s7("S", "Q", "L1"), act_of_s7("N", "P"), act_of_s7("CU", "n", "S1"))
+    chart.permanent_post = [m.PermanentOperation(body=StBody(text="#R := #S2.X;"))]
+    project = block(chart, "ok fault", "P Q R n:INT")
+
+    def kept(*names: str) -> tuple[list[str | None], int, bool]:
+        (pou,) = project.pous
+        parts = parts_of(ProgramSystem(resolve(pou), profile("s7graph"), clocking([resolve(pou)], None)).instance)
+        part = parts.taken(cone(parts.parts, names)).chart
+        step = part.step("S2")
+        checked = step.interlock is not None and step.supervision is not None
+        return [each.target for each in step.actions], len(part.permanent_post), checked
+
+    assert kept("q") == (["#Q"], 0, True)
+    assert kept("n") == (["#n"], 0, True)
+    assert kept("r") == ([], 1, True)
+    assert kept("s2") == ([], 0, True)
+
+
+@pytest.mark.parametrize("action", [act_of_s7("ON", "S3", "S1"), act_of_s7("TL", "t", "S1", duration="T#1s")])
+def test_sequencers_whose_actions_switch_steps_or_run_timers_are_not_divided(action: ActionAssociation) -> None:
+    (pou,) = block(guarded(action), "ok fault", "t").pous
+    with pytest.raises(NotDivisibleError, match="switches steps, or a timer"):
+        parts_of(ProgramSystem(resolve(pou), profile("s7graph"), clocking([resolve(pou)], None)).instance)

@@ -87,6 +87,51 @@ def test_conditions_with_the_time_of_a_step_are_proven_in_every_tool(target: str
 SAMPLED = """ACTION Look: IF b AND m = 0 THEN m := 1; END_IF; IF NOT b AND m = 0 THEN m := 2; END_IF; END_ACTION"""
 
 
+@pytest.mark.parametrize("target", ["codesys", "plcopen-2.01"])
+def test_a_station_with_interlocks_supervisions_and_counters_is_proven(target: str) -> None:
+    """As TIA users program one: what is not compared with each other is searched apart, whatever a counter counts."""
+    project = sfc.Project(name="Plant")
+    pou = project.add_function_block(
+        "Station",
+        sfc.step("Idle", initial=True, actions=["N Ready", "S1 R Trouble"]),
+        "Start AND Auto",
+        sfc.step("Feed", actions=["N Belt", "S1 N Count := Count + 1"], supervision="Jam", interlock="Guard"),
+        "Part",
+        sfc.step("Clamp", actions=["S Clamped", "C N ClampLamp", "V1 S Trouble"], interlock="Guard", supervision="Jam"),
+        "Closed",
+        sfc.simultaneous(
+            [
+                sfc.step(
+                    "Drill", actions=["C N Drilling", "L1 S Stopped", "L0 R Stopped"], interlock="Guard AND NOT Over"
+                ),
+                "Deep",
+                sfc.step("Up", actions=["N Lift"]),
+            ],
+            [
+                sfc.step("Cool", actions=["D T#2s Pump", "S0 R Alarm"]),
+                "Cold",
+                sfc.step("Cooled", actions=["L T#3s Lamp"]),
+            ],
+        ),
+        "Top",
+        sfc.step("Check", actions=["S1 N Trigger", "N Lamp"]),
+        sfc.selection(
+            ["Ok", sfc.step("Good", actions=["S1 S IsGood"]), "TRUE"],
+            ["Bad", sfc.step("Failed", actions=["S1 R IsGood", "S1 S Alarm"]), "Ack"],
+        ),
+        sfc.step("Open", actions=["R Clamped"]),
+        "Opened",
+        sfc.jump("Idle"),
+    )
+    pou.add_variable("Count", "INT", "output")
+    source = sfc.loads(sfc.dumps(project, format="simaticml"))
+    _, report = sfc.convert(source, target, limit="30s")
+    (verdict,) = report.compared.values()
+    assert re.search(r"equal.* \(proof: \d+ states in \d+ parts", verdict), verdict
+    assert not report.untested
+    assert all(item.outcome is not Outcome.NOT_EXECUTED for item in report.losses)
+
+
 @pytest.mark.parametrize(
     ("first", "initial", "target", "why"),
     [

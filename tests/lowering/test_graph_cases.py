@@ -12,6 +12,7 @@ from plcopen_sfc.lowering import Construction, LoweredPou
 from plcopen_sfc.lowering.proof import prove
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.subjects import resolve
+from tests.lowering.random_sequencers import sequencers
 from tests.lowering.sequencers import (
     STANDARD_INPUTS,
     STANDARD_OUTPUTS,
@@ -23,7 +24,6 @@ from tests.lowering.sequencers import (
     text,
     verdict,
 )
-from tests.lowering.test_graph import sequencers
 from tests.semantics.charts.rig import chain
 from tests.sweeps import examples
 

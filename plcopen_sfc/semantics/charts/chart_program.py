@@ -78,7 +78,7 @@ class ChartProgram(RunningChart):
 
     @property
     def is_divisible(self) -> bool:
-        """True if nets that no transition connects, and actions, do not know of each other but by variables.
+        """See `RunningChart`.
 
         Flags, forcing orders, the search for a stable situation and logic drawn beside the steps concern all of them.
         """
@@ -93,7 +93,9 @@ class ChartProgram(RunningChart):
             owner = Owner(macro.path, macro.steps, since, macro.step.negated)
             yield from ((owner, model) for model in macro.step.actions if not model.exclude)
 
-    def forgetting(self, anywhere: Container[str], read: Container[str]) -> Callable[[Frame, int], None]:
+    def forgetting(
+        self, anywhere: Container[str], read: Container[str], _names: Container[str]
+    ) -> Callable[[Frame, int], None]:
         """See `RunningChart`."""
         used = {self._steps.since[index] for index in (*self._waits, *self._watches)} | self._actions.step_times
         if self._grafcet is not None:

@@ -40,12 +40,20 @@ class RunningChart(CompiledChart):
         self._plans: Plans[int, Any]
         self._refused: UnknownBehaviourError | None = None
 
+    @property
     @abstractmethod
-    def forgetting(self, anywhere: Container[str], read: Container[str]) -> Callable[[Frame, int], None]:
-        """Return a function that sets back times of steps that no later scan sees, so that fewer states are different.
+    def is_divisible(self) -> bool:
+        """True if its nets and its actions do not know of each other but by variables."""
+
+    @abstractmethod
+    def forgetting(
+        self, anywhere: Container[str], read: Container[str], names: Container[str]
+    ) -> Callable[[Frame, int], None]:
+        """Return a function that sets back data of steps that no later scan sees, so that fewer states are different.
 
         `read` are the steps whose time a text reads (names in lower case), `anywhere` those of which one does elsewhere
-        than in the conditions behind them, and so also when they are not active.
+        than in the conditions behind them, and so also when they are not active. `names` are those of all else that a
+        text reads: of its steps where one reads more than a member, and of members.
         """
 
     @abstractmethod

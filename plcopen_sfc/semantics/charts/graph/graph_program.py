@@ -13,6 +13,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass
+from functools import reduce
+from operator import or_
 from typing import TYPE_CHECKING, Any
 
 from plcopen_sfc.errors import Location, UnknownBehaviourError
@@ -45,9 +47,9 @@ if TYPE_CHECKING:
 _COILS = frozenset({Qualifier.N, Qualifier.D, Qualifier.L})
 SWITCHES = frozenset({Qualifier.ON, Qualifier.OFF})
 """Qualifiers that switch steps."""
-_COUNTERS = frozenset({Qualifier.CS, Qualifier.CU, Qualifier.CD, Qualifier.CR})
-_TIMERS = frozenset({Qualifier.TL, Qualifier.TD, Qualifier.TR, Qualifier.TF})
-_NEED_EVENT = (SWITCHES | _COUNTERS | _TIMERS) - {Qualifier.TF}
+COUNTERS = frozenset({Qualifier.CS, Qualifier.CU, Qualifier.CD, Qualifier.CR})
+TIMERS = frozenset({Qualifier.TL, Qualifier.TD, Qualifier.TR, Qualifier.TF})
+_NEED_EVENT = (SWITCHES | COUNTERS | TIMERS) - {Qualifier.TF}
 _LAST_COUNT = 999
 """S5 counters count from 0 to 999."""
 
@@ -126,7 +128,7 @@ class GraphActions:
             row = _Row(model.qualifier, model.event, model.interlock, owner.since, key, noted)
             if model.event is ActionEvent.C:  # no event: the row acts as one with the interlock
                 row.event, row.interlock = None, True
-            if model.qualifier in _TIMERS:
+            if model.qualifier in TIMERS:
                 row.timer = self._timer(row.key)
             if model.qualifier in SWITCHES:
                 row.switched = self._steps_named(model.target or "", owner)
@@ -180,7 +182,7 @@ class GraphActions:
             row.duration = missing_time(f"{model.target} has no time for {model.qualifier}", where)
         if row.qualifier in SWITCHES:
             return
-        if row.qualifier in _COUNTERS and model.target:
+        if row.qualifier in COUNTERS and model.target:
             number = ELEMENTARY["INT"]
             row.read = Routines(self._scope).getter(model.target, number)
             row.write = Routines(self._scope).setter(model.target, number)
@@ -350,12 +352,50 @@ class GraphProgram(RunningChart):
         except UnknownBehaviourError as error:
             self._refused = error
 
-    def forgetting(self, anywhere: Container[str], read: Container[str]) -> Callable[[Frame, int], None]:
+    @property
+    def is_divisible(self) -> bool:
+        """See `RunningChart`."""
+        return self._refused is None and not self._chart.logic
+
+    def forgetting(
+        self, anywhere: Container[str], read: Container[str], names: Container[str]
+    ) -> Callable[[Frame, int], None]:
         """See `RunningChart`."""
         # conditions are also evaluated for steps that are not active yet
         ahead = self._skips or any(a.qualifier in SWITCHES for s in self.net.steps for a in s.step.actions)
         used = {self._steps.since[s.index] for s in self.net.steps if any(a.duration for a in s.step.actions)}
-        return forgetting(self._steps, read if ahead else anywhere, read, used)
+        times = forgetting(self._steps, read if ahead else anywhere, read, used)
+        rows = [(step.bit, row) for step in self.net.steps for row in step.step.actions if not row.exclude]
+        # each cycle clears the events of the last one before anything but permanent operations and other texts
+        # sees them, and the coils of S0 alone look back at the steps that were left before
+        shown = [step_data.EVENT_NAMES, step_data.TRANSITION, (step.step.name.casefold() for step in self.net.steps)]
+        sees_events, sees_transitions, sees_steps = (any(name.casefold() in names for name in each) for each in shown)
+        sees_undisturbed = "u" in names
+        looks_back = any(row.event is ActionEvent.S0 for _, row in rows)
+        # that an interlock was not satisfied in the cycle before makes its events, and nothing else
+        told = (ActionEvent.L1, ActionEvent.L0)
+        watched = reduce(or_, (bit for bit, row in rows if row.event in told), 0)
+        unwatched = [self._slots[s.index] for s in self.net.steps if not watched & s.bit and not sees_events]
+
+        def forget(frame: Frame, now: int) -> None:
+            times(frame, now)
+            if sees_steps:
+                return
+            v = frame.v
+            if not sees_events:
+                self._clear_events(frame)
+                v[self._eventful] = 0
+            if not sees_transitions:
+                self._show_transitions(frame, (), {}, 0)
+            if not looks_back and self._actions is not None:
+                v[self._actions.trailing] = 0
+            for slot in unwatched:
+                v[slot].v[step_data.LA] = v[slot].v[step_data.LS] = False
+            if not sees_undisturbed:
+                for slot in self._slots:
+                    v[slot].v[step_data.U] = 0
+
+        return forget
 
     # -- preparing
 

@@ -24,5 +24,8 @@ _STEP_SLOTS = {name: slot for slot, name in enumerate(STEP)}
 U, T_MAX, T_WARN, SNO = (_STEP_SLOTS[name] for name in ("U", "T_MAX", "T_WARN", "SNO"))
 S1, S0, L1, L0, V1, V0, A1, R1, LA, LS, VA, VS = (_STEP_SLOTS[name] for name in _BITS)
 ACKNOWLEDGED = _STEP_SLOTS["acknowledged"]
+EVENT_NAMES = tuple(_BITS)
+"""Names of the events, and of the state of conditions that they are made of."""
+
 EVENTS = (S1, S0, L1, L0, V1, V0, A1, R1)
 TV, TT, TS, TNO = range(4)
