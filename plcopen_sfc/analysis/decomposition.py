@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from plcopen_sfc.analysis.domains import Domain
-from plcopen_sfc.analysis.number_terms import explore_terms
+from plcopen_sfc.analysis.number_terms import explore_terms, searches
 from plcopen_sfc.analysis.product import Explored, Progress, Search, StopError, advanced, search
 from plcopen_sfc.analysis.program_parts import NotDivisibleError, cone, parts_of
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
@@ -28,9 +28,6 @@ _HEAD_START_FOR_A_VARIABLE = 20
 
 _SHARE = 4
 """Of so many scans one is given to the parts, as long as the whole may be the first to end."""
-
-_BEFORE_TERMS = 250
-"""States of a part that are searched before it is looked whether its numbers matter: a counter takes any number."""
 
 _BUILDING = 3
 """Scans that take as long as making the systems of a part, for each of their variables."""
@@ -76,7 +73,7 @@ class Division:
             first, second, domains = build(left, right, share.pairs)
             scans += _BUILDING * (first.size + second.size)
             found = None
-            for most in dict.fromkeys((min(cap, _BEFORE_TERMS), cap)):
+            for number, most in enumerate(searches(first, second, cap)):
                 searching = search(first, second, domains, most)
                 found = None
                 progress = Progress(0, 0)
@@ -96,7 +93,7 @@ class Division:
                     break
                 # numbers that were tried value by value may be equal whatever they are
                 signals = {name: domain.signal for name, domain in domains.items()}
-                proven = explore_terms(first, second, signals, cap, look) if most <= _BEFORE_TERMS else None
+                proven = explore_terms(first, second, signals, cap, look) if number == 0 else None
                 if proven is not None:
                     found = proven
                     break

@@ -14,14 +14,14 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, NamedTuple, Protocol, TypedDict
 
 from plcopen_sfc.analysis.coverage import Tally, any_untested, coverage_of
 from plcopen_sfc.analysis.decomposition import divide, race
 from plcopen_sfc.analysis.directed import Directed, DirectedSearch, Step
 from plcopen_sfc.analysis.domains import Domain
-from plcopen_sfc.analysis.number_terms import explore_terms
+from plcopen_sfc.analysis.number_terms import explore_terms, searches
 from plcopen_sfc.analysis.pairing import (
     ASKED_FOR,
     Delay,
@@ -539,22 +539,24 @@ class _Attempt:
 
     def _search(self) -> Explored:
         """Try every value of every input, in the whole and in parts."""
-        left, right, cap, look = self._left, self._right, self._tries.cap, self._watch.look
-        if self._clock.reason:
-            return Explored(0, 0, complete=False, reason=self._clock.reason)
+        left, right, look = self._left, self._right, self._watch.look
+        found = Explored(0, 0, complete=False, reason=self._clock.reason)
         try:
-            whole = search(left, right, self._domains, cap)
-            found = race(whole, left.size + right.size, self._divided, self._accepted, look)
-            if not found.complete and found.inputs is None:
-                found = explore_terms(left, right, self._signals, cap, look) or found
+            for number, cap in enumerate(searches(left, right, self._tries.cap) if not self._clock.reason else ()):
+                whole = search(left, right, self._domains, cap)
+                found = race(whole, left.size + right.size, partial(self._divided, cap), self._accepted, look)
+                if number == 0 and not found.complete and found.inputs is None:
+                    found = explore_terms(left, right, self._signals, self._tries.cap, look) or found
+                if found.complete or found.inputs is not None or not found.capped:
+                    break
         except KeyboardInterrupt:
             found = Explored(self._watch.states, 0, complete=False, reason=INTERRUPTED)
         return found
 
-    def _divided(self) -> Search | None:
+    def _divided(self, cap: int) -> Search | None:
         comparison = self._comparison
         division = divide(self._left, self._right, comparison.pairs) if not comparison.unknown else None
-        return division.search(self._built, self._tries.cap, self._watch.look) if division is not None else None
+        return division.search(self._built, cap, self._watch.look) if division is not None else None
 
     def _built(
         self, one: Pou, other: Pou, pairs: Sequence[tuple[Observation, Observation]]

@@ -23,6 +23,9 @@ _MOST_ANSWERS = 60
 
 _LARGEST_TERM = 200
 _MOST_STATES = 2_000
+BEFORE_TERMS = 500
+"""States that are searched value by value before terms: a counter has thousands, most else has few."""
+
 Key = tuple[Hashable, ...]
 Operator = Callable[["Term", object], "Term"]
 
@@ -194,6 +197,11 @@ def _same_numbers(left: ProgramSystem, right: ProgramSystem) -> list[str]:
         and not other.is_input
         and other.signal == each.signal
     ]
+
+
+def searches(left: ProgramSystem, right: ProgramSystem, cap: int) -> tuple[int, ...]:
+    """Return the states up to which values are searched: first a few, where a counter may be proven with terms."""
+    return (min(cap, BEFORE_TERMS), cap) if cap > BEFORE_TERMS and _same_numbers(left, right) else (cap,)
 
 
 def explore_terms(
