@@ -492,7 +492,7 @@ def test_what_repeats_in_a_long_counterexample_is_shown_once() -> None:
     assert len(rows) + 2 * int(found[1]) == scans > 50
     assert rows[3].startswith(f"{int(found[2]) + 1} ")
     assert len(verdict.as_dict()["counterexample"]["inputs"]) == scans
-    assert Verdicts(str)(folded) == f".. die 2 Zeilen darüber noch {found[1]} Mal, bis Zyklus {found[2]}"
+    assert Verdicts(str, str)(folded) == f".. die 2 Zeilen darüber noch {found[1]} Mal, bis Zyklus {found[2]}"
 
 
 def test_a_long_counterexample_without_a_pattern_loses_its_middle() -> None:
