@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 
 from plcopen_sfc.analysis.domains import Domain
 from plcopen_sfc.analysis.number_terms import explore_terms, searches
-from plcopen_sfc.analysis.product import Explored, Progress, Search, StopError, advanced, search
+from plcopen_sfc.analysis.product import RUNS_FOR_A_STATE, Explored, Progress, Search, StopError, advanced, search
 from plcopen_sfc.analysis.program_parts import NotDivisibleError, cone, parts_of
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.model.pou import Pou
@@ -28,6 +28,9 @@ _HEAD_START_FOR_A_VARIABLE = 20
 
 _SHARE = 4
 """Of so many scans one is given to the parts, as long as the whole may be the first to end."""
+
+_BEFORE_TERMS = 500
+"""States of a part that are searched before it is looked whether its numbers matter: a counter takes any number."""
 
 _BUILDING = 3
 """Scans that take as long as making the systems of a part, for each of their variables."""
@@ -73,7 +76,7 @@ class Division:
             first, second, domains = build(left, right, share.pairs)
             scans += _BUILDING * (first.size + second.size)
             found = None
-            for number, most in enumerate(searches(first, second, cap)):
+            for number, most in enumerate(searches(first, second, cap, _BEFORE_TERMS)):
                 searching = search(first, second, domains, most)
                 found = None
                 progress = Progress(0, 0)
@@ -107,7 +110,8 @@ class Division:
                 inputs = found.inputs
             elif not found.complete:
                 failed.append(found)
-                if not found.capped:  # no limit, but something that cannot be followed: there is no proof any more
+                # there is no proof any more: others are searched for a difference as long as the whole would be
+                if not found.capped or (inputs is None and scans > max(RUNS_FOR_A_STATE * cap, _HEAD_START)):
                     break
         if inputs is not None:
             shortest = all(each.depth + 1 >= len(inputs) for each in failed)

@@ -22,9 +22,8 @@ _MOST_ANSWERS = 60
 """Comparisons of terms in a scan; a loop whose end is a term asks without end."""
 
 _LARGEST_TERM = 200
-_MOST_STATES = 2_000
-BEFORE_TERMS = 500
-"""States that are searched value by value before terms: a counter has thousands, most else has few."""
+MOST_STATES = 2_000
+"""States that are searched with terms."""
 
 Key = tuple[Hashable, ...]
 Operator = Callable[["Term", object], "Term"]
@@ -199,9 +198,9 @@ def _same_numbers(left: ProgramSystem, right: ProgramSystem) -> list[str]:
     ]
 
 
-def searches(left: ProgramSystem, right: ProgramSystem, cap: int) -> tuple[int, ...]:
+def searches(left: ProgramSystem, right: ProgramSystem, cap: int, few: int = MOST_STATES) -> tuple[int, ...]:
     """Return the states up to which values are searched: first a few, where a counter may be proven with terms."""
-    return (min(cap, BEFORE_TERMS), cap) if cap > BEFORE_TERMS and _same_numbers(left, right) else (cap,)
+    return (few, cap) if cap > few and _same_numbers(left, right) else (cap,)
 
 
 def explore_terms(
@@ -240,7 +239,7 @@ def explore_terms(
     calls = (left.unknown_calls, right.unknown_calls)
     for each in calls:
         each.number = number
-    found = ended(search(sides[0], sides[1], domains, min(cap, _MOST_STATES), follow), look)
+    found = ended(search(sides[0], sides[1], domains, min(cap, MOST_STATES), follow), look)
     for each in calls:
         each.number = None
     if found.complete and not found.notes:

@@ -36,7 +36,7 @@ from plcopen_sfc.errors import (
 )
 from plcopen_sfc.semantics.signals import Value
 
-_RUNS_FOR_A_STATE = 4
+RUNS_FOR_A_STATE = 4
 _BEFORE_GIVING_UP = 4
 """The part of all scans that are run before it is estimated how many more there will be."""
 
@@ -243,7 +243,7 @@ def _search(
     runs = 0
     notes: dict[str, SfcError] = {}
     closed = False
-    limit = cap * _RUNS_FOR_A_STATE
+    limit = cap * RUNS_FOR_A_STATE
     too_many = f"more than {limit:,} scans to search"
     while waiting:
         number, before_left, before_right = waiting.popleft()
