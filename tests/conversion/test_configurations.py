@@ -9,6 +9,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.report import Outcome
 from tests.samples import FIXTURES
 
 TARGETS = (
@@ -295,3 +296,31 @@ def test_an_instance_with_the_attribute_of_tc6_1_01_stays_as_it_is() -> None:
     old = data.replace(b'<pouInstance name="P1" typeName="Counter"', b'<pouInstance name="P1" type="Counter"')
     assert old != data
     assert b'name="P1" typeName="" type="Counter"' in sfc.dumps(sfc.loads(old), fresh=True)
+
+
+TWO_PROGRAMS = """PROGRAM Line VAR_INPUT go : BOOL; END_VAR VAR n : INT; END_VAR n := n + 1; END_PROGRAM
+PROGRAM Other VAR n : INT; END_VAR n := n + 2; END_PROGRAM
+CONFIGURATION C RESOURCE R ON PLC TASK T1(INTERVAL := T#20ms, PRIORITY := 1);
+PROGRAM I1 WITH T1 : Line{arguments}; PROGRAM I2 WITH T1 : Other; END_RESOURCE END_CONFIGURATION
+"""
+
+
+@pytest.mark.parametrize("target", ["codesys", "iec-text", "plcopen-2.01"])
+def test_an_edit_of_the_program_in_place_of_a_task_counts_on_the_way_back(target: str) -> None:
+    source = sfc.loads(TWO_PROGRAMS.format(arguments="").encode(), format="iec-text")
+    export = sfc.dumps(source, format="codesys23")
+    assert called_programs(sfc.dumps(sfc.loads(export), format=target)) == {"Line", "Other"}
+    edited = export.replace(b"Line();\r\nOther();", b"Line();\r\nIF Line.n > 3 THEN\r\nOther();\r\nEND_IF;")
+    assert edited != export
+    assert called_programs(sfc.dumps(sfc.loads(edited), format=target)) == {"PLC_PRG"}
+
+
+def called_programs(data: bytes) -> set[str]:
+    instances = (each for task in tasks_of(sfc.loads(data, as_tool=True)) for each in task.instances)
+    return {each.type_name or each.name for each in instances}
+
+
+def test_a_program_with_arguments_is_not_called_without_them() -> None:
+    source = sfc.loads(TWO_PROGRAMS.format(arguments="(go := TRUE)").encode(), format="iec-text")
+    _, report = sfc.convert(source, "codesys23", partial=True)
+    assert [(item.outcome, item.what) for item in report.losses] == [(Outcome.NOT_EXECUTED, "task")]

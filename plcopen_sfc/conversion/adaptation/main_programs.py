@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 from plcopen_sfc.formats.format_interface import ChartHost
 from plcopen_sfc.formats.plcopen.source_marks import SourceMarks, added_pou
+from plcopen_sfc.languages.declarations.kept_texts import unwrapped
 from plcopen_sfc.languages.task_schedules import FREEWHEELING, schedule_of
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.pou import Pou, PouKind
@@ -75,8 +76,15 @@ def _refusal(project: Project) -> str | None:
     names = [_program(instance).casefold() for instance in tasks[0].instances]
     if len({*names}) < len(names) or not {*names} <= programs.keys():
         return "instances of a program"
+    if any(_has_arguments(instance) for instance in tasks[0].instances):
+        return "arguments of a program"
     is_taken = MAIN.casefold() in {thing.name.casefold() for thing in project.objects()}
     return f"another {MAIN}" if is_taken and names != [MAIN.casefold()] else None
+
+
+def _has_arguments(instance: PouInstance) -> bool:
+    kept = instance.extension_data.data if instance.extension_data is not None else ()
+    return any((unwrapped(data.content) or ("", ""))[0] == "arguments" for data in kept)
 
 
 def _tasks(project: Project) -> list[Task]:
