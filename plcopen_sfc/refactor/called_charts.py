@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -37,6 +37,9 @@ def move_to_action(journal: Journal, chart: SfcNetwork, steps: Sequence[Step], n
     run, form = _run(chart, steps, name, what)
     names = Names(project)
     check_free(names, pou, action)
+    asked = _asked_outside(names, run, {id(model) for part in _parts_of(run, form) for model in models_in(part)})
+    if asked:
+        raise refused(what, asked, "Move the steps into a macro-step, whose steps other texts see.")
     taken = _names_of(names, pou) | {action.casefold(), name.casefold()}
     step, inner = enclose(journal, chart, run, _of_action(name, form), taken)
     journal.put(pou, "actions", [*pou.actions, Action(name=action, body=SfcBody(chart=inner))])
@@ -130,9 +133,7 @@ class _Needs:
     @classmethod
     def of(cls, names: Names, pou: Pou, run: Run, form: Form, what: str) -> _Needs:
         """Raises `ModelError` where the run names what a block cannot have, or others name what would move."""
-        parts: list[Any] = [*run.steps, *run.inner]
-        parts += [each.condition for each in run.leaving if form is Form.ENDING and each.condition is not None]
-        inside = {id(model) for part in parts for model in models_in(part)}
+        inside = {id(model) for part in _parts_of(run, form) for model in models_in(part)}
         texts = [each for each in names.everything if each.text_site.site.pou is pou and not each.reference.declares]
         found = cls()
         reasons: list[str] = []
@@ -169,15 +170,26 @@ class _Needs:
                 alone = all(id(use.text_site.holder) in inside for use in uses)
                 moves = alone and section.kind in (SectionKind.LOCAL, SectionKind.TEMP) and not variable.address
                 (found.own if moves else found.others).append(variable)
-        for step in run.steps:
-            reasons += [
-                f"{use.use} asks for the step {step.name}"
-                for use in names.uses(names.declaration_of(step))
-                if id(use.text_site.holder) not in inside and use.reference.role is not Role.OBJECT
-            ]
+        reasons += _asked_outside(names, run, inside)
         if reasons:
             raise refused(what, reasons)
         return found
+
+
+def _parts_of(run: Run, form: Form) -> list[Any]:
+    """Return the steps, transitions and conditions that go into the new chart."""
+    leaving = [each.condition for each in run.leaving if form is Form.ENDING and each.condition is not None]
+    return [*run.steps, *run.inner, *leaving]
+
+
+def _asked_outside(names: Names, run: Run, inside: Collection[int]) -> list[str]:
+    """Return the uses of moved steps in other texts than those `inside`: they would see no step of that name."""
+    return [
+        f"{use.use} asks for the step {step.name}"
+        for step in run.steps
+        for use in names.uses(names.declaration_of(step))
+        if id(use.text_site.holder) not in inside and use.reference.role is not Role.OBJECT
+    ]
 
 
 def _interface(block: Pou, names: Names, needs: _Needs, active: str, at_end: str) -> list[str]:

@@ -314,3 +314,15 @@ def test_a_change_of_behaviour_is_told_by_the_proof(move: str) -> None:
     move_it = {"action": edit.move_to_action, "block": edit.move_to_block}[move]
     with pytest.raises(ModelError, match="different after"):
         move_it(["Main.Fill"], "Prepare", "Moved")
+
+
+@pytest.mark.parametrize("move", MOVES)
+def test_a_step_that_other_texts_ask_for_stays(move: str) -> None:
+    """Its name would mean nothing outside of its new chart: the text would be FALSE for ever."""
+    project = plant()
+    project.pou("Main").add_variable("Busy", "BOOL", "output")
+    watching = sfc.ActionAssociation(id=900, target="Watch")
+    project.pou("Main").actions.append(sfc.Action(name="Watch", body=sfc.StBody(text="Busy := Mix.x;")))
+    project.pou("Main").chart.step("Wait").actions.append(watching)
+    with project.edit() as edit, pytest.raises(ModelError, match="asks for the step Mix"):
+        MOVES[move](edit)
