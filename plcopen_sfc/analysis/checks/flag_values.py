@@ -60,7 +60,7 @@ class FlagValues:
 
         The flags of steps that are never active together with them are FALSE.
         """
-        flags = {f"x{name}".casefold() for name in sources}
+        flags = {f"x{name}".casefold() for name in sources} & self.bits.keys()
         steps = [self._steps[flag] for flag in flags if flag in self._steps]
         others = {flag: self._steps[flag] for flag in names_of(tree) - flags if flag in self._steps}
         never = {flag for flag, other in others.items() if any(self._apart(step, other) for step in steps)}

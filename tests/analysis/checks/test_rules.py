@@ -1474,3 +1474,11 @@ END_PROGRAM
     (found,) = [each for each in sfc.check(sfc.loads(text.encode(), format="iec-text")) if each.code == "VAR01"]
     assert found.message == "'Weiter' names nothing that the project declares"
     assert "Weiter" not in (found.hint or "")
+
+
+def test_an_input_with_the_name_of_a_step_flag_is_no_step_flag() -> None:
+    text = "GRAFCET Main\nINPUTS\n    X1\n    X2\nINITIAL STEP 1\n1 -> 2 : X1\nSTEP 2\n2 -> 1 : X2\n"
+    found = {each.code for each in sfc.check(sfc.loads(text.encode(), format="grafcet-text"))}
+    assert not found & {"CND02", "EVO01"}
+    flags = text.replace("    X1\n    X2\n", "    a\n")
+    assert {"CND02", "EVO01"} <= {each.code for each in sfc.check(sfc.loads(flags.encode(), format="grafcet-text"))}
