@@ -139,6 +139,58 @@ TRANSITION FROM S2 TO S1 := NOT (a AND (b OR NOT (c AND TRUE))) OR d AND n < 7; 
     assert len(list(root.iter("{*}Negated"))) == 4  # b and c in one, a and b in the other network
 
 
+WORDS = {
+    "(w AND 16#0F) = 16#03": ["And Word", "Eq Word"],
+    "(w OR v) = v AND a": ["Or Word", "Eq Word"],
+    "a AND (b OR (w XOR v) > 3)": ["Xor Word", "Gt Word"],
+    "(w AND v AND 16#FF) <> (v OR 1)": ["And Word", "Or Word", "Ne Word"],
+    "d > 3 AND i + d < 40": ["Gt DInt", "Add DInt", "Lt DInt"],
+}
+_WITH_WORDS = """FUNCTION_BLOCK Main
+VAR_INPUT a, b : BOOL; w, v : WORD; d : DINT; i : INT; END_VAR VAR_OUTPUT q : BOOL; x : WORD; END_VAR
+INITIAL_STEP S1: q(N); END_STEP STEP S2: Act(P); END_STEP
+ACTION Act: x := {value}; END_ACTION
+TRANSITION FROM S1 TO S2 := {condition}; END_TRANSITION
+TRANSITION FROM S2 TO S1 := NOT a; END_TRANSITION END_FUNCTION_BLOCK"""
+
+
+def _written(language: str, condition: str, value: str = "w") -> tuple[list[str], etree._Element]:
+    """Boxes with a type, each with that, in the networks of a chart with a condition and an assignment of a word."""
+    source = sfc.loads(_WITH_WORDS.format(condition=condition, value=value).encode(), format="iec-text")
+    lowered = sfc.lower(source, "flipflop", language=language, target="simaticml")
+    assert lowered.proof is not None
+    assert lowered.proof.equal
+    root = etree.fromstring(sfc.dumps(lowered.project, format="simaticml"))
+    parts = [(part.get("Name"), part.findtext("{*}TemplateValue[@Name='SrcType']")) for part in root.iter("{*}Part")]
+    return [f"{name} {kind}" for name, kind in parts if kind is not None], root
+
+
+@pytest.mark.parametrize("language", ["FBD", "LD"])
+@pytest.mark.parametrize("condition", WORDS)
+def test_boxes_have_the_types_of_what_comes_from_other_boxes(condition: str, language: str) -> None:
+    """AND of words was `A` or a series of contacts, and a comparison behind a box was of Int."""
+    boxes, root = _written(language, condition)
+    assert boxes == WORDS[condition]
+    for net in root.iter("{*}FlgNet"):
+        words = {access.get("UId") for access in net.iter("{*}Access") if access.find(".//*[@Name='w']") is not None}
+        of_bits = {part.get("UId") for part in net.iter("{*}Part") if part.get("Name") in ("Contact", "A", "O", "X")}
+        wired = [{end.get("UId") for end in wire} for wire in net.iter("{*}Wire")]
+        assert not any(ends & words and ends & of_bits for ends in wired)
+
+
+@pytest.mark.parametrize("language", ["FBD", "LD"])
+@pytest.mark.parametrize(("value", "boxes"), [("w AND v", ["And Word"]), ("w XOR 16#0F", ["Xor Word"])])
+def test_words_are_assigned_by_boxes_of_words(value: str, boxes: list[str], language: str) -> None:
+    assert _written(language, "a", value)[0] == boxes
+
+
+@pytest.mark.parametrize("language", ["FBD", "LD"])
+@pytest.mark.parametrize(("condition", "value"), [("(NOT w) = v", "w"), ("a", "NOT w"), ("(w AND NOT v) = 1", "w")])
+def test_not_of_a_word_is_refused_as_no_network_has_it(condition: str, value: str, language: str) -> None:
+    with pytest.raises(sfc.LossError, match=r"negates no|has no box|a contact is of a BOOL"):
+        _written(language, condition, value)
+
+
 def test_a_block_that_was_graph_is_none_any_more() -> None:
     lowered = sfc.lower(sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml"), "bits", verify=False)
     for fresh in (False, True):

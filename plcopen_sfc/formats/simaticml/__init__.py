@@ -18,7 +18,7 @@ Programs:
 * `graph_reader`, `graph_writer`: S7-GRAPH, with `sequence_topology` and `sequence_rules` (branches and connections),
   `action_rows` and `row_tokens` (actions), and `graph_conditions`
 * `action_functions`, `action_controls`: functions and permanent instructions for actions that no row expresses
-* `lad_fbd_networks` with `flgnet_reader`: LAD and FBD, with `network_operands`, `network_boxes` and
+* `lad_fbd_networks` with `flgnet_reader`: LAD and FBD, with `network_operands`, `network_boxes`, `box_types` and
   `coils_and_contacts`
 * `scl_tokens`: SCL
 * `program_comparison`: equal meaning of two programs, and the numbers of their elements

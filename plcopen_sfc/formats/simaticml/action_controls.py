@@ -25,9 +25,9 @@ from dataclasses import dataclass, field
 from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.simaticml.action_functions import ActionControls, ActionFunctions, ControlNetwork
 from plcopen_sfc.formats.simaticml.added_elements import system_members
+from plcopen_sfc.formats.simaticml.box_types import give_condition_types
 from plcopen_sfc.formats.simaticml.coils_and_contacts import lacks_power, put_assignments, put_in_series, types_of
 from plcopen_sfc.formats.simaticml.declaration_spelling import write_type
-from plcopen_sfc.formats.simaticml.graph_conditions import give_types
 from plcopen_sfc.formats.simaticml.graph_reader import CONTROLLED, control_label
 from plcopen_sfc.formats.simaticml.network_boxes import mark_call
 from plcopen_sfc.formats.simaticml.network_operands import parse_operand
@@ -516,7 +516,7 @@ class _Planner:
         types = self._types | {f"#{v.name.lower()}": write_type(v.type) for v in draft.variables if not _is_timer(v)}
         types |= {draft.operand.lower(): "Bool"} if draft.operand else {}
         boxes = [node.type_name for node in network.nodes if isinstance(node, net.Block)]
-        if boxes != ["TON"] and give_types(network, types) is not None:
+        if boxes != ["TON"] and give_condition_types(network, types) is not None:
             raise _ImpossibleError
         put_assignments(network, types)
         if lacks_power(network):

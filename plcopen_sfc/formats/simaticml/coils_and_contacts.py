@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import TypeGuard
 
+from plcopen_sfc.formats.simaticml.box_types import give_types
 from plcopen_sfc.formats.simaticml.declaration_spelling import write_type
 from plcopen_sfc.formats.simaticml.network_boxes import RESULTS
 from plcopen_sfc.formats.simaticml.network_operands import literal_type, parse_operand
@@ -333,6 +334,7 @@ def put_coils(project: Project) -> None:
             bits = {_plain(name) for name, kind in types.items() if name.startswith("#") and kind == "Bool"}
             keep_bits = keep_bits_by_logic if isinstance(body, FbdBody) else keep_bits_by_contacts
             for network in body.networks:
+                give_types(network, types)  # boxes of words are no bits then; `write_network` tells what has no type
                 keep_bits(network, bits)
                 put_assignments(network, types, blocks)
                 if isinstance(body, LdBody):
@@ -365,7 +367,12 @@ def put_assignments(network: net.LogicNetwork, types: Mapping[str, str], blocks:
         givers = [sources.get(connection.source) for connection in node.input.connections]
         if _takes_bit(node, givers, types, own):
             network.nodes[index] = _coil(node, node.expression)
-        elif len(givers) == 1 and isinstance(givers[0], net.InputVariable) and _is_value(node, givers[0], types):
+        elif (
+            len(givers) == 1
+            and isinstance(givers[0], net.InputVariable)
+            and not node.negated
+            and _is_value(node, givers[0], types)
+        ):
             network.nodes[index] = _move(node)
     _put_contacts(network)
 
@@ -400,7 +407,7 @@ def _takes_bit(
 
 def _gives_bit(giver: net.Node | None, types: Mapping[str, str]) -> bool:
     if isinstance(giver, net.Block):
-        return giver.type_name.upper() in _BITS
+        return giver.type_name.upper() in _BITS and giver.type_name not in _OF_WORDS
     return isinstance(giver, net.InputVariable) and _type(giver.expression, types) == "Bool"
 
 

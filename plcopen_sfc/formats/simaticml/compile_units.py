@@ -11,6 +11,7 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.formats.provenance import read_later
+from plcopen_sfc.formats.simaticml.box_types import give_types
 from plcopen_sfc.formats.simaticml.coils_and_contacts import lacks_power, put_assignments, put_in_series
 from plcopen_sfc.formats.simaticml.element_reader import (
     DocumentReading,
@@ -228,6 +229,7 @@ def _network(ctx: DocumentWriting, parent: etree._Element, body: FbdBody | LdBod
         root = ctx.root("FlgNet", "FlgNet", source)
         if any(isinstance(node, OutputVariable) for node in network.nodes):  # drawn here since the file was read
             network = network.model_copy(deep=True)
+            give_types(network, ctx.types)
             put_assignments(network, ctx.types, {pou.name.casefold() for pou in ctx.project.pous})
         if isinstance(body, LdBody) and lacks_power(network):
             network = network.model_copy(deep=True)

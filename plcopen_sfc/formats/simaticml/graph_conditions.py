@@ -2,192 +2,37 @@
 
 An empty network is TRUE for TIA Portal. So a condition that no network expresses becomes a contact of an undeclared
 variable: the block can be imported, and does not compile until the condition is programmed.
-
-A box of TIA Portal has one type for all its inputs. Narrower types are converted to it implicitly; where no type holds
-all values, or TIA Portal has no such box, there is no network. AND, OR and XOR of words are other boxes than those of
-Booleans.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 
 from lxml import etree
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.formats.simaticml.element_reader import NotUnderstoodError, local
+from plcopen_sfc.formats.simaticml.box_types import give_condition_types
+from plcopen_sfc.formats.simaticml.element_reader import local
 from plcopen_sfc.formats.simaticml.element_writer import DocumentWriting, keep_fields
 from plcopen_sfc.formats.simaticml.graph_reader import RESULT_OF
 from plcopen_sfc.formats.simaticml.lad_fbd_networks import has_all_elements, write_flgnet_body
-from plcopen_sfc.formats.simaticml.network_boxes import BIT_STRINGS, BOX_TYPES, type_of_box, type_of_literal
-from plcopen_sfc.formats.simaticml.network_operands import literal_type
 from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, condition_digest
 from plcopen_sfc.formats.simaticml.tia_adaptation import mark_constants, network_text, user_constants
 from plcopen_sfc.formats.xml.extension_data import Markup, markup_of
 from plcopen_sfc.languages.networks import NetworkExpression
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules
 from plcopen_sfc.languages.networks.network_drawing import draw_fbd_expression, draw_ld_expression
-from plcopen_sfc.languages.networks.network_graph import wires_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.parsing import parse_expression
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.walking import transform
-from plcopen_sfc.languages.standard_blocks import Tool, standard_block
 from plcopen_sfc.model import network as net
-from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import FbdBody, LdBody, OpaqueBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.sfc import Body, BodyCondition, Condition
 from plcopen_sfc.report import Outcome
-
-_WORD_BOXES = {"AND": "And", "OR": "Or", "XOR": "Xor"}
-_COMPARING = frozenset({"GT", "GE", "EQ", "LE", "LT", "NE"})
-_COUNTED = frozenset({"ADD", "MUL"})
-_COMPUTING = frozenset({"ADD", "MUL", "SUB", "DIV", "MOD"})
-_NUMBER = re.compile(r"\d[\d_]{0,400}")
-_STEP_DATA = {".t": "Time", ".u": "Time", ".x": "Bool"}
-
-
-def give_types(network: net.LogicNetwork, types: Mapping[str, str]) -> str | None:
-    """Give the boxes of a network, a copy, their types; or return the reason why TIA Portal has no such network.
-
-    `types`: those of variables as operands name them, in lower case.
-    """
-    return _Typing(network, types).run()
-
-
-class _Typing:
-    def __init__(self, network: net.LogicNetwork, types: Mapping[str, str]) -> None:
-        self.network = network
-        self.types = types
-        self.nodes: dict[int, net.Node] = {node.id: node for node in network.nodes}
-        self.results: dict[int, str | None] = {}
-        self.problem: str | None = None
-
-    def run(self) -> str | None:
-        for node in self.network.nodes:
-            if isinstance(node, net.Block):
-                self._result(node)
-        return self.problem
-
-    def _result(self, block: net.Block) -> str | None:
-        """Return the type of the output of a box, which gets its types."""
-        if block.id not in self.results:
-            self.results[block.id] = None
-            self.results[block.id] = self._typed(block)
-        return self.results[block.id]
-
-    def _typed(self, block: net.Block) -> str | None:
-        standard = standard_block(block.type_name)
-        if block.call is not None and block.call.value in ("functionblock", "function") and standard is None:
-            return None
-        if standard is None or Tool.S7 not in standard.tools:
-            why = f"networks are not written with {block.type_name}: let statements calculate it into a variable before"
-            self.problem = self.problem or why
-            return None
-        inputs = [pin for pin in block.parameters.inputs if pin.name not in ("EN", "operand")]
-        known = {kind for pin in inputs if (kind := self._type_of(pin)) is not None}
-        if standard.name in ("AND", "OR", "XOR", "NOT"):
-            return self._logic(block, known, inputs)
-        if standard.name in _COMPARING | _COMPUTING:
-            kind = self._common(block, known, inputs)
-            if any(pin.negated for pin in inputs) and known != {"Bool"}:
-                self.problem = self.problem or f"TIA Portal negates no input of a box {block.type_name}"
-            if kind is not None:
-                self._set_type(block, kind, inputs)
-            return "Bool" if standard.name in _COMPARING else kind
-        result = standard.name.partition("_TO_")
-        if result[2]:
-            source, target = (_SPELLED.get(name) for name in (result[0], result[2]))
-            if source is not None and self._common(block, known | {source}) != source:
-                self.problem = self.problem or f"{block.type_name} of a value of another type"
-            return target
-        return "Bool" if standard.stateful else None
-
-    def _common(
-        self, block: net.Block, known: Iterable[str], inputs: list[net.BlockVariable] | None = None
-    ) -> str | None:
-        """Return the type of a box for values of the types `known` and for the literals among its `inputs`."""
-        try:
-            return type_of_box(block.type_name, set(known), [h.expression or "" for h in self._holders(inputs or [])])
-        except NotUnderstoodError as error:
-            self.problem = self.problem or str(error)
-            return None
-
-    def _holders(self, inputs: list[net.BlockVariable]) -> list[net.InputPin | net.InputVariable]:
-        """Return the pins and variables with the operands of a box."""
-        found: list[net.InputPin | net.InputVariable] = []
-        for pin in (pin.input for pin in inputs if pin.input is not None):
-            found += [pin] if pin.expression is not None else []
-            found += [each for w in pin.connections if isinstance(each := self.nodes.get(w.source), net.InputVariable)]
-        return found
-
-    def _logic(self, block: net.Block, known: set[str], inputs: list[net.BlockVariable]) -> str | None:
-        if known <= {"Bool"}:
-            return "Bool"
-        kind = self._common(block, known)
-        name = _WORD_BOXES.get(block.type_name)
-        if kind is None or kind not in BIT_STRINGS or name is None or any(pin.negated for pin in inputs):
-            self.problem = self.problem or f"TIA Portal has no box {block.type_name} of {' and '.join(sorted(known))}"
-            return None
-        block.type_name = name
-        self._set_type(block, kind, inputs)
-        block.extension_data = ExtensionData(attributes={"SrcType": kind, "Card": str(len(inputs))})
-        for pin in (*inputs, *block.parameters.outputs):
-            pin.name = pin.name.lower()
-        for wire in (wire for node in self.network.nodes for wire in wires_of(node)):
-            if wire.source == block.id and wire.pin is not None:
-                wire.pin = wire.pin.lower()
-        return kind
-
-    def _set_type(self, block: net.Block, kind: str, inputs: list[net.BlockVariable]) -> None:
-        """Write the type of a box, and its constants in a form that is of this type."""
-        attributes = {"SrcType": kind}
-        if block.type_name in _COUNTED:
-            attributes["Card"] = str(len(inputs))
-        block.extension_data = ExtensionData(attributes=attributes)
-        if kind not in BIT_STRINGS:
-            return
-        for holder in self._holders(inputs):
-            if holder.expression is not None and _NUMBER.fullmatch(holder.expression):
-                holder.expression = f"16#{int(holder.expression.replace('_', '')):X}"
-
-    def _type_of(self, pin: net.BlockVariable) -> str | None:
-        """Type of the value at an input; None for numbers, which may be of several, and for unknown types."""
-        if pin.input is None:
-            return None
-        if pin.input.expression is not None:
-            return self._type_of_text(pin.input.expression)
-        for wire in pin.input.connections:
-            node = self.nodes.get(wire.source)
-            if isinstance(node, net.Block):
-                return self._result(node)
-            if isinstance(node, net.InputVariable):
-                return self._type_of_text(node.expression)
-        return None
-
-    def _type_of_text(self, text: str) -> str | None:
-        key = text.lower()
-        if key in self.types:
-            kind = self.types[key].partition("[")[0]
-            return kind if kind in _KINDS else None
-        if type_of_literal(text) is not None:
-            return type_of_literal(text)
-        if text.startswith("#"):
-            base = self.types.get(key.rpartition(".")[0], "G7_")
-            if not base.upper().startswith("G7_"):
-                return None  # a variable, and no step
-            return next((kind for end, kind in _STEP_DATA.items() if key.endswith(end)), None)
-        if text[:1].isdigit() and "#" not in text:
-            return "Real" if literal_type(text, "") == "Real" else None
-        return "Bool" if key in ("true", "false") else None
-
-
-_KINDS = frozenset({"Bool", *BOX_TYPES["EQ"]})
-_SPELLED = {kind.upper(): kind for kind in _KINDS - {"Bool"}}
-
 
 _LOGIC = frozenset({n.Operator.AND, n.Operator.OR})
 NOT_TRANSLATED = "NOT_TRANSLATED"
@@ -309,7 +154,7 @@ class ConditionWriter:
                 else "the transition has no condition"
             )
             if isinstance(drawn, FbdBody):
-                reasons = [give_types(network, self.ctx.types) for network in drawn.networks]
+                reasons = [give_condition_types(each, self.ctx.types) for each in drawn.networks]
                 drawn = next((reason for reason in reasons if reason is not None), drawn)
             if not isinstance(drawn, str) and not has_all_elements(self.ctx, drawn):
                 drawn = "TIA Portal does not have all elements of its network"

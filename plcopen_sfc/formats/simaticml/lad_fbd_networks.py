@@ -15,6 +15,7 @@ from xml.etree import ElementTree as ET
 
 from lxml import etree
 
+from plcopen_sfc.formats.simaticml.box_types import give_types, type_of_box, type_of_literal
 from plcopen_sfc.formats.simaticml.coils_and_contacts import writes_bits_on_a_condition
 from plcopen_sfc.formats.simaticml.element_reader import (
     DocumentReading,
@@ -41,8 +42,6 @@ from plcopen_sfc.formats.simaticml.network_boxes import (
     RESULTS,
     s7_name,
     template_type,
-    type_of_box,
-    type_of_literal,
 )
 from plcopen_sfc.formats.simaticml.network_operands import (
     Hints,
@@ -562,8 +561,12 @@ def write_network(ctx: DocumentWriting, root: etree._Element, network: LogicNetw
     if kept is not None and _nodes(kept) == network.nodes:
         return kept
     texts = [(at, node) for at, node in enumerate(network.nodes) if isinstance(node, CommentBox)]
+    typed = _without_texts(network).model_copy(deep=True)
     try:
-        write_flgnet(root, _without_texts(network), ctx.types)
+        reason = give_types(typed, ctx.types)
+        if reason is not None:
+            raise NotUnderstoodError(reason)
+        write_flgnet(root, typed, ctx.types)
     except NotUnderstoodError as error:
         for child in list(root):
             root.remove(child)

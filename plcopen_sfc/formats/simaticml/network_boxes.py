@@ -7,23 +7,20 @@ section and type of each parameter.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from functools import lru_cache
 
 from plcopen_sfc.formats.simaticml.added_elements import RETURN
 from plcopen_sfc.formats.simaticml.declaration_spelling import write_type
-from plcopen_sfc.formats.simaticml.element_reader import NotUnderstoodError
 from plcopen_sfc.languages.binding.text_sites import TextSite, text_sites
 from plcopen_sfc.languages.library_blocks import FLIP_FLOPS, flip_flop_instances, is_output, more_than_outputs
 from plcopen_sfc.languages.networks.network_graph import wires_of
 from plcopen_sfc.languages.s7_programs import RESULT
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import render, transform
-from plcopen_sfc.languages.st.literals import INTEGER_RANGES, SHORT_TYPES, LiteralKind, known_literal
 from plcopen_sfc.languages.standard_blocks import S7_CONVERTED, S7_VERSION, StandardBlock, Tool, standard_block
 from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import FbdBody, LdBody
-from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block, BlockCall, BlockVariable, InputPin, LogicNetwork
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
@@ -50,93 +47,6 @@ INVERTED = "Negated"
 CALL_MARKS = {"BlockNumber": "IntegerAttribute", "ParameterModifiedTS": "DateAttribute"}
 """Attributes of ``CallInfo`` that inform about the called block."""
 CALLS = {"FB": "functionblock", "FC": "function"}
-
-
-_SIGNED = frozenset({"SInt", "Int", "DInt", "LInt"})
-_UNSIGNED = frozenset({"USInt", "UInt", "UDInt", "ULInt"})
-BIT_STRINGS = frozenset({"Byte", "Word", "DWord", "LWord"})
-_WHOLE = _SIGNED | _UNSIGNED
-_NUMBERS = _WHOLE | {"Real", "LReal"}
-_COMPARED = (
-    _NUMBERS
-    | BIT_STRINGS
-    | {"Time", "LTime", "Date", "Time_Of_Day", "LTime_Of_Day", "Date_And_Time", "LDT", "DTL"}
-    | {"String", "WString", "Char", "WChar"}
-)
-BOX_TYPES: Mapping[str, frozenset[str]] = (
-    dict.fromkeys(("EQ", "NE", "GT", "GE", "LT", "LE"), _COMPARED)
-    | dict.fromkeys(("ADD", "SUB", "MUL", "DIV"), _NUMBERS)
-    | {"MOD": _WHOLE}
-)
-"""The types that boxes of TIA Portal take, by the names of IEC 61131-3; TIA Portal V19 help, basic instructions."""
-_WIDER = {
-    "SInt": "Int DInt LInt Real LReal",
-    "Int": "DInt LInt Real LReal",
-    "DInt": "LInt LReal",
-    "USInt": "UInt UDInt ULInt Int DInt LInt Real LReal",
-    "UInt": "UDInt ULInt DInt LInt Real LReal",
-    "UDInt": "ULInt LInt LReal",
-    "Real": "LReal",
-    "Byte": "Word DWord LWord",
-    "Word": "DWord LWord",
-    "DWord": "LWord",
-    "Char": "String",
-    "WChar": "WString",
-}
-"""The types that hold all values of a type; TIA Portal V19 help, "Implicit conversion"."""
-
-
-def type_of_box(name: str, kinds: Collection[str], literals: Iterable[str]) -> str | None:
-    """The type of the box of an operator for operands of these types and for `literals`; None where it is not known.
-
-    Raises `NotUnderstoodError` where TIA Portal has no such box.
-    """
-    kinds = set(kinds)
-    found = next((a for a in kinds if all(b == a or a in _WIDER.get(b, "").split() for b in kinds)), None)
-    numbers = [number for text in literals if (number := _number(text)) is not None]
-    if kinds and found is None:
-        names = " and ".join(sorted(kinds))
-        raise NotUnderstoodError(f"a box {name} of TIA Portal has one type, and this one {names}")
-    if found is not None and found not in BOX_TYPES.get(name, {found}):
-        raise NotUnderstoodError(f"TIA Portal has no box {name} of {found}")
-    if found is not None and numbers and found not in _NUMBERS | BIT_STRINGS:
-        raise NotUnderstoodError(f"TIA Portal has no box {name} of {found} and a number")
-    if found is not None and not all(_holds(found, number) for number in numbers):
-        wider = (each for each in _WIDER.get(found, "").split() if all(_holds(each, number) for number in numbers))
-        found = next(wider, None)
-        if found is None:
-            raise NotUnderstoodError(f"a literal does not fit the type of its box {name}")
-    return found
-
-
-def type_of_literal(text: str) -> str | None:
-    """Return the type that a literal names; None: it names none."""
-    prefix, mark, _ = text.partition("#")
-    name = prefix.upper()
-    return _PREFIXES.get(SHORT_TYPES.get(name, name)) if mark else None
-
-
-_PREFIXES = {each.upper(): each for each in _COMPARED} | {
-    "T": "Time",
-    "LT": "LTime",
-    "D": "Date",
-    "TOD": "Time_Of_Day",
-    "LTOD": "LTime_Of_Day",
-    "DT": "Date_And_Time",
-    "BOOL": "Bool",
-}
-
-
-def _number(text: str) -> int | None:
-    """Return a whole number without a type."""
-    found = known_literal(text, Dialect.SCL)
-    is_number = found is not None and found.kind is LiteralKind.INTEGER and not found.type
-    return found.value if is_number and isinstance(found.value, int) else None  # type: ignore[union-attr]
-
-
-def _holds(kind: str, number: int) -> bool:
-    least, greatest = INTEGER_RANGES.get(kind.upper(), (number, number))
-    return least <= number <= greatest
 
 
 @lru_cache(maxsize=1024)

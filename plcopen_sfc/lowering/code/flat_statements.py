@@ -38,9 +38,9 @@ def flatten(code: LoweredCode, declared: Iterable[Variable] = ()) -> None:
     """
     variables = [*declared, *code.variables, *code.inputs]
     flags = {variable.name.casefold() for variable in variables if variable.type == BOOL}
-    flattener = _Flattener(
-        code, flags, {variable.name.casefold() for variable in variables if _has_no_enable(variable)}
-    )
+    timers = {variable.name.casefold() for variable in variables if _has_no_enable(variable)}
+    numbers = {variable.name.casefold() for variable in variables} - flags - timers
+    flattener = _Flattener(code, flags, timers, numbers)
     label: list[Statement] = []
     for place, network in enumerate(code.networks):
         flat = [*label, *flattener.statements(network.statements, TRUE)]
@@ -76,8 +76,10 @@ def name_inputs(code: LoweredCode, project: Project) -> None:
 
 
 class _Flattener:
-    def __init__(self, code: LoweredCode, flags: Collection[str], timers: Collection[str]) -> None:
-        self._code, self._flags = code, flags
+    def __init__(
+        self, code: LoweredCode, flags: Collection[str], timers: Collection[str], numbers: Collection[str]
+    ) -> None:
+        self._code, self._flags, self._numbers = code, flags, numbers
         self._skipped = timers if code.tool is Tool.S7 else ()
 
     def _declare(self) -> n.Name:
@@ -130,7 +132,9 @@ class _Flattener:
 
     def _is_switched(self, statement: n.Assignment) -> bool:
         """Return True if it assigns a Boolean value that is no constant."""
-        value = n.bare(statement.value)
+        value, target = n.bare(statement.value), statement.target
+        if isinstance(target, n.Name) and target.identifier.casefold() in self._numbers:
+            return False  # AND, OR, XOR and NOT are of words too
         match value:
             case n.Operation(operator):
                 return operator in n.COMPARISONS | n.CONNECTIVES
@@ -141,7 +145,6 @@ class _Flattener:
             case n.Member(_, n.Name(name)) if name.upper() in ("Q", "Q1"):
                 return True
         # an output or function of another block has the type of the variable that gets it
-        target = statement.target
         is_bit = isinstance(target, n.Name) and target.identifier.casefold() in self._flags
         return is_bit and not is_constant(value, TRUE) and not is_constant(value, FALSE)
 
