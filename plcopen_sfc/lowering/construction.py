@@ -16,7 +16,7 @@ from plcopen_sfc.lowering.actions.drive_block import drive_block
 from plcopen_sfc.lowering.case_objections import fits_without_switching, objection, refuse_cases
 from plcopen_sfc.lowering.code.code_bodies import assemble
 from plcopen_sfc.lowering.code.code_memory import BitMemory, BlockMemory, Memory, OperandMemory
-from plcopen_sfc.lowering.code.flat_statements import flatten, name_inputs
+from plcopen_sfc.lowering.code.flat_statements import flatten, name_inputs, put_logic
 from plcopen_sfc.lowering.code.lowered_code import FlagPlaces, LoweredCode, Naming, names_of
 from plcopen_sfc.lowering.code.single_use import inline_single_uses, remove_unread
 from plcopen_sfc.lowering.code.statement_lists import join_conditionals
@@ -214,6 +214,7 @@ def construct(
     maker = _filled(source, _memory(code, language), rules, surroundings)
     if code.drawn and code.tool is Tool.S7:
         name_inputs(code, project)
+        put_logic(code, pou.variables(), contacts=language is Language.LD)
     # most of a sequencer would be the text of boxes in CODESYS
     if code.needs_flat_statements or (code.drawn and isinstance(source, GraphSource)):
         flatten(code, pou.variables())

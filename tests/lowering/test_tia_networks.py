@@ -191,6 +191,24 @@ def test_not_of_a_word_is_refused_as_no_network_has_it(condition: str, value: st
         _written(language, condition, value)
 
 
+@pytest.mark.parametrize("language", ["FBD", "LD"])
+@pytest.mark.parametrize(
+    "condition",
+    ["a = b", "a <> b", "a > b", "NOT (a <= b)", "(i > 3) = a", "b = TRUE AND a <> FALSE", "(a AND b) >= (a = b)"],
+)
+def test_comparisons_of_bits_are_logic(condition: str, language: str) -> None:
+    """They were refused, as TIA Portal has no box that compares them; conversion made logic of them."""
+    boxes, _ = _written(language, condition)
+    assert set(boxes) <= {"Gt Int", "Le Int"}
+
+
+@pytest.mark.parametrize("condition", ["a AND (b XOR q)", "NOT (a XOR b)", "a = b AND (a <> q)"])
+def test_xor_of_two_variables_is_contacts_in_a_ladder(condition: str) -> None:
+    """A box XOR in a series needs a box AND, which LAD does not have."""
+    _, root = _written("LD", condition)
+    assert {part.get("Name") for part in root.iter("{*}Part")}.isdisjoint({"A", "X", "Not"})
+
+
 def test_a_block_that_was_graph_is_none_any_more() -> None:
     lowered = sfc.lower(sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml"), "bits", verify=False)
     for fresh in (False, True):

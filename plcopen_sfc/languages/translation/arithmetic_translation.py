@@ -240,7 +240,7 @@ class ArithmeticTranslator:
         values = [self.types.value(each) for each in operands]
         ordered = node.operator not in (Operator.EQUAL, Operator.UNEQUAL)
         if self._target is Dialect.SCL and {value.type for value in values} == {"BOOL"} and (ordered or self._in_boxes):
-            return _truth(node.operator, *(new for new, _ in pairs))
+            return comparison_as_logic(node.operator, *(new for new, _ in pairs))
         if self._target is Dialect.SCL and all(value.is_whole for value in values):
             pairs = self._comparable(pairs, values, operands)
         return self._with(node, pairs)
@@ -315,7 +315,7 @@ class ArithmeticTranslator:
         return call if same else replace(call, callee=callee, arguments=tuple(new))
 
 
-def _truth(operator: Operator, left: Expression, right: Expression) -> Expression:
+def comparison_as_logic(operator: Operator, left: Expression, right: Expression) -> Expression:
     """Return a comparison of BOOL as logic: S7 has no order of them, and no box that compares them."""
     left, right = (n.Parenthesized(each) if isinstance(each, n.Operation) else each for each in (left, right))
     if operator in (Operator.EQUAL, Operator.UNEQUAL):

@@ -6,10 +6,12 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from plcopen_sfc.languages.effects import is_impure, targets
+from plcopen_sfc.languages.networks.drawing_rules import constant_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, S7_INSTANCES, Tool
+from plcopen_sfc.languages.translation.arithmetic_translation import comparison_as_logic
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
@@ -72,6 +74,40 @@ def name_inputs(code: LoweredCode, project: Project) -> None:
 
     for place, network in enumerate(code.networks):
         statements = tuple(transform(each, named) for each in network.statements)
+        code.networks[place] = replace(network, statements=statements)
+
+
+def put_logic(code: LoweredCode, declared: Iterable[Variable], *, contacts: bool) -> None:
+    """Write comparisons of BOOL as logic, as S7 has no boxes for them; with `contacts` also XOR of two variables.
+
+    `declared` are variables besides those of `code`.
+    """
+    variables = [*declared, *code.variables, *code.inputs]
+    flags = {variable.name.casefold() for variable in variables if variable.type == BOOL}
+
+    def is_bit(node: Expression) -> bool:
+        match n.bare(node):
+            case n.Name(name):
+                return name.casefold() in flags
+            case n.Unary(Operator.NOT, operand):
+                return is_bit(operand)
+            case n.Operation(operator, operands):
+                return operator in n.COMPARISONS or (operator in n.CONNECTIVES and all(map(is_bit, operands)))
+            case inner:
+                return constant_of(inner) is not None
+
+    def changed(node: n.Node) -> n.Node:
+        match node:
+            case n.Operation(operator, (left, right)) if operator in n.COMPARISONS and is_bit(left) and is_bit(right):
+                logic = transform(comparison_as_logic(operator, left, right), changed)
+                return n.Parenthesized(logic) if isinstance(logic, n.Operation) else logic
+            case n.Operation(Operator.XOR, (n.Name() as left, n.Name() as right)) if contacts and is_bit(node):
+                one = conjunction([left, negation(right)])
+                return n.Parenthesized(n.Operation(Operator.OR, (one, conjunction([negation(left), right]))))
+        return node
+
+    for place, network in enumerate(code.networks):
+        statements = tuple(transform(each, changed) for each in network.statements)
         code.networks[place] = replace(network, statements=statements)
 
 
