@@ -187,7 +187,7 @@ def test_words_are_assigned_by_boxes_of_words(value: str, boxes: list[str], lang
 @pytest.mark.parametrize("language", ["FBD", "LD"])
 @pytest.mark.parametrize(("condition", "value"), [("(NOT w) = v", "w"), ("a", "NOT w"), ("(w AND NOT v) = 1", "w")])
 def test_not_of_a_word_is_refused_as_no_network_has_it(condition: str, value: str, language: str) -> None:
-    with pytest.raises(sfc.LossError, match=r"negates no|has no box|a contact is of a BOOL"):
+    with pytest.raises(sfc.LossError, match=r"negates no|has no box|contacts and coils are of BOOL"):
         _written(language, condition, value)
 
 

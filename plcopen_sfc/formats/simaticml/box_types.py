@@ -156,8 +156,9 @@ class _Typing:
                 self._result(node)
                 if any(pin.negated and self._type_of(pin) in BIT_STRINGS for pin in node.parameters.inputs):
                     self.problem = self.problem or f"TIA Portal negates no word, and a box {node.type_name} has one"
-            elif isinstance(node, net.Contact) and (kind := self._type_of_text(node.variable)) not in (None, "Bool"):
-                self.problem = self.problem or f"a contact is of a BOOL, and {node.variable} is {kind}"
+            kind = self._type_of_text(node.variable) if isinstance(node, net.Contact | net.Coil) else None
+            if isinstance(node, net.Contact | net.Coil) and kind not in (None, "Bool"):
+                self.problem = self.problem or f"contacts and coils are of BOOL, and {node.variable} is {kind}"
         return self.problem
 
     def _result(self, block: net.Block) -> str | None:

@@ -102,6 +102,22 @@ def test_boxes_of_bodies_are_of_types_that_they_take(type_: str, box: str) -> No
     assert (f">{type_.title()}<" in data.decode()) is (box in TYPES[type_])
 
 
+@pytest.mark.parametrize(("value", "is_known"), [("w AND v", True), ("p.w AND p.w", False), ("NOT w", False)])
+def test_no_coil_is_of_a_word(value: str, is_known: bool) -> None:
+    """The types of members are not known: AND of them would be a box of bits with a coil of a word."""
+    text = f"""TYPE Place : STRUCT w : WORD; END_STRUCT; END_TYPE
+    FUNCTION_BLOCK Main VAR_INPUT w, v : WORD; p : Place; END_VAR VAR_OUTPUT q : WORD; END_VAR
+    q := {value};
+    END_FUNCTION_BLOCK"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    body = project.pous[0].bodies[0]
+    assert isinstance(body, StBody)
+    project.pous[0].bodies = [draw_fbd(parse_statements(body.text, Dialect.IEC).tree.statements).body]
+    data, report = convert(project, "simaticml", partial=True)
+    assert [item.what for item in report.with_outcome(Outcome.NOT_EXECUTED)] == ([] if is_known else ["network"])
+    assert (b'Name="And"' in data) is is_known
+
+
 def test_conversions_come_back() -> None:
     data, _ = converted("INT_TO_REAL(i) > r")
     seen = sfc.loads(data, as_tool=True)
