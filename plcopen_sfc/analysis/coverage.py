@@ -17,10 +17,10 @@ from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.st import parse_condition, print_node
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model import conditions
-from plcopen_sfc.model.actions import ActionEvent, Qualifier
+from plcopen_sfc.model.actions import SWITCHES, ActionEvent, Qualifier
 from plcopen_sfc.model.sfc import ActionAssociation
 from plcopen_sfc.semantics.charts.graph.graph_parameters import OPERATING
-from plcopen_sfc.semantics.charts.graph.graph_program import SWITCHES, GraphProgram
+from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.charts.running_chart import RunningChart
 from plcopen_sfc.semantics.charts.step_state import ActionOrigin
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes

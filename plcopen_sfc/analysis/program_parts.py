@@ -20,7 +20,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.walking import walk
-from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.actions import COUNTERS, SWITCHES, TIMERS, Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import (
@@ -35,7 +35,7 @@ from plcopen_sfc.model.sfc import (
 )
 from plcopen_sfc.reachability import reached
 from plcopen_sfc.semantics.charts.graph.graph_parameters import ALL_INPUTS, ALL_OUTPUTS
-from plcopen_sfc.semantics.charts.graph.graph_program import COUNTERS, SWITCHES, TIMERS, GraphProgram
+from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.charts.graph.interlock_conditions import programmed
 from plcopen_sfc.semantics.charts.running_chart import RunningChart
 from plcopen_sfc.semantics.programs.addresses import address_of

@@ -58,6 +58,25 @@ class Qualifier(StrEnum):
 _TIMED = frozenset({Qualifier.L, Qualifier.D, Qualifier.SD, Qualifier.DS, Qualifier.SL, Qualifier.DL})
 
 
+COILS = frozenset({Qualifier.N, Qualifier.D, Qualifier.L})
+"""Qualifiers of S7-GRAPH whose targets are TRUE while a step is active, from a time on, or up to one."""
+
+SWITCHES = frozenset({Qualifier.ON, Qualifier.OFF})
+"""Qualifiers of S7-GRAPH that switch steps."""
+
+COUNTERS = frozenset({Qualifier.CS, Qualifier.CU, Qualifier.CD, Qualifier.CR})
+"""Qualifiers of S7-GRAPH that act on counters of S5."""
+
+TIMERS = frozenset({Qualifier.TL, Qualifier.TD, Qualifier.TR, Qualifier.TF})
+"""Qualifiers of S7-GRAPH that act on timers of S5."""
+
+NEED_EVENT = (SWITCHES | COUNTERS | TIMERS) - {Qualifier.TF}
+"""Qualifiers of S7-GRAPH that act on an event, and never without one."""
+
+NEED_TIME = frozenset({Qualifier.D, Qualifier.L, Qualifier.TL, Qualifier.TD, Qualifier.TF})
+"""Qualifiers of S7-GRAPH that have a time."""
+
+
 class ActionEvent(StrEnum):
     """Events of S7-GRAPH that trigger an action once (S7-GRAPH V6: ``<Action Event=..>``).
 

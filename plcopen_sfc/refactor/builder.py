@@ -27,7 +27,7 @@ from plcopen_sfc.languages.binding.text_sites import Role, Site
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition
 from plcopen_sfc.languages.st.walking import children
-from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.actions import COUNTERS, SWITCHES, Qualifier
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Condition, SfcNetwork, Step, StepKey, Transition, step_codes
@@ -271,7 +271,7 @@ def _wanted(
     steps = list(steps)
     associations = [association for each in steps for association in each.actions]
     for association in associations:
-        if association.qualifier in _COUNTERS:
+        if association.qualifier in COUNTERS:
             yield from ((name, "INT", SectionKind.LOCAL) for name in _operands(association.target, names))
         elif association.value is None and association.qualifier not in _NO_VARIABLES:
             yield from ((name, "BOOL", SectionKind.OUTPUT) for name in _operands(association.target, names))
@@ -284,8 +284,7 @@ def _wanted(
         yield from ((name, "BOOL", SectionKind.INPUT) for name in _operands(text, names))
 
 
-_COUNTERS = frozenset({Qualifier.CS, Qualifier.CU, Qualifier.CD, Qualifier.CR})
-_NO_VARIABLES = frozenset({Qualifier.ON, Qualifier.OFF, Qualifier.CALL})
+_NO_VARIABLES = SWITCHES | {Qualifier.CALL}
 """Their targets are steps and blocks."""
 
 _JOINING = n.CONNECTIVES | {n.Operator.NOT}

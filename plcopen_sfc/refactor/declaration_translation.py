@@ -23,10 +23,10 @@ from plcopen_sfc.model import (
     Interface,
     PouKind,
     Project,
-    Qualifier,
     Variable,
 )
 from plcopen_sfc.model import types as t
+from plcopen_sfc.model.actions import SWITCHES
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import STRING_LENGTHS, Dialect
 from plcopen_sfc.model.variables import SectionKind, VariableSection
@@ -121,7 +121,7 @@ def _rename_steps(project: Project, renames: Renames, target: Dialect) -> list[T
                 found.append(TranslatedText(f"{chart.report_path} / step {step.name}", True, (note,)))
                 step.name = new
         for _, association in chart.chart.associations():
-            if association.qualifier in (Qualifier.ON, Qualifier.OFF) and association.target is not None:
+            if association.qualifier in SWITCHES and association.target is not None:
                 name = association.target
                 association.target = renamed(NameScope.LOCAL, name) or name
     return found

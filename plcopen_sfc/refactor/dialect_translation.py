@@ -54,12 +54,12 @@ from plcopen_sfc.model import (
     Pou,
     PouKind,
     Project,
-    Qualifier,
     SfcBody,
     SfcNetwork,
     Step,
     Tag,
 )
+from plcopen_sfc.model.actions import SWITCHES
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody
 from plcopen_sfc.model.conditions import WiredCondition
 from plcopen_sfc.model.declaration import Kind
@@ -373,7 +373,7 @@ def _names_a_step(text_site: TextSite) -> bool:
     """True if a text is the bare name of a step: the target of ON and OFF (S7-GRAPH)."""
     holder = text_site.holder
     is_target = isinstance(holder, ActionAssociation) and text_site.key == "target"
-    return is_target and holder.qualifier in (Qualifier.ON, Qualifier.OFF)
+    return is_target and holder.qualifier in SWITCHES
 
 
 def _other_names(project: Project, target: Dialect) -> dict[str, tuple[str, ...]]:

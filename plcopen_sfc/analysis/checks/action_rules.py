@@ -20,7 +20,7 @@ from plcopen_sfc.analysis.checks.checked_chart import CheckedChart, Finding, Rul
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.effects import path_of, reads
 from plcopen_sfc.languages.st import print_node
-from plcopen_sfc.model.actions import ActionEvent, Qualifier
+from plcopen_sfc.model.actions import NEED_EVENT, TIMERS, ActionEvent, Qualifier
 
 _KEEPING = frozenset({Manner.SET, Manner.RESET, Manner.STORED})
 
@@ -156,20 +156,7 @@ ACT21 = Rule(
 )
 
 
-_TIMERS = frozenset({Qualifier.TL, Qualifier.TD, Qualifier.TF})
-_ONLY_WITH_EVENT = frozenset(
-    {
-        Qualifier.ON,
-        Qualifier.OFF,
-        Qualifier.CS,
-        Qualifier.CU,
-        Qualifier.CD,
-        Qualifier.CR,
-        Qualifier.TL,
-        Qualifier.TD,
-        Qualifier.TR,
-    }
-)
+_TIMED_OF_S5 = TIMERS - {Qualifier.TR}
 _NINE = 9
 
 
@@ -186,7 +173,7 @@ def _without_time(chart: CheckedChart) -> Iterator[Finding]:
 
 def _with_time(chart: CheckedChart) -> Iterator[Finding]:
     for sheet, step, association in chart.actions():
-        timed = association.qualifier.needs_duration or association.qualifier in _TIMERS
+        timed = association.qualifier.needs_duration or association.qualifier in _TIMED_OF_S5
         plain = association.kind is None and not timed
         if plain and not _no_time(association.duration) and not _ZERO.fullmatch(association.duration or ""):
             message = f"the time {association.duration} has no effect with the qualifier {association.qualifier}"
@@ -259,7 +246,7 @@ def _events(chart: CheckedChart) -> Iterator[Finding]:
     for sheet, step, association in chart.actions():
         place = sheet.at(step, association)
         qualifier = association.qualifier
-        if qualifier in _ONLY_WITH_EVENT and association.event in (None, ActionEvent.C):
+        if qualifier in NEED_EVENT and association.event in (None, ActionEvent.C):
             yield Finding(place, f"the qualifier {qualifier} needs an event")
         switched = association.target if qualifier in (Qualifier.ON, Qualifier.OFF) else None
         if switched and switched.strip('#"').casefold() not in names:

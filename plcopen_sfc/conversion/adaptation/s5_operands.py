@@ -12,16 +12,13 @@ from collections.abc import Callable, Iterator
 from plcopen_sfc.conversion.adaptation.chart_rewriting import first_of, guarded
 from plcopen_sfc.formats.plcopen.source_marks import TYPES_OF_S5_FIELD, SourceMarks
 from plcopen_sfc.languages.s7_types import is_operand_of_s5, plain_type
-from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.actions import TIMERS, Qualifier
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork
 from plcopen_sfc.model.types import DataType, DerivedType, Elementary, ElementaryType, StructType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
-COUNTERS = frozenset({Qualifier.CS, Qualifier.CU, Qualifier.CD, Qualifier.CR})
-TIMERS = frozenset({Qualifier.TL, Qualifier.TD, Qualifier.TR, Qualifier.TF})
-NEED_EVENT = (COUNTERS | TIMERS) - {Qualifier.TF}
 _MODES = {Qualifier.TR: "0", Qualifier.TL: "1", Qualifier.TD: "2", Qualifier.TF: "3"}
 _WAITS = "4"
 """The mode of TF while its step is active: the output is TRUE, the time has not begun."""

@@ -16,13 +16,7 @@ from functools import cached_property
 from itertools import takewhile
 
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, guarded
-from plcopen_sfc.conversion.adaptation.s5_operands import (
-    COUNTERS,
-    NEED_EVENT,
-    TIMERS,
-    TimerRows,
-    counted,
-)
+from plcopen_sfc.conversion.adaptation.s5_operands import TimerRows, counted
 from plcopen_sfc.conversion.adaptation.special_rows import (
     COILS,
     KINDS_OF_SFC,
@@ -41,16 +35,14 @@ from plcopen_sfc.conversion.adaptation.step_checks import COMPUTED, StepChecks
 from plcopen_sfc.formats.plcopen.source_marks import STEP_FIELDS, added_part, changed_element, rewritten_step
 from plcopen_sfc.languages.binding import STORING, Row, SharedScans, told_orders
 from plcopen_sfc.languages.networks import shown_body
-from plcopen_sfc.model.actions import ActionEvent, Qualifier
+from plcopen_sfc.model.actions import COUNTERS, NEED_EVENT, NEED_TIME, SWITCHES, TIMERS, ActionEvent, Qualifier
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.pou import Action
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, Step
 from plcopen_sfc.report import ORDER_OF_ACTIONS, Outcome
 
-_SWITCHES = frozenset({Qualifier.ON, Qualifier.OFF})
 _STORING = {Qualifier.S: "TRUE", Qualifier.R: "FALSE"}
-_TIMED = frozenset({Qualifier.D, Qualifier.L, Qualifier.TL, Qualifier.TD, Qualifier.TF})
 _AFTER_ENTRY = (None, ActionEvent.C, ActionEvent.L1, ActionEvent.V1, ActionEvent.R1)
 """The events of rows that may act as their step begins, in statements after those that are executed once then."""
 _PULSES = {ActionEvent.S1: Qualifier.P1, ActionEvent.S0: Qualifier.P0}
@@ -520,11 +512,11 @@ class StepRewriter:
             return f"it depends on a condition of the step, and {_NO_TEXT}"
         if row.forcing is not None or row.kind not in KINDS_OF_SFC:
             return f"{title} has no such action of IEC 60848"
-        if row.qualifier in _SWITCHES | NEED_EVENT and event is None:
+        if row.qualifier in NEED_EVENT and event is None:
             return "it has no event"
-        if row.qualifier in _SWITCHES and not self._checks.switched_by(row, step):
+        if row.qualifier in SWITCHES and not self._checks.switched_by(row, step):
             return "there is no such step"
-        if row.qualifier not in COILS | _STORING.keys() | _SWITCHES | COUNTERS | TIMERS | {Qualifier.CALL}:
+        if row.qualifier not in COILS | _STORING.keys() | SWITCHES | COUNTERS | TIMERS | {Qualifier.CALL}:
             return f"{title} has no action {row.qualifier.value}"
         if row.negated:
             return "it acts while its step is not active"
@@ -540,7 +532,7 @@ class StepRewriter:
         late = event is ActionEvent.S1 and row_key(row) in self._mixed and self._host.is_codesys
         if late and again and not is_coil(row):
             return f"another row drives {row.target}, and {title} executes it after entry actions"
-        if row.qualifier in _TIMED and (not row.duration or row.condition is not None):
+        if row.qualifier in NEED_TIME and (not row.duration or row.condition is not None):
             return "its time depends on its condition" if row.duration else "it has no time"
         if row.qualifier is Qualifier.TF and event is not None:
             return "its time has no event"
@@ -645,7 +637,7 @@ class StepRewriter:
         return " OR ".join(terms) or "FALSE"
 
     def _statements(self, step: Step, row: ActionAssociation) -> list[str]:
-        if row.qualifier in _SWITCHES:
+        if row.qualifier in SWITCHES:
             switched, word = self._checks.switched_by(row, step), row.qualifier.value.lower()
             return [f"{self._checks.switch(each, word)} := TRUE;" for each in switched]
         if row.qualifier in TIMERS:

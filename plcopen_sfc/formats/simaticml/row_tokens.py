@@ -21,7 +21,7 @@ from plcopen_sfc.formats.simaticml.element_writer import sub
 from plcopen_sfc.formats.simaticml.network_operands import parse_operand
 from plcopen_sfc.formats.xml.extension_data import attributes, attributes_of, legal_text
 from plcopen_sfc.languages.st.parsing import parse_expression
-from plcopen_sfc.model.actions import ActionEvent, Qualifier
+from plcopen_sfc.model.actions import COILS, COUNTERS, SWITCHES, TIMERS, ActionEvent, Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.sfc import ActionAssociation
@@ -34,10 +34,8 @@ LAYOUT = "blanks"
 """Extension attribute of an association: the blanks behind each token of its row, where they are not the usual ones."""
 CALLEE = "callee"
 """Extension attribute of an association: the function block whose instance it calls."""
-GRAPH_QUALIFIERS = frozenset(
-    {Qualifier.NONE, Qualifier.N, Qualifier.S, Qualifier.R, Qualifier.D, Qualifier.L, Qualifier.CALL}
-    | {Qualifier.ON, Qualifier.OFF, Qualifier.CS, Qualifier.CU, Qualifier.CD, Qualifier.CR}
-    | {Qualifier.TL, Qualifier.TD, Qualifier.TR, Qualifier.TF}
+GRAPH_QUALIFIERS = (
+    frozenset({Qualifier.NONE, Qualifier.S, Qualifier.R, Qualifier.CALL}) | COILS | SWITCHES | COUNTERS | TIMERS
 )
 """Qualifiers that GRAPH has."""
 NEAREST = {

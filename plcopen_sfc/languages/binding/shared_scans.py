@@ -10,7 +10,7 @@ from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.binding.bound_bodies import actions_by_name, step_effects
 from plcopen_sfc.languages.effects import ANYTHING, Effects, may_change, path_of
 from plcopen_sfc.languages.st.parsing import parse_expression
-from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.actions import SWITCHES, Qualifier
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step
@@ -19,7 +19,6 @@ from plcopen_sfc.model.text import local_name
 _MOST_SITUATIONS = 2_000
 STORING = frozenset({Qualifier.S, Qualifier.SD, Qualifier.DS, Qualifier.SL})
 """Qualifiers of actions that go on when their step is left."""
-_SWITCHING = frozenset({Qualifier.ON, Qualifier.OFF})
 _LISTED = 3
 _MOST_PAIRS = 100_000
 
@@ -74,7 +73,7 @@ class SharedScans:
     @cached_property
     def are_switched(self) -> bool:
         """True if rows switch steps, so that any of them may be active together."""
-        return any(row.qualifier in _SWITCHING for _, row in self._chart.associations())
+        return any(row.qualifier in SWITCHES for _, row in self._chart.associations())
 
     @cached_property
     def is_parallel(self) -> bool:

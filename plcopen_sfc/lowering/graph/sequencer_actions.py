@@ -26,8 +26,8 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     when,
 )
 from plcopen_sfc.lowering.code.lowered_code import INT, TIME, LoweredCode, StepValue
-from plcopen_sfc.lowering.graph.sequencer_source import COUNTERS, TIMERS, ActionRow, GraphSource, texts_of
-from plcopen_sfc.model.actions import ActionEvent, Qualifier
+from plcopen_sfc.lowering.graph.sequencer_source import ActionRow, GraphSource, texts_of
+from plcopen_sfc.model.actions import COUNTERS, TIMERS, ActionEvent, Qualifier
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.net import NetStep

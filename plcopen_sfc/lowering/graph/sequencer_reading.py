@@ -14,11 +14,7 @@ from plcopen_sfc.languages.words import needs_quotes
 from plcopen_sfc.lowering.code.boolean_logic import TRUE, assignment
 from plcopen_sfc.lowering.code.lowered_code import BOOL, LoweredCode
 from plcopen_sfc.lowering.graph.sequencer_source import (
-    COILS,
-    COUNTERS,
     QUANTITIES,
-    SWITCHES,
-    TIMERS,
     ActionRow,
     GraphSource,
 )
@@ -26,7 +22,7 @@ from plcopen_sfc.lowering.lowering_options import LoweringRules, tool_of
 from plcopen_sfc.lowering.reading.chart_reading import OF_GRAFCET
 from plcopen_sfc.lowering.reading.chart_source import ConditionText
 from plcopen_sfc.lowering.reading.text_reading import REPAIR, TextReader
-from plcopen_sfc.model.actions import ActionEvent, Qualifier
+from plcopen_sfc.model.actions import COILS, COUNTERS, NEED_EVENT, NEED_TIME, SWITCHES, ActionEvent, Qualifier
 from plcopen_sfc.model.declaration import Declaration
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
@@ -115,9 +111,7 @@ def without_step_data(pou: Pou) -> Pou:
     return pou.model_copy(update={"interface": interface})
 
 
-_NEED_EVENT = (SWITCHES | COUNTERS | TIMERS) - {Qualifier.TF}
 _WITHOUT_EVENT = frozenset({Qualifier.D, Qualifier.L, Qualifier.TF})
-_NEED_TIME = frozenset({Qualifier.D, Qualifier.L, Qualifier.TL, Qualifier.TD, Qualifier.TF})
 _ALL_STEPS = "s_all"
 _NOT_KNOWN = frozenset(
     """HALT_SQ HALT_TM ZERO_OP EN_IL EN_SV EN_ACKREQ EN_SSKIP DISP_SACT DISP_SEF DISP_SALL S_SELOK ACK_S T_PREV T_NEXT
@@ -241,7 +235,7 @@ class _Reader(TextReader):
         grafcet = model.kind is not None or model.forcing is not None
         conditional = model.negated or step.step.negated or model.condition is not None
         negated = "S7-GRAPH has no negated actions and no conditions of actions"
-        lacks, has = qualifier in _NEED_EVENT and event is None, qualifier in _WITHOUT_EVENT and event is not None
+        lacks, has = qualifier in NEED_EVENT and event is None, qualifier in _WITHOUT_EVENT and event is not None
         self.refuse_any(
             path,
             (qualifier not in self._profile.qualifiers, unknown, "Take one of S7-GRAPH: N, S, R, D, L, CALL .."),
@@ -275,7 +269,7 @@ class _Reader(TextReader):
         target = self.expression(name, path)
         # S5 timers and counters are set by instructions only, not by an assignment
         written = isinstance(target, n.Address) and target.text.lstrip("%")[:1].upper() in "TCZ"
-        lasts = qualifier in _NEED_TIME and read is None
+        lasts = qualifier in NEED_TIME and read is None
         other = f"{name} is a timer or counter of S5: other code cannot write it"
         self.refuse_any(
             path,

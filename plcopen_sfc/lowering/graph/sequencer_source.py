@@ -16,12 +16,7 @@ from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.walking import children
 from plcopen_sfc.lowering.code.boolean_logic import names_in
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, ConditionText, SourcePart
-from plcopen_sfc.model.actions import ActionEvent, Qualifier
-
-COILS = frozenset({Qualifier.N, Qualifier.D, Qualifier.L})
-SWITCHES = frozenset({Qualifier.ON, Qualifier.OFF})
-COUNTERS = frozenset({Qualifier.CS, Qualifier.CU, Qualifier.CD, Qualifier.CR})
-TIMERS = frozenset({Qualifier.TL, Qualifier.TD, Qualifier.TR, Qualifier.TF})
+from plcopen_sfc.model.actions import COILS, ActionEvent, Qualifier
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from plcopen_sfc.errors import Location, UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, ActionEvent, Qualifier, SfcNetwork
+from plcopen_sfc.model.actions import COILS, COUNTERS, NEED_EVENT, NEED_TIME, SWITCHES, TIMERS
 from plcopen_sfc.model.chart_settings import GraphSettings
 from plcopen_sfc.model.sfc import Condition as Stated
 from plcopen_sfc.semantics.charts.chart_actions import Owner, check_associations, check_step_actions, missing_time
@@ -44,12 +45,6 @@ from plcopen_sfc.semantics.programs.runtime_types import ELAPSED, ELEMENTARY, IN
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope
 
-_COILS = frozenset({Qualifier.N, Qualifier.D, Qualifier.L})
-SWITCHES = frozenset({Qualifier.ON, Qualifier.OFF})
-"""Qualifiers that switch steps."""
-COUNTERS = frozenset({Qualifier.CS, Qualifier.CU, Qualifier.CD, Qualifier.CR})
-TIMERS = frozenset({Qualifier.TL, Qualifier.TD, Qualifier.TR, Qualifier.TF})
-_NEED_EVENT = (SWITCHES | COUNTERS | TIMERS) - {Qualifier.TF}
 _LAST_COUNT = 999
 """S5 counters count from 0 to 999."""
 
@@ -98,7 +93,7 @@ class _Row:
 
     @property
     def is_coil(self) -> bool:
-        return self.qualifier in _COILS and self.run is None
+        return self.qualifier in COILS and self.run is None
 
 
 class GraphActions:
@@ -136,7 +131,7 @@ class GraphActions:
 
     def _check(self, owner: Owner, model: ActionAssociation) -> None:
         where = Location(path=f"{self._path} / step {owner.path}")
-        if model.qualifier in _NEED_EVENT and model.event in (None, ActionEvent.C):
+        if model.qualifier in NEED_EVENT and model.event in (None, ActionEvent.C):
             raise UnknownBehaviourError(f"{model.qualifier} of {model.target} needs an event", location=where)
         if model.qualifier in (Qualifier.D, Qualifier.L, Qualifier.TF) and model.event not in (None, ActionEvent.C):
             raise UnknownBehaviourError(f"{model.qualifier} of {model.target} has no event", location=where)
@@ -178,7 +173,7 @@ class GraphActions:
     def _translate(self, row: _Row, model: ActionAssociation, where: str) -> None:
         if model.duration:
             row.duration = Routines(self._scope).expression(model.duration, where, ELEMENTARY["TIME"])
-        elif model.qualifier in (Qualifier.D, Qualifier.L, Qualifier.TL, Qualifier.TD, Qualifier.TF):
+        elif model.qualifier in NEED_TIME:
             row.duration = missing_time(f"{model.target} has no time for {model.qualifier}", where)
         if row.qualifier in SWITCHES:
             return
