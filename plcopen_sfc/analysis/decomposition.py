@@ -12,7 +12,7 @@ reads, and it cannot end with an error. Variables of the POU count as a whole, o
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from plcopen_sfc.analysis.domains import Domain
@@ -36,8 +36,11 @@ _BUILDING = 3
 """Scans that take as long as making the systems of a part, for each of their variables."""
 
 Pair = tuple[Observation, Observation]
-Build = Callable[[Pou, Pou, Sequence[Pair]], tuple[ProgramSystem, ProgramSystem, Mapping[str, Domain]]]
-"""Makes the two systems of a part, which are compared in some observations, and the domains of their inputs."""
+_Built = tuple[ProgramSystem, ProgramSystem, Mapping[str, Domain]]
+"""The two systems of a part, and the domains of their inputs."""
+
+Build = Callable[[Pou, Pou, Sequence[Pair]], _Built]
+"""Makes a part, the systems of which are compared in some observations."""
 
 
 @dataclass(frozen=True)
@@ -71,54 +74,66 @@ class Division:
         inputs = None
         failed: list[Explored] = []
         dead = False
-        for share in self._shares:
-            left, right = (pou(kept) for pou, kept in zip(self._pous, (share.left, share.right), strict=True))
-            first, second, domains = build(left, right, share.pairs)
-            scans += _BUILDING * (first.size + second.size)
-            found = None
-            for number, most in enumerate(searches(first, second, cap, _BEFORE_TERMS)):
-                searching = search(first, second, domains, most)
-                found = None
-                progress = Progress(0, 0)
+        try:
+            for share in self._shares:
+                left, right = (pou(kept) for pou, kept in zip(self._pous, (share.left, share.right), strict=True))
+                part = build(left, right, share.pairs)
+                scans += _BUILDING * (part[0].size + part[1].size)
                 # once a part differs, the others are searched for a shorter difference only
-                while found is None and (inputs is None or progress.depth + 1 < len(inputs)):
-                    try:
-                        progress = next(searching)
-                    except StopIteration as end:
-                        found = end.value
-                    else:
-                        try:
-                            yield Progress(scans + progress.scans, progress.depth, states + progress.states)
-                        except StopError as stop:
-                            return Explored(states, depth, complete=False, reason=str(stop), capped=True, parts=parts)
-                scans += progress.scans
-                if found is None or found.complete or found.inputs is not None or inputs is not None:
-                    break
-                # numbers that were tried value by value may be equal whatever they are
-                signals = {name: domain.signal for name, domain in domains.items()}
-                proven = explore_terms(first, second, signals, cap, look) if number == 0 else None
-                if proven is not None:
-                    found = proven
-                    break
-            if found is None:
-                continue  # it has no shorter difference
-            states += found.states
-            depth = max(depth, found.depth)
-            notes |= dict.fromkeys(found.notes)
-            dead |= found.dead
-            if found.inputs is not None:
-                inputs = found.inputs
-            elif not found.complete:
-                failed.append(found)
-                # there is no proof any more: others are searched for a difference as long as the whole would be
-                if not found.capped or (inputs is None and scans > max(RUNS_FOR_A_STATE * cap, _HEAD_START)):
-                    break
+                shorter = len(inputs) if inputs is not None else None
+                around = Progress(scans, depth, states)
+                found, scans = yield from _search_part(part, cap, look, shorter=shorter, around=around)
+                if found is None:
+                    continue
+                states += found.states
+                depth = max(depth, found.depth)
+                notes |= dict.fromkeys(found.notes)
+                dead |= found.dead
+                if found.inputs is not None:
+                    inputs = found.inputs
+                elif not found.complete:
+                    failed.append(found)
+                    # there is no proof any more: others are searched for a difference as long as the whole would be
+                    if not found.capped or (inputs is None and scans > max(RUNS_FOR_A_STATE * cap, _HEAD_START)):
+                        break
+        except StopError as stop:
+            return Explored(states, depth, complete=False, reason=str(stop), capped=True, parts=parts)
         if inputs is not None:
             shortest = all(each.depth + 1 >= len(inputs) for each in failed)
             return Explored(states, depth, complete=False, inputs=inputs, shortest=shortest, parts=parts)
         if failed:
             return replace(failed[0], parts=parts)
         return Explored(states, depth, complete=True, notes=tuple(notes), parts=parts, dead=dead)
+
+
+def _search_part(
+    part: _Built, cap: int, look: Callable[[int], str], *, shorter: int | None, around: Progress
+) -> Generator[Progress, None, tuple[Explored | None, int]]:
+    """Search one part; return what was found, and the scans with those `around` it.
+
+    `shorter`: only a difference of fewer scans is looked for; without one nothing is found.
+    """
+    left, right, domains = part
+    found, scans = None, around.scans
+    for number, most in enumerate(searches(left, right, cap, _BEFORE_TERMS)):
+        searching = search(left, right, domains, most)
+        found, progress = None, Progress(0, 0)
+        while found is None and (shorter is None or progress.depth + 1 < shorter):
+            try:
+                progress = next(searching)
+            except StopIteration as end:
+                found = end.value
+            else:
+                yield Progress(scans + progress.scans, progress.depth, around.states + progress.states)
+        scans += progress.scans
+        if found is None or found.complete or found.inputs is not None or shorter is not None:
+            break
+        # numbers that were tried value by value may be equal whatever they are
+        signals = {name: domain.signal for name, domain in domains.items()}
+        proven = explore_terms(left, right, signals, cap, look) if number == 0 else None
+        if proven is not None:
+            return proven, scans
+    return found, scans
 
 
 def divide(left: ProgramSystem, right: ProgramSystem, pairs: Sequence[Pair]) -> Division | None:
