@@ -36,8 +36,21 @@ def give_task(project: Project, report: ConversionReport) -> None:
 
 
 def executes_without_tasks(project: Project) -> bool:
-    """True if PLC_PRG, which nothing calls yet, can execute what the tasks of a project execute."""
-    return _refusal(project) is None
+    """True if PLC_PRG, which nothing calls yet, can execute what the tasks of a project execute.
+
+    That is one task without an event, with programs that are called once each and without arguments.
+    """
+    tasks = _tasks(project)
+    if len(tasks) != 1:
+        return False
+    schedule, instances = schedule_of(tasks[0]), tasks[0].instances
+    if schedule.event is not None or schedule.kind not in ("", FREEWHEELING):
+        return False
+    names = [_program(instance).casefold() for instance in instances]
+    if len({*names}) < len(names) or not {*names} <= _programs(project).keys():
+        return False
+    is_taken = MAIN.casefold() in {thing.name.casefold() for thing in project.objects()}
+    return not any(map(_has_arguments, instances)) and (not is_taken or names == [MAIN.casefold()])
 
 
 def call_from_main(project: Project, host: ChartHost, report: ConversionReport, marks: SourceMarks) -> None:
@@ -63,23 +76,6 @@ def add_main(project: Project, names: Sequence[str], report: ConversionReport, m
     project.pous = [*project.pous, program]
     marks[id(program)] = added_pou(program)
     report.add(Outcome.TRANSLATED, "POU", program.report_path, f"it calls {', '.join(names)} in every cycle")
-
-
-def _refusal(project: Project) -> str | None:
-    tasks = _tasks(project)
-    if len(tasks) != 1:
-        return "several tasks" if tasks else "no task"
-    schedule = schedule_of(tasks[0])
-    if schedule.event is not None or schedule.kind not in ("", FREEWHEELING):
-        return "its event"
-    programs = _programs(project)
-    names = [_program(instance).casefold() for instance in tasks[0].instances]
-    if len({*names}) < len(names) or not {*names} <= programs.keys():
-        return "instances of a program"
-    if any(_has_arguments(instance) for instance in tasks[0].instances):
-        return "arguments of a program"
-    is_taken = MAIN.casefold() in {thing.name.casefold() for thing in project.objects()}
-    return f"another {MAIN}" if is_taken and names != [MAIN.casefold()] else None
 
 
 def _has_arguments(instance: PouInstance) -> bool:

@@ -98,8 +98,9 @@ class TimerRows:
         runs = f"{mode} > 0 AND {mode} < {_WAITS}" if Qualifier.TF in kinds else f"{mode} > 0"
         ended = [f"{row.target} := NOT {timer}.Q;", *guarded(f"{timer}.Q", [f"{mode} := {_MODES[Qualifier.TR]};"])]
         delayed = f"{mode} = {_MODES[Qualifier.TD]}" if kinds & _PULSES else f"{mode} > 0"
-        cases = [(delayed, [f"{row.target} := {timer}.Q;"])] * (Qualifier.TD in kinds)
-        cases += [(f"{mode} > 0", ended)] * bool(kinds & _PULSES)
+        cases = [(delayed, [f"{row.target} := {timer}.Q;"])] if Qualifier.TD in kinds else []
+        if kinds & _PULSES:
+            cases.append((f"{mode} > 0", ended))
         return [f"{timer}(IN := {runs}, PT := {time});", *first_of(cases)]
 
 
