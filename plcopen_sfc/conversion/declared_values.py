@@ -17,7 +17,7 @@ from plcopen_sfc.conversion.meaning import Meaning, literal_form
 from plcopen_sfc.formats.codesys import codesys_names as codesys
 from plcopen_sfc.languages.binding.text_sites import Role, TextSite
 from plcopen_sfc.languages.declarations.attributes import acting_attributes, attributes_of
-from plcopen_sfc.languages.declarations.kept_texts import inheritance, kept, unwrapped
+from plcopen_sfc.languages.declarations.kept_texts import inheritance, kept, texts_from
 from plcopen_sfc.languages.declarations.type_names import is_quoted_in_scl
 from plcopen_sfc.languages.s7_types import S7Types, number_of
 from plcopen_sfc.languages.standard_blocks import standard_block
@@ -282,11 +282,10 @@ def tell_declaration(part: Part, thing: Element, typed: Sequence[str] = (), decl
     written = _HEAD.search(declaration or "")
     if written is not None:
         part.tell("modifiers", Meaning.of(" ".join(written[1].upper().split())))
+    for text in texts_from("modifiers", thing.extension_data):
+        part.tell("modifiers", Meaning.of(text.upper(), text))
     for data in thing.extension_data.data if thing.extension_data is not None else ():
-        place, text = unwrapped(data.content) or ("", "")
-        if place == "modifiers":
-            part.tell("modifiers", Meaning.of(text.upper(), text))
-        elif data.name.endswith("/accessmodifiers") and written is None:
+        if data.name.endswith("/accessmodifiers") and written is None:
             words = " ".join(word.upper() for word in _MODIFIER.findall(data.content))
             part.tell("modifiers", Meaning.of(words) if words else None)
     found = " ".join(" ".join(attributes_of(thing, typed)).split())
@@ -305,9 +304,8 @@ def add_kept(whole: Part, project: Project, text_sites: Iterable[TextSite], tool
     for keyword, name in (found[0] for found in texts if found):
         whole.add("unit", name, f"{keyword} {name}").tell("kind", Meaning.of(keyword))
     for pou in project.pous:
-        for data in pou.extension_data.data if pou.extension_data is not None else ():
-            place, text = unwrapped(data.content) or ("", "")
-            if place == "property" and (named := _PROPERTY.search(text)):
+        for text in texts_from("property", pou.extension_data):
+            if named := _PROPERTY.search(text):
                 name = named.group(1)
                 part = whole.add("property", f"{pou.name}.{name}", f"{pou.report_path} / property {name}")
                 part.tell("code", Meaning.of(" ".join(text.split()).casefold(), text))
@@ -328,10 +326,8 @@ def add_kept(whole: Part, project: Project, text_sites: Iterable[TextSite], tool
 
 def _units(extension_data: ExtensionData | None) -> Iterator[list[tuple[str, str]]]:
     """Yield declarations of each unit that is kept as text: the unit first, then what is in it, by keyword and name."""
-    for data in extension_data.data if extension_data is not None else ():
-        place, text = unwrapped(data.content) or ("", "")
-        if place == "unit":
-            yield [(found[1].upper(), found[2]) for found in _UNIT.finditer(text)]
+    for text in texts_from("unit", extension_data):
+        yield [(found[1].upper(), found[2]) for found in _UNIT.finditer(text)]
 
 
 def _bases(project: Project) -> Iterator[tuple[str, str]]:

@@ -9,7 +9,7 @@ from functools import cached_property
 from plcopen_sfc.conversion.declared_values import StartValues
 from plcopen_sfc.conversion.executed_parts import Detail, Part, duration_meaning, plain_name
 from plcopen_sfc.conversion.meaning import Meaning, address_meaning, plain, type_meaning
-from plcopen_sfc.languages.declarations.kept_texts import unwrapped
+from plcopen_sfc.languages.declarations.kept_texts import texts_from
 from plcopen_sfc.languages.s7_programs import WITHOUT_TASK
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements
@@ -168,10 +168,8 @@ class TaskReader:
         if program in shared:
             memory = "shared by all calls" if self._is_of_codesys else "its own"
             part.tell("variables", Meaning.of(memory))
-        for data in instance.extension_data.data if instance.extension_data is not None else ():
-            place, text = unwrapped(data.content) or ("", "")
-            if place == "arguments":
-                part.tell("arguments", Meaning.of(folded(" ".join(text.split())), text))
+        for text in texts_from("arguments", instance.extension_data):
+            part.tell("arguments", Meaning.of(folded(" ".join(text.split())), text))
 
 
 def _shown_watchdog(watchdog: TaskWatchdog) -> str:

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from plcopen_sfc.formats.format_interface import ChartHost
 from plcopen_sfc.formats.plcopen.source_marks import SourceMarks, added_pou
-from plcopen_sfc.languages.declarations.kept_texts import unwrapped
+from plcopen_sfc.languages.declarations.kept_texts import texts_from
 from plcopen_sfc.languages.task_schedules import FREEWHEELING, schedule_of
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.pou import Pou, PouKind
@@ -50,7 +50,8 @@ def executes_without_tasks(project: Project) -> bool:
     if len({*names}) < len(names) or not {*names} <= _programs(project).keys():
         return False
     is_taken = MAIN.casefold() in {thing.name.casefold() for thing in project.objects()}
-    return not any(map(_has_arguments, instances)) and (not is_taken or names == [MAIN.casefold()])
+    has_arguments = any(any(texts_from("arguments", instance.extension_data)) for instance in instances)
+    return not has_arguments and (not is_taken or names == [MAIN.casefold()])
 
 
 def call_from_main(project: Project, host: ChartHost, report: ConversionReport, marks: SourceMarks) -> None:
@@ -76,11 +77,6 @@ def add_main(project: Project, names: Sequence[str], report: ConversionReport, m
     project.pous = [*project.pous, program]
     marks[id(program)] = added_pou(program)
     report.add(Outcome.TRANSLATED, "POU", program.report_path, f"it calls {', '.join(names)} in every cycle")
-
-
-def _has_arguments(instance: PouInstance) -> bool:
-    kept = instance.extension_data.data if instance.extension_data is not None else ()
-    return any((unwrapped(data.content) or ("", ""))[0] == "arguments" for data in kept)
 
 
 def _tasks(project: Project) -> list[Task]:

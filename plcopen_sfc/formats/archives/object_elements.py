@@ -21,7 +21,6 @@ from plcopen_sfc.formats.archives.object_archive import archived, kept_data, kep
 from plcopen_sfc.formats.archives.object_identities import add_code, identity, identity_of
 from plcopen_sfc.formats.archives.property_elements import (
     edited_property,
-    kept_properties,
     kept_property,
     name_of_property,
     written_property,
@@ -30,6 +29,7 @@ from plcopen_sfc.formats.iectext.object_declarations import METHOD, PROPERTY, ba
 from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext
 from plcopen_sfc.formats.xml.extension_data import add_markup, markup
 from plcopen_sfc.formats.xml.xml_parsing import line_of
+from plcopen_sfc.languages.declarations.kept_texts import texts_from
 from plcopen_sfc.languages.networks.condition_reading import shown_body, shown_named_condition
 from plcopen_sfc.languages.networks.exported_networks import SOURCES, network_statements
 from plcopen_sfc.model.base import Element, ExtensionData
@@ -421,7 +421,7 @@ class _PouWriter:
     def _properties(self) -> list[tuple[int, etree._Element]]:
         """Return the properties: those of the file that is patched with other names in them, and new ones."""
         stay = [*self._source.iterfind("Property")] if self._source is not None else []
-        texts = [text for _, text in kept_properties(self._pou)]
+        texts = [*texts_from(PROPERTY, self._pou.extension_data)]
         sources: list[etree._Element | None] = [*stay]
         if len(texts) != len(stay):  # else one that has no source of its name was renamed
             named = {each.get("Name", "").casefold(): each for each in stay}

@@ -10,9 +10,8 @@ from lxml import etree
 
 from plcopen_sfc.formats.archives.object_identities import add_code, identity, identity_of
 from plcopen_sfc.formats.iectext.object_declarations import PROPERTY
-from plcopen_sfc.languages.declarations.kept_texts import unwrapped, wrapped
+from plcopen_sfc.languages.declarations.kept_texts import wrapped
 from plcopen_sfc.model.base import ForeignData
-from plcopen_sfc.model.pou import Pou
 
 
 def kept_property(element: etree._Element) -> ForeignData:
@@ -82,11 +81,3 @@ def written_property(
         add_code(etree.SubElement(accessor, "Implementation"), "ST", found[2][length:].strip())
     rebuilt = " ".join(part for part, _ in _texts_of_property(written))
     return written if rebuilt.split() == text.split() else None
-
-
-def kept_properties(pou: Pou) -> Iterator[tuple[str, str]]:
-    """Yield the place and the text of each property of a POU."""
-    for data in pou.extension_data.data if pou.extension_data is not None else ():
-        kept = unwrapped(data.content)
-        if kept is not None and kept[0] == PROPERTY:
-            yield kept

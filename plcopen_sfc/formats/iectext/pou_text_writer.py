@@ -45,7 +45,7 @@ from plcopen_sfc.formats.iectext.text_source import (
     kept_texts,
 )
 from plcopen_sfc.formats.text_patch import Key, WrittenBlock, numbered_blocks
-from plcopen_sfc.languages.declarations.kept_texts import unwrapped
+from plcopen_sfc.languages.declarations.kept_texts import texts_from
 from plcopen_sfc.languages.networks import shown_body, shown_condition, shown_named_condition
 from plcopen_sfc.languages.pragmas import Fields, Numbered, RemainderEntry, Segment, changes, plain_fields
 from plcopen_sfc.languages.st.lexer import tokenize
@@ -335,11 +335,10 @@ class ChartTextWriter:
         names = [by_id[i] for i in ids if i in by_id]
         if names:
             read_back[side] = [i for i in ids if i in by_id]
-        for data in transition.extension_data.data if transition.extension_data is not None else ():
-            kept = unwrapped(data.content)
-            if kept is not None and kept[0] == keyword.lower() and self.printer.is_name(kept[1]):
-                names.append(kept[1])
-                keep_text(read_back, *kept)
+        for name in texts_from(keyword.lower(), transition.extension_data):
+            if self.printer.is_name(name):
+                names.append(name)
+                keep_text(read_back, keyword.lower(), name)
         return f" {keyword} {names[0]}" if len(names) == 1 else f" {keyword} ({', '.join(names)})"
 
     def _condition(

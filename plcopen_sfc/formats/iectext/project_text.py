@@ -37,7 +37,7 @@ from plcopen_sfc.formats.iectext.text_source import (
 from plcopen_sfc.formats.matiec.matiec_declarations import variable_names
 from plcopen_sfc.formats.text_patch import WrittenBlock, numbered_blocks
 from plcopen_sfc.languages.declarations import write_listing
-from plcopen_sfc.languages.declarations.kept_texts import unwrapped, wrapped
+from plcopen_sfc.languages.declarations.kept_texts import texts_from, unwrapped, wrapped
 from plcopen_sfc.languages.pragmas import Append, Fields, Named, RemainderEntry, Segment, changes, plain_fields
 from plcopen_sfc.languages.st.lexer import Token, tokenize
 from plcopen_sfc.languages.task_schedules import duration_literal, iec_form
@@ -283,7 +283,7 @@ class _ConfigurationWriter:
 
     def _resource(self, resource: Resource, place: list[Segment] | None) -> str:
         name = self._name(resource.name)
-        processor = next((kept[1] for kept in self._kept(resource) if kept[0] == ON_PLACE), "PLC")
+        processor = next(texts_from(ON_PLACE, resource.extension_data), "PLC")
         text = self._top(resource, name, INDENT, place=place)
         text += f"{INDENT}RESOURCE {name} ON {processor}\n"
         inner = INDENT * 2
@@ -356,7 +356,7 @@ class _ConfigurationWriter:
         name = self._name(instance.name)
         type_name = instance.type_name if self.printer.is_name(instance.type_name) else name
         read_back: Fields = {} if type_name == name else {"type_name": type_name}
-        arguments = next((words for place, words in self._kept(instance) if place == "arguments"), "")
+        arguments = next(texts_from("arguments", instance.extension_data), "")
         if arguments:
             read_back["extension_data"] = {"data": [wrapped("arguments", arguments)]}
         text = self._top(instance, name, indent, read_back=read_back)

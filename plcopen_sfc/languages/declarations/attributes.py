@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 
-from plcopen_sfc.languages.declarations.kept_texts import kept, unwrapped, with_kept
+from plcopen_sfc.languages.declarations.kept_texts import kept, texts_from, with_kept
 from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
 from plcopen_sfc.languages.words import IEC_KEYWORDS
 from plcopen_sfc.model.base import Element
@@ -42,9 +42,7 @@ def attributes_of(thing: Element, typed: Sequence[str] = ()) -> Sequence[str]:
     if typed:
         return typed
     texts = kept(thing.extension_data)
-    kept_data = thing.extension_data.data if thing.extension_data is not None else []
-    wrapped = (unwrapped(data.content) or ("", "") for data in kept_data)
-    return [texts.get("pragmas", texts.get("attributes", "")), *(text for place, text in wrapped if place == "pragma")]
+    return [texts.get("pragmas", texts.get("attributes", "")), *texts_from("pragma", thing.extension_data)]
 
 
 _ACTING = frozenset(

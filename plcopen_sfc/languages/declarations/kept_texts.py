@@ -68,6 +68,14 @@ def unwrapped(content: str) -> tuple[str, str] | None:
     return (unescape(found.group(1)), unescape(found.group(2))) if found is not None else None
 
 
+def texts_from(place: str, extension_data: ExtensionData | None) -> Iterator[str]:
+    """Yield the texts from a place that `wrapped` put into extension data."""
+    for data in extension_data.data if extension_data is not None else ():
+        found = unwrapped(data.content)
+        if found is not None and found[0] == place:
+            yield found[1]
+
+
 class Inheritance(NamedTuple):
     """The names behind EXTENDS (at most one) and IMPLEMENTS."""
 
