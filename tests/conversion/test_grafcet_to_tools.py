@@ -1373,3 +1373,13 @@ def test_a_delay_beside_a_condition_of_a_parallel_step_is_assigned_with_it(timed
     _, report = sfc.convert(source, "plcopen-2.01", limit=20)
     assert report.compared["POU Z"].startswith("equal")
     assert not report.losses
+
+
+def test_a_chart_that_passes_a_step_in_its_first_scan_is_not_compared_where_it_passes_none() -> None:
+    text = "GRAFCET Main\nOUTPUTS\n    x : INT\nINITIAL STEP 1\n1 -> 2 : 1\nSTEP 2\n    ON DEACTIVATION x := 1\n"
+    text += "2 -> 3 : 1\nSTEP 3\n    ON ACTIVATION x := 2\n2 -> 4 : 1\nSTEP 4\n"
+    source = sfc.loads(text.encode(), format="grafcet-text")
+    _, report = sfc.convert(source, "simaticml", partial=True, limit="10s")
+    (found,) = report.compared.values()
+    assert found.startswith("different")
+    assert "0 states" not in found
