@@ -466,3 +466,13 @@ def test_an_end_is_a_step_that_does_nothing(source: str) -> None:
     assert [step.name for step in back.steps] == [step.name for step in before.steps]
     assert [bool(each.targets) for each in back.transitions].count(False) == 1
     assert (back.graph_settings is None) is (before.graph_settings is None)
+
+
+@pytest.mark.parametrize("rows", [(), ({"step": "Idle", "target": "r"},)], ids=["alone", "behind the start"])
+def test_inputs_that_actions_see_are_told_behind_another_difference(rows: tuple[dict[str, Any], ...]) -> None:
+    """A chart that differs from its first scan on hid that its actions see other inputs later."""
+    source = sequencer(rows=(*rows, {**AGAIN, "target": "m", "qualifier": "S", "event": "V0"}))
+    report = sfc.save(source, io.BytesIO(), format="codesys", limit=20)
+    [told] = [item for item in report.losses if item.what == "inputs of actions"]
+    assert told.why.startswith("its actions read g: ")
+    assert START_OF_CHART not in {item.what for item in report.losses}
