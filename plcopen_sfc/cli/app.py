@@ -1,11 +1,13 @@
-"""The commands with their options. `plcopen_sfc.cli.commands` has what they do, imported on use."""
+"""The commands with their options. `plcopen_sfc.cli.commands` has what they do, imported on use.
+
+Commands bring the parser and the interpreter, which help and version do without.
+"""
 
 # No `from __future__ import annotations`: typer reads the annotations at run time.
 
 import inspect
 import sys
 from collections.abc import Callable
-from importlib import import_module
 from typing import Annotated, Any
 
 import typer
@@ -75,56 +77,39 @@ def _common(
     """
 
 
-def _command(work: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Make a command of a declaration, whose parameters are its arguments and options.
+def _command(function: Callable[..., int]) -> Callable[..., None]:
+    """Make a command of a function, whose parameters behind the screen are its arguments and options.
 
-    The options that all commands share are added here, and those of commands that take many files (`files`). `work` is
-    the function of `plcopen_sfc.cli.commands` that does it, such as ``info.run``.
+    It returns the exit code. The options that all commands share are added here, and those of commands that take many
+    files (`files`).
     """
+    _, *own = inspect.signature(function).parameters.values()
+    names = {each.name for each in own}
+    shared = _SHARED | (_OF_MANY_FILES if "files" in names else {})
 
-    def declared(function: Callable[..., None]) -> Callable[..., None]:
-        own = inspect.signature(function).parameters
-        shared = _SHARED | (_OF_MANY_FILES if "files" in own else {})
+    def command(**given: Any) -> None:
+        options = {name: given[name] if name in names else given.pop(name) for name in _SHARED}
+        if "files" in names:
+            from plcopen_sfc.cli.many_files import ManyFiles
 
-        def command(**given: Any) -> None:
-            options = {name: given[name] if name in own else given.pop(name) for name in _SHARED}
-            if "files" in own:
-                from plcopen_sfc.cli.many_files import ManyFiles
+            given["files"] = ManyFiles(tuple(given["files"]), given.pop("jobs"))
+        with guarded(**options) as screen:
+            screen.exit_code = function(screen, **given)
 
-                given["files"] = ManyFiles(tuple(given["files"]), given.pop("jobs"))
-            with guarded(**options) as screen:
-                screen.exit_code = _done(work, screen, given)
-
-        # typer reads the signature of what it calls: the options that all commands share are put into it
-        added = {
-            name: inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
-            for name, (annotation, default) in shared.items()
-            if name not in own
-        }
-        parameters = [*own.values(), *added.values()]
-        for place, each in enumerate(parameters):
-            if each.name == "files":  # what typer makes a `ManyFiles` of
-                parameters[place] = each.replace(annotation=Annotated[list[str], *each.annotation.__metadata__])
-        command.__name__, command.__doc__ = function.__name__, function.__doc__
-        command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]  # what typer reads
-        command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
-        return command
-
-    return declared
-
-
-def _done(work: str, screen: Screen, given: dict[str, Any]) -> int:
-    """Call what does a command; returns the exit code. Options that it has no parameter for are fields of its `how`."""
-    name, _, function = work.partition(".")
-    # imported now: commands bring the parser and the interpreter, which help and version do without
-    module = import_module(f"plcopen_sfc.cli.commands.{name}")
-    called = getattr(module, function)
-    parameters = inspect.signature(called).parameters
-    if "how" in parameters:
-        fields = {option: given.pop(option) for option in [*given] if option not in parameters}
-        given["how"] = getattr(module, parameters["how"].annotation)(**fields)
-    code: int = called(screen, **given)
-    return code
+    # typer reads the signature of what it calls: the options that all commands share are put into it
+    parameters = [
+        # what typer makes a `ManyFiles` of
+        each.replace(annotation=Annotated[list[str], *each.annotation.__metadata__]) if each.name == "files" else each
+        for each in own
+    ] + [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
+        for name, (annotation, default) in shared.items()
+        if name not in names
+    ]
+    command.__name__, command.__doc__ = function.__name__, function.__doc__
+    command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]  # what typer reads
+    command.__annotations__ = {each.name: each.annotation for each in parameters}
+    return command
 
 
 _SHARED: dict[str, tuple[Any, Any]] = {
@@ -142,50 +127,67 @@ _OF_MANY_FILES: dict[str, tuple[Any, Any]] = {"jobs": (o.FileJobs, 1)}
 # it fits on a line of a terminal of 80.
 
 
-@_command("catalogues.formats")
-def _formats() -> None:
+@_command
+def _formats(screen: Screen) -> int:
     """List the formats and what of a chart each one preserves."""
+    from plcopen_sfc.cli.commands import catalogues
+
+    return catalogues.formats(screen)
 
 
-@_command("info.run")
-def _info(files: o.Files, charts: o.Charts = None) -> None:
+@_command
+def _info(screen: Screen, files: o.Files, charts: o.Charts = None) -> int:
     """Show what files hold, with an outline of each chart.
 
     Shows tool and version, POUs, steps, transitions and actions. Problems of the charts go to standard error.
     """
+    from plcopen_sfc.cli.commands import info
+
+    return info.run(screen, files, charts=charts)
 
 
-@_command("validate.run")
-def _validate(files: o.Files, tool: o.Importer = "") -> None:
+@_command
+def _validate(screen: Screen, files: o.Files, tool: o.Importer = "") -> int:
     """Check files against the schema of their format.
 
     Also reports charts that cannot be executed and program text that cannot be parsed; with --for what a tool would not
     do of them.
     """
+    from plcopen_sfc.cli.commands import validate
+
+    return validate.run(screen, files, tool)
 
 
-@_command("check.run")
+@_command
 def _check(
+    screen: Screen,
     files: o.Files,
     select: o.Select = None,
     ignore: o.Ignore = None,
     profile: o.Profile = None,
     fail_on: o.FailOn = None,
     form: o.Form = "text",
-) -> None:
+) -> int:
     """Check charts against the numbered rules.
 
     `plcopen-sfc rules` lists the rules.
     """
+    from plcopen_sfc.cli.commands import check
+
+    return check.run(screen, files, check.CheckOptions(select, ignore, profile, fail_on, form))
 
 
-@_command("catalogues.rules")
-def _rules(codes: o.Codes = None, markdown: o.Markdown = False) -> None:
+@_command
+def _rules(screen: Screen, codes: o.Codes = None, markdown: o.Markdown = False) -> int:
     """List the rules of `check`, or explain some of them."""
+    from plcopen_sfc.cli.commands import catalogues
+
+    return catalogues.rules(screen, codes, markdown=markdown)
 
 
-@_command("convert.run")
+@_command
 def _convert(
+    screen: Screen,
     files: o.Sources,
     to: o.ToFormats = None,
     flavour: o.For = "",
@@ -203,12 +205,37 @@ def _convert(
     report: o.ConvertReport = None,
     lang: o.PageLanguage = "en",
     resume: o.Journal = None,
-) -> None:
+) -> int:
     """Write files in another format and report every item."""
+    from plcopen_sfc.cli.commands import convert
+
+    return convert.run(
+        screen,
+        files,
+        to=to,
+        report=report,
+        resume=resume,
+        verify=verify,
+        limit=limit,
+        at_rest=at_rest,
+        as_tool=as_tool,
+        accept_errors=accept_errors,
+        accept_untested=accept_untested,
+        lang=lang,
+        saving={
+            "flavour": flavour,
+            "tia": tia,
+            "partial": partial,
+            "strict": strict,
+            "fresh": fresh,
+            "normalize": normalize,
+        },
+    )
 
 
-@_command("diff.run")
+@_command
 def _diff(
+    screen: Screen,
     before: o.Before,
     after: o.After,
     layout: o.Layout = False,
@@ -218,30 +245,38 @@ def _diff(
     html: o.DiffHtml = None,
     lang: o.PageLanguage = "en",
     jobs: o.FileJobs = 1,
-) -> None:
+) -> int:
     """Show what changed between two files, in the words of charts.
 
     Compares what they mean: the files may have different formats. Layout and ids do not count.
     """
+    from plcopen_sfc.cli.commands import diff
+
+    return diff.run(screen, before, after, diff.DiffOptions(layout, prove, limit, exit_code, html, lang, jobs))
 
 
-@_command("edits.rename")
+@_command
 def _rename(
+    screen: Screen,
     files: o.Files,
     old: o.OldName,
     new: o.NewName,
     dry_run: o.DryRun = False,
     diff: o.Patch = None,
     resume: o.Journal = None,
-) -> None:
+) -> int:
     """Rename a step, a variable or a POU wherever files name it.
 
     Changes files in place. With - a file is read from standard input and written to standard output.
     """
+    from plcopen_sfc.cli.commands import edits
+
+    return edits.rename(screen, files, old, new, edits.EditOptions(dry_run, diff=diff, resume=resume))
 
 
-@_command("edits.renumber")
+@_command
 def _renumber(
+    screen: Screen,
     files: o.Files,
     start: o.Start = 1,
     increment: o.Increment = 1,
@@ -250,23 +285,31 @@ def _renumber(
     dry_run: o.DryRun = False,
     diff: o.Patch = None,
     resume: o.Journal = None,
-) -> None:
+) -> int:
     """Number steps along the flow, and name them by their numbers.
 
     Changes files in place. With - a file is read from standard input and written to standard output.
     """
+    from plcopen_sfc.cli.commands import edits
+
+    how = edits.EditOptions(dry_run, diff=diff, resume=resume)
+    return edits.renumber(screen, files, how, start=start, increment=increment, names=names, pou=pou)
 
 
-@_command("edits.merge")
-def _merge(source: o.StepList, file: o.ListedFile, dry_run: o.DryRun = False) -> None:
+@_command
+def _merge(screen: Screen, source: o.StepList, file: o.ListedFile, dry_run: o.DryRun = False) -> int:
     """Put what was edited in a step list into its file.
 
     The list is one that `convert FILE list.xlsx` wrote, with your changes. Rows that are the same change nothing.
     """
+    from plcopen_sfc.cli.commands import edits
+
+    return edits.merge(screen, source, file, edits.EditOptions(dry_run))
 
 
-@_command("edits.run_script")
+@_command
 def _apply(
+    screen: Screen,
     script: o.Script,
     files: o.Files,
     settings: o.ScriptSettings = None,
@@ -276,16 +319,21 @@ def _apply(
     prove: o.ProveSame = False,
     limit: o.ProveLimit = "30s",
     resume: o.Journal = None,
-) -> None:
+) -> int:
     """Run a script on many files, and show what it changes.
 
     The script is a Python file with a function refactor(project), or a plugin. Files are changed with --write only;
     with it, - is read from standard input and written to standard output.
     """
+    from plcopen_sfc.cli.commands import edits
+
+    how = edits.EditOptions(write=write, diff=diff, scheduler=scheduler, prove=prove, resume=resume, limit=limit)
+    return edits.run_script(screen, script, files, settings, how)
 
 
-@_command("simulate.run")
+@_command
 def _simulate(
+    screen: Screen,
     file: o.File,
     pou: o.PouName = None,
     inputs: o.Inputs = None,
@@ -304,12 +352,35 @@ def _simulate(
     svg: o.TraceSvg = None,
     html: o.TraceHtml = None,
     lang: o.PageLanguage = "en",
-) -> None:
+) -> int:
     """Run a chart or a program scan by scan and show what it does."""
+    from plcopen_sfc.cli.commands import simulate
+
+    how = simulate.SimulateOptions(
+        pou=pou,
+        inputs=inputs,
+        seed=seed,
+        system_inputs=system_inputs,
+        scans=scans,
+        profile=profile,
+        scan_time=scan_time,
+        settings=settings,
+        record=record,
+        free=free,
+        functions=functions,
+        as_tool=as_tool,
+        csv=csv,
+        vcd=vcd,
+        svg=svg,
+        html=html,
+        lang=lang,
+    )
+    return simulate.run(screen, file, how)
 
 
-@_command("lower.run")
+@_command
 def _lower(
+    screen: Screen,
     file: o.File,
     to: o.To = "",
     flavour: o.For = "",
@@ -340,12 +411,48 @@ def _lower(
     partial: o.Partial = False,
     tia: o.Tia = "",
     accept_errors: o.AcceptErrors = False,
-) -> None:
+) -> int:
     """Make program code of charts and prove that it does the same."""
+    from plcopen_sfc.cli.commands import lower
+
+    return lower.run(
+        screen,
+        file,
+        target,
+        to=to,
+        flavour=flavour,
+        pou=pou,
+        construction=construction,
+        style=style,
+        language=language,
+        profile=profile,
+        init=init,
+        no_init=no_init,
+        stop=stop,
+        reset_actions=reset_actions,
+        states=states,
+        actions=actions,
+        flags=flags,
+        flag_names=flag_names,
+        modes=modes,
+        at_rest=at_rest,
+        free=free,
+        functions=functions,
+        lang=lang,
+        verify=verify,
+        accept_untested=accept_untested,
+        limit=limit,
+        jobs=jobs,
+        skip_refused=skip_refused,
+        partial=partial,
+        tia=tia,
+        accept_errors=accept_errors,
+    )
 
 
-@_command("drawings.pictures")
+@_command
 def _draw(
+    screen: Screen,
     files: o.Sources,
     pou: o.PouName = None,
     style: o.PictureStyle = None,
@@ -353,49 +460,68 @@ def _draw(
     paper: o.Paper = None,
     to: o.PictureFormat = None,
     fresh: o.FreshLayout = False,
-) -> None:
+) -> int:
     """Draw charts as pictures: SVG, PNG or PDF.
 
     A file with several charts needs a folder for them, or --pou.
     """
+    from plcopen_sfc.cli.commands import drawings
+
+    return drawings.pictures(screen, files, to=to, pou=pou, style=style, theme=theme, paper=paper, fresh=fresh)
 
 
-@_command("drawings.pages")
+@_command
 def _page(
+    screen: Screen,
     files: o.Sources,
     lang: o.PageLanguage = "en",
     against: o.Against = None,
     pou: o.PouName = None,
     limit: o.AgainstLimit = "30s",
-) -> None:
+) -> int:
     """Write a project as one HTML page: charts, texts, findings.
 
     The page needs no network: charts, declarations, cross references and the findings of `check` are in it.
     """
+    from plcopen_sfc.cli.commands import drawings
+
+    return drawings.pages(screen, files, drawings.PageOptions(lang, against, pou, limit))
 
 
-@_command("edits.normalize")
-def _normalize(files: o.Files, dry_run: o.OnlyList = False) -> None:
+@_command
+def _normalize(screen: Screen, files: o.Files, dry_run: o.OnlyList = False) -> int:
     """Remove what the tool of a file ignores, for clean diffs in git.
 
     Changes files of TIA Portal in place: the time of an export and the like go. The exit code is 1 where one changed.
     With - a file is read from standard input and written to standard output, with exit code 0.
     """
+    from plcopen_sfc.cli.commands import edits
+
+    return edits.normalize(screen, files, dry_run=dry_run)
 
 
-@_command("git_use.setup")
-def _git_setup(patterns: o.Patterns = None, undo: o.Undo = False) -> None:
+@_command
+def _git_setup(screen: Screen, patterns: o.Patterns = None, undo: o.Undo = False) -> int:
     """Make git show changes in the words of charts, and check merges.
 
     Writes lines to .gitattributes and to the configuration of the repository that you are in.
     """
+    from plcopen_sfc.cli.commands import git_use
+
+    return git_use.setup(screen, patterns, undo=undo)
 
 
-@_command("git_use.merge")
-def _git_merge(base: o.Merged, ours: o.Merged, theirs: o.Merged, name: o.Merged) -> None:
+@_command
+def _git_merge(screen: Screen, base: o.Merged, ours: o.Merged, theirs: o.Merged, name: o.Merged) -> int:
     """Merge three versions of a file, as git calls it."""
+    from plcopen_sfc.cli.commands import git_use
+
+    return git_use.merge(screen, base, ours, theirs, name)
 
 
-@_command("catalogues.schema")
-def _schema() -> None:
+@_command
+def _schema(screen: Screen) -> int:
     """Print the JSON Schema of the model, for other languages."""
+    from plcopen_sfc.cli.commands import catalogues
+
+    return catalogues.schema(screen)

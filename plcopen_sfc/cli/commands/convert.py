@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from datetime import date
 from functools import partial
 from pathlib import Path
-from typing import Any, cast
 
 from plcopen_sfc.api import load, save
 from plcopen_sfc.batch import is_folder_in, known_format
@@ -70,20 +69,20 @@ def run(
     accept_errors: bool,
     accept_untested: bool,
     lang: str,
-    **saving: Any,
+    saving: SaveOptions,
 ) -> int:
     """Convert files to the last one that is named (none: next to each, ``-``: standard output).
 
     From standard input (``-``) none is standard output. Several files are written into a folder, and so is a file in
     several formats, or one whose target is a folder: by the name of the source. Output without a name is a folder for
-    tools that import one object a file.
+    tools that import one object a file. `saving`: the options of saving but for those that are named here.
     """
     page = report if report is not None and report.suffix.casefold() in {".html", ".htm"} else None
     if page is not None:
         screen.report = None  # that is a report in JSON
         refuse_unwritable(page)
-    saving |= {"limit": limit if verify and limit.strip() != "0" else 0, "at_rest": names_in(at_rest)}
-    how = ConvertOptions(cast("SaveOptions", saving), as_tool, accept_errors, accept_untested, page, lang)
+    compared: SaveOptions = {"limit": limit if verify and limit.strip() != "0" else 0, "at_rest": names_in(at_rest)}
+    how = ConvertOptions({**saving, **compared}, as_tool, accept_errors, accept_untested, page, lang)
     formats = names_in(to)
     if len(formats) < 2:
         screen.result(_in_format(screen, files, how, "".join(formats), resume))
