@@ -208,6 +208,21 @@ CHART G2
         project.rename("G.12", "3")
 
 
+@pytest.mark.parametrize("form", FILES)
+def test_a_variable_that_only_overlined_names_name_is_renamed_in_them(form: str) -> None:
+    again = written(plan("a + S̅T̅A̅R̅T̅"), form)
+    again.rename(f"{again.pous[0].name}.START", "Go")
+    assert not sfc.check(sfc.loads(sfc.dumps(again)), profile="grafcet", select=["VAR01"])
+    assert texts_of(again) == ["a + G̅o̅"]
+
+
+def test_a_variable_that_only_overlined_names_name_has_its_name_of_the_tool_in_them() -> None:
+    source = sfc.loads(b"GRAFCET T\nINPUTS\n    1B1\nINITIAL STEP 1\n1 -> 2 : 1\xcc\x85B\xcc\x851\xcc\x85\nSTEP 2")
+    data, report = sfc.convert(source, "plcopen")
+    assert b"<xhtml:p>NOT _1B1</xhtml:p>" in data
+    assert not [item for item in report.items if item.what == "undeclared name"]
+
+
 def test_steps_get_numbers_as_names_in_a_grafcet_only() -> None:
     project = sfc.loads(
         b"PROGRAM P\nINITIAL_STEP S1: END_STEP\nTRANSITION FROM S1 TO S1 := TRUE; END_TRANSITION\nEND_PROGRAM\n"
