@@ -64,12 +64,13 @@ OVERLINE = "\u0305"
 _TIME = r"(?i:L?T(?:IME)?)\#\w+(?:\.\d+\w*)*|\d+(?:[.,]\d+)?[ \t]*(?:ms|min|s|m|h|d)(?![\w\u0305])"
 _LIKE_A_TIME = re.compile(r"(?i:(?:\d+(?:ms|min|[uµμ]s|s|m|h|d))+)")
 """A name such as ``2S`` or ``1m30s``, in the place of a time."""
-_NUMBER = r"\d+(?:\.\d+)?(?:[eE]\d+)?"
+_DIGITS = r"\d+(?:_\d+)*"
+_NUMBER = rf"{_DIGITS}(?:\.\d+)?(?:[eE]\d+)?"
 NAME = (
-    rf"(?!\d+[eE]\d+(?![\w{OVERLINE}]))"
+    rf"(?!{_DIGITS}(?:[eE]\d+)?(?![\w{OVERLINE}]))"
     rf"(?:\d*[^\W\d](?:\w|{OVERLINE})*|\d(?:{OVERLINE}\w|\w)*{OVERLINE}(?:\w|{OVERLINE})*)"
 )
-"""A name: it may begin with digits, but ``1E5`` is a number, as everywhere in structured text."""
+"""A name: it may begin with digits, but ``1E5`` and ``1_1`` are numbers, as everywhere in structured text."""
 _PATH = re.compile(rf"(?<![\w.{OVERLINE}])(?:{NAME})(?:\.(?:{NAME}))+(?![\w(\[{OVERLINE}]|\.\d)")
 _TOKEN = re.compile(
     rf"""\s*(?:

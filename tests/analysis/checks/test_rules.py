@@ -1342,6 +1342,7 @@ def dotted(name: str) -> Callable[[], Subject]:
 
 
 case("VAR06", grafcet(NAMED % ("H", "1E5")), grafcet(NAMED % ("H", "1E5B")), "does not read '1E5' as one", "grafcet")
+case("VAR06", grafcet(NAMED % ("H", "1_1")), grafcet(NAMED % ("H", "1_1B")), "does not read '1_1' as one", "grafcet")
 case("VAR06", dotted("a.b"), dotted("2s/X2"), "does not read 'a.b' as one name", "grafcet")
 
 

@@ -240,6 +240,7 @@ PLAIN = "GRAFCET N\nINPUTS\n    a\n    b\n    n : INT\nINITIAL STEP 1\n1 -> 2 : 
         "n<5 + b",
         "[n + a > 3]",
         "1E5 * a",
+        "1_1 * a",
         "X1.X * a",
         "[X1.T > T#3s]",
         "a // c",
