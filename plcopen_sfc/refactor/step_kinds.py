@@ -26,6 +26,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step
+from plcopen_sfc.operations import provided
 from plcopen_sfc.refactor.chart_edits import refused
 from plcopen_sfc.refactor.journal import Journal
 from plcopen_sfc.refactor.name_edits import extract_action
@@ -44,6 +45,7 @@ def use_iec_steps(journal: Journal, chart: SfcNetwork, *, guarded: bool = False)
     """
     what = "the steps cannot become IEC steps"
     project, pou = owners(chart)
+    _check_tool(project, what)
     reasons = [
         f"the {field.replace('_', ' ')} of {step.name}: an IEC step has none"
         for step in chart.steps
@@ -74,6 +76,13 @@ def use_iec_steps(journal: Journal, chart: SfcNetwork, *, guarded: bool = False)
     return changed
 
 
+def _check_tool(project: Project, what: str) -> None:
+    """Raise `ModelError` where the tool of a project has no steps with a main and an exit action."""
+    profile = provided("default_profile")(project)
+    if profile.order != "actions_first":
+        raise refused(what, f"{profile.name} has no simple steps: they are of CoDeSys 2.3 and CODESYS")
+
+
 def _guarded(step: Step, dialect: Dialect) -> str:
     """Return the action of a step as statements that do nothing while the step is not active."""
     match step.main_action:
@@ -101,6 +110,7 @@ def use_simple_steps(journal: Journal, chart: SfcNetwork) -> list[str]:
     """
     what = "the steps cannot become simple steps"
     project, pou = owners(chart)
+    _check_tool(project, what)
     executing = _executing(project, chart)
     done: list[tuple[Step, list[str], list[str], str]] = []
     reasons = [

@@ -6,6 +6,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.model.body import StBody
+from tests.samples import FIXTURES
 
 SIMPLE = """(* @NESTEDCOMMENTS := 'Yes' *)
 (* @PATH := '' *)
@@ -142,6 +143,24 @@ def test_what_simple_steps_have_not_is_refused(old: str, new: str, words: str) -
     before = sfc.dumps(project)
     with pytest.raises(sfc.SfcError, match=words):
         project.edit().use_simple_steps(chart_of(project))
+    assert sfc.dumps(project) == before
+
+
+@pytest.mark.parametrize(
+    ("path", "tool"),
+    [
+        ("grafcet/selection.gct", "grafcet"),
+        ("simaticml-training-chain/Ablauf.xml", "s7graph"),
+        ("training-chain/iec-text.st", "iec"),
+        ("training-chain/plcopen_2.01.xml", "iec"),
+    ],
+)
+@pytest.mark.parametrize("edit", ["use_simple_steps", "use_iec_steps"])
+def test_tools_without_step_actions_have_no_simple_steps(path: str, tool: str, edit: str) -> None:
+    project = sfc.load(FIXTURES / path)
+    before = sfc.dumps(project)
+    with pytest.raises(sfc.ModelError, match=f"{tool} has no simple steps"):
+        getattr(project.edit(), edit)(chart_of(project))
     assert sfc.dumps(project) == before
 
 
