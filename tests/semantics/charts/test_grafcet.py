@@ -139,6 +139,13 @@ def test_an_edge_together_with_the_activation_does_not_count() -> None:
     assert (bench.active, bench["n"]) == ("2", 0)
 
 
+@pytest.mark.parametrize(("condition", "active"), [("↑a * Q", "2"), ("↑a * /Q", "1")])
+def test_conditions_see_what_an_action_on_their_event_stores(condition: str, active: str) -> None:
+    chart = chain("1", "2", conditions=f"{condition};FALSE")
+    chart.step("1").actions = [action("onEvent", condition="↑a", value="TRUE")]
+    assert rig(chart, "a Q").scan().scan(a=True).active == active
+
+
 def test_an_edge_in_the_scan_that_leaves_the_step_counts() -> None:
     bench = rig(on_event("↑I0"), "I0 n:INT").scan().scan(c1=True).scan(c1=False)
     assert bench.scan(c2=True, I0=True)["n"] == 1
@@ -209,6 +216,14 @@ def test_a_delay_at_the_end_goes_on_while_the_one_at_the_beginning_starts_again(
     bench = rig(chart, "a Q").scan()
     assert bench.log("Q", 6, a=True) == "000001"
     assert bench.log("Q", 1, a=False) + bench.log("Q", 6, a=True) == "1" + "100001"
+
+
+def test_an_edge_is_over_when_a_delay_that_is_as_short_as_a_scan_is_tested() -> None:
+    chart = chain("1", "2", conditions="10ms/↑a;FALSE")
+    assert rig(chart, "a").scan().scan(5, a=True).active == "1"
+    chart = chain("1", "2", "3", conditions="↑a/20ms;/(↑a/20ms);FALSE")
+    bench = rig(chart, "a").scan().scan(a=True)
+    assert [bench.active, *(bench.scan().active for _ in range(2))] == ["2", "2", "3"]
 
 
 @pytest.mark.parametrize(("kind", "log"), [("delayed", "0001|00"), ("limited", "1110|00"), ("continuous", "1111|00")])

@@ -64,6 +64,10 @@ class TermTexts:
         """Return a condition as `read` does. Raises `ConditionError`."""
         return to_structured_text(text, self)
 
+    def inner_first(self) -> list[str]:
+        """Return the names of all terms, those that are in another one before it."""
+        return list(self._names.values())
+
     def shown(self, text: str) -> str:
         """Return a text that has names of terms with the terms as people write them."""
         written = {edge.name: f"{'↑' if edge.rising else '↓'}{written_operand(edge.operand)}" for edge in self.edges}
@@ -120,6 +124,12 @@ class _Edge:
     before: int
     value: Callable[[Frame], bool] | None = None
 
+    def update(self, frame: Frame, _now: int) -> None:
+        assert self.value is not None  # noqa: S101  # translated before anything runs
+        v, value = frame.v, self.value(frame)
+        v[self.slot] = value is self.rising and v[self.before] is not self.rising
+        v[self.before] = value
+
 
 @dataclass(slots=True)
 class _Timer:
@@ -131,6 +141,21 @@ class _Timer:
     on_time: Callable[[Frame], int] | None = None
     off_time: Callable[[Frame], int] | None = None
 
+    def update(self, frame: Frame, now: int) -> None:
+        assert self.value is not None and self.on_time is not None and self.off_time is not None  # noqa: S101, PT018
+        v = frame.v
+        if not self.value(frame):
+            v[self.on_since] = None
+        elif v[self.on_since] is None:
+            v[self.on_since] = now
+        if v[self.on_since] is not None and now - v[self.on_since] >= self.on_time(frame):
+            v[self.slot], v[self.off_since] = True, None
+        elif v[self.slot]:
+            if v[self.off_since] is None:
+                v[self.off_since] = now
+            if now - v[self.off_since] >= self.off_time(frame):
+                v[self.slot], v[self.off_since] = False, None
+
 
 class ChartTerms:
     """The terms of a chart, each with its hidden variable."""
@@ -141,6 +166,7 @@ class ChartTerms:
         self._texts = TermTexts()
         self._edges: list[_Edge] = []
         self._timers: list[_Timer] = []
+        self._inner_first: list[_Edge | _Timer] = []
 
     def __bool__(self) -> bool:
         return bool(self._edges or self._timers)
@@ -183,6 +209,11 @@ class ChartTerms:
             timer.on_time = Routines(self._scope).expression(timer.term.first or "T#0s", self._path, duration)
             timer.off_time = Routines(self._scope).expression(timer.term.last or "T#0s", self._path, duration)
 
+        made: dict[str, _Edge | _Timer] = {}
+        made.update({text.name: edge for text, edge in zip(self._texts.edges, self._edges, strict=True)})
+        made.update({text.name: timer for text, timer in zip(self._texts.timers, self._timers, strict=True)})
+        self._inner_first = [made[name] for name in self._texts.inner_first()]
+
     def start(self, frame: Frame) -> None:
         """Begin without edges: a term that is TRUE at the start is none."""
         for edge in self._edges:
@@ -191,30 +222,13 @@ class ChartTerms:
 
     def evolve(self, frame: Frame, now: int) -> None:
         """Bring all terms up to date for the next evolution."""
-        v = frame.v
-        self.time(frame, now)
-        for edge in self._edges:
-            assert edge.value is not None  # noqa: S101
-            value = edge.value(frame)
-            v[edge.slot] = value is edge.rising and v[edge.before] is not edge.rising
-            v[edge.before] = value
+        for term in self._inner_first:
+            term.update(frame, now)
 
     def time(self, frame: Frame, now: int) -> None:
         """Bring the timers up to date with the situation."""
-        v = frame.v
         for timer in self._timers:
-            assert timer.value is not None and timer.on_time is not None and timer.off_time is not None  # noqa: S101, PT018
-            if not timer.value(frame):
-                v[timer.on_since] = None
-            elif v[timer.on_since] is None:
-                v[timer.on_since] = now
-            if v[timer.on_since] is not None and now - v[timer.on_since] >= timer.on_time(frame):
-                v[timer.slot], v[timer.off_since] = True, None
-            elif v[timer.slot]:
-                if v[timer.off_since] is None:
-                    v[timer.off_since] = now
-                if now - v[timer.off_since] >= timer.off_time(frame):
-                    v[timer.slot], v[timer.off_since] = False, None
+            timer.update(frame, now)
 
 
 def rising(condition: Condition) -> Condition:
