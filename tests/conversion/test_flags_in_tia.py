@@ -17,6 +17,7 @@ from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.profile import default_profile
 from tests.conversion.features import FEATURES, feature_project
 from tests.conversion.matrix import same_behaviour
+from tests.samples import FIXTURES
 
 RETIMED = Delay(-1, retimed=True)
 FLAGS = ("SFCInit", "SFCReset", "SFCPause")
@@ -197,8 +198,70 @@ def test_an_action_may_push(is_declared: bool) -> None:
     assert ("not executed", "operating input", "POU Main / SFCTip") in losses(report)
 
 
+TOGGLE = "ACTION Toggle: q := NOT q; END_ACTION "
+USED_ELSEWHERE = f"{TOGGLE} ACTION Other: Toggle(); END_ACTION"
+"""An action of which the statements may not ask the flags of one step, for other code executes them, too."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "work",
+    ["D, T#20ms", "L, T#20ms", "SD, T#20ms", "DS, T#20ms", "SL, T#20ms", "P", "P1", "P0"],
+)
+@pytest.mark.parametrize("flags", [("SFCPause",), FLAGS[:2]], ids=" ".join)
+def test_actions_with_a_time_or_an_edge_stop_and_end(flags: tuple[str, ...], work: str) -> None:
+    """Rows of S7-GRAPH go on during SFCPause: what is delayed would begin, and what is limited would end."""
+    source = chart_with(*flags, work=f"q({work});")
+    data, report = converted(source)
+    assert losses(report) == []
+    verdict = same_behaviour(source, sfc.loads(data, format="simaticml", as_tool=True))
+    assert verdict is not None
+    assert verdict.proven, verdict
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("work", ["N", "P", "P0", "D, T#20ms", "S"])
+@pytest.mark.parametrize("flag", FLAGS)
+@pytest.mark.parametrize("language", ["ST", "LD"])
+def test_code_of_actions_stops_and_ends(flag: str, work: str, language: str) -> None:
+    source = chart_with(flag, work=f"Toggle({work});", actions=TOGGLE)
+    if language == "LD":
+        source.pou("Main").actions[0].body = draw_ld(parse_statements("q := NOT q;").tree.statements).body
+    data, report = converted(source)
+    assert losses(report) == []
+    verdict = same_behaviour(source, sfc.loads(data, format="simaticml", as_tool=True))
+    assert verdict is not None
+    assert verdict.proven, verdict
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("flag", FLAGS)
+def test_actions_of_steps_stop_and_end(flag: str) -> None:
+    source = chart_with(flag)
+    step = source.pou("Main").chart.step("Work")
+    step.entry_action, step.main_action, step.exit_action = (
+        m.StBody(text=f"n := (n + {each}) MOD 5;") for each in (1, 2, 3)
+    )
+    data, report = converted(source)
+    assert losses(report) == []
+    verdict = same_behaviour(source, sfc.loads(data, format="simaticml", as_tool=True))
+    assert verdict is not None
+    assert verdict.proven, verdict
+    back = sfc.loads(data, format="simaticml").pou("Main").chart.step("Work")
+    assert "SFC" not in f"{back.entry_action!r} {back.main_action!r} {back.exit_action!r}"
+
+
+def test_actions_whose_statements_ask_the_flags_come_back() -> None:
+    source = chart_with(*FLAGS, work="Toggle(N);", actions=TOGGLE)
+    data, _ = converted(source)
+    assert b"SFCReset" in data
+    back = sfc.loads(data, format="simaticml").pou("Main").actions[0].body
+    assert isinstance(back, m.StBody)
+    assert "SFC" not in back.text
+
+
 def test_what_a_step_executes_at_its_end_is_told() -> None:
-    source = chart_with("SFCReset", work="Count(N);", actions="ACTION Count: n := n + 1; END_ACTION")
+    source = chart_with("SFCReset", work="Toggle(N);", actions=USED_ELSEWHERE)
     report = converted(source)[1]
     assert losses(report) == [("approximated", "end of the step", "POU Main / step Work")]
 
@@ -209,7 +272,7 @@ def test_what_a_step_executes_at_its_end_is_told() -> None:
         ("SFCReset", {"chart": BRANCHES}, "several of its steps may be active at a time"),
         ("SFCReset", {"work": "q(S);", "idle": "q(R);"}, "stored or delayed"),
         ("SFCInit", {"work": "q(SD, T#1s);", "idle": "q(SD, T#1s);"}, "stored or delayed"),
-        ("SFCPause", {"work": "q(D, T#1s);"}, "the actions of the step Work go on"),
+        ("SFCPause", {"work": "Toggle(N);", "actions": USED_ELSEWHERE}, "the actions of the step Work go on"),
     ],
 )
 def test_flags_without_a_counterpart_are_refused(flag: str, fields: dict[str, str], why: str) -> None:
@@ -219,6 +282,16 @@ def test_flags_without_a_counterpart_are_refused(flag: str, fields: dict[str, st
     assert item.what == "operating input"
     rested = sfc.convert(chart_with(flag, **fields), "simaticml", partial=True, at_rest=[flag])[1]
     assert not [item for item in rested.losses if item.path.endswith(flag)]
+
+
+@pytest.mark.parametrize(
+    ("name", "refused"),
+    [("distribution_belt", []), ("device_export", []), ("sorting_conveyor", ["POU PLC_PRG / SFCReset"])],
+)
+def test_flags_of_whole_machines_are_executed(name: str, refused: list[str], tmp_path: Path) -> None:
+    project = sfc.load(FIXTURES / "codesys" / f"{name}.xml")
+    report = sfc.save(project, f"{tmp_path}/out/", format="simaticml", partial=True, limit=0)
+    assert [item.path for item in report.with_outcome(Outcome.NOT_EXECUTED)] == refused
 
 
 def test_an_error_is_quitted() -> None:

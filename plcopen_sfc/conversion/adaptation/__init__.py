@@ -13,8 +13,8 @@
 `main_programs`       tasks in CoDeSys 2.3, whose controller executes PLC_PRG without one
 `extended_types`      structures that extend others
 `chart_rewriting`     a chart that is being rewritten
-`flag_transitions`    SFC flags of CODESYS in S7-GRAPH, with `boxes_before_conditions` for timers and edges;
-                      `flags_in_tc6`: in TC6
+`flag_transitions`    SFC flags of CODESYS as conditions; `flags_in_graph`, `flags_in_tc6`: what else they need there
+`boxes_before_conditions`  timers and edges before conditions of S7-GRAPH
 `grafcet_charts`      GRAFCETs in the words of sequential function charts; `grafcet_terms`: their flags, times, edges;
                       `grafcet_variables`: their declarations
 `grafcet_hierarchy`   partial charts, forcing orders, enclosing steps and macro-steps as one chart

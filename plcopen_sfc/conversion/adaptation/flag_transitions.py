@@ -1,94 +1,59 @@
-"""SFC flags of CODESYS as transitions of charts of tools without such variables: S7-GRAPH, and TC6 (`flags_in_tc6`).
+"""SFC flags of CODESYS as transitions of charts of tools without such variables.
 
 SFCInit holds a chart in its initial step, of which nothing is executed; SFCReset begins it again there, and keeps its
 transitions from firing; SFCPause stops it; SFCTipMode keeps transitions from firing, and an edge of SFCTip fires those
 that are enabled. A block of S7-GRAPH has INIT_SQ and T_PUSH, but for its caller only; TC6 has nothing of the kind. So
-the flags are conditions: of
-transitions that are tried before all others, to the initial step and to one that does nothing, and of those that the
-chart has (`plcopen_sfc.semantics.charts.sfc_flags`, and the tests compare both). Where several steps may be active at a
-time, one transition leaves all that are active together, for each situation. A block of S7-GRAPH cannot have these.
+the flags are conditions: of transitions that are tried before all others, to the initial step and to one that does
+nothing, and of those that the chart has (`plcopen_sfc.semantics.charts.sfc_flags`, and the tests compare both). Where
+several steps may be active at a time, one transition leaves all that are active together, for each situation.
+
+Statements ask the flags: CODESYS executes none once more where a flag ends its step, and none while the chart stops.
+What else actions need is in `flags_in_graph` and `flags_in_tc6`.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Sequence
 
 from plcopen_sfc.analysis.marking import marking_graph
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.conversion.adaptation.chart_rewriting import (
-    GRAPH_CHARTS,
     ChartRewriting,
     all_of,
-    flags_in_use,
+    guarded,
     names_around,
-    taken_names,
 )
 from plcopen_sfc.conversion.executed_parts import HIDDEN_FLAG, told_flag
-from plcopen_sfc.formats.format_interface import SOURCE_CHART_FIELD, WriteOptions, may_have
-from plcopen_sfc.formats.plcopen.source_marks import SourceMarks
-from plcopen_sfc.languages.binding import Effects, Names, bind
-from plcopen_sfc.languages.effects import may_change, path_of
-from plcopen_sfc.languages.networks import draw_ld
-from plcopen_sfc.languages.sfc_flag_uses import flags_at_rest, named_flags
-from plcopen_sfc.languages.st import parse_expression, parse_statements
-from plcopen_sfc.languages.st.literals import TIME_RANGES, time_literal
+from plcopen_sfc.languages.binding import Effects, bind
+from plcopen_sfc.languages.effects import path_of
+from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.model.chart_settings import WATCHING_FLAGS, SfcFlag
+from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.conditions import Expression
-from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import ActionAssociation, PermanentOperation, Step, Transition
-from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType
-from plcopen_sfc.model.variables import SectionKind
-from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.model.project import Chart
+from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, Step, Transition
+from plcopen_sfc.model.types import Elementary, ElementaryType
+from plcopen_sfc.report import Outcome
 
-_LONGEST = time_literal(TIME_RANGES[Dialect.SCL, "TIME"][1], Dialect.SCL)
-"""The time of a timer that goes on."""
-_FIRST = 0
-"""The priority of what is tried before all other transitions."""
-_STORING = frozenset({Qualifier.SD, Qualifier.DS, Qualifier.SL})
-_STORED = frozenset({Qualifier.S, Qualifier.R, Qualifier.R0})
-_LASTING = _STORED | {Qualifier.N, Qualifier.NONE}
+LASTING = frozenset({Qualifier.S, Qualifier.R, Qualifier.R0, Qualifier.N, Qualifier.NONE})
+"""Qualifiers of actions on operands that are the same in each scan of a step."""
 _WITH_FINAL_SCAN = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.P})
 _WITHOUT = {
     SfcFlag.CURRENT_STEP: "it has S_NO, the number of the step",
 }
 """Why flags have no effect in a block of S7-GRAPH."""
 _TIPPING = frozenset({SfcFlag.TIP, SfcFlag.TIP_MODE})
-_ENDING = frozenset({SfcFlag.INIT, SfcFlag.RESET})
+ENDING = frozenset({SfcFlag.INIT, SfcFlag.RESET})
 _STOPPING = frozenset({SfcFlag.PAUSE, SfcFlag.QUIT_ERROR})
-_OBEYED = _TIPPING | _ENDING | {SfcFlag.PAUSE}
+_OBEYED = _TIPPING | ENDING | {SfcFlag.PAUSE}
 _BRANCHES = "several of its steps may be active at a time, which no transition leaves together"
 _MOST_SITUATIONS = 32
 """The most situations for which there is a transition each."""
-_ENDED = "actions that it ends, stored or delayed ones, go on there"
-
-
-def has_flags(project: Project, options: WriteOptions) -> bool:
-    """True if `execute_flags` changes or reports something of a project."""
-    is_known = may_have(options.source, SOURCE_CHART_FIELD) if options.same else options.of_codesys
-    return is_known and any(map(flags_in_use, project.charts()))
-
-
-def execute_flags(
-    project: Project, source: Project, options: WriteOptions, report: ConversionReport, marks: SourceMarks
-) -> None:
-    """Change the charts of `project`, a copy of `source` in SCL, so that conditions obey their flags."""
-    named = named_flags(Names(source))
-    for chart, before in zip(list(project.charts()), list(source.charts()), strict=True):
-        flags = frozenset(flag for flag in flags_in_use(chart) if flag.variable.upper() not in options.at_rest)
-        resting = flags_at_rest(source, before.pou, flags, named)
-        taken = taken_names(project, chart)
-        rewriting = ChartRewriting(chart, before.chart, GRAPH_CHARTS, options, report, marks, taken)
-        rewriter = _GraphFlags(rewriting, resting)
-        if not rewriter.rewrite(flags - WATCHING_FLAGS):
-            continue
-        marks[id(chart.chart)] = {"lines": rewriter.lines, "ends": rewriter.ends}
-        if chart.chart is chart.pou.chart:
-            marks[id(chart.chart)][SOURCE_CHART_FIELD] = before.chart
-        else:
-            marks.setdefault(id(chart.pou), {})["actions"] = before.pou.actions
+_PULSES = frozenset({Qualifier.P1, Qualifier.P0})
+_ACTIVE = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.P, Qualifier.L, Qualifier.D})
+"""Qualifiers of actions that are executed while a step is active, and once more."""
 
 
 class FlagRewriter(ABC):
@@ -117,7 +82,12 @@ class FlagRewriter(ABC):
         self._init, self._reset, self._tip, self._tip_mode = (f"{self.prefix}{each.variable}" for each in names)
         self._pause = ""
         """The reason why the chart stops, where it does."""
+        self.stops = ""
+        """The variable that is TRUE while the chart stops, where it does."""
         self._timed = {step.id: step.min_time for step in self._chart.steps if step.min_time}
+        self._called = Effects.all(body.code for body in self._bodies).calls
+        self._firsts: set[int] = set()
+        """The steps that SFCReset does not leave."""
 
     def rewrite(self, flags: Collection[SfcFlag]) -> frozenset[SfcFlag]:
         """Change the chart, and report what became of these flags. Returns those that it obeys now."""
@@ -133,6 +103,7 @@ class FlagRewriter(ABC):
             stopping = [f"{self.prefix}{flag.variable}" for flag in executed if flag in _STOPPING]
             self._pause = f"({' OR '.join(stopping)})" if len(stopping) > 1 else "".join(stopping)
             self._execute(executed)
+            self._guard(executed)
         return frozenset(executed)
 
     # -- what the target has
@@ -179,12 +150,12 @@ class FlagRewriter(ABC):
             return "it is no variable of the block"
         if sum(step.initial for step in chart.steps) != 1 or any(step.macro is not None for step in chart.steps):
             return _BRANCHES
-        if flag in _ENDING and self._has_branches and not self._situations():
+        if flag in ENDING and self._has_branches and not self._situations():
             return _BRANCHES
         held = self._held_by(flag)
         if any(self._texts[number] is None for number in held):
             return "a condition that would obey it is no expression"
-        if flag in _ENDING:
+        if flag in ENDING:
             return self._refused_end()
         return self._refused_pause() if flag in _STOPPING else None
 
@@ -211,7 +182,7 @@ class FlagRewriter(ABC):
 
     def _held_by(self, flag: SfcFlag) -> list[int]:
         """Return the ids of the transitions that do not fire while a flag is TRUE, and that others do not precede."""
-        is_any = flag not in _ENDING or self._has_branches
+        is_any = flag not in ENDING or self._has_branches
         return [each.id for each in self._chart.transitions if is_any or self._initial.id in each.sources]
 
     @property
@@ -228,7 +199,7 @@ class FlagRewriter(ABC):
         again = self._initial
         if SfcFlag.RESET in flags:
             again = self._beginning()
-        self._hold(flags, again, all_wait=has_branches and not _ENDING.isdisjoint(flags))
+        self._hold(flags, again, all_wait=has_branches and not ENDING.isdisjoint(flags))
         wanted = {SfcFlag.INIT: self._init, SfcFlag.RESET: self._reset}
         begins = [text for flag, text in wanted.items() if flag in flags]
         self.ends = [*begins]
@@ -243,10 +214,11 @@ class FlagRewriter(ABC):
                 why = "the transition of the flags to the initial step is another one"
                 self._note(Outcome.TRANSLATED, "order of transitions", f"step {active[0].name}", why)
             self._lead(active, again, " OR ".join(begins))
-        self._report_ends([flag for flag in flags if flag in _ENDING], steps)
+        self._report_ends([flag for flag in flags if flag in ENDING], steps)
 
     def _beginning(self) -> Step:
         """Return the step to which SFCReset leads."""
+        self._firsts = {self._initial.id}
         return self._initial
 
     @property
@@ -276,13 +248,14 @@ class FlagRewriter(ABC):
         CODESYS executes actions before it tests transitions: after a scan without either it tests none before it has
         executed actions again, and the transition that it found before a pause fires behind that.
         """
-        stops, waits = "", ""
+        waits = ""
         if self._pause:
             stronger = {SfcFlag.INIT: self._init, SfcFlag.RESET: self._reset}
             others = [f"NOT {text}" for flag, text in stronger.items() if flag in flags]
-            stops = self._memory("SFC_stops")
+            self.stops = self._memory("SFC_stops")
             waits = self._memory(f"{SfcFlag.PAUSE.variable}_before")
-            self.lines.append(f"{stops} := {all_of([self._pause, *others])};")
+            self.lines.append(f"{self.stops} := {all_of([self._pause, *others])};")
+        stops = self.stops
         rises = SfcFlag.INIT in flags and not self._has_rest
         init = self._memory(f"{SfcFlag.INIT.variable}_before") if rises else ""
         tips = not _TIPPING.isdisjoint(flags)
@@ -314,7 +287,7 @@ class FlagRewriter(ABC):
             self.lines.append(f"{waits} := {stops};")
         if init:
             self.lines.append(f"{init} := {self._init};")
-        if not _ENDING.isdisjoint(flags):
+        if not ENDING.isdisjoint(flags):
             self._end_stored(flags)
 
     def _pushed(self, flags: Collection[SfcFlag], stops: str) -> tuple[str, list[str]]:
@@ -350,7 +323,7 @@ class FlagRewriter(ABC):
                 why = f"what it executes when it is left is executed when {words} ends it too, in CODESYS it is not"
                 self._note(Outcome.APPROXIMATED, "end of the step", f"step {step.name}", why)
         initial = self._initial
-        is_plain = all(row.qualifier in _LASTING for row in initial.actions)
+        is_plain = all(row.qualifier in LASTING for row in initial.actions)
         if SfcFlag.RESET in flags and not (is_plain and not initial.entry_action and not self._is_read(initial, "t")):
             why = f"{SfcFlag.RESET.variable} does not begin it again where it is active already"
             self._note(Outcome.APPROXIMATED, "initial step", f"step {initial.name}", why)
@@ -368,10 +341,81 @@ class FlagRewriter(ABC):
         else:
             self._note(Outcome.TRANSLATED, HIDDEN_FLAG, place, f"{why}; nothing of the block reads it")
 
+    # -- what is executed
+
+    def _statements(self, found: Body | str | None) -> StBody | None:
+        """Return the statements of a step action; None where it has none."""
+        action = self._place.pou.find_action(bare_name(found)) if isinstance(found, str) else None
+        body = action.body if action is not None else found
+        return body if isinstance(body, StBody) else None
+
+    def _text_of(self, row: ActionAssociation) -> StBody | None:
+        """Return the statements that a row executes, and nothing else does; None where there are none."""
+        if row.target is None:
+            return row.body if isinstance(row.body, StBody) else None
+        action, name = self._place.pou.find_action(bare_name(row.target)), row.target.casefold()
+        charts = [body.chart for _, _, body in self._place.pou.named_bodies() if isinstance(body, SfcBody)]
+        others = [row for chart in charts if chart is not self._chart for _, row in chart.associations()]
+        is_used = any((each.target or "").casefold() == name for each in others)
+        is_used |= (bare_name(name),) in self._called
+        return action.body if action is not None and isinstance(action.body, StBody) and not is_used else None
+
+    def _runners(self, wanted: StBody) -> list[tuple[Step, ActionAssociation]]:
+        """Return the rows that execute a body."""
+        return [found for found in self._chart.associations() if self._text_of(found[1]) is wanted]
+
+    def _is_left(self, rows: list[tuple[Step, ActionAssociation]], ends: str) -> str:
+        """Return when statements are executed that a flag does not end; empty where rows store them."""
+        if not all(row.qualifier in _ACTIVE | _PULSES for _, row in rows):
+            return ""
+        steps = {step.id: step for step, row in rows if row.qualifier is not Qualifier.P0}
+        return " OR ".join([*map(self._host.active, steps.values()), f"NOT ({ends})" if " " in ends else f"NOT {ends}"])
+
     def _is_executed_at_end(self, step: Step) -> bool:
         """True if a step executes something when it is left, however it is left."""
-        last = [row for row in step.actions if row.qualifier in _WITH_FINAL_SCAN and is_code(self._place, row)]
-        return bool(step.exit_action or last or any(row.qualifier is Qualifier.P0 for row in step.actions))
+        rows = [row for row in step.actions if is_code(self._place, row)]
+        bodies = [self._text_of(row) for row in rows if row.qualifier is not Qualifier.P1]
+        is_told = any(body is None or not self._is_left(self._runners(body), "TRUE") for body in bodies)
+        return is_told or (step.exit_action is not None and self._statements(step.exit_action) is None)
+
+    def _guard(self, flags: Collection[SfcFlag]) -> None:
+        """Let statements not run where a flag ends their step, or stops the chart."""
+        ends, runs = " OR ".join(self.ends), self._goes_on(flags)
+        bodies = {id(body): body for _, row in self._chart.associations() if (body := self._text_of(row)) is not None}
+        changed: set[int] = set()
+        for body in bodies.values():
+            rows = self._runners(body)
+            if all(row.qualifier is Qualifier.P1 for _, row in rows):  # once, when nothing stops or ends the step
+                continue
+            is_kept = SfcFlag.INIT not in flags and all(step.id in self._firsts for step, _ in rows)
+            text = _guarded(body.text, [runs, self._is_left(rows, ends) if ends and not is_kept else ""])
+            if text == body.text:
+                continue
+            if rows[0][1].target is not None:
+                self._mark_text(body, text)
+                for step, row in rows:
+                    why = "its statements ask the SFC flags of the chart"
+                    place = f"step {step.name} / action {bare_name(row.target or '')}"
+                    self._note(Outcome.TRANSLATED, "action", place, why)
+            else:
+                changed |= {step.id for step, _ in rows}
+            body.text = text
+        for step in self._chart.steps:
+            for kind, needed in (("main", runs), ("exit", f"NOT ({ends})" if ends else "")):
+                body = self._statements(getattr(step, f"{kind}_action")) if needed else None
+                if body is not None:
+                    setattr(step, f"{kind}_action", StBody(text=_guarded(body.text, [needed])))
+                    changed.add(step.id)
+            if step.id in changed:
+                self._mark_step(step)
+
+    @abstractmethod
+    def _mark_text(self, body: StBody, text: str) -> None:
+        """Keep the statements of an action for the way back, which become `text`."""
+
+    @abstractmethod
+    def _mark_step(self, step: Step) -> None:
+        """Keep the actions of a step for the way back, which are others now."""
 
     def _is_read(self, step: Step, member: str) -> bool:
         """True if a text of the POU names data of a step, or its minimum time asks for its time."""
@@ -381,144 +425,18 @@ class FlagRewriter(ABC):
         return is_named or (member == "t" and step.id in self._timed)
 
 
-class _GraphFlags(FlagRewriter):
-    """Rewrites one chart for a block of S7-GRAPH."""
-
-    obeyed = FlagRewriter.obeyed | {SfcFlag.QUIT_ERROR}
-    prefix = "#"
-
-    def _execute(self, flags: Collection[SfcFlag]) -> None:
-        if not _ENDING.isdisjoint(flags):
-            self._wait()
-        super()._execute(flags)
-        if SfcFlag.QUIT_ERROR in flags:
-            self._quit()
-
-    def _quit(self) -> None:
-        """Let SFCQuitError reset SFCError, which is not set before a maximum time has passed since then."""
-        quits, error = f"#{SfcFlag.QUIT_ERROR.variable}", SfcFlag.ERROR.variable
-        for step in self._chart.steps:
-            if self._is_read(step, "t"):
-                why = f"{SfcFlag.QUIT_ERROR.variable} does not let it begin again, which it does in CODESYS"
-                self._note(Outcome.APPROXIMATED, "step time", f"step {step.name}", why)
-        if SfcFlag.ERROR not in flags_in_use(self._place):
-            return
-        before, enable = self._memory(f"{SfcFlag.QUIT_ERROR.variable}_before"), SfcFlag.ENABLE_LIMIT
-        is_held = f" OR ({before} AND {self._pause})" if self._pause != quits else ""
-        self.lines += [f"IF {quits} THEN #{error} := FALSE; END_IF;", f"{before} := {quits}{is_held};"]
-        watches = [f"#{enable.variable}"] * (enable in flags_in_use(self._place))
-        for step in (each for each in self._chart.steps if each.max_time):
-            timer = self._rewriting.new_variable(f"{step.name}_watch", DerivedType(name="TON"))
-            late = all_of([*watches, f"#{timer}.ET > {step.max_time}"])
-            self.lines += [
-                f"#{timer}(IN := {self._host.active(step)} AND NOT {before}, PT := {_LONGEST});",
-                f"IF {late} THEN #{error} := TRUE; END_IF;",
-            ]
-            why = f"the timer {timer} sets {error}, which counts whole milliseconds and begins again behind {quits[1:]}"
-            self._note(Outcome.APPROXIMATED, "max time", f"step {step.name}", why)
-            step.max_time = None
-
-    def _wait(self) -> None:
-        """Let the transitions of the chart wait for minimum times, which those of flags do not."""
-        for step in (step for step in self._chart.steps if step.id in self._timed):
-            least = f"{self._host.elapsed(step)} >= {step.min_time}"
-            step.min_time = None
-            for transition in (each for each in self._chart.transitions if step.id in each.sources):
-                self._texts[transition.id] = text = all_of([self._texts[transition.id] or "TRUE", least])
-                transition.condition = Expression(text=text)
-            why = f"the transitions that leave the step wait for {least}"
-            self._note(Outcome.TRANSLATED, "min time", f"step {step.name}", why)
-
-    def _refused_end(self) -> str | None:
-        waiting = [each for each in self._chart.transitions if not self._timed.keys().isdisjoint(each.sources)]
-        if any(self._texts[each.id] is None for each in waiting):
-            return "a condition that waits for a minimum time is no expression"
-        rows = [row for _, row in self._chart.associations()]
-        controlled, stored = self._controlled(), self._stored()
-        others = [row for row in rows if (row.target or "").casefold() in stored and row.qualifier not in _STORED]
-        names = {*controlled, *stored}
-        is_code = any(self._place.pou.find_action(_bare(name)) for name in names)
-        if others or is_code or any(row.target is None and row.qualifier in _STORING for row in rows):
-            return _ENDED
-        is_begun = any((row.target or "").casefold() in controlled for row in self._initial.actions)
-        return _ENDED if is_begun or (stored and self._has_rest) or self._is_written(names) else None
-
-    def _controlled(self) -> set[str]:
-        """Return the operands, in lower case, of which networks behind the sequence control the storing and delays."""
-        rows = [row for _, row in self._chart.associations() if row.qualifier in _STORING and row.target]
-        return {row.target.casefold() for row in rows if row.target is not None}
-
-    def _stored(self) -> dict[str, str]:
-        """Return the operands that rows store, by their names in lower case."""
-        rows = [row for _, row in self._chart.associations() if row.qualifier is Qualifier.S and row.target]
-        found = {row.target.casefold(): row.target for row in rows if row.target is not None}
-        return {key: name for key, name in found.items() if key not in self._controlled()}
-
-    def _is_written(self, names: Iterable[str]) -> bool:
-        """True if code of the POU may write one of these operands, as code that cannot be read may."""
-        operands = frozenset(path_of(parse_expression(name, Dialect.SCL).tree) for name in names)
-        written = Effects.all(body.code for body in self._bodies).writes
-        is_unknown = any(body.unknown for body in self._bodies)
-        return bool(operands) and (is_unknown or may_change(operands, written, frozenset()))
-
-    def _refused_quit(self) -> str | None:
-        is_input = any(v.name.casefold() == "sfcerror" for v in self._place.pou.variables(SectionKind.INPUT))
-        return "SFCError is an input" if is_input else None
-
-    def _refusal(self, flag: SfcFlag) -> str | None:
-        return super()._refusal(flag) or (self._refused_quit() if flag is SfcFlag.QUIT_ERROR else None)
-
-    def _refused_pause(self) -> str | None:
-        for step, row in self._chart.associations():
-            if row.qualifier not in _LASTING or is_code(self._place, row) or row.condition is not None:
-                return f"the actions of the step {step.name} go on there"
-        for step in self._chart.steps:
-            if step.entry_action or step.main_action or step.exit_action:
-                return f"the actions of the step {step.name} go on there"
-        return None
-
-    def _pushed(self, flags: Collection[SfcFlag], stops: str) -> tuple[str, list[str]]:
-        edge, lines = super()._pushed(flags, stops)
-        if not lines or not self._is_pushed_inside():
-            return edge, lines
-        # Rows are executed behind the transitions. A memory that is set behind the rows would take what they write for
-        # tested already: so it is set where it is tested, in the next cycle.
-        pushed, (tested, *others) = self._memory(f"{SfcFlag.TIP.variable}_pushed"), lines
-        drawn = draw_ld(parse_statements(f"{pushed} := {edge}; {tested}", Dialect.SCL).tree.statements)
-        self._chart.permanent_pre.append(PermanentOperation(body=drawn.body))
-        self._note(Outcome.TRANSLATED, "permanent instruction before the sequence", "", "it tests SFCTip")
-        return pushed, others
-
-    def _end_stored(self, flags: Collection[SfcFlag]) -> None:
-        """Let what actions store end where a flag ends it."""
-        if not self._stored():
-            return
-        ends = [self._init] * (SfcFlag.INIT in flags)
-        if SfcFlag.RESET in flags:
-            before = self._memory(f"{SfcFlag.RESET.variable}_before")
-            ends.append(f"({self._reset} AND NOT {before})")
-        for name in self._stored().values():
-            self.lines.append(f"IF {' OR '.join(ends)} THEN {name} := FALSE; END_IF;")
-        if SfcFlag.RESET in flags:
-            self.lines.append(f"{before} := {self._reset};")
-
-    def _added_step(self, wish: str, why: str) -> Step:
-        step = self._chart.add_step(self._rewriting.new_name(wish))
-        self._note(Outcome.TRANSLATED, "step", f"step {step.name}", why)
-        return step
-
-    def _lead(self, sources: Sequence[Step], target: Step, condition: str) -> None:
-        added = self._chart.add_transition(sources, target, Expression(text=condition), priority=_FIRST)
-        added.name = self._rewriting.new_name(f"{sources[0].name}_to_{target.name}")
-        why = "it replaces an SFC flag, and is tried before the others"
-        self._note(Outcome.TRANSLATED, "transition", f"transition {added.name}", why)
-
-
 def is_code(chart: Chart, row: ActionAssociation) -> bool:
     """True if an association executes statements, and does not drive an operand."""
-    is_named = row.target is not None and (chart.pou.find_action(_bare(row.target)) is not None or "." in row.target)
+    is_named = row.target is not None and (
+        chart.pou.find_action(bare_name(row.target)) is not None or "." in row.target
+    )
     return row.body is not None or row.value is not None or is_named
 
 
-def _bare(name: str) -> str:
+def bare_name(name: str) -> str:
+    """Return a name as other tools than TIA Portal write it."""
     return name.removeprefix("#").strip('"')
+
+
+def _guarded(text: str, terms: list[str]) -> str:
+    return "\n".join(guarded(all_of(terms), text.strip().splitlines())) if any(terms) else text

@@ -23,20 +23,16 @@ from plcopen_sfc.formats.plcopen.source_marks import (
     rewritten_transition,
     text_digest,
 )
-from plcopen_sfc.languages.binding import Effects
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.chart_settings import SfcFlag
-from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, Step, Transition
+from plcopen_sfc.model.sfc import Step, Transition
 from plcopen_sfc.model.types import Elementary, ElementaryType, StringType
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import Outcome
 
 _STORES = frozenset({Qualifier.S, Qualifier.SD, Qualifier.DS, Qualifier.SL})
 _RESETS = frozenset({Qualifier.R, Qualifier.R0})
-_PULSES = frozenset({Qualifier.P1, Qualifier.P0})
-_ACTIVE = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.P, Qualifier.L, Qualifier.D})
-"""Qualifiers of actions that are executed while a step is active, and once more."""
 _TIMED = frozenset({Qualifier.L, Qualifier.D, Qualifier.SD, Qualifier.DS, Qualifier.SL})
 _FORGOTTEN = {SfcFlag.ERROR: "FALSE", SfcFlag.ERROR_STEP: "''", SfcFlag.ERROR_POU: "''"}
 _REPORTS = frozenset({*_FORGOTTEN, SfcFlag.ENABLE_LIMIT, SfcFlag.CURRENT_STEP})
@@ -68,19 +64,9 @@ class _Tc6Flags(FlagRewriter):
         self._steps, self._added = steps, AddedElements(rewriting, checks)
         self._names = [_TOGETHER]
         self._changed: list[Transition] = []
-        self._called = Effects.all(body.code for body in self._bodies).calls
         self._quit_before = ""
-        self._firsts: set[int] = set()
-        """The steps that SFCReset does not leave."""
         self._watching: list[str] = []
         """The statements for before all actions, which set the flags that report on the chart."""
-
-    def rewrite(self, flags: Collection[SfcFlag]) -> frozenset[SfcFlag]:
-        """Change the chart, and report what became of these flags. Returns those that it obeys now."""
-        executed = super().rewrite(flags)
-        if executed:
-            self._guard(executed)
-        return executed
 
     def store(self, surroundings: PermanentRewriter) -> None:
         """Let the initial step store the action with the memories, and mark what was changed for the way back."""
@@ -203,73 +189,17 @@ class _Tc6Flags(FlagRewriter):
     def _refused_pause(self) -> str | None:
         return None
 
-    def _text_of(self, row: ActionAssociation) -> StBody | None:
-        """Return the statements that a row executes, and nothing else does; None where there are none."""
-        if row.target is None:
-            return row.body if isinstance(row.body, StBody) else None
-        action, name = self._place.pou.find_action(row.target), row.target.casefold()
-        charts = [body.chart for _, _, body in self._place.pou.named_bodies() if isinstance(body, SfcBody)]
-        others = [row for chart in charts if chart is not self._chart for _, row in chart.associations()]
-        is_used = any((each.target or "").casefold() == name for each in others)
-        is_used |= (name,) in self._called
-        return action.body if action is not None and isinstance(action.body, StBody) and not is_used else None
-
-    def _runners(self, wanted: StBody) -> list[tuple[Step, ActionAssociation]]:
-        """Return the rows that execute a body."""
-        return [found for found in self._chart.associations() if self._text_of(found[1]) is wanted]
-
-    def _is_left(self, rows: list[tuple[Step, ActionAssociation]], ends: str) -> str:
-        """Return when statements are executed that a flag does not end; empty where rows store them."""
-        if not all(row.qualifier in _ACTIVE | _PULSES for _, row in rows):
-            return ""
-        steps = {step.id: step for step, row in rows if row.qualifier is not Qualifier.P0}
-        return " OR ".join([*map(self._host.active, steps.values()), f"NOT ({ends})" if " " in ends else f"NOT {ends}"])
-
-    def _is_executed_at_end(self, step: Step) -> bool:
-        rows = [row for row in step.actions if is_code(self._place, row)]
-        bodies = [self._text_of(row) for row in rows if row.qualifier is not Qualifier.P1]
-        is_told = any(body is None or not self._is_left(self._runners(body), "TRUE") for body in bodies)
-        return is_told or (step.exit_action is not None and self._statements(step.exit_action) is None)
-
-    def _statements(self, found: Body | str | None) -> StBody | None:
-        """Return the statements of a step action; None where it has none."""
-        action = self._place.pou.find_action(found) if isinstance(found, str) else None
-        body = action.body if action is not None else found
-        return body if isinstance(body, StBody) else None
-
     def _guard(self, flags: Collection[SfcFlag]) -> None:
-        """Let statements not run where a flag ends their step, or stops the chart."""
-        ends = " OR ".join(self.ends)
-        runs = self._goes_on(flags)
-        if runs:
+        if self._goes_on(flags):
             self._report_pause()
-        bodies = {id(body): body for _, row in self._chart.associations() if (body := self._text_of(row)) is not None}
-        changed: set[int] = set()
-        for body in bodies.values():
-            rows = self._runners(body)
-            if all(row.qualifier is Qualifier.P1 for _, row in rows):  # once, when nothing stops or ends the step
-                continue
-            is_kept = SfcFlag.INIT not in flags and all(step.id in self._firsts for step, _ in rows)
-            text = _guarded(body.text, [runs, self._is_left(rows, ends) if ends and not is_kept else ""])
-            if text == body.text:
-                continue
-            if rows[0][1].target is not None:
-                mark = self._rewriting.marks.setdefault(id(body), {}).setdefault(TEXTS_FIELD, {})
-                mark["text"] = [mark.get("text", [body.text])[0], text_digest(text)]
-                for step, row in rows:
-                    why = "its statements ask the SFC flags of the chart"
-                    self._note(Outcome.TRANSLATED, "action", f"step {step.name} / action {row.target}", why)
-            else:
-                changed |= {step.id for step, _ in rows}
-            body.text = text
-        for step in self._chart.steps:
-            for kind, needed in (("main", runs), ("exit", f"NOT ({ends})" if ends else "")):
-                body = self._statements(getattr(step, f"{kind}_action")) if needed else None
-                if body is not None:
-                    setattr(step, f"{kind}_action", StBody(text=_guarded(body.text, [needed])))
-                    changed.add(step.id)
-            if step.id in changed:
-                self._steps.execute(step, self._names)
+        super()._guard(flags)
+
+    def _mark_text(self, body: StBody, text: str) -> None:
+        mark = self._rewriting.marks.setdefault(id(body), {}).setdefault(TEXTS_FIELD, {})
+        mark["text"] = [mark.get("text", [body.text])[0], text_digest(text)]
+
+    def _mark_step(self, step: Step) -> None:
+        self._steps.execute(step, self._names)
 
     # -- what reports on the chart
 
@@ -394,7 +324,3 @@ class _Tc6Flags(FlagRewriter):
 def _none(terms: Iterable[str]) -> str:
     """Return an expression that is TRUE while none of the terms is."""
     return all_of(f"NOT {term}" for term in terms)
-
-
-def _guarded(text: str, terms: list[str]) -> str:
-    return "\n".join(guarded(all_of(terms), text.strip().splitlines())) if any(terms) else text

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from plcopen_sfc.conversion.adaptation.boxes_before_conditions import execute_boxes, has_boxes
 from plcopen_sfc.conversion.adaptation.chart_rewriting import flags_in_use
 from plcopen_sfc.conversion.adaptation.chart_rules import CHART_RULES, needs_rewriting, report_orders, rewrite_charts
-from plcopen_sfc.conversion.adaptation.flag_transitions import execute_flags, has_flags
+from plcopen_sfc.conversion.adaptation.flags_in_graph import execute_flags_in_graph, has_flags
 from plcopen_sfc.conversion.adaptation.global_variables import (
     add_globals,
     declare_lists,
@@ -84,7 +84,7 @@ def _in_terms_of_graph(project: Project, options: WriteOptions, report: Conversi
         return project, {}
     copy, marks = project.model_copy(deep=True), SourceMarks()
     if flags:
-        execute_flags(copy, project, options, report, marks)
+        execute_flags_in_graph(copy, project, options, report, marks)
     if boxes:
         execute_boxes(copy, project, options, report, marks)
     return copy, marks

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from plcopen_sfc.formats.format_interface import WriteOptions
@@ -61,6 +61,19 @@ _AT_ONCE = frozenset({Q.P1, Q.P0})
 _KINDS = frozenset({None, ActionKind.CONTINUOUS})
 
 
+@dataclass(frozen=True)
+class FlagTexts:
+    """What networks need for the SFC flags of a chart, as texts in SCL.
+
+    `lines`: their statements. `ends`: the flags that end steps, and what these store. `stops`: the variable that is
+    TRUE while the chart stops, and all operands keep their values.
+    """
+
+    lines: Sequence[str] = ()
+    ends: Sequence[str] = ()
+    stops: str = ""
+
+
 def action_controls(
     project: Project,
     pou: Pou,
@@ -69,16 +82,15 @@ def action_controls(
     *,
     alone: Callable[[str], bool] = lambda _: False,
     shared: Callable[[str], bool] = lambda _: False,
-    more: Iterable[str] = (),
-    ends: Iterable[str] = (),
+    flags: FlagTexts = FlagTexts(),
 ) -> ActionControls:
     """Return the action controls that the chart of a block needs.
 
     `alone`: True if each association of an action acts for its step alone already, as rows do. `shared`: True if an
-    action writes its variable only while it is executed, so that other code may do so at other times. `more`:
-    statements for SFC flags. `ends`: the flags that end what is stored or delayed.
+    action writes its variable only while it is executed, so that other code may do so at other times. `flags`: those
+    of the chart.
     """
-    return _Planner(project, pou, chart, functions, alone=alone, shared=shared).plan(more, ends)
+    return _Planner(project, pou, chart, functions, flags, alone=alone, shared=shared).plan()
 
 
 def are_rows_alone(options: WriteOptions) -> Callable[[str], bool]:
@@ -193,11 +205,12 @@ class _Planner:
         pou: Pou,
         chart: SfcNetwork,
         functions: ActionFunctions,
+        flags: FlagTexts,
         *,
         alone: Callable[[str], bool],
         shared: Callable[[str], bool],
     ) -> None:
-        self._ends: list[str] = []
+        self._flags = flags
         self._pou, self._chart, self._functions, self._alone, self._shared = pou, chart, functions, alone, shared
         self._written = self._writes()
         self._read = condition_reader(chart, Dialect.SCL, transitions=pou.transitions)
@@ -207,11 +220,10 @@ class _Planner:
         self._taken |= {step.name.casefold() for step in chart.steps}
         self._taken |= {transition.name.casefold() for transition in chart.transitions}
 
-    def plan(self, more: Iterable[str], ends: Iterable[str]) -> ActionControls:
-        """Plan the controls of all actions that need one; `more` and `ends` as in `action_controls`."""
+    def plan(self) -> ActionControls:
+        """Plan the controls of all actions that need one."""
         found = ActionControls()
-        self._ends = list(ends)
-        for line in more:
+        for line in self._flags.lines:
             error = SfcFlag.ERROR.variable
             found.networks += self._drawn(_Draft(error if f"#{error} := " in line else FLAG_LABEL, lines=[line]))
         for rows in self._actions():
@@ -220,6 +232,8 @@ class _Planner:
                 draft, networks = self._control(rows)
             except _ImpossibleError:
                 self._taken = taken
+                if self._asks_flags(rows):
+                    found.going_on.append(control_label(rows[0][0].name, rows[0][1].target))
                 continue
             found.variables += draft.variables
             found.networks += networks
@@ -227,6 +241,8 @@ class _Planner:
                 reason = f"no row means {_shown(step, row)}"
                 if self._is_shared(rows):
                     reason = "actions of other steps write it, too"
+                elif self._asks_flags(rows):
+                    reason = "rows go on where an SFC flag stops the chart, or ends a step"
                 why = f"networks behind the sequence control {draft.label}: {reason}"
                 found.controlled[step.id, row.id] = why
         found.networks += self._watch()
@@ -264,6 +280,8 @@ class _Planner:
         used = {row.qualifier for _, row in rows}
         if used - _OF_ROWS or any(row.negated or step.negated or row.condition is not None for step, row in rows):
             return True
+        if self._asks_flags(rows):
+            return True
         if self._code(rows[0][1]) is not None:
             is_doubled = len({step.id for step, _ in rows}) < len(rows)  # a row of its own would execute it once more
             return is_doubled or bool(used - {*_PLAIN, *_AT_ONCE}) or (len(rows) > 1 and used <= _AT_ONCE)
@@ -274,6 +292,18 @@ class _Planner:
             return False
         is_stored = bool(used & {Q.S, *_RESETS})
         return any(row.qualifier.needs_duration for _, row in rows) or (is_stored and bool(used & {*_PLAIN, Q.P}))
+
+    def _asks_flags(self, rows: list[tuple[Step, ActionAssociation]]) -> bool:
+        """True if rows would not do what the associations do where an SFC flag stops the chart, or ends a step.
+
+        Statements ask the flags themselves.
+        """
+        used, code = {row.qualifier for _, row in rows}, self._code(rows[0][1])
+        if isinstance(code, StBody):
+            return False
+        goes_on = not used <= ({*_PLAIN, *_RESETS, Q.S} if code is None else _AT_ONCE)
+        ends_late = Q.P0 in used if code is None else used != {Q.P1}
+        return (bool(self._flags.stops) and goes_on) or (bool(self._flags.ends) and ends_late)
 
     def _code(self, row: ActionAssociation) -> Body | None:
         if row.target is None:
@@ -292,17 +322,17 @@ class _Planner:
         draft = _Draft(label, row.target or "" if code is None else "")
         if code is None and (row.target is None or parse_operand(row.target) is None):
             raise _ImpossibleError
-        reset = self._plain(draft, "reset", _or([self._on(rows, *_RESETS), *self._ends]))
+        reset = self._plain(draft, "reset", self._on(rows, *_RESETS))
         lasting = self._masked(list(self._parts(draft, rows, reset)), reset)
         pulses = self._masked(list(self._pulses(draft, rows)), reset)
         wanted = _or(filter(None, (lasting, pulses)))
         if code is None and not self._is_written_elsewhere(row):
-            draft.lines.append(f"{row.target} := {wanted};")
+            draft.lines.append(self._kept(row.target or "", wanted))
             return draft, self._drawn(draft)
         if code is None:  # what others write stays: TRUE while the action is on, and FALSE once when it ends
             active, ended = self._bit(draft, "active"), self._bit(draft, "ended")
             draft.lines += [
-                f"{active} := {wanted};",
+                self._kept(active, wanted),
                 f"IF {active} THEN {row.target} := TRUE; END_IF;",
                 f"IF {_and([_not(active), ended])} THEN {row.target} := FALSE; END_IF;",
                 f"{ended} := {active};",
@@ -310,13 +340,19 @@ class _Planner:
             return draft, self._drawn(draft)
         block, instance = self._executed(row, label, code)
         active, ended = self._bit(draft, "active"), self._bit(draft, "ended")
-        draft.lines.append(f"{active} := {lasting or 'FALSE'};")
+        draft.lines.append(self._kept(active, lasting or "FALSE"))
         networks = self._drawn(draft)
-        networks.append(
-            ControlNetwork(label, self._call(draft, _or(filter(None, (active, ended, pulses))), block, instance))
-        )
+        executed = _or([active, self._masked([ended], _or(self._flags.ends)), pulses])
+        executed = self._masked([executed], self._flags.stops)
+        networks.append(ControlNetwork(label, self._call(draft, executed, block, instance)))
         draft.lines = [f"{ended} := {active};"]
         return draft, [*networks, *self._drawn(draft)]
+
+    def _kept(self, name: str, wanted: str) -> str:
+        """Return the assignment to a variable that keeps its value while a flag stops the chart."""
+        if stops := self._flags.stops:
+            wanted = _or([_and([stops, name]), self._masked([wanted], stops)])
+        return f"{name} := {wanted};"
 
     def _executed(self, row: ActionAssociation, label: str, code: Body) -> tuple[Pou, str | None]:
         """Return the block that executes an action, and the instance of one with a chart."""
@@ -387,7 +423,8 @@ class _Planner:
 
         def stored(role: str, start: str) -> str:
             bit = self._bit(draft, role)
-            draft.lines.append(f"{bit} := {self._masked([_or([bit, start])], reset)};")
+            kept = _or([self._masked([bit], _or(self._flags.ends)), start])
+            draft.lines.append(f"{bit} := {self._masked([kept], reset)};")
             return bit
 
         if plain := on(*_PLAIN):
@@ -403,7 +440,8 @@ class _Planner:
         if start := on(Q.SD):
             yield timer(Q.SD, "late", stored("waits", start))
         if start := on(Q.DS):
-            yield stored("kept", timer(Q.DS, "wait", start))
+            # a delay that ends while the chart stops stores nothing yet: its step may be left when the chart goes on
+            yield stored("kept", self._masked([timer(Q.DS, "wait", start)], self._flags.stops))
         if start := on(Q.SL):
             bit = stored("begun", start)
             yield _and([bit, _not(timer(Q.SL, "end", bit))])
@@ -431,7 +469,7 @@ class _Planner:
     def _edge(self, draft: _Draft, role: str, start: str, *, falling: bool = False) -> str:
         start = self._plain(draft, f"{role}_begins", start)
         bit, before = self._bit(draft, role), self._bit(draft, f"{role}_before")
-        now = [_not(start), before] if falling else [start, _not(before)]
+        now = [self._masked([_not(start)], _or(self._flags.ends)), before] if falling else [start, _not(before)]
         draft.lines += [f"{bit} := {_and(now)};", f"{before} := {start};"]
         return bit
 

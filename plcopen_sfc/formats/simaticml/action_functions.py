@@ -71,6 +71,8 @@ class ActionControls:
     networks: list[ControlNetwork] = field(default_factory=list)
     controlled: dict[tuple[int, int], str] = field(default_factory=dict)
     """Facts told of each association, by the ids of its step and its own."""
+    going_on: list[str] = field(default_factory=list)
+    """The actions that no network lets obey the SFC flags of the chart, as people call them."""
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,13 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.formats.format_interface import may_have
-from plcopen_sfc.formats.simaticml.action_controls import action_controls, are_rows_alone, are_shared, told_late_actions
+from plcopen_sfc.formats.simaticml.action_controls import (
+    FlagTexts,
+    action_controls,
+    are_rows_alone,
+    are_shared,
+    told_late_actions,
+)
 from plcopen_sfc.formats.simaticml.action_functions import ActionFunctions
 from plcopen_sfc.formats.simaticml.action_rows import functions_of
 from plcopen_sfc.formats.simaticml.added_elements import bodies_with_result, is_added, mark_added, name_result
@@ -215,11 +221,14 @@ def _write_interface_of(
 
 def _planned_controls(ctx: DocumentWriting, pou: Pou, chart: SfcNetwork, functions: ActionFunctions) -> list[Variable]:
     """Plan the networks that control actions, and return the variables that they add to the block."""
-    flags = ctx.options.marks.get(id(chart), {})
-    more, ends = flags.get("lines", ()), flags.get("ends", ())
+    mark = ctx.options.marks.get(id(chart), {})
+    flags = FlagTexts(mark.get("lines", ()), mark.get("ends", ()), mark.get("stops", ""))
     alone, shared = are_rows_alone(ctx.options), are_shared(ctx.options)
-    controls = action_controls(ctx.project, pou, chart, functions, alone=alone, shared=shared, more=more, ends=ends)
+    controls = action_controls(ctx.project, pou, chart, functions, alone=alone, shared=shared, flags=flags)
     ctx.action_controls = controls
+    for label in controls.going_on:
+        why = "it goes on where an SFC flag stops the chart, or ends a step: no network controls it"
+        ctx.note(Outcome.NOT_EXECUTED, "SFC flags", f"action {label}", why)
     if told := told_late_actions(pou, chart, controls, ctx.options):
         ctx.note(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, why=told)
     return controls.variables

@@ -369,6 +369,9 @@ def test_a_step_that_lasts_too_long_sets_sfc_error(limited: bool) -> None:
 def test_flags_without_a_counterpart_are_told_with_the_reason() -> None:
     def build(rig: FeatureChart) -> None:
         watched(rig)
+        rig.chart.step("Done").main_action = None
+        rig.act("Done", "Look")
+        rig.action("Other", m.StBody(text="Look();"))  # so its statements may not ask the flags of the step
         flags = (m.SfcFlag.ERROR, m.SfcFlag.QUIT_ERROR, m.SfcFlag.RESET)
         rig.chart.settings = m.SfcSettings(flags={flag: m.FlagUse(use=True, declare=False) for flag in flags})
         rig.declare(m.SectionKind.INPUT, variable("SFCQuitError"), variable("SFCReset"))
