@@ -17,7 +17,9 @@ def whole_number(text: str | None) -> int | None:
 
 def xml_number(text: str | None) -> int | None:
     """Return a number as `whole_number` does; white space around it does not count, as in types of XML Schema."""
-    return whole_number(text.strip(" \t\r\n")) if text is not None else None
+    if text is None or not text.isdigit():  # most numbers have no white space around them
+        return whole_number(text.strip(" \t\r\n")) if text is not None else None
+    return int(text) if len(text) <= 18 and text.isascii() else None
 
 
 def canonical_number(text: str | None) -> int | None:

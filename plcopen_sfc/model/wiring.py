@@ -19,6 +19,7 @@ from typing import NamedTuple
 from plcopen_sfc.grouping import grouped
 from plcopen_sfc.model.drawing import BARS, STEPS, Drawing, SymbolKind
 
+_TRANSITION, _JUMP = SymbolKind.TRANSITION.value, SymbolKind.JUMP.value
 _MAX_ALTERNATIVES = 4096
 """A convergence of convergences multiplies alternatives; a chart that needs more than this is damaged."""
 
@@ -83,11 +84,11 @@ class _Tracer:
 
     def run(self) -> Wiring:
         for symbol, kind in self.kinds.items():
-            if kind is SymbolKind.TRANSITION:
+            if kind == _TRANSITION:
                 alternatives = self._sources_of(symbol)
                 targets = self._targets_of(symbol)
                 self.wiring.links[symbol] = [Link(sources, targets) for sources in alternatives]
-            elif kind is SymbolKind.JUMP or kind in STEPS:
+            elif kind == _JUMP or kind in STEPS:
                 self._check_predecessor(symbol)
         return self.wiring
 
@@ -114,7 +115,7 @@ class _Tracer:
             # A jump is a branch that ended; a transition or an element of logic before a transition leads from no step.
             return []
         seen = seen | {symbol}
-        if kind is not SymbolKind.SIMULTANEOUS_CONVERGENCE:
+        if kind != SymbolKind.SIMULTANEOUS_CONVERGENCE:
             return self._union(symbol, seen)
         branches = [self._upstream(source, seen) for source in self.inputs.get(symbol, ())]
         branches = [branch for branch in branches if branch]
@@ -135,7 +136,7 @@ class _Tracer:
             kind = self.kinds.get(consumer)
             if kind in STEPS:
                 found.append(consumer)
-            elif kind is SymbolKind.JUMP:
+            elif kind == _JUMP:
                 found.extend(self._jump(consumer, seen))
             elif kind in BARS and consumer not in seen:
                 found.extend(self._downstream(consumer, seen | {consumer}))

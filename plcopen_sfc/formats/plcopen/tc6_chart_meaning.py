@@ -32,10 +32,10 @@ UNREAD = "\0unread"
 
 Elements themselves would be a quarter of the objects that reading a chart makes. No field in a file has such a name.
 """
-WIRES = "\0wires"
-"""At a symbol: the ids that the wires into it come from, where its pins are unread and until the chart is complete."""
-
 _NOTHING: Fields = {}
+_STEP_ACTION_KINDS = tuple(StepActionKind)
+_JUMP, _DIVERGENCE = SymbolKind.JUMP.value, SymbolKind.SIMULTANEOUS_DIVERGENCE.value
+"""Kinds in a loop: members of an enumeration take longer to get and to compare."""
 
 
 class DrawnChart:
@@ -52,6 +52,8 @@ class DrawnChart:
         self.blocks: list[tuple[Fields, etree._Element, list[Line]]] = []
         self.document_order: list[Fields] = []
         self.elements: dict[int, etree._Element] = {}
+        self.wires: dict[int, list[int]] = {}
+        """The ids that the wires into each element come from, by its `id()`."""
 
     def place(self, element: etree._Element, fields: Fields, local_id: str | None) -> None:
         """Take an element in: give it its id and its place in the order of the file."""
@@ -70,14 +72,15 @@ class DrawnChart:
     def interpret(self) -> Fields:
         """Return the fields of the chart; what is wrong with it goes to the context."""
         self.ids.settle()
+        for holder in (*self.symbols, *self.nodes):
+            if id(holder) not in self.wires:
+                self.wires[id(holder)] = _sources(holder)
         self._settle_references()
         self._resolve_conditions()
         self._resolve_blocks()
         self._resolve_jumps()
         self._resolve_wiring()
         self._check()
-        for symbol in self.symbols:
-            symbol.pop(WIRES, None)
         # a tool that exports no layout puts everything at 0, 0
         drawing: Fields = {"symbols": self.symbols, "places": Places.NONE if self.ctx.tool.placeless else Places.GIVEN}
         if self.nodes:
@@ -97,7 +100,7 @@ class DrawnChart:
             return
         consumers: dict[int, int] = {}
         for holder in (*self.symbols, *self.nodes):
-            for source in _sources(holder):
+            for source in self.wires[id(holder)]:
                 consumers[source] = consumers.get(source, 0) + 1
         wired: list[tuple[Fields, Fields, int]] = []
         symbol_of = {symbol["id"]: symbol for symbol in self.symbols}
@@ -128,7 +131,7 @@ class DrawnChart:
         if used:
             for node in self.nodes:
                 if node["id"] in used:
-                    node["kind"] = SymbolKind.EXPRESSION
+                    node["kind"] = SymbolKind.EXPRESSION.value
                     node["outputs"] = [node.pop("output")] if "output" in node else []
                     for name in ("expression", "edge", "storage"):
                         node.pop(name, None)
@@ -139,7 +142,7 @@ class DrawnChart:
     def _resolve_blocks(self) -> None:
         steps = {step["id"]: step for step in self.steps}
         for symbol, element, entries in self.blocks:
-            owners = {source for source in _sources(symbol) if source in steps}
+            owners = {source for source in self.wires[id(symbol)] if source in steps}
             if len(owners) != 1:
                 self._keep_block(symbol, element, len(owners))
                 continue
@@ -176,7 +179,7 @@ class DrawnChart:
     def _is_step_action(self, step: Fields, association: Fields, entry: Fields, symbol: Fields) -> bool:
         """Make a marked association the step action again that it replaces."""
         kind = association.pop(STEP_ACTION_FIELD, None)
-        if kind not in tuple(StepActionKind):
+        if kind not in _STEP_ACTION_KINDS:
             return False
         qualifier = association.get("qualifier", Qualifier.N)
         is_other = qualifier != STEP_ACTION_QUALIFIERS[StepActionKind(kind)]
@@ -201,11 +204,11 @@ class DrawnChart:
         for step in self.steps:
             by_name.setdefault(step["name"].casefold(), step["id"])
         for symbol in self.symbols:
-            if symbol["kind"] is SymbolKind.SIMULTANEOUS_DIVERGENCE and symbol.get("name"):
+            if symbol["kind"] == _DIVERGENCE and symbol.get("name"):
                 by_name.setdefault(symbol["name"].casefold(), symbol["id"])
                 names.setdefault(symbol["id"], symbol["name"])
         for symbol in self.symbols:
-            if symbol["kind"] is not SymbolKind.JUMP:
+            if symbol["kind"] != _JUMP:
                 continue
             target = by_name.get(symbol["name"].casefold())
             if target is None:
@@ -219,8 +222,8 @@ class DrawnChart:
         kinds = {symbol["id"]: symbol["kind"] for symbol in self.symbols}
         wiring = trace(
             kinds,
-            {symbol["id"]: _sources(symbol) for symbol in self.symbols},
-            {s["id"]: s.get("target") for s in self.symbols if s["kind"] is SymbolKind.JUMP},
+            {symbol["id"]: self.wires[id(symbol)] for symbol in self.symbols},
+            {s["id"]: s.get("target") for s in self.symbols if s["kind"] == _JUMP},
         )
         symbol_of = {symbol["id"]: symbol for symbol in self.symbols}
         expanded: list[Fields] = []
@@ -242,7 +245,7 @@ class DrawnChart:
     def _check(self) -> None:
         known = self.ids.used
         for holder in (*self.symbols, *self.nodes):
-            for source in _sources(holder):
+            for source in self.wires[id(holder)]:
                 if source not in known:
                     self._leads_to_nothing("a connection", source, holder)
         for transition in self.transitions:
@@ -306,16 +309,16 @@ class DrawnChart:
 
 def _sources(holder: Fields) -> list[int]:
     """Return the ids that the wires into an element come from, whatever its pins are."""
-    if WIRES in holder:
-        found: list[int] = holder[WIRES]
-        return found
     pins = [*holder.get("inputs", ())]
-    if not isinstance(holder.get("kind"), SymbolKind):
+    if holder.get("kind") not in _SYMBOL_KINDS:
         if "input" in holder:
             pins.append(holder["input"])
         for group in (holder.get("parameters") or {}).values():
             pins.extend(parameter["input"] for parameter in group if "input" in parameter)
     return [wire["source"] for pin in pins for wire in pin.get("connections", ())]
+
+
+_SYMBOL_KINDS = tuple(SymbolKind)
 
 
 def _is_plain_expression(node: Fields) -> bool:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 from lxml import etree
 
-from plcopen_sfc.formats.plcopen.tc6_chart_meaning import UNREAD, WIRES, DrawnChart, Line
+from plcopen_sfc.formats.plcopen.tc6_chart_meaning import UNREAD, DrawnChart, Line
 from plcopen_sfc.formats.plcopen.tc6_networks import read_node
 from plcopen_sfc.formats.plcopen.tc6_pins import (
     read_connection,
@@ -31,21 +31,13 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     take_required,
 )
 from plcopen_sfc.formats.xml.extension_data import attributes
-from plcopen_sfc.model.drawing import Places, SymbolKind
+from plcopen_sfc.model.drawing import CONVERGENCES, DIVERGENCES, Places, SymbolKind
 from plcopen_sfc.model.text import is_direct
 from plcopen_sfc.whole_numbers import xml_number
 
 QUALIFIERS = ("P1", "N", "P0", "R", "S", "L", "D", "P", "DS", "DL", "SD", "SL")
 
-BARS = {
-    kind.value: kind
-    for kind in (
-        SymbolKind.SELECTION_DIVERGENCE,
-        SymbolKind.SELECTION_CONVERGENCE,
-        SymbolKind.SIMULTANEOUS_DIVERGENCE,
-        SymbolKind.SIMULTANEOUS_CONVERGENCE,
-    )
-}
+BARS = frozenset(kind.value for kind in DIVERGENCES | CONVERGENCES)
 
 BodyReader = Callable[[Tc6ReadContext, etree._Element], "Fields | None"]
 
@@ -65,10 +57,10 @@ class Tc6ChartReader:
         tags = self.ctx.tags
         for self.place, child in enumerate(element):
             local = tags.get(child.tag)
-            if local in _SYMBOLS:
-                _SYMBOLS[local](self, child)
+            if (read := _SYMBOLS.get(local)) is not None:
+                read(self, child)
             elif local in BARS:
-                self.read_bar(child, BARS[local])
+                self.read_bar(child, local)
             elif local and (node := read_node(self.ctx, child, local)) is not None:
                 self.drawn.place(child, node, child.get("localId"))
                 self.drawn.nodes.append(node)
@@ -76,8 +68,10 @@ class Tc6ChartReader:
                 keep_element(self.ctx, self.drawn.chart, child)
         return self.drawn.interpret()
 
-    def _symbol(self, element: etree._Element, kind: SymbolKind, left: dict[str, str]) -> Fields:
-        symbol: Fields = {"kind": kind, UNREAD: self.place, WIRES: []}
+    def _symbol(self, element: etree._Element, kind: str, left: dict[str, str]) -> Fields:
+        # the collector of garbage has nothing to look through in dictionaries of texts and numbers alone, which live
+        # on: a member of the enumeration or a list in it would make it look
+        symbol: Fields = {"kind": kind, UNREAD: self.place}
         self.drawn.place(element, symbol, left.pop("localId", None))
         if left:
             read_geometry(self.ctx, element, left, symbol)
@@ -89,7 +83,9 @@ class Tc6ChartReader:
 
         Of these only the sources of wires are read; `read_drawing` reads the rest when a script looks at the drawing.
         """
-        tag_of, wires, is_jump = self.ctx.tags.get, symbol[WIRES], symbol["kind"] is _JUMP
+        tag_of, is_jump = self.ctx.tags.get, symbol["kind"] == _JUMP
+        wires: list[int] = []
+        self.drawn.wires[id(symbol)] = wires
         found: list[tuple[etree._Element, str | None]] = []
         for child in element:
             local = tag_of(child.tag)
@@ -112,7 +108,7 @@ class Tc6ChartReader:
             step["initial"] = take_flag(ctx, element, left, "initialStep")
         if "negated" in left:
             step["negated"] = take_flag(ctx, element, left, "negated")
-        symbol = self._symbol(element, SymbolKind.STEP, left)
+        symbol = self._symbol(element, "step", left)
         step["symbol_fields"] = symbol
         for child, local in self._children(element, symbol):
             if local != "connectionPointOutAction":
@@ -128,7 +124,7 @@ class Tc6ChartReader:
         left = attributes(element)
         macro: Fields = {}
         step: Fields = {"name": left.pop("name", ""), "actions": [], "macro": macro}
-        symbol = self._symbol(element, SymbolKind.MACRO_STEP, left)
+        symbol = self._symbol(element, "macroStep", left)
         step["symbol_fields"] = symbol
         for child, local in self._children(element, symbol):
             if local == "body":
@@ -146,7 +142,7 @@ class Tc6ChartReader:
         transition: Fields = {}
         if "priority" in left:
             transition["priority"] = take_integer(ctx, element, left, "priority")
-        symbol = self._symbol(element, SymbolKind.TRANSITION, left)
+        symbol = self._symbol(element, "transition", left)
         transition["symbol_fields"] = symbol
         for child, local in self._children(element, symbol):
             if local == "condition":
@@ -210,20 +206,20 @@ class Tc6ChartReader:
         """Read ``jumpStep``."""
         left = attributes(element)
         target = take_required(self.ctx, element, left, "targetName")
-        symbol = self._symbol(element, SymbolKind.JUMP, left)
+        symbol = self._symbol(element, _JUMP, left)
         symbol["name"] = target
         self._read_flow(element, symbol, "jumpStep")
         if left:
             keep_attributes(symbol, left)
 
-    def read_bar(self, element: etree._Element, kind: SymbolKind) -> None:
+    def read_bar(self, element: etree._Element, kind: str) -> None:
         """Read one of the four kinds of divergences and convergences."""
         left = attributes(element)
-        name = left.pop("name", None) if kind is SymbolKind.SIMULTANEOUS_DIVERGENCE else None
+        name = left.pop("name", None) if kind == SymbolKind.SIMULTANEOUS_DIVERGENCE else None
         symbol = self._symbol(element, kind, left)
         if name is not None:
             symbol["name"] = name
-        self._read_flow(element, symbol, kind.value)
+        self._read_flow(element, symbol, kind)
         if left:
             keep_attributes(symbol, left)
 
@@ -236,7 +232,7 @@ class Tc6ChartReader:
         ctx = self.ctx
         left = attributes(element)
         negated = take_flag(ctx, element, left, "negated")
-        symbol = self._symbol(element, SymbolKind.ACTION_BLOCK, left)
+        symbol = self._symbol(element, "actionBlock", left)
         entries: list[Line] = []
         for child, local in self._children(element, symbol):
             if local == "action":
@@ -280,7 +276,7 @@ class Tc6ChartReader:
         return association, entry, local_id
 
 
-_JUMP = SymbolKind.JUMP  # in a loop: the members of an enumeration take longer to get
+_JUMP = "jumpStep"
 
 _SYMBOLS: dict[str | None, Callable[[Tc6ChartReader, etree._Element], None]] = {
     "step": Tc6ChartReader.read_step,
@@ -323,9 +319,9 @@ def _read_symbol(ctx: Tc6ReadContext, symbol: Fields, element: etree._Element) -
                 symbol["position"] = point
         elif local == "connectionPointIn":
             pins.setdefault("inputs", []).append(read_input(ctx, child))
-        elif local == "connectionPointOut" and symbol["kind"] is not _JUMP:
+        elif local == "connectionPointOut" and symbol["kind"] != _JUMP:
             pins.setdefault("outputs", []).append(read_output(ctx, child))
-        elif local == "connectionPointOutAction" and symbol["kind"] is SymbolKind.STEP:
+        elif local == "connectionPointOutAction" and symbol["kind"] == SymbolKind.STEP:
             symbol["action_output"] = read_output(ctx, child)
         elif local == "action":
             lines.append(child)
