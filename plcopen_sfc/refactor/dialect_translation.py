@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
 from plcopen_sfc.diagnostics import Severity
@@ -188,9 +188,8 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
     enumerations = {each.name.casefold() for each in project.data_types if isinstance(each.type, EnumType)}
     # by its header a file that a tool of CODESYS made, and that was converted for others
     of_codesys = project.header.product.casefold().startswith(("codesys", "twincat"))
-    for text_site in [
-        text_site for text_site in text_sites(project) if text_site.is_program_text and not _names_a_step(text_site)
-    ]:
+    every = text_sites(project)
+    for text_site in [each for each in every if each.is_program_text and not _names_a_step(each)]:
         if family(target) is Dialect.IEC:
             found += _only_of_codesys(text_site, project.dialect, resolver)
         is_statements = text_site.reading is SiteKind.STATEMENTS
@@ -212,13 +211,13 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
         if is_wider or is_lost or not is_own:
             found.append(TranslatedText(text_site.report_path, result.text != text_site.text, result.notes))
             text_site.put(result.text)
-    return found + list(_rounding_boxes(project, target))
+    return found + list(_rounding_boxes(every, project.dialect, target))
 
 
-def _rounding_boxes(project: Project, target: Dialect) -> Iterator[TranslatedText]:
-    for site in text_sites(project):
+def _rounding_boxes(sites: Iterable[TextSite], source: Dialect, target: Dialect) -> Iterator[TranslatedText]:
+    for site in sites:
         is_box = site.key == "type_name" and isinstance(site.owner, Block)
-        if is_box and (why := other_rounding(site.text.upper(), family(project.dialect), family(target))):
+        if is_box and (why := other_rounding(site.text.upper(), family(source), family(target))):
             yield TranslatedText(site.report_path, changed=False, notes=(Note(Severity.WARNING, why, (0, 0), 1, 1),))
 
 

@@ -295,7 +295,7 @@ def _make_methods(project: Project, report: ConversionReport) -> None:
         method = _read(text, pous[function], pous[owner]) if owner and {function, owner} <= pous.keys() else None
         if method is not None:
             found[function.casefold()] = method
-    sites = [each for each in text_sites(project) if each.is_program_text]
+    sites = [each for each in text_sites(project) if each.is_program_text] if found else []
     texts: list[tuple[TextSite, str]] = []
     others = {""}
     while others and found:

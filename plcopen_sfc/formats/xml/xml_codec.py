@@ -134,7 +134,7 @@ _DEFAULT = XmlStyle()
 # Two paths, each a single walk in C; one path with "or" takes three times as long.
 # not "//*", nor a condition on each element: libxml2 takes up to three times as long for those
 _LOOSE_TEXT = etree.XPath("descendant-or-self::*[node()[2]]/text()[normalize-space()]")
-_ONLY_COMMENTS = etree.XPath("descendant-or-self::*[comment() and not(*)]")
+_ONLY_COMMENTS = etree.XPath("descendant::comment()/parent::*[not(*)]")
 _SPACES = etree.XPath("descendant-or-self::*/@xml:space")
 _RAW = re.compile(r"(<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>)", re.DOTALL)
 
