@@ -179,7 +179,9 @@ def _text_of(markup: str) -> str:
 
 def decimal(value: float) -> str:
     """Return a number as ``xsd:decimal``."""
-    return str(int(value)) if float(value).is_integer() else format(value, ".15f").rstrip("0").rstrip(".")
+    if isinstance(value, int):  # nearly all
+        return str(int(value))
+    return str(int(value)) if value.is_integer() else format(value, ".15f").rstrip("0").rstrip(".")
 
 
 def write_point(ctx: Tc6WriteContext, parent: etree._Element, name: str, point: tuple[float, float]) -> None:

@@ -6,6 +6,7 @@ A change of a value stays inside the CDATA section that holds it and keeps the r
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias, cast
 
 from lxml import etree
@@ -46,13 +47,17 @@ class SourceStyle:
     def __init__(self, tree: SourceTree, codec: str) -> None:
         self.tree = tree
         self.codec = codec
-        text = tree.text
         self.newline = tree.newline
-        self.quote = "'" if text.count("='") > text.count('="') else '"'
         # An escaped ">" is a habit of writers; without any to be seen, escape: it is right everywhere.
         self.habits = Habits("", newline=self.newline)
-        self._collapses = "/>" in text or "></" not in text
+        self._collapses = "/>" in tree.text or "></" not in tree.text
         self._unit: str | None = None
+
+    @cached_property
+    def quote(self) -> str:
+        """The quotes of most attributes: of a file of many megabytes, only a new attribute asks for them."""
+        text = self.tree.text
+        return "'" if text.count("='") > text.count('="') else '"'
 
     def encodable(self, text: str) -> bool:
         """True if the encoding of the file has all these characters."""

@@ -124,7 +124,7 @@ class SourceTree:
 
     def __init__(self, text: str) -> None:
         self.text = text
-        self.newline = "\r\n" if 2 * text.count("\r\n") > text.count("\n") else "\n"
+        self.newline = "\r\n" if "\r" in text and 2 * text.count("\r\n") > text.count("\n") else "\n"
         self.root = self._read()
         self._inherited: dict[tuple[SourceNode, str], str] = {}
 
