@@ -3,17 +3,47 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 
 from plcopen_sfc.languages.grafcet_conditions import is_operand
+from plcopen_sfc.languages.networks import condition_reader
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, print_node
+from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.conditions import Expression
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.pou import NamedTransition
+from plcopen_sfc.model.sfc import ActionAssociation, Condition, SfcNetwork, Step
 
 _SIGNS = {n.Operator.AND: " * ", n.Operator.OR: " + "}
 _CONSTANTS = {"TRUE": "1", "FALSE": "0"}
 _ONE_UNIT = re.compile(r"(?:T|TIME)#(\d+(?:\.\d+)?(?:ms|s|h|d))", re.IGNORECASE)
+
+
+def expression_of(
+    chart: SfcNetwork, condition: Condition | None, objects: Iterable[NamedTransition]
+) -> Expression | None:
+    """Return a condition in `chart` as an expression, also one that is drawn; None where no text expresses it.
+
+    `objects` are the transition objects of the POU.
+    """
+    if condition is None or isinstance(condition, Expression):
+        return condition
+    found = condition_reader(chart, transitions=objects)(condition)
+    if found.tree is None or found.helpers or found.obstacles or found.before:
+        return None
+    return Expression(text=" ".join(print_node(found.tree).split()))
+
+
+def with_condition(
+    chart: SfcNetwork, step: Step, action: ActionAssociation, objects: Iterable[NamedTransition]
+) -> ActionAssociation:
+    """Return an action N that acts only with the interlock of its step (NC of S7-GRAPH) as one with a condition."""
+    condition = step.interlock.condition if step.interlock is not None else None
+    is_continuous = action.qualifier in (Qualifier.N, Qualifier.NONE) and action.event is None and action.value is None
+    if not action.interlock or not is_continuous:
+        return action
+    expression = expression_of(chart, condition, objects)
+    return action if expression is None else action.model_copy(update={"interlock": False, "condition": expression})
 
 
 def in_notation(condition: Expression, flags: Mapping[str, str], own: Collection[str]) -> str | None:

@@ -13,7 +13,7 @@ from itertools import chain
 
 from plcopen_sfc.errors import Location, ModelError, StructureError
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
-from plcopen_sfc.formats.grafcet.condition_notation import flags_of, in_notation
+from plcopen_sfc.formats.grafcet.condition_notation import expression_of, flags_of, in_notation, with_condition
 from plcopen_sfc.formats.grafcet.grafcet_text_reader import (
     CHARTS,
     SITUATIONS,
@@ -30,12 +30,10 @@ from plcopen_sfc.formats.text_codec import TextCodec
 from plcopen_sfc.formats.text_encoding import SourceText
 from plcopen_sfc.formats.text_patch import BlockSpan, WrittenBlock, numbered_blocks
 from plcopen_sfc.languages.declarations import write_type, write_value
-from plcopen_sfc.languages.networks.condition_reading import shown_condition
 from plcopen_sfc.model import sfc
 from plcopen_sfc.model.actions import ActionKind, ForcedSituation, ForcingOrder, Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Expression
-from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.text import Text, plain
@@ -116,12 +114,12 @@ class _Writer:
                 yield self._transition(chart, transition, f"{path} / transition {labels[transition.id]}", indent)
 
         for number, step in enumerate(chart.steps):
-            yield self._step(step, f"{path} / step {step.name}", indent, apart=not number and not indent)
+            yield self._step(chart, step, f"{path} / step {step.name}", indent, apart=not number and not indent)
             written.add(step.id)
             yield from transitions(False)
         yield from transitions(True)
 
-    def _step(self, step: sfc.Step, path: str, indent: str, *, apart: bool) -> WrittenBlock:
+    def _step(self, chart: sfc.SfcNetwork, step: sfc.Step, path: str, indent: str, *, apart: bool) -> WrittenBlock:
         text = ("INITIAL " if step.initial else "") + ("MACRO" if _expansion(step) else "STEP")
         text += f" {_named(step.name, path)}"
         text += f" #{step.number}" if step.number is not None else ""
@@ -133,7 +131,7 @@ class _Writer:
                 for each in step.encloses
             )
         blocks = [_line(("head", ""), text, step.comment, indent)]
-        for action in (_with_condition(each, step) for each in step.actions):
+        for action in (with_condition(chart, step, each, self._pou.transitions) for each in step.actions):
             blocks += self._action_line(action, f"{path} / action {action.target or 'in place'}", indent, step.name)
         for name, qualifier in _OF_STEPS.items():
             done: str | sfc.Body | None = getattr(step, f"{name}_action")
@@ -190,14 +188,11 @@ class _Writer:
         designation = transition.name or ("" if transition.number is None else str(transition.number))
         text = f"({designation}) " if designation and not re.search(r"[()\n]", designation) else ""
         text += f"{', '.join(sources)} -> {', '.join(targets)}".strip()
-        condition = self._expression(transition.condition, sources)
+        expression = expression_of(chart, transition.condition, self._pou.transitions)
+        condition = self._expression(expression, sources)
         if transition.condition is not None and not condition:
-            shown = shown_condition(chart, transition, Dialect.IEC, self._pou.transitions)
-            if shown is None or shown[1]:
-                self._lost("condition", path, "no text expresses it")
-                condition = "FALSE"
-            else:
-                condition = " ".join(shown[0].split())
+            self._lost("condition", path, "no text expresses it")
+            condition = "FALSE"
         if '"' in condition:
             self._lost("condition", path, _QUOTES)
             condition = "FALSE"
@@ -237,15 +232,6 @@ class _Writer:
 
 _OF_STEPS = {"entry": Qualifier.P1, "main": Qualifier.N, "exit": Qualifier.P0}
 """The actions of CODESYS that a step itself has, by what they are in IEC 61131-3."""
-
-
-def _with_condition(action: sfc.ActionAssociation, step: sfc.Step) -> sfc.ActionAssociation:
-    """Return an action N that acts only with the interlock of its step (NC of S7-GRAPH) as one with a condition."""
-    condition = step.interlock.condition if step.interlock is not None else None
-    is_continuous = action.qualifier in (Qualifier.N, Qualifier.NONE) and action.event is None and action.value is None
-    if not action.interlock or not is_continuous or not isinstance(condition, Expression):
-        return action
-    return action.model_copy(update={"interlock": False, "condition": condition})
 
 
 def _expansion(step: sfc.Step) -> str | None:

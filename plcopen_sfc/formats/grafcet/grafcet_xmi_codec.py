@@ -14,6 +14,7 @@ from typing import TypeVar
 from lxml import etree
 
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
+from plcopen_sfc.formats.grafcet.condition_notation import expression_of, with_condition
 from plcopen_sfc.formats.grafcet.grafcet_xmi_reader import (
     SECTIONS,
     SITUATIONS,
@@ -56,6 +57,7 @@ class XmiWriter:
     def __init__(self, project: Project, pou: Pou | None, report: ConversionReport, order: XmiOrder) -> None:
         self._pou = pou
         self._tags = tags_of(project, pou) if pou is not None else {}
+        self._objects = pou.transitions if pou is not None else []
         self._order = order
         self._report = report
         namespaces = _NAMESPACES | order.namespaces
@@ -189,7 +191,8 @@ class XmiWriter:
             made = etree.SubElement(element, "transitions")
             made.set("id", str(transition.number if transition.number is not None else number + 1))
             label = f"{where} / transition {network.label(transition)}"
-            self._condition(made, "term", transition.condition, f"{path}/@transitions.{number}", label)
+            condition = expression_of(network, transition.condition, self._objects) or transition.condition
+            self._condition(made, "term", condition, f"{path}/@transitions.{number}", label)
         self._arcs(element, path, network)
         self._actions(element, path, network, where)
 
@@ -230,7 +233,12 @@ class XmiWriter:
             own = f"{path}/@actionTypes.{number}"
             label = f"{where} / step {step.name} / action {action.target or 'in place'}"
             made = etree.SubElement(element, "actionTypes")
-            if self._action(made, action, own, label):
+            if self._action(
+                made,
+                with_condition(network, step, action, self._objects),
+                own,
+                label,
+            ):
                 made.set("id", str(number + 1))
                 links.append((self._numbers[id(step)], number))
             else:

@@ -340,6 +340,23 @@ def test_random_grafcets_go_through_the_text(seed: int) -> None:
     assert sfc.loads(sfc.dumps(project, format="json")).pous == project.pous
 
 
+@pytest.mark.parametrize("form", ["grafcet-text", "grafcet"])
+def test_drawn_conditions_and_interlocks_become_terms_and_come_back(form: str) -> None:
+    source = sfc.load("fixtures/simaticml-training-chain/Ablauf.xml")
+    data, _ = sfc.convert(source, form)
+    text = sfc.dumps(sfc.loads(data, format=form, as_tool=True), format="grafcet-text").decode()
+    assert "Q3 IF B5\n" in text
+    assert " : B1\n" in text
+    back, _ = sfc.convert(sfc.loads(data), "simaticml")
+    assert sfc.loads(back).pous == source.pous
+
+
+def test_a_drawn_condition_is_in_the_notation_of_iec_60848() -> None:
+    source = sfc.load("fixtures/plcopen/filling_station_2.01.xml")
+    text = sfc.convert(source, "grafcet-text", partial=True).data.decode()
+    assert "Infeed -> Clamp : B1_BottleInPlace * /S3_Door\n" in text
+
+
 def test_charts_of_tools_become_grafcets_and_come_back() -> None:
     source = sfc.load("fixtures/simaticml/FB_Drill.xml")
     data, report = sfc.convert(source, "grafcet-text", partial=True)
