@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import cached_property
+from functools import cached_property, reduce
+from operator import or_
 
 from plcopen_sfc.model import sfc
 
@@ -168,13 +169,17 @@ class Net:
         """
         named = [(name, step.bit) for step in self.steps for name in (step.step.name, step.step.number)]
         named += [(name, macro.steps) for macro in self.macros for name in (macro.step.name, macro.step.number)]
-        for partial in self.chart.partial_charts:
-            named.append((partial.name, sum(step.bit for step in self.steps if step.chart is partial.chart)))
+        named += [(partial.name, self.steps_of(partial.chart)) for partial in self.chart.partial_charts]
         found: dict[str, tuple[str, int]] = {}
         for name, bits in named:
             if str(name).isalnum() and name is not None:
                 found.setdefault(str(name).casefold(), (f"X{name}", bits))
         return dict(found.values())
+
+    def steps_of(self, chart: sfc.SfcNetwork) -> int:
+        """Return the steps (bits) of a chart: its own, and those in its macro-steps."""
+        steps = reduce(or_, (step.bit for step in self.steps if step.chart is chart), 0)
+        return reduce(or_, (macro.steps for macro in self.macros if macro.chart is chart), steps)
 
     @cached_property
     def leaving(self) -> tuple[tuple[int, ...], ...]:

@@ -517,3 +517,37 @@ def test_a_step_that_is_left_and_entered_at_once_stays_active() -> None:
     assert trace["S"] == trace["T"]
     assert [bool(each) for each in trace["Q"]] == [False] * 3 + [True] * 7
     assert trace.active(9) == ("G1.1", "G2.10", "G3.20")
+
+
+def test_the_flag_of_a_chart_tells_of_the_steps_in_its_macro_steps() -> None:
+    """A macro-step is a step of its chart, and active while its expansion is."""
+    text = """GRAFCET C
+INPUTS
+    a
+    b
+CHART G1
+    INITIAL STEP 1
+    1 -> M2 : ↑a
+    MACRO M2
+    M2 -> 1 : ↑b
+CHART G2
+    INITIAL STEP 10
+    10 -> 11 : /XG1
+    STEP 11
+EXPANSION M2
+    STEP E2
+    MACRO M3
+    STEP S2
+    E2 -> M3 : ↑b
+    M3 -> S2 : ↑b
+EXPANSION M3
+    STEP E3
+    STEP S3
+    E3 -> S3 : 1
+"""
+    project = sfc.loads(text.encode(), format="grafcet-text")
+    trace = sfc.simulate(project, inputs=lambda scan, _: {"a": scan == 1, "b": scan % 2 == 0}, scans=12)
+    entered = {step for scan in range(12) for step in trace.active(scan)}
+    assert {"G1.M2.E2", "G1.M2.M3.S3", "G1.M2.S2", "G1.1"} <= entered
+    assert "G2.11" not in entered
+    assert set(trace["XG1"]) == {True}

@@ -76,15 +76,11 @@ class Hierarchy:
             raise UnknownBehaviourError(f"there is no partial chart {name}", location=self._place(where))
         found = self._charts.get(name.casefold())
         if found is None:
-            found = self._charts[name.casefold()] = RuledChart(partial.name, self._steps_of(partial.chart))
+            found = self._charts[name.casefold()] = RuledChart(partial.name, self._net.steps_of(partial.chart))
         return found
 
-    def _steps_of(self, chart: SfcNetwork) -> int:
-        steps = reduce(or_, (step.bit for step in self._net.steps if step.chart is chart), 0)
-        return reduce(or_, (macro.steps for macro in self._net.macros if macro.chart is chart), steps)
-
     def _owners(self, steps: int) -> set[str]:
-        return {name for name, partial in self._partials.items() if self._steps_of(partial.chart) & steps}
+        return {name for name, partial in self._partials.items() if self._net.steps_of(partial.chart) & steps}
 
     def _imposed(self, model: ActionAssociation, where: str) -> int | None:
         order = model.forcing
