@@ -33,8 +33,9 @@ class Mention:
     def is_in(self, text: str) -> bool:
         """True if one of the words occurs in `text`, in upper or lower case."""
         text = text.casefold()
-        for overline in _OVERLINES:  # a GRAFCET negates b1 by a line over each of its characters
-            text = text.replace(overline, "")
+        for start, overlines in _OVERLINES.items():  # a GRAFCET negates b1 by a line over each of its characters
+            for overline in overlines if start in text else ():
+                text = text.replace(overline, "")
         if not self.as_members:
             return any(word in text for word in self.words)
         return re.search(f"{_DOT}(?:{'|'.join(map(re.escape, sorted(self.words)))})", text, re.DOTALL) is not None
@@ -184,7 +185,7 @@ _ELSEWHERE_WRITTEN = re.compile(r"""[^\x20-\x7e]|["'&<>\\]""")
 """Characters of names that XML or JSON may write in another way."""
 
 
-_OVERLINES = ("\u0305", "\\u0305", "&#773;", "&#x305;")
+_OVERLINES = {"\u0305": ("\u0305",), "\\": ("\\u0305",), "&#": ("&#773;", "&#x305;")}
 """A line over the character before it, as text, in JSON and in XML."""
 _DOT = r"\.(?:\s|\\[nrt]|\\?\"|#|&quot;|&\#\w+;|\(\*.*?\*\)|/\*.*?\*/|//.*?(?:\n|\\n|&\#\w+;))*+"
 """A dot, with the blanks, quotes and comments behind it, in XML or JSON."""

@@ -327,13 +327,13 @@ def _is_without(thing: Any, where: _Where) -> bool:
     if isinstance(thing, LateElement):
         return thing.is_unread and not thing.may_mention(where.words)
     if isinstance(thing, t.Variable):
-        others = (value for key, value in thing.__dict__.items() if key not in _PLAIN_FIELDS)
+        others = map(thing.__dict__.get, _OTHER_FIELDS)
         return type(thing.type) is t.ElementaryType and not any(others) and not _overlays(thing)
     return False
 
 
-_PLAIN_FIELDS = frozenset({"name", "type", "address", "attributes"})
-"""The fields of a variable of an elementary type that name nothing, but for the address of an overlay."""
+_OTHER_FIELDS = tuple(name for name in t.Variable.model_fields if name not in {"name", "type", "address", "attributes"})
+"""The fields of a variable but for those that name nothing where its type is elementary and it is no overlay."""
 
 
 def _overlays(variable: t.Variable) -> bool:
