@@ -36,7 +36,7 @@ from plcopen_sfc.languages.expression_types import CALCULATING
 from plcopen_sfc.languages.networks import normal_form
 from plcopen_sfc.languages.st import names_of, print_node, walk
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.literals import LiteralKind, LiteralValue, write_literal
+from plcopen_sfc.languages.st.literals import INTEGER_RANGES, LiteralKind, LiteralValue, write_literal
 from plcopen_sfc.languages.st.nodes import Expression, Operator
 from plcopen_sfc.languages.words import folded
 from plcopen_sfc.model.dialect import Dialect
@@ -93,6 +93,14 @@ def converted(z3: Any, term: Any, *, to_real: bool) -> Any:
     if term.is_int():
         return z3.ToReal(term) if to_real else term
     return term if to_real else z3.ToInt(term + z3.Q(1, 2, ctx=term.ctx))
+
+
+def _cut(term: Any, name: str) -> Any:
+    """Return what a conversion of integers by this name leaves of one: its last bits."""
+    before, _, after = name.rpartition("TO_")
+    least, greatest = INTEGER_RANGES[after]
+    first, last = INTEGER_RANGES.get(before.removesuffix("_"), (least - 1, greatest))
+    return term if least <= first and last <= greatest else (term - least) % (greatest - least + 1) + least
 
 
 def _least(z3: Any, *terms: Any) -> Any:
@@ -524,7 +532,8 @@ class Formula:
             source = self._kind(given[0]) if len(given) == 1 else None
             if source in _NUMBERS and self._calculated_kind(tree) in _NUMBERS:
                 to_real = self._calculated_kind(tree) is ValueKind.REAL
-                return converted(z3, self._value(given[0], source), to_real=to_real)
+                made = converted(z3, self._value(given[0], source), to_real=to_real)
+                return made if to_real or source is ValueKind.REAL else _cut(made, name)
         if not self.guessing or kind not in (*_NUMBERS, ValueKind.DURATION):
             return None
         match tree:

@@ -231,6 +231,10 @@ def test_what_cannot_be_driven_is_no_proof() -> None:
         ("w.%B1 = 5", "w = 16#500"),
         ("w.13 AND w.4 AND NOT w.2", "w.13 AND w.4 AND NOT w.2 AND NOT w.9"),
         ("n MOD 16 = 5", "n MOD 16 = 5 AND n < 100"),
+        ("INT_TO_BYTE(n) = 5", "n = 5"),
+        ("INT_TO_SINT(n) = -5", "n = -5"),
+        ("USINT_TO_INT(INT_TO_USINT(n)) + 1 = 6", "n = 5"),
+        ("WORD_TO_INT(w) = -3", "FALSE"),
     ],
 )
 def test_masks_and_shifts_are_driven_towards_their_constants(one: str, other: str) -> None:
