@@ -345,14 +345,15 @@ class Editor:
     def move_to_macro(self, steps: Sequence[Step | str], name: str) -> Step:
         """Move a run of steps, entered at one step and left at one, into a new macro-step."""
         moved, chart = self._run(steps)
-        with self._adding(chart):
+        with self._adding(chart), self._leaving(moved, "moved"):
             return runs_of_steps.move_to_macro(self._journal, chart, moved, name)
 
     @_edit
     def dissolve_macro(self, macro: Step | str) -> list[Step]:
         """Put the steps of a macro-step into its place."""
         step, chart = self._step(macro)
-        return runs_of_steps.dissolve_macro(self._journal, chart, step)
+        with self._leaving([step], "dissolved"):
+            return runs_of_steps.dissolve_macro(self._journal, chart, step)
 
     @_edit
     def move_to_action(self, steps: Sequence[Step | str], name: str, action: str) -> Step:
@@ -452,17 +453,23 @@ class Editor:
     @contextmanager
     def _removing(self, steps: Sequence[Step]) -> Iterator[None]:
         """Remove the variables that the tool declares for steps; refuse to leave texts that name these steps."""
-        keys = {step.name for step in steps}
         names = Names(self.project)
-        before = name_edits.undeclared(names, keys)
-        for step in steps:
-            repeated = names.resolver.repeated(names.declaration_of(step))
-            name_edits.remove_objects(self._journal, self.project, repeated)
+        with self._leaving(steps, "removed"):
+            for step in steps:
+                repeated = names.resolver.repeated(names.declaration_of(step))
+                name_edits.remove_objects(self._journal, self.project, repeated)
+            yield
+
+    @contextmanager
+    def _leaving(self, steps: Sequence[Step], done: str) -> Iterator[None]:
+        """Refuse to leave texts in which the names of steps mean nothing any more."""
+        names = {step.name for step in steps}
+        keys = names | {f"X{each.name}" for each in steps if each.chart and runs_of_steps.grafcet_of(each.chart)}
+        before = name_edits.undeclared(Names(self.project), keys)
         yield
-        dangling = [use for use in name_edits.undeclared(Names(self.project), keys) if use not in before]
-        if dangling:
-            called = ", ".join(sorted(keys))
-            raise refused(f"{called} cannot be removed", (f"it is named in {use}" for use in dangling))
+        if dangling := [use for use in name_edits.undeclared(Names(self.project), keys) if use not in before]:
+            what = f"{', '.join(sorted(names))} cannot be {done}"
+            raise refused(what, (f"it is named in {use}" for use in dangling))
 
 
 def _name(form: str, number: int, name: str) -> str:

@@ -6,10 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import count
 
+from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
+from plcopen_sfc.languages.binding.name_uses import Names
+from plcopen_sfc.languages.binding.text_sites import Site
 from plcopen_sfc.languages.networks import wired_steps
-from plcopen_sfc.model.sfc import Macro, SfcBody, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import Macro, PartialChart, PartialChartKind, SfcBody, SfcNetwork, Step, Transition
 from plcopen_sfc.refactor.chart_edits import refused
 from plcopen_sfc.refactor.journal import Journal
+from plcopen_sfc.refactor.queries import owners
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,8 +141,12 @@ def check_free(chart: SfcNetwork, place: Step, inner: SfcNetwork, what: str) -> 
 
 
 def move_to_macro(journal: Journal, chart: SfcNetwork, steps: Sequence[Step], name: str) -> Step:
-    """Move steps into a macro-step: they are entered at one step and left at one."""
+    """Move steps into a macro-step: they are entered at one step and left at one.
+
+    In a GRAFCET they become its expansion (IEC 60848:2013, 7.4).
+    """
     what = f"the macro-step {name!r} cannot be made"
+    whole = grafcet_of(chart)
     run = run_of(chart, steps, name, what)
     # A macro-step is left when its last step is active. A transition inside that leaves the same step would compete
     # with those behind the macro-step, for which no tool has an order.
@@ -148,24 +156,62 @@ def move_to_macro(journal: Journal, chart: SfcNetwork, steps: Sequence[Step], na
     ends_there = [s for s in run.steps if not any(s.id in each.sources for each in run.inner) and s is not run.last]
     if run.last is not None and ends_there:
         raise refused(what, f"the step {ends_there[0].name!r} leads nowhere")
+    if whole is not None and (run.last is None or run.last is run.first):
+        raise refused(what, "an expansion begins with one step and ends with another")
+    if whole is not None and _expansion(whole, name) is not None:
+        raise refused(what, f"the GRAFCET has a partial chart {name!r} already")
     macro = replace_run(journal, chart, run, name)
-    journal.put(run.first, "initial", True)
-    macro.macro = Macro(body=SfcBody(chart=SfcNetwork(steps=run.steps, transitions=run.inner)))
+    inner = SfcNetwork(steps=run.steps, transitions=run.inner)
+    if whole is None:
+        journal.put(run.first, "initial", True)
+        macro.macro = Macro(body=SfcBody(chart=inner))
+        return macro
+    ends = [step.name for step in (run.first, run.last) if step is not None]
+    expansion = PartialChart(
+        name=name, kind=PartialChartKind.EXPANSION, chart=inner, entry_step=ends[0], exit_step=ends[-1]
+    )
+    journal.put(whole, "partial_charts", [*whole.partial_charts, expansion])
+    macro.macro = Macro(expansion=name)
     return macro
+
+
+def grafcet_of(chart: SfcNetwork) -> SfcNetwork | None:
+    """Return the GRAFCET that a chart is or is a part of; None where it is none."""
+    project, pou = owners(chart)
+    whole = next((body.chart for body in pou.bodies if isinstance(body, SfcBody)), chart)
+    return whole if Names(project).is_in_grafcet(Site(pou, charts=(whole,))) else None
+
+
+def _expansion(whole: SfcNetwork, name: str | None) -> PartialChart | None:
+    return next((each for each in whole.partial_charts if each.name.casefold() == (name or "").casefold()), None)
 
 
 def dissolve_macro(journal: Journal, chart: SfcNetwork, macro: Step) -> list[Step]:
     """Put the steps of a macro-step into its place."""
     what = f"the macro-step {macro.name!r} cannot be dissolved"
-    if macro.macro is None or not isinstance(macro.macro.body, SfcBody):
+    whole = grafcet_of(chart)
+    expansion = _expansion(whole, macro.macro.expansion) if whole is not None and macro.macro is not None else None
+    if expansion is not None:
+        inner = expansion.chart
+    elif macro.macro is not None and isinstance(macro.macro.body, SfcBody):
+        inner = macro.macro.body.chart
+    else:
         raise refused(what, "it has no chart of its own")
-    inner = macro.macro.body.chart
     if macro.actions:
         raise refused(what, "it has actions itself")
     check_free(chart, macro, inner, what)
     entries = inner.initial_steps or [step for step in inner.steps if not inner.incoming(step)]
     exits = [step for step in inner.steps if not inner.outgoing(step)]
+    if whole is not None and expansion is not None:
+        for step in (step for each in with_inner_charts(whole) for step in each.steps):
+            if step is not macro and step.macro is not None and _expansion(whole, step.macro.expansion) is expansion:
+                raise refused(what, f"{step.name} has the same expansion")
+        entries = [step for step in inner.steps if step.name == expansion.entry_step] or entries
+        exits = [step for step in inner.steps if step.name == expansion.exit_step] or exits
     if len(entries) != 1 or (len(exits) != 1 and chart.outgoing(macro)):
         raise refused(what, f"it has {len(entries)} entry steps and {len(exits)} exit steps, not one")
     run = Run(list(inner.steps), list(inner.transitions), [], [], entries[0], exits)
-    return put_back(journal, chart, macro, inner, run)
+    steps = put_back(journal, chart, macro, inner, run)
+    if whole is not None and expansion is not None:
+        journal.put(whole, "partial_charts", [each for each in whole.partial_charts if each is not expansion])
+    return steps

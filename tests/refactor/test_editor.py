@@ -437,6 +437,83 @@ def test_a_macro_step_and_back() -> None:
     assert labels(project) == WHOLE
 
 
+RULED = """GRAFCET R
+INPUTS
+    a
+    b
+OUTPUTS
+    Q2
+    Q3
+CHART G1
+    INITIAL STEP 1
+    1 -> 2 : a
+    STEP 2
+        Q2
+    2 -> 3 : b
+    STEP 3
+        Q3
+    3 -> 1 : /a
+CHART G2
+    INITIAL STEP 10
+    10 -> 11 : a * b * X3
+    STEP 11
+        FORCE G1{INIT}
+    11 -> 10 : /b
+"""
+
+
+@pytest.mark.parametrize("form", ["grafcet-text", "grafcet", "json"])
+def test_a_macro_step_of_a_grafcet_has_an_expansion(form: str) -> None:
+    before = sfc.dumps(sfc.loads(RULED.encode(), format="grafcet-text"), format=form)
+    project = sfc.loads(before)
+    project.edit(prove=True).move_to_macro(["R.2", "R.3"], "M5")
+    saved = sfc.loads(sfc.dumps(project))
+    (chart,) = (each.chart for each in saved.charts())
+    (expansion,) = (each for each in chart.partial_charts if each.kind == "expansion")
+    assert ([each.name for each in expansion.chart.steps], expansion.entry_step, expansion.exit_step) == (
+        ["2", "3"],
+        "2",
+        "3",
+    )
+    assert sfc.equivalent(sfc.loads(before).pou("R"), saved.pou("R")).proven
+    saved.edit().dissolve_macro("R.M5")
+    assert sfc.diff(sfc.loads(before), saved).equal
+
+
+@pytest.mark.parametrize(
+    ("text", "do", "message"),
+    [
+        (RULED, lambda e: e.move_to_macro(["R.2"], "M5"), "begins with one step and ends with another"),
+        (RULED, lambda e: e.move_to_macro(["R.2", "R.3"], "G2"), "has a partial chart 'G2' already"),
+        (
+            RULED.replace("{INIT}", "{3}"),
+            lambda e: e.move_to_macro(["R.2", "R.3"], "M5"),
+            "is named in R / G2 / step 11",
+        ),
+        (RULED, lambda e: e.delete_step("R.3", "incoming"), "3 cannot be removed: it is named in R / G2 / transition"),
+        (
+            RULED.replace("    10 ", "    MACRO M5\n    10 -> M5 : /a\n    10 ", 1).replace("X3", "XM5")
+            + "EXPANSION M5\n    STEP E5\n    STEP S5\n    E5 -> S5 : a\n",
+            lambda e: e.dissolve_macro("R.M5"),
+            "M5 cannot be dissolved: it is named in",
+        ),
+        (
+            RULED.replace("    10 ", "    MACRO M5\n    MACRO M6 EXPANDS M5\n    10 -> M5 : /a\n    10 ", 1)
+            + "EXPANSION M5\n    STEP E5\n    STEP S5\n    E5 -> S5 : a\n",
+            lambda e: e.dissolve_macro("R.M5"),
+            "M6 has the same expansion",
+        ),
+    ],
+    ids=["one step", "name of a chart", "forced", "flag of a step", "flag", "shared"],
+)
+def test_what_a_grafcet_cannot_have_is_refused(text: str, do: Callable[[sfc.Editor], object], message: str) -> None:
+    project = sfc.loads(text.encode(), format="grafcet-text")
+    assert not project.diagnostics
+    with pytest.raises(ModelError, match=re.escape(message)):
+        do(project.edit())
+    assert sfc.dumps(project) == text.encode()
+
+
 def test_conditions_are_extracted_once_and_inlined() -> None:
     project = plant()
     edit = project.edit(clean=True)
