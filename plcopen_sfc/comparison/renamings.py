@@ -51,7 +51,7 @@ def renamed_steps(left: Part, right: Part) -> Iterator[Renaming]:
     """Steps, in every chart, by their places in the flow and what they do."""
     for key, part, other in _pairs(left, right):
         if key.kind in _CHARTS:
-            yield from _Walk(part, other).renamed()
+            yield from _surest_walk(part, other).renamed
 
 
 def renamed_transitions(left: Part, right: Part) -> Iterator[Renaming]:
@@ -165,19 +165,45 @@ def _same(left: Meaning | None, right: Meaning | None) -> bool:
     return left.raw == right.raw or left.form() == right.form()
 
 
-class _Walk:
-    """A walk through two charts at once, from the steps that both have and from those that begin them."""
+def _surest_walk(left: Part, right: Part) -> _Walk:
+    """Return the walk through two charts in which more is the same: steps of one name are one, or need not be.
 
-    def __init__(self, left: Part, right: Part) -> None:
+    Who numbers steps by tens gives the first one the name that the tenth had.
+    """
+    by_name = _Walk(left, right)
+    is_doubtful = any(by_name.rate(name, name) < _ENOUGH for name in by_name.steps[0].keys() & by_name.steps[1].keys())
+    others = [_Walk(left, right, by_name=False)] if is_doubtful else []
+    return max(by_name, *others, key=lambda walk: walk.same) if others else by_name
+
+
+class _Walk:
+    """A walk through two charts at once, from the steps that both have and from those that begin them.
+
+    `met` are the steps of the first chart that are found in the second one. With `by_name` those are whose names both
+    have, whatever they do.
+    """
+
+    def __init__(self, left: Part, right: Part, *, by_name: bool = True) -> None:
         self.sides = left, right
         self.edges = _edges(left), _edges(right)
         steps = [{key.name: part for key, part in side.parts.items() if key.kind == "step"} for side in self.sides]
         self.steps = steps[0], steps[1]
-        self.met = {name: name for name in self.steps[0] if name in self.steps[1]}
+        self.met = {name: name for name in self.steps[0] if name in self.steps[1]} if by_name else {}
         self._contents: dict[tuple[str, str], float] = {}
+        self._go()
 
+    @property
     def renamed(self) -> Iterator[Renaming]:
-        """Yield the steps that are met at the same place and do the same."""
+        """The steps that are met at the same place, do the same and have another name."""
+        for one in (name for name in self.steps[0] if self.met.get(name, name) != name):
+            yield Renaming("step", self.steps[0][one], self.steps[1][self.met[one]])
+
+    @property
+    def same(self) -> float:
+        """How much of the steps that are met is the same."""
+        return sum(self.rate(*pair) for pair in self.met.items())
+
+    def _go(self) -> None:
         left, right = ([name for name in side if name not in self.met] for side in self.steps)
         found: dict[str, str] = {}
         if not left or not right:
@@ -193,7 +219,7 @@ class _Walk:
         # The surest pairs first, and the pairs beside them next: a sequence of renamed steps is recognised from its
         # ends inwards. Rating all pairs of two charts at once would pair similar steps of different branches.
         while near:
-            rated = [(self._rate(*pair), pair) for pair in dict.fromkeys(near)]
+            rated = [(self.rate(*pair), pair) for pair in dict.fromkeys(near)]
             best = max(rate for rate, _ in rated)
             if best < _ENOUGH:
                 break
@@ -202,8 +228,6 @@ class _Walk:
                     self.met[one] = found[one] = other
                     near += self._beside(one)
             near = [pair for pair in near if pair[0] not in found and pair[1] not in found.values()]
-        for one in (name for name in self.steps[0] if name in found):
-            yield Renaming("step", self.steps[0][one], self.steps[1][found[one]])
 
     def _beside(self, name: str) -> Iterator[tuple[str, str]]:
         """Pairs of steps that are not met yet, next to a step that is."""
@@ -214,7 +238,7 @@ class _Walk:
             known = [(one, other) for one in mine for other in others]
             yield from (pair for pair in known if pair[0] in self.steps[0] and pair[1] in self.steps[1])
 
-    def _rate(self, one: str, other: str) -> float:
+    def rate(self, one: str, other: str) -> float:
         """Return how much of the place and of the content of two steps is the same; 0: one of both is another."""
         place, ways = 0.0, 0.0
         for direction in (0, 1):

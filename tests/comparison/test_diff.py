@@ -154,12 +154,34 @@ class TestChart:
             "POU Main / step N70: maximum time T#7s added"
         ]
 
-    def test_names_that_were_exchanged_are_changes_of_the_steps(self, sides):
+    def test_names_that_were_exchanged_are_two_renames(self, sides):
         before, after = sides
         after.rename_many({"Ablauf.S2": "S4", "Ablauf.S4": "S2"})
-        diff = sfc.diff(before, after)
-        assert not diff.equal
-        assert "POU Ablauf / step S2 / action Q2: qualifier S -> R" in told(diff)
+        assert told(sfc.diff(before, after)) == [
+            "POU Ablauf / step S2: renamed, was S4",
+            "POU Ablauf / step S4: renamed, was S2",
+        ]
+
+    def test_steps_that_are_numbered_by_tens_are_renamed(self):
+        """The first one gets the name that the tenth had, and is it not: all were removed and added."""
+
+        def built(names):
+            chart = sfc.SfcNetwork()
+            steps = [chart.add_step(name, initial=not number) for number, name in enumerate(names)]
+            for number, (step, following) in enumerate(zip(steps, [*steps[1:], steps[0]], strict=True)):
+                step.actions.append(sfc.ActionAssociation(id=chart.new_id(), target=f"q{number % 3}"))
+                chart.add_transition(step, following, f"x = {number}")
+            return sfc.Project(pous=[sfc.Pou(name="Main", kind="program", bodies=[sfc.SfcBody(chart=chart)])])
+
+        before = built([f"S{number}" for number in range(1, 15)])
+        after = built([f"S{number}0" for number in range(1, 15)])
+        after.pou("Main").chart.step("S70").max_time = "T#7s"
+        assert sorted(told(sfc.diff(before, after))) == sorted(
+            [
+                *(f"POU Main / step S{number}0: renamed, was S{number}" for number in range(1, 15)),
+                "POU Main / step S70: maximum time T#7s added",
+            ]
+        )
 
     def test_another_step_at_the_same_place_is_no_rename(self, sides):
         before, after = sides
