@@ -267,5 +267,5 @@ def _note_wider_arithmetic(project: Project, kind: Format, dialect: Dialect | No
 
     is_translated = dialect is not None and sides[0] is Dialect.CODESYS
     texts = () if is_translated else texts_that_calculate_otherwise(project, sides[1])
-    for path in (*texts, *boxes_that_calculate_otherwise(project, sides[1])):
-        report.add(Outcome.APPROXIMATED, ARITHMETIC, path, why.format(tool=kind.tool))
+    for path, other in (*texts, *boxes_that_calculate_otherwise(project, sides[1])):
+        report.add(Outcome.APPROXIMATED, ARITHMETIC, path, other or why.format(tool=kind.tool))

@@ -203,7 +203,9 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
                 notes = _translated(text_site, target, Renames(), project, known).notes
                 found.append(TranslatedText(text_site.report_path, changed=False, notes=notes))
             continue  # all else that IEC 61131-3 has is left to CODESYS, whose files often are in TC6
-        is_wider = family(target) is Dialect.IEC and _calculates_otherwise(text_site, project.dialect, target, resolver)
+        is_wider = family(target) is Dialect.IEC and bool(
+            _calculates_otherwise(text_site, project.dialect, target, resolver)
+        )
         has_types = is_wider or (family(target) is Dialect.CODESYS and "TRUNC" in text_site.text.upper())
         site_known = replace(known, resolver=resolver) if has_types else known
         result = _translated(text_site, target, Renames(), project, site_known)
@@ -253,33 +255,43 @@ _OTHER_PINS = frozenset({"SR", "RS", "CTU", "CTD", "CTUD"})
 """Function blocks whose inputs CODESYS names otherwise than IEC 61131-3."""
 
 
-def texts_that_calculate_otherwise(project: Project, target: Dialect) -> Iterator[str]:
-    """Yield the paths of texts that give something else where CODESYS alone widens operands of 16 bits."""
+def texts_that_calculate_otherwise(project: Project, target: Dialect) -> Iterator[tuple[str, str]]:
+    """Yield the paths of texts that give something else in CODESYS alone, and why; see `_differences`."""
     resolver = Resolver(project, project.dialect)
     for text_site in text_sites(project):
-        if text_site.is_program_text and _calculates_otherwise(text_site, project.dialect, target, resolver):
-            yield text_site.report_path
+        if text_site.is_program_text:
+            for why in _calculates_otherwise(text_site, project.dialect, target, resolver):
+                yield text_site.report_path, why
 
 
-def boxes_that_calculate_otherwise(project: Project, target: Dialect) -> Iterator[str]:
+def boxes_that_calculate_otherwise(project: Project, target: Dialect) -> Iterator[tuple[str, str]]:
     """Yield the paths of drawn logic and of instruction lists that do; see `texts_that_calculate_otherwise`."""
     source, resolver = project.dialect, Resolver(project, project.dialect)
     for path, pou, tree in (*_drawn(project, source), *_listed(project, source)):
-        context = _with_types(TranslationContext(), Site(pou=pou), resolver)
-        if ArithmeticTranslator(family(source), family(target), context, Notes("")).fitted(tree) is not tree:
-            yield path
+        for why in _differences(tree, source, target, _with_types(TranslationContext(), Site(pou=pou), resolver)):
+            yield path, why
 
 
-def _calculates_otherwise(text_site: TextSite, source: Dialect, target: Dialect, resolver: Resolver) -> bool:
-    """True if arithmetic gives something else in `target`: CODESYS has 32 bits, IEC 61131-3 the types."""
+def _calculates_otherwise(text_site: TextSite, source: Dialect, target: Dialect, resolver: Resolver) -> list[str]:
+    """Return why the arithmetic of a text gives something else in `target`; see `_differences`."""
     if not _CALCULATES.search(text_site.text):
-        return False
+        return []
     parsed = text_site.parsed(source)
     if parsed.problems:
-        return False
-    context = _with_types(TranslationContext(), text_site.site, resolver, text_site)
-    fitted = ArithmeticTranslator(family(source), family(target), context, Notes("")).fitted(parsed.tree)
-    return fitted is not parsed.tree
+        return []
+    return _differences(
+        parsed.tree, source, target, _with_types(TranslationContext(), text_site.site, resolver, text_site)
+    )
+
+
+def _differences(tree: Node, source: Dialect, target: Dialect, context: TranslationContext) -> list[str]:
+    """Return why arithmetic gives something else in `target`.
+
+    Empty: CODESYS has 32 bits where IEC 61131-3 has the types of the operands.
+    """
+    notes = Notes("")
+    is_wider = ArithmeticTranslator(family(source), family(target), context, notes).fitted(tree) is not tree
+    return [*[""] * is_wider, *dict.fromkeys(note.reason for note in notes.in_order())]
 
 
 def _without_widening(text_site: TextSite, source: Dialect, target: Dialect, resolver: Resolver) -> str | None:
@@ -339,7 +351,7 @@ def _only_of_codesys(text_site: TextSite, dialect: Dialect, resolver: Resolver) 
         yield TranslatedText(text_site.report_path, changed=False, notes=notes)
 
 
-_CALCULATES = re.compile(r"[-+*/]|\bMOD\b", re.IGNORECASE)
+_CALCULATES = re.compile(r"[-+*/]|\bMOD\b|TIME\b", re.IGNORECASE)
 _MAY_DIFFER = re.compile(r"\.\d|[-+*/]|\bMOD\b", re.IGNORECASE)
 
 

@@ -54,10 +54,10 @@ negated := -x > 100;
 """
 
 
-def source_of(tool: str, type_: str, body: str) -> sfc.Project:
+def source_of(tool: str, type_: str, body: str, more: str = "") -> sfc.Project:
     """A function block in text of a tool."""
     text = f"""FUNCTION_BLOCK Main
-VAR_INPUT x, y : {type_}; t, u : TIME; r : REAL; END_VAR
+VAR_INPUT x, y : {type_}; t, u : TIME; r : REAL; {more} END_VAR
 VAR_OUTPUT stored, half : {type_}; wide : DINT; is_greater, is_negative, negated : BOOL; count : INT; END_VAR
 {body}
 END_FUNCTION_BLOCK
@@ -200,6 +200,55 @@ def test_a_difference_of_times_is_reported_in_bodies_as_in_transitions() -> None
         assert "TIME has no sign in CODESYS" in item.why
     _, report = converted(source_of("scl", "INT", "is_greater := t - u < T#0s;"), "codesys", "")
     assert ["TIME has no sign in CODESYS" in item.why for item in report.losses] == [True]
+
+
+@pytest.mark.parametrize(
+    ("statement", "is_told"),
+    [
+        ("is_greater := t - u < T#0s;", True),
+        ("t := SUB_TIME(t, u);", True),
+        ("t := -u;", True),
+        ("t := u * x;", True),
+        ("t := MUL_TIME(u, r);", True),
+        ("t := INT_TO_TIME(x);", True),
+        ("t := REAL_TO_TIME(r);", True),
+        ("t := u * 2 + T#3s;", False),
+        ("t := UINT_TO_TIME(z) + INT_TO_TIME(500);", False),
+        ("is_greater := t < T#3s; x := y - 3;", False),
+    ],
+)
+@pytest.mark.parametrize(
+    ("tool", "target"),
+    [(tool, target) for tool in ("iec", "scl") for target in ("codesys", "codesys23", "twincat", "codesys-export")]
+    + [("codesys", target) for target in ("plcopen-2.01", "simaticml")],
+)
+def test_times_that_may_be_below_zero_are_told(tool: str, target: str, statement: str, is_told: bool) -> None:
+    project = source_of(tool, "INT", statement, more="z : UINT;")
+    _, report = sfc.convert(project, target)
+    told = [item.outcome for item in report.losses if "TIME has no sign in CODESYS" in item.why]
+    assert told == [Outcome.APPROXIMATED] * is_told
+
+
+@pytest.mark.parametrize("target", ["codesys", "codesys23", "twincat", "codesys-export"])
+@pytest.mark.parametrize("tool", ["iec", "scl"])
+@pytest.mark.parametrize(
+    ("body", "more"),
+    [
+        ("t := u + T#-3s;", ""),
+        ("t := u;", "z : TIME := T#-3s;"),
+        ("t := u;", "z : ARRAY[0..1] OF TIME := [T#1s, T#-3s];"),
+    ],
+)
+def test_times_that_codesys_cannot_write_are_refused(tool: str, target: str, body: str, more: str) -> None:
+    with pytest.raises(sfc.LossError, match=r"T#-3s: -3000000000 ns does not fit the TIME of codesys"):
+        sfc.convert(source_of(tool, "INT", body, more=more), target)
+
+
+def test_times_get_the_units_that_codesys_takes() -> None:
+    data, report = sfc.convert(source_of("iec", "INT", "t := u + T#0.5h;", more="z : TIME := T#1.5s;"), "codesys")
+    assert not report.losses
+    assert b"u + T#30m;" in data
+    assert b"T#1s500ms" in data
 
 
 @pytest.mark.parametrize(("type_", "word"), [("INT", "WORD"), ("USINT", "BYTE"), ("DINT", "DWORD")])

@@ -8,6 +8,7 @@ neither arithmetic on bit strings nor logic of integers: their operands are conv
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TypeVar, cast
 
@@ -34,10 +35,18 @@ from plcopen_sfc.languages.expression_types import (
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Node, Operator
 from plcopen_sfc.languages.st.walking import with_children
+from plcopen_sfc.languages.standard_blocks import standard_block
+from plcopen_sfc.languages.translation.call_translation import operator_of
 from plcopen_sfc.languages.translation.translation_context import TITLES, Notes, TranslationContext
 from plcopen_sfc.model.dialect import Dialect
 
-_SIGN_OF_TIME = "TIME has no sign in CODESYS: a difference below zero is weeks long there, and below zero in {tool}"
+_SIGN_OF_TIME = "TIME has no sign in CODESYS: {what} below zero is weeks long there, and below zero in {tool}"
+_TIMES: dict[Operator | None, str] = {
+    None: "a number",
+    Operator.SUBTRACT: "a difference",
+    Operator.MULTIPLY: "a product",
+    Operator.DIVIDE: "a quotient",
+}
 _SIGN_OF_DIFFERENCE = "CODESYS does not document how it compares or divides a difference of {types} below zero"
 
 
@@ -222,18 +231,26 @@ class ArithmeticTranslator:
                 for (new, kind), old in zip(pairs, operands, strict=True)
             ]
         types = [self.types.value(each).type for each in operands]
-        if operator is Operator.SUBTRACT and value.type == "TIME" and not INSTANTS & {*types}:
-            self._note_sign_of_time(node)
+        if value.type == "TIME" and not INSTANTS & {*types}:
+            self._note_sign_of_time(node, operator, operands)
         if INSTANTS & {*types} and Dialect.SCL in (self._source, self._target) and self._source is not self._target:
             names = " and ".join(sorted({*types} - {""}))
             reason = f"S7 calculates with {names} by T_ADD, T_SUB and T_DIFF"
             self._notes.add(Severity.ERROR, f"{reason}; left unchanged", node)
         return self._with(node, pairs), value.type
 
-    def _note_sign_of_time(self, node: Node) -> None:
-        if Dialect.CODESYS in (self._source, self._target):
+    def _note_sign_of_time(self, node: Node, operator: Operator | None, operands: Sequence[Expression]) -> None:
+        """Note a TIME that may be below zero; `operator` None: it is a number that was converted."""
+        is_known = operator is Operator.SUBTRACT or any(map(self._may_be_negative, operands))
+        if Dialect.CODESYS in (self._source, self._target) and is_known and operator in _TIMES:
             other = self._target if self._source is Dialect.CODESYS else self._source
-            self._notes.add(Severity.WARNING, _SIGN_OF_TIME.format(tool=_TOOLS.get(other, TITLES[other])), node)
+            why = _SIGN_OF_TIME.format(what=_TIMES[operator], tool=_TOOLS.get(other, TITLES[other]))
+            self._notes.add(Severity.WARNING, why, node)
+
+    def _may_be_negative(self, operand: Expression) -> bool:
+        value = self.types.value(operand)
+        is_constant = isinstance(n.bare(operand), n.Literal)
+        return value.low < 0 or (value.type in REALS and not is_constant)
 
     def _comparison(self, node: n.Operation, operands: tuple[Expression, ...]) -> Expression:
         pairs = [self._fit(each, None) for each in operands]
@@ -294,6 +311,14 @@ class ArithmeticTranslator:
         new = []
         name = call.callee.identifier.upper() if isinstance(call.callee, n.Name) else ""
         found = CONVERSION.fullmatch(name)
+        operands = [argument.value for argument in call.arguments if argument.value is not None]
+        block = standard_block(name)
+        operator = block.operator or operator_of(block, Dialect.CODESYS) if block is not None else None
+        types = {self.types.value(each).type for each in operands}
+        if found is not None and found["result"] == "TIME":
+            self._note_sign_of_time(call, None, operands)
+        elif operator is not None and "TIME" in types and not INSTANTS & types:
+            self._note_sign_of_time(call, operator, operands)
         for position, argument in enumerate(call.arguments):
             value = argument.value
             if value is None or argument.output:

@@ -18,6 +18,7 @@ from plcopen_sfc.languages.st.walking import transform, walk
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.arithmetic_translation import ArithmeticTranslator
 from plcopen_sfc.languages.translation.call_translation import is_called_otherwise
+from plcopen_sfc.languages.translation.literal_translation import translated_literal
 from plcopen_sfc.languages.translation.translation_context import (
     TITLES,
     Note,
@@ -258,12 +259,17 @@ def is_foreign(
     return any(_is_foreign(node, family(target), enumerations) for node in walk(parsed.tree))
 
 
+_DURATIONS = frozenset({"T", "TIME", "LT", "LTIME"})
+
+
 def _is_foreign(node: Node, target: Dialect, enumerations: Collection[str]) -> bool:
     match node:
         case n.Member(base=n.Name(identifier=name)) if name.casefold() in enumerations:
             return target is Dialect.IEC
         case n.Literal(text=text) if text.partition("#")[0].casefold() in enumerations:
             return target is Dialect.CODESYS
+        case n.Literal(text=text) if target is Dialect.CODESYS and text.partition("#")[0].upper() in _DURATIONS:
+            return translated_literal(text, Dialect.IEC, target) != PartText(text)
         case n.Operation(operator=Operator.POWER):
             return target is Dialect.CODESYS
         case n.Call():
