@@ -1,4 +1,4 @@
-"""Several rows of S7-GRAPH that write one operand: the same in CODESYS and TC6, or the report says where not."""
+"""Rows of S7-GRAPH that write one operand or read what others write: the same in CODESYS and TC6, or reported."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import equivalent
 from plcopen_sfc.errors import LossError
-from plcopen_sfc.report import INPUTS_OF_ACTIONS, START_OF_CHART, Outcome
+from plcopen_sfc.report import INPUTS_OF_ACTIONS, ORDER_OF_ACTIONS, START_OF_CHART, Outcome
 from tests.conversion.features import Feature, FeatureChart, feature_project
 
 Row = tuple[str, str, dict[str, str]]
@@ -36,11 +36,6 @@ CASES: dict[str, list[Row]] = {
     "reset when left, driven by the next step": [IN_WORK, ("Work", "R", {"event": "S0"}), ("Done", "N", {})],
 }
 DIFFERENT = {
-    ("driven, assigned at the start", "codesys"),
-    ("assigned, then set at the start", "codesys"),
-    ("assigned, then set at the start", "plcopen"),
-    ("set, then reset at the start", "codesys"),
-    ("set, then reset at the start", "plcopen"),
     ("reset when left, driven by the next step", "codesys"),
     ("reset when left, driven by the next step", "plcopen"),
 }
@@ -70,6 +65,75 @@ def test_the_operand_is_written_as_in_the_source(name: str, target: str) -> None
     allowed = (INPUTS_OF_ACTIONS, START_OF_CHART)  # by the comparison
     losses = [item for item in report.losses if item.what not in allowed]
     assert verdict.equal is not bool(losses), losses
+
+
+READING: dict[str, list[tuple[str, str, str, dict[str, str]]]] = {
+    "at the start, what a row above counts": [
+        ("Work", "n", "N", {"value": "n + 1"}),
+        ("Work", "m", "N", {"value": "n", "event": "S1"}),
+    ],
+    "at the start, what rows above and below do": [
+        ("Work", "n", "N", {"value": "3"}),
+        ("Work", "n", "N", {"value": "n * 2", "event": "S1"}),
+        ("Work", "n", "N", {"value": "n + 1"}),
+    ],
+    "before it is set": [("Work", "r", "N", {"value": "q"}), ("Work", "q", "S", {}), ("Done", "q", "R", {})],
+    "what the step drives": [("Work", "z", "N", {}), ("Work", "r", "N", {"value": "z"})],
+    "what the step drives, at the start": [("Work", "q", "N", {}), ("Work", "r", "N", {"value": "q", "event": "S1"})],
+    "what another branch counts": [
+        ("Work", "n", "N", {"value": "n + 1"}),
+        ("Along", "m", "N", {"value": "n"}),
+    ],
+    "what another branch drives": [("Work", "q", "N", {}), ("Along", "r", "N", {"value": "q"})],
+    "what the step drove": [("Work", "q", "N", {}), ("Work", "r", "N", {"value": "q", "event": "S0"})],
+}
+TOLD = {
+    ("what another branch counts", "codesys"),
+    ("what another branch drives", "codesys"),
+    ("what the step drove", "codesys"),
+}
+
+
+@pytest.mark.parametrize("target", ["codesys", "plcopen"])
+@pytest.mark.parametrize("name", READING)
+def test_rows_read_what_others_write_in_the_order_of_s7_graph(name: str, target: str) -> None:
+    def build(rig: FeatureChart) -> None:
+        rig.declare(m.SectionKind.OUTPUT, m.Variable(name="m", type=m.ElementaryType(name=m.Elementary.INT)))
+        rig.declare(m.SectionKind.OUTPUT, m.Variable(name="z", type=m.ElementaryType(name=m.Elementary.BOOL)))
+        if any(step == "Along" for step, *_ in READING[name]):
+            along = rig.chart.add_step("Along")
+            for transition in rig.chart.transitions:
+                transition.targets += [along.id] * (rig.chart.step("Work").id in transition.targets)
+                transition.sources += [along.id] * (rig.chart.step("Work").id in transition.sources)
+        for step, operand, qualifier, fields in READING[name]:
+            rig.act(step, operand, qualifier, **fields)
+
+    project = feature_project(Feature("rows", ("simaticml",), build), "simaticml")
+    project = sfc.loads(sfc.dumps(project, format="simaticml"), format="simaticml")
+    data, report = sfc.convert(project, target)
+    result = sfc.loads(data, format=target, as_tool=True)
+    profiles = ("s7graph", "codesys" if target == "codesys" else "iec")
+    outputs = ["q", "r", "z", "n", "m"]
+    verdict = equivalent(
+        project.pou("Main"), result.pou("Main"), profiles, delay="auto", outputs=outputs, cap=2000, runs=20
+    )
+    assert verdict.equal is ((name, target) not in TOLD), verdict
+    told = [item.what for item in report.losses if item.what not in (INPUTS_OF_ACTIONS, START_OF_CHART)]
+    assert told == ([] if verdict.equal else [ORDER_OF_ACTIONS])
+
+
+@pytest.mark.parametrize("target", ["plcopen", "iec-text"])
+def test_a_text_of_a_row_is_not_executed_after_its_step(target: str) -> None:
+    def build(rig: FeatureChart) -> None:
+        rig.act("Work", None, "N", body=m.StBody(text="#n := #n + 1;"))
+
+    project = feature_project(Feature("rows", ("simaticml",), build), "simaticml")
+    data, report = sfc.convert(project, target, flavour="matiec" if target == "iec-text" else "", strict=True)
+    result = sfc.loads(data, format=target, as_tool=True)
+    profiles = ("s7graph", "matiec" if target == "iec-text" else "iec")
+    verdict = equivalent(project.pou("Main"), result.pou("Main"), profiles, delay="auto", cap=2000, runs=20)
+    assert verdict.counterexample is None, verdict
+    assert not report.losses
 
 
 @pytest.mark.parametrize("name", ["driven, reset at the start", "driven, set when left", "two times"])

@@ -3,7 +3,7 @@
 `project_rewriting`   the rules for projects
 `chart_rules`         the rules for charts, and conditions
 `step_rewriting`      rows and step actions as statements, with `step_checks` for interlocks, supervisions and events
-`special_rows`        rows and step actions that not all tools execute alike
+`special_rows`        rows and step actions that not all tools execute alike; `row_orders`: their order in S7-GRAPH
 `s5_operands`         timers, counters and times of S5
 `sequencer_rewriting` what a block of S7-GRAPH does beside its steps; `operating_inputs`: INIT_SQ and OFF_SQ
 `sequence_loops`      sequences that a chart of the target cannot hold, as a loop of each step

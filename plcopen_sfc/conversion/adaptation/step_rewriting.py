@@ -13,9 +13,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import takewhile
 
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, guarded
+from plcopen_sfc.conversion.adaptation.row_orders import RowOrders
 from plcopen_sfc.conversion.adaptation.s5_operands import TimerRows, counted
 from plcopen_sfc.conversion.adaptation.special_rows import (
     COILS,
@@ -43,8 +43,6 @@ from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, Step
 from plcopen_sfc.report import ORDER_OF_ACTIONS, Outcome
 
 _STORING = {Qualifier.S: "TRUE", Qualifier.R: "FALSE"}
-_AFTER_ENTRY = (None, ActionEvent.C, ActionEvent.L1, ActionEvent.V1, ActionEvent.R1)
-"""The events of rows that may act as their step begins, in statements after those that are executed once then."""
 _PULSES = {ActionEvent.S1: Qualifier.P1, ActionEvent.S0: Qualifier.P0}
 _MEANT = {
     Qualifier.P1: "the statements of the step that are executed once when it becomes active",
@@ -73,6 +71,8 @@ class _Rows:
     exit: list[str] = field(default_factory=list)
     first: list[str] = field(default_factory=list)
     final: list[str] = field(default_factory=list)
+    places: list[tuple[ActionAssociation, str]] = field(default_factory=list)
+    """Rows in the order in which they were written, each with the name of its list."""
 
 
 class StepRewriter:
@@ -88,6 +88,11 @@ class StepRewriter:
         self._mixed = mixed_operands(self._chart) if rewriting.options.of_graph else set()
         if rewriting.options.of_graph:
             self._stated |= self._mixed | timed_operands(self._chart)
+        self._orders: RowOrders | None = None
+        if rewriting.options.of_graph:
+            self._orders = RowOrders(self._chart, self._scans, by_name=self._host.is_codesys)
+            self._stated |= self._orders.operands_in_order()
+        self._late: set[int] = set()
         self._acting = [*self._rows, *step_action_rows(self._chart)]
         self._shared = shared_step_actions(self._chart)
         self._moved: dict[int, Qualifier] = {}
@@ -122,6 +127,7 @@ class StepRewriter:
             self._note(Outcome.TRANSLATED, "exclude", step, why)
         rows = _Rows()
         overwritten = overwritten_rows(step) if self._rewriting.options.of_graph else []
+        self._late = self._orders.late_starts(step) if self._orders is not None else set()
         for row in step.actions:
             if any(row is each for each in overwritten):
                 why = f"`{_called(row)}` is left out: a later row of the step sets {row.target}"
@@ -137,6 +143,7 @@ class StepRewriter:
             uses += self._checks.names(step.id)
         # in this order, as S7-GRAPH executes what happens once before what is done in every cycle, and coils before
         # all; names in this order too, in which CODESYS executes actions
+        units: dict[str, str] = {}
         for kind, qualifier, lines in (
             ("actions", Qualifier.N, [*checks, *rows.coils, *(later if not rows.entry else [])]),
             ("entry", Qualifier.P1, rows.entry),
@@ -156,6 +163,9 @@ class StepRewriter:
                 setattr(step, f"{kind}_action", self._action(f"{step.name}_{kind}", body, uses))
             added = self._pou.actions[before].name if len(self._pou.actions) > before else None
             self._note_action(Outcome.TRANSLATED, step, added, _MEANT[qualifier])
+            units[kind] = (added or "").casefold()
+        if self._orders is not None:
+            self._place(step, rows, units)
         if self._host.is_codesys:
             self._name_bodies(step, uses)
         else:
@@ -166,6 +176,21 @@ class StepRewriter:
             if name != "max_time" or not self._host.is_codesys:  # where it sets SFCError
                 setattr(step, name, getattr(source, name))
         self._mark(step)
+
+    def _place(self, step: Step, rows: _Rows, units: Mapping[str, str]) -> None:
+        """Note when the target executes the rows of a step; `units` are the added actions in their order."""
+        assert self._orders is not None  # noqa: S101  # as in rewrite
+        number, order = self._chart.steps.index(step), list(units)
+        lasting = "further_actions" if rows.entry else "actions"
+        in_unit = {"coils": "actions", "entry": "entry", "first": "events", "exit": "exit"}
+        for place, (row, kind) in enumerate(rows.places):
+            unit = in_unit.get(kind, lasting)
+            if not self._host.is_codesys:
+                self._orders.put(row, (number, order.index(unit) if kind != "kept" else -1, place))
+            elif unit in ("entry", "exit"):
+                self._orders.put(row, (("exit", "entry").index(unit), number, place))
+            else:
+                self._orders.put(row, (2, row_key(row) if kind == "kept" else units[unit], place))
 
     def _mark(self, step: Step) -> None:
         source = self._rewriting.source_steps.get(step.id)
@@ -358,6 +383,8 @@ class StepRewriter:
         moved = any(id(row) in self._moved for _, row in acting)
         if moved and (told := told_orders(self._scans, acting, self._is_overtaken, "before")):
             self._rewriting.note(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, "", told)
+        if self._orders is not None and (told := self._orders.told()):
+            self._rewriting.note(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, "", told)
 
     def _is_overtaken(self, moved: Row, other: Row) -> bool:
         """True if an association that became a step action is executed before another one, and not in the source."""
@@ -444,11 +471,14 @@ class StepRewriter:
         if row.qualifier is Qualifier.DL and self._host.is_codesys:
             self._leave_out(step, row, "CODESYS has no qualifier DL, and no standard tells what it does")
             return
-        if not is_special(row) and not stated:
+        is_text = self._orders is not None and isinstance(row.body, StBody)  # else TC6 runs it once more after its end
+        if not (is_special(row) or stated or is_text):
             rows.kept.append(row)
+            rows.places.append((row, "kept"))
             return
         if self._is_pulse(row) and not stated and event is not None:
             rows.kept.append(row.model_copy(update={"qualifier": _PULSES[event], "event": None}))
+            rows.places.append((row, "kept"))
             why = f"`{_called(row)}` has the qualifier {_PULSES[event].value}"
             self._note_action(Outcome.TRANSLATED, step, row.target, why)
             return
@@ -461,17 +491,17 @@ class StepRewriter:
         if is_coil(row):
             driven = f"{row.target} := {self._driven(row)};"
             rows.coils += [driven] if driven not in rows.coils else []
+            rows.places.insert(0, (row, "coils"))
         else:
             lines = guarded(needed, self._statements(step, row))
             late = self._host.is_codesys and row_key(row) in self._mixed  # its entry and exit actions precede coils
-            if event is ActionEvent.S1:
-                (rows.first if late else rows.entry).extend(lines)
-                where = "once when the step becomes active"
+            kind = "active"
+            if event is ActionEvent.S1 and id(row) not in self._late:
+                kind, where = "first" if late else "entry", "once when the step becomes active"
             elif event is ActionEvent.S0:
-                (rows.final if late else rows.exit).extend(lines)
-                where = "once when the step was left"
-            else:
-                rows.active += lines
+                kind, where = "final" if late else "exit", "once when the step was left"
+            getattr(rows, kind).extend(lines)
+            rows.places.append((row, kind))
             if row.qualifier is Qualifier.TF:
                 rows.exit += self.timers.left(row)
         # The statement is written in any case. From here on: scans in which it comes before or behind another write of
@@ -493,10 +523,6 @@ class StepRewriter:
             )
         if is_coil(row):
             return ""
-        if event is ActionEvent.S1 and self._overtakes(step, row):
-            return (
-                f"(event S1) is executed before rows above it that write {row.target}; S7-GRAPH executes it after them"
-            )
         if (other := self._driven_after(step, row)) is not None:
             words = f"is executed before the step {other.name}, active too, drives {row.target}"
             return f"{words}; S7-GRAPH executes it after that"
@@ -529,7 +555,8 @@ class StepRewriter:
         if self._needed(step, row) is None:
             return f"it needs a condition, and {_NO_TEXT}"
         again = row.value is not None or row.body is not None or self._needed(step, row) != "TRUE"
-        late = event is ActionEvent.S1 and row_key(row) in self._mixed and self._host.is_codesys
+        is_start = event is ActionEvent.S1 and id(row) not in self._late
+        late = is_start and row_key(row) in self._mixed and self._host.is_codesys
         if late and again and not is_coil(row):
             return f"another row drives {row.target}, and {title} executes it after entry actions"
         if row.qualifier in NEED_TIME and (not row.duration or row.condition is not None):
@@ -549,12 +576,6 @@ class StepRewriter:
         """True if a following step may drive the operand of a row otherwise in the cycle in which its step is left."""
         coils = [r for _, r in self._next_rows(step, row) if is_coil(r)]
         return any(row.qualifier is not Qualifier.S or r.duration is not None or r.interlock for r in coils)
-
-    def _overtakes(self, step: Step, row: ActionAssociation) -> bool:
-        """True if rows above one that is executed at the start write its operand in that cycle, behind it here."""
-        above = takewhile(lambda each: each.id != row.id, step.actions)
-        lasting = [each for each in above if each.event in _AFTER_ENTRY and each.target and not is_coil(each)]
-        return any(row_key(each) == row_key(row) for each in lasting)
 
     def _is_written_before(self, step: Step, row: ActionAssociation) -> bool:
         """True if a following step writes the operand of a row in an action that comes before those of its step.
@@ -613,7 +634,7 @@ class StepRewriter:
         event = row.event
         if event is None or event not in COMPUTED or not self._checks.happens(step, event):
             return "TRUE"
-        if event is ActionEvent.S1 and not is_coil(row):
+        if event is ActionEvent.S1 and not is_coil(row) and id(row) not in self._late:
             return "TRUE"
         return self._checks.variable(step, event.value) if self._checks.can_tell(step, event) else None
 

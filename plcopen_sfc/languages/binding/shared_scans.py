@@ -187,8 +187,8 @@ class SharedScans:
     def _effects(self, row: Row) -> Effects:
         """Return the effects of an association by its names: a block changes its instance, a function nothing."""
         _, association = row
-        row_of_names = (association.target, association.qualifier, association.duration, association.indicator)
-        known = row_of_names if association.body is None else id(association)
+        names = (association.target, association.duration, association.indicator, association.value)
+        known = (association.qualifier, *names) if association.body is None else id(association)
         if known not in self._found:
             alone = _ALONE.model_copy(update={"actions": [association]})
             found = step_effects([alone], self._actions, self._dialect)
