@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from plcopen_sfc.formats.format_interface import Format, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_library import note_functions
@@ -33,7 +33,8 @@ from plcopen_sfc.semantics.profile import (
 
 _SECTION = re.compile(r"(?:\s|\(\*.*?\*\))*(?P<word>\w+)", re.DOTALL)
 
-_FALLING = "f_trig"
+_FALLING = re.compile("F_TRIG", re.IGNORECASE)
+_COUNTS_DOWN = re.compile("CTU?D(_INT)?", re.IGNORECASE)
 
 _SWITCHING = frozenset(Qualifier) - {Qualifier(name) for name in "CALL ON OFF CS CU CD CR TL TD TR TF".split()}
 """Qualifiers of actions that are Boolean variables."""
@@ -62,6 +63,7 @@ def note_differences(
     as_it_is = flavour or profile_as(project, kind.name)
     _note_overlapping_words(project, as_it_is, options.flavour or kind.tool, report)
     _note_falling_edges(project, kind, dialect, report)
+    _note_counters(project, kind, dialect, report)
     if default_profile(project).flags and (kind.charts is None or not kind.charts.is_codesys):
         target = as_it_is if dialect is None else flavour or profile_of_format(kind.name)
         _note_step_actions(project, target, report)
@@ -222,20 +224,39 @@ def _note_falling_edges(project: Project, kind: Format, dialect: Dialect | None,
     """
     if dialect is None or (dialect is Dialect.SCL) is (project.dialect is Dialect.SCL):
         return
-    own = {pou.name.casefold() for pou in project.pous}
-    if _FALLING in own:
-        return
     sides = ("in the source", f"in {kind.tool}")
     here, there = sides if dialect is Dialect.SCL else sides[::-1]
+    for path, name in _instances(project, _FALLING):
+        why = f"the first call of {name} with FALSE is a falling edge {here} and none {there}"
+        report.add(Outcome.APPROXIMATED, FALLING_EDGE, path, why)
+
+
+def _note_counters(project: Project, kind: Format, dialect: Dialect | None, report: ConversionReport) -> None:
+    """Report counters that count below zero in one of two tools: those of CODESYS are a WORD.
+
+    From CODESYS to S7 they stay unsigned: `CTD_UINT`.
+    """
+    here, there = (family(each) is Dialect.CODESYS for each in (project.dialect, dialect or Dialect.IEC))
+    if here is there or dialect is Dialect.SCL:
+        return
+    tools = ("the source", kind.tool) if here else (kind.tool, "the source")
+    for path, name in _instances(project, _COUNTS_DOWN):
+        why = f"{name} stops at 0 in {tools[0]}, and counts below it in {tools[1]}"
+        report.add(Outcome.APPROXIMATED, "counter", path, why)
+
+
+def _instances(project: Project, blocks: re.Pattern[str]) -> Iterator[tuple[str, str]]:
+    """Yield the first instance of some standard blocks in each POU and list, unless the project has blocks so named."""
+    own = {pou.name.casefold() for pou in project.pous}
     declared = [(pou.report_path, pou.variables()) for pou in project.pous]
     # CODESYS needs no VAR_EXTERNAL: a block that calls a global instance may not declare it
     for section in project.global_sections():
         declared.append((f"list of global variables {section.name or ''}".strip(), section.variables))
     for path, variables in declared:
-        found = [v.name for v in variables if _FALLING in map(str.casefold, used_types(v.type))]
-        if found:
-            why = f"the first call of {found[0]} with FALSE is a falling edge {here} and none {there}"
-            report.add(Outcome.APPROXIMATED, FALLING_EDGE, path, why)
+        types = ((v.name, name) for v in variables for name in used_types(v.type) if blocks.fullmatch(name))
+        found = next((name for name, type_ in types if type_.casefold() not in own), None)
+        if found is not None:
+            yield path, found
 
 
 def _elementary_type(resolver: Resolver, chart: Chart, name: str) -> Elementary | None:

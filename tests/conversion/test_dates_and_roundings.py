@@ -135,3 +135,43 @@ def test_a_text_that_is_too_long_for_its_variable_is_cut_off(target: str) -> Non
     data, report = sfc.convert(block("VAR s : STRING(5) := 'abcdefgh'; END_VAR", "s := s;"), target)
     assert b"'abcde'" in data
     assert not report.losses
+
+
+COUNTER = """FUNCTION_BLOCK Main
+VAR_INPUT up, down : BOOL; END_VAR
+VAR_OUTPUT count : DINT; END_VAR
+VAR c : CTUD; END_VAR
+c(CU := up, CD := down, PV := 3); count := c.CV;
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.mark.parametrize(
+    ("source", "target", "flavour"),
+    [
+        ("iec-text", "codesys", ""),
+        ("iec-text", "codesys23", ""),
+        ("iec-text", "plcopen", ""),
+        ("iec-text", "simaticml", ""),
+        ("simaticml", "codesys", ""),
+        ("simaticml", "plcopen", ""),
+        ("codesys", "plcopen", ""),
+        ("codesys", "iec-text", "matiec"),
+        ("codesys", "simaticml", ""),
+        ("codesys", "codesys23", ""),
+    ],
+)
+def test_a_counter_that_stops_at_zero_is_reported(source: str, target: str, flavour: str) -> None:
+    project = sfc.loads(COUNTER.encode(), format="iec-text")
+    if source != "iec-text":
+        project = sfc.loads(sfc.convert(project, source, partial=True).data, format=source, as_tool=True)
+    data, report = sfc.convert(project, target, flavour=flavour)
+    counts = [
+        list(
+            sfc.simulate(each, pou="Main", scans=4, inputs=lambda scan, _: {"down": scan == 1, "up": scan == 3})[
+                "count"
+            ]
+        )
+        for each in (project, sfc.loads(data, format=target, as_tool=True))
+    ]
+    assert [item.what for item in report.losses] == ["counter"] * (counts[0] != counts[1])
