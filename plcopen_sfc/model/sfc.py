@@ -398,9 +398,10 @@ class SfcNetwork(LateElement):
 
         `drives`, `reads`, `calls`: patterns (``*`` and ``?``) for what the actions of the step write, read and call,
         also through actions of the POU: a whole path (``GVL.Valve1``) or the end of one (``Valve1``); case does not
-        matter. `qualifier`: one of its actions has it. `reachable_from`, `leading_to`: transitions lead there. `where`
-        is a function for all else. `fields` are those of a step: patterns for texts (``name="S*"``), or the value
-        itself (``initial=True``, ``max_time=None``). Raises `ModelError` for a field that steps do not have.
+        matter. `qualifier`: one of its actions has it. `reachable_from`, `leading_to`: transitions lead there from or
+        to a step, its name or path (``Main.Fill``). `where` is a function for all else. `fields` are those of a step:
+        patterns for texts (``name="S*"``), or the value itself (``initial=True``, ``max_time=None``). Raises
+        `ModelError` for a field that steps do not have.
         """
         found: list[Step] = provided("find_steps")(
             self,
@@ -421,9 +422,9 @@ class SfcNetwork(LateElement):
         """Return the transitions that satisfy all conditions: ``find_transitions(reads="*Guard*", leaving="Fill")``.
 
         `reads`, `calls`: patterns for what the condition reads and calls, also that of a named transition, as for
-        `find`. `condition`: a pattern for its text. `leaving`, `entering`: patterns for the name of a step before or
-        behind it. `where` is a function for all else. Others are fields of a transition: ``priority=1``. Raises
-        `ModelError` for a field that transitions do not have.
+        `find`. `condition`: a pattern for its text. `leaving`, `entering`: patterns for the name or path of a step
+        before or behind it. `where` is a function for all else. Others are fields of a transition: ``priority=1``.
+        Raises `ModelError` for a field that transitions do not have.
         """
         found: list[Transition] = provided("find_transitions")(self, where, **conditions)
         return found

@@ -51,8 +51,10 @@ def find_steps(
     _check_patterns("drives, reads and calls", drives, reads, calls)
     qualifiers = _qualifiers(qualifier)
     found: list[Step] = []
-    for chart in [where] if isinstance(where, SfcNetwork) else charts_of(where):
-        ids = _reached(chart, reachable_from, leading_to)
+    charts = [where] if isinstance(where, SfcNetwork) else list(charts_of(where))
+    first, last = (_steps_meant(charts, key) for key in (reachable_from, leading_to))
+    for chart in charts:
+        ids = _reached(chart, first, last)
         actions, dialect = actions_by_name(pou_of(chart)), dialect_in(chart)
         for step in chart.steps:
             if step.id not in ids or not _has(step, wanted_fields):
@@ -87,10 +89,12 @@ def find_transitions(
         pou, dialect = pou_of(chart), dialect_in(chart)
         named = pou.transitions if pou is not None else ()
         read = condition_reader(chart, dialect, transitions=named)
-        names = {step.id: step.name for step in chart.steps}
+        steps = {step.id: step for step in chart.steps}
         for transition in chart.transitions:
             sides = ((leaving, transition.sources), (entering, transition.targets))
-            if not all(wanted is None or any(_fits(names.get(i, ""), wanted) for i in ids) for wanted, ids in sides):
+            if not all(
+                wanted is None or any(_is_called(chart, steps.get(i), wanted) for i in ids) for wanted, ids in sides
+            ):
                 continue
             if not _has(transition, wanted_fields):
                 continue
@@ -227,26 +231,55 @@ def _acts(effects: Effects, wanted: tuple[str | None, str | None, str | None]) -
     )
 
 
-def _reached(chart: SfcNetwork, start: StepKey | None, end: StepKey | None) -> set[int]:
-    """Return the ids of the steps to which transitions lead from `start`, and from which they lead to `end`."""
+def _path(chart: SfcNetwork, step: Step) -> str:
+    pou = pou_of(chart)
+    return step.name if pou is None else f"{pou.name}.{step.name}"
+
+
+def _is_called(chart: SfcNetwork, step: Step | None, pattern: str) -> bool:
+    """True if a pattern is that of the name of a step, or with a dot of its path."""
+    return step is not None and _fits(_path(chart, step) if "." in pattern else step.name, pattern)
+
+
+def _steps_meant(charts: Sequence[SfcNetwork], key: StepKey | None) -> list[Step] | None:
+    """Return the steps with a name (``Fill``, ``Main.Fill``) or an id in some charts. Raises `ModelError` for none."""
+    if key is None or isinstance(key, Step):
+        return key if key is None else [key]
+    check_argument(key, (str, int), "the name or the id of a step is needed")
+    paths = [(step, _path(chart, step)) for chart in charts for step in chart.steps]
+    wanted = (key.casefold(), f".{key.casefold()}") if isinstance(key, str) else ()
+    found = [
+        step
+        for step, path in paths
+        if step.id == key or (wanted and (path.casefold() == wanted[0] or path.casefold().endswith(wanted[1])))
+    ]
+    if not found:
+        place = "this chart" if len(charts) == 1 else "the project"
+        near = nearest(str(key), [step.name for step, _ in paths])
+        raise ModelError(f"{place} has no step {key!r}{near}")
+    return found
+
+
+def _reached(chart: SfcNetwork, first: list[Step] | None, last: list[Step] | None) -> set[int]:
+    """Return the ids of the steps to which transitions lead from `first`, and from which they lead to `last`."""
     ids = {step.id for step in chart.steps}
-    if start is not None:
-        ids &= _closure(chart, start, lambda t: (t.sources, t.targets))
-    if end is not None:
-        ids &= _closure(chart, end, lambda t: (t.targets, t.sources))
+    if first is not None:
+        ids &= _closure(chart, first, lambda t: (t.sources, t.targets))
+    if last is not None:
+        ids &= _closure(chart, last, lambda t: (t.targets, t.sources))
     return ids
 
 
-def _closure(chart: SfcNetwork, start: StepKey, sides: Callable[[Transition], tuple[list[int], list[int]]]) -> set[int]:
-    first = start if isinstance(start, Step) else chart.step(start)
-    if not any(step is first for step in chart.steps):
-        return set()
+def _closure(
+    chart: SfcNetwork, starts: Sequence[Step], sides: Callable[[Transition], tuple[list[int], list[int]]]
+) -> set[int]:
     leading: dict[int, list[int]] = {}
     for transition in chart.transitions:
         before, after = sides(transition)
         for each in before:
             leading.setdefault(each, []).extend(after)
-    return reached(leading.get(first.id, ()), lambda step: leading.get(step, ()))
+    own = [step.id for step in chart.steps if any(step is each for each in starts)]
+    return reached((target for each in own for target in leading.get(each, ())), lambda step: leading.get(step, ()))
 
 
 def _check_predicate(predicate: object) -> None:

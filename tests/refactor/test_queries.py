@@ -63,6 +63,7 @@ def test_steps_know_what_is_before_and_after_them(chart: sfc.SfcNetwork) -> None
         ({"initial": True}, ["Wait"]),
         ({"name": "?i*"}, ["Fill", "Mix"]),
         ({"reachable_from": "Fill"}, ["Drain"]),
+        ({"reachable_from": "main.fill"}, ["Drain"]),
         ({"leading_to": "Drain"}, ["Wait", "Fill", "Mix", "Drain"]),
         ({"leading_to": "Fill"}, ["Wait"]),
         ({"drives": "*Valve*", "name": "D*"}, ["Drain"]),
@@ -73,8 +74,7 @@ def test_steps_are_found_by_what_they_do(chart: sfc.SfcNetwork, wanted: dict[str
     assert names(chart.find(**wanted)) == found  # type: ignore[arg-type]
     project = chart.project
     assert project is not None
-    if not wanted.keys() & {"reachable_from", "leading_to"}:
-        assert names(project.steps(**wanted)) == found
+    assert names(project.steps(**wanted)) == found
 
 
 @pytest.mark.parametrize(
@@ -84,6 +84,8 @@ def test_steps_are_found_by_what_they_do(chart: sfc.SfcNetwork, wanted: dict[str
         ({"reads": "Full"}, ["Full"]),
         ({"condition": "*a*"}, ["Start AND Level > 5", "Again"]),
         ({"leaving": "Drain"}, ["Again"]),
+        ({"leaving": "Main.Dr*"}, ["Again"]),
+        ({"leaving": "Other.Dr*"}, []),
         ({"entering": "m*"}, ["Start AND Level > 5"]),
         ({"entering": "Drain", "leaving": "Mix"}, ["Full"]),
         ({"where": lambda link: len(link.targets) == 1}, ["Full", "Again"]),
@@ -115,8 +117,11 @@ def test_transitions_are_found_through_named_ones(chart: sfc.SfcNetwork) -> None
     ],
 )
 def test_a_condition_that_is_none_is_refused(chart: sfc.SfcNetwork, wanted: dict[str, object], message: str) -> None:
+    assert chart.project is not None
     with pytest.raises(ModelError, match=message):
         chart.find(**wanted)  # type: ignore[arg-type]
+    with pytest.raises(ModelError, match=message):
+        chart.project.steps(**wanted)
 
 
 def test_lists_are_asked_as_charts_are(chart: sfc.SfcNetwork) -> None:
