@@ -8,7 +8,8 @@ from typing import Any
 
 from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.binding import Declaration, Effects, Names, bind
-from plcopen_sfc.languages.binding.name_uses import Occurrence
+from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of
+from plcopen_sfc.languages.binding.shared_scans import changed_places
 from plcopen_sfc.languages.binding.text_sites import Role
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, print_node
@@ -40,6 +41,7 @@ def move_to_action(journal: Journal, chart: SfcNetwork, steps: Sequence[Step], n
     asked = _asked_outside(names, run, {id(model) for part in _parts_of(run, form) for model in models_in(part)})
     if asked:
         raise refused(what, asked, "Move the steps into a macro-step, whose steps other texts see.")
+    _check_order(chart, run.steps, action, form, what)
     taken = _names_of(names, pou) | {action.casefold(), name.casefold()}
     step, inner = enclose(journal, chart, run, _of_action(name, form), taken)
     journal.put(pou, "actions", [*pou.actions, Action(name=action, body=SfcBody(chart=inner))])
@@ -53,6 +55,15 @@ def _run(chart: SfcNetwork, steps: Sequence[Step], name: str, what: str) -> tupl
     run = run_of(chart, steps, name, what, left_anywhere=form is Form.ENDING)
     check_associations(project, pou, run, what)
     return run, form
+
+
+def _check_order(chart: SfcNetwork, steps: Sequence[Step], action: str, form: Form, what: str) -> None:
+    """Raise `ModelError` where an action that executes what steps do changes places with actions of other steps."""
+    project, pou = owners(chart)
+    by_name = form is Form.ENDING
+    if reasons := changed_places(chart, pou, dialect_of(project), steps, action, by_name=by_name):
+        hint = "Another name may have its place." if by_name else ""
+        raise refused(what, reasons, hint)
 
 
 def _of_action(step: str, form: Form) -> Enclosing:
@@ -86,6 +97,7 @@ def move_to_block(journal: Journal, chart: SfcNetwork, steps: Sequence[Step], na
     unknown = {each.reference.name.casefold() for each in names.undeclared(pou)}
     taken = _names_of(names, pou) | {name.casefold()}
     instance, action = (take_name(f"{name}_{each}", taken) for each in ("chart", "run"))
+    _check_order(chart, run.steps, action, form, what)
     active, at_end = (take_name(each, taken) for each in (_ACTIVE, _AT_END))
     flag = f"{instance}.{at_end}" if form is Form.RESTING else f"{instance}.{{}}.{form.asked}"
     step, inner = enclose(journal, chart, run, Enclosing(name, active, flag, form), taken)
@@ -239,6 +251,7 @@ def dissolve_chart(journal: Journal, chart: SfcNetwork, step: Step) -> list[Step
     if isinstance(action.body, SfcBody):
         steps = disclose(journal, chart, step, action.body.chart, _of_action(step.name, form))
         remove_declared(journal, project, [declared])
+        _check_order(chart, steps, action.name, form, what)
         return steps
     instance, block = _called(pou, project, action, what)
     inner = block.chart
@@ -264,6 +277,7 @@ def dissolve_chart(journal: Journal, chart: SfcNetwork, step: Step) -> list[Step
     remove_declared(journal, project, [declared, names.declaration_of(instance), names.declaration_of(block)])
     journal.put(project, "pous", [each for each in project.pous if each is not block])
     _take_over(journal, pou, block, moved)
+    _check_order(chart, steps, action.name, form, what)
     return steps
 
 

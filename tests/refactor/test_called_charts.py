@@ -316,6 +316,57 @@ def test_a_change_of_behaviour_is_told_by_the_proof(move: str) -> None:
         move_it(["Main.Fill"], "Prepare", "Moved")
 
 
+def beside(dialect: str) -> sfc.Project:
+    project = sfc.Project(dialect=sfc.Dialect(dialect))
+    pou = project.add_program(
+        "Main",
+        *(step("Wait", initial=True), "Start"),
+        simultaneous(
+            [step("Rest"), "TRUE", step("Fill", actions=[("N Gamma", "n := (n + 1) MOD 3;")]), "Full", step("Filled")],
+            [step("Look", actions=[("N Mid", "n := n * 2 MOD 3;"), ("N Alpha", "m := (m + 1) MOD 2;")])],
+        ),
+        *("NOT Start", jump("Wait")),
+    )
+    pou.add_variable("n", "INT")
+    pou.add_variable("m", "INT")
+    return project
+
+
+@pytest.mark.parametrize("move", MOVES)
+@pytest.mark.parametrize(("dialect", "name"), [("codesys", "Zone"), ("codesys", "Beta"), ("iec", "Zone")])
+def test_actions_that_share_variables_keep_their_order_in_a_scan(move: str, dialect: str, name: str) -> None:
+    """CODESYS executes actions in the order of their names: Gamma is before Mid, Zone_run behind it."""
+    project = beside(dialect)
+    edit = project.edit(prove=dialect == "codesys", limit="5s")
+    move_it = {
+        "action": lambda: edit.move_to_action(["Main.Fill"], "Moved", name),
+        "block": lambda: edit.move_to_block(["Main.Fill"], name, "Block"),
+    }[move]
+    if (dialect, name) == ("codesys", "Zone"):
+        with pytest.raises(ModelError, match=r"Gamma and Mid would change places in a scan \(n\)"):
+            move_it()
+        assert project == beside(dialect)
+        return
+    moved = move_it()
+    assert all(proof.equal for proof in edit.proofs)
+    edit.dissolve_chart(moved)
+    assert sfc.diff(beside(dialect), project).equal
+
+
+@pytest.mark.parametrize("move", MOVES)
+def test_charts_come_back_where_their_actions_keep_their_order(move: str) -> None:
+    project = beside("codesys")
+    edit = project.edit()
+    moved = (
+        edit.move_to_action(["Main.Fill"], "Moved", "Beta")
+        if move == "action"
+        else edit.move_to_block(["Main.Fill"], "Beta", "Block")
+    )
+    edit.rename("Main.Gamma" if move == "action" else "Block.Gamma", "Omega")
+    with pytest.raises(ModelError, match="Omega and Mid would change places"):
+        edit.dissolve_chart(moved)
+
+
 @pytest.mark.parametrize("move", MOVES)
 def test_a_step_that_other_texts_ask_for_stays(move: str) -> None:
     """Its name would mean nothing outside of its new chart: the text would be FALSE for ever."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from functools import cached_property
 from itertools import chain, islice, product
 
@@ -226,20 +226,70 @@ _ALONE = Step(id=0, name="")
 
 def told_orders(scans: SharedScans, rows: Sequence[Row], differ: Callable[[Row, Row], bool], word: str) -> str:
     """Return which of `rows` a target executes before (`word`) or after which others, and the source does not."""
-    found: dict[str, None] = {}
     pairs, are_all = scans.sharing(rows)
-    for one, other in pairs:
-        names = _called(one), _called(other)
-        if one[1] is other[1] or not differ(one, other):
-            continue
-        if scans.meet(one, other) and (shared := scans.shared(one, other)):
-            found[
-                f"{names[0]} is executed {word} {names[1]} in one scan, in the source the other way round ({shared})"
-            ] = None
+    found = {
+        f"{one} is executed {word} {other} in one scan, in the source the other way round ({shared})": None
+        for one, other, shared in _in_common(scans, pairs, differ)
+    }
     told = [*list(found)[:_LISTED], *([f"and {len(found) - _LISTED} more"] if len(found) > _LISTED else [])]
     if not are_all:
         told.append(f"the orders of {_MOST_PAIRS} pairs of actions were compared, there are more pairs")
     return "; ".join(told)
+
+
+def _in_common(
+    scans: SharedScans, pairs: Iterable[tuple[Row, Row]], differ: Callable[[Row, Row], bool]
+) -> Iterator[tuple[str, str, str]]:
+    """Yield the names of two actions whose order differs, and a variable for which it counts in one scan."""
+    for one, other in pairs:
+        if one[1] is other[1] or not differ(one, other) or not scans.meet(one, other):
+            continue
+        if shared := scans.shared(one, other):
+            yield _called(one), _called(other), shared
+
+
+def changed_places(
+    chart: SfcNetwork, pou: Pou, dialect: Dialect, steps: Collection[Step], executing: str, *, by_name: bool
+) -> list[str]:
+    """Return why the order of a scan is another one where one action executes what some steps of a chart do.
+
+    `executing`: the name of that action. `by_name`: a tool executes associations in the order of names, after all step
+    actions (CODESYS), others in the order of their first use.
+    """
+    early = list(_step_actions(chart))
+    rows = [(step, row) for step, row in chart.associations() if not (step.exclude or row.exclude)]
+    phases = {id(row): _PHASES.index(row.qualifier) for _, row in early}
+    mains = {id(row) for _, row in early if row.qualifier is Qualifier.N}
+    places = {step.id: number for number, step in enumerate(chart.steps)}
+    inside = {step.id for step in steps}
+    used: dict[str, int] = {}
+    for number, row in enumerate(rows):
+        used.setdefault(_called(row).casefold(), number)
+    begin = min(places[step] for step in inside)
+    first = next((number for number, (step, _) in enumerate(rows) if places[step.id] >= begin), len(rows))
+
+    def place(row: Row) -> tuple[int, int, str]:
+        step, association = row
+        if id(association) in phases:
+            return phases[id(association)], places[step.id], ""
+        name = local_name(association.target or "").casefold()
+        return len(_PHASES), *((0, name) if by_name else (used[_called(row).casefold()], ""))
+
+    gathered = len(_PHASES), *((0, executing.casefold()) if by_name else (first, ""))
+
+    def differ(one: Row, other: Row) -> bool:
+        if one[0].id not in inside or other[0].id in inside:
+            return False
+        if mains & {id(one[1]), id(other[1])} and not scans.are_together(one[0], other[0]):
+            return False  # a main action has no final scan
+        return (place(one) < place(other)) is not (gathered < place(other))
+
+    scans = SharedScans(chart, pou, dialect)
+    pairs, _ = scans.sharing([*rows, *early])
+    found = _in_common(scans, pairs, differ)
+    return [
+        f"{one} and {other} would change places in a scan ({shared})" for one, other, shared in dict.fromkeys(found)
+    ]
 
 
 def told_step_actions(
