@@ -9,7 +9,7 @@ from typing import Any
 from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.binding import Declaration, Effects, Names, bind
 from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of
-from plcopen_sfc.languages.binding.shared_scans import changed_places
+from plcopen_sfc.languages.binding.shared_scans import changed_places, place_of_name, place_of_use
 from plcopen_sfc.languages.binding.text_sites import Role
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, print_node
@@ -60,10 +60,14 @@ def _run(chart: SfcNetwork, steps: Sequence[Step], name: str, what: str) -> tupl
 def _check_order(chart: SfcNetwork, steps: Sequence[Step], action: str, form: Form, what: str) -> None:
     """Raise `ModelError` where an action that executes what steps do changes places with actions of other steps."""
     project, pou = owners(chart)
-    by_name = form is Form.ENDING
-    if reasons := changed_places(chart, pou, dialect_of(project), steps, action, by_name=by_name):
-        hint = "Another name may have its place." if by_name else ""
-        raise refused(what, reasons, hint)
+    by_name, inside = form is Form.ENDING, {step.id for step in steps}
+    begin = next(number for number, step in enumerate(chart.steps) if step.id in inside)
+    place = place_of_name(action) if by_name else place_of_use(sum(len(step.actions) for step in chart.steps[:begin]))
+    reasons = changed_places(
+        chart, pou, dialect_of(project), lambda row: place if row[0].id in inside else None, by_name=by_name
+    )
+    if reasons:
+        raise refused(what, reasons, "Another name may have its place." if by_name else "")
 
 
 def _of_action(step: str, form: Form) -> Enclosing:

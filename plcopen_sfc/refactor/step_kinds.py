@@ -13,6 +13,7 @@ from collections.abc import Iterable, Iterator
 from textwrap import dedent, indent
 
 from plcopen_sfc.languages.binding.name_uses import Names, Occurrence, dialect_of
+from plcopen_sfc.languages.binding.shared_scans import Place, Row, changed_places, place_of_name, place_of_step
 from plcopen_sfc.languages.binding.text_sites import SiteKind
 from plcopen_sfc.languages.il import statements
 from plcopen_sfc.languages.networks import shown_body
@@ -59,6 +60,14 @@ def use_iec_steps(journal: Journal, chart: SfcNetwork, *, guarded: bool = False)
     ]
     if not any(step.main_action is not None for step in chart.steps):
         reasons.append("no step has an action")
+
+    def by_name(row: Row) -> Place | None:
+        step, association = row
+        is_main = step.main_action is not None and all(each is not association for each in step.actions)
+        is_code = guarded or not isinstance(step.main_action, str)
+        return place_of_name(f"{step.name}_active" if is_code else f"{step.main_action}") if is_main else None
+
+    reasons += changed_places(chart, pou, dialect_of(project), by_name)
     if reasons:
         raise refused(what, reasons)
     changed = [] if any(chart.associations()) else write_notation(project, [chart], journal, members=True)
@@ -139,6 +148,13 @@ def use_simple_steps(journal: Journal, chart: SfcNetwork) -> list[str]:
         reasons += [f"{step.name} has its {name.replace('_', ' ')} already" for name in taken if lines]
         if lines:
             done.append((step, lines, ends, called if len(lines) == 1 else ""))
+    numbers = {step.id: number for number, step in enumerate(chart.steps)}
+
+    def by_step(row: Row) -> Place | None:
+        is_row = any(each is row[1] for each in row[0].actions)
+        return place_of_step(numbers[row[0].id]) if is_row else None
+
+    reasons += changed_places(chart, pou, dialect_of(project), by_step)
     if reasons:
         raise refused(what, reasons)
     if not done:

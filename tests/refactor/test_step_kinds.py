@@ -146,6 +146,56 @@ def test_what_simple_steps_have_not_is_refused(old: str, new: str, words: str) -
     assert sfc.dumps(project) == before
 
 
+BESIDE = """(* @NESTEDCOMMENTS := 'Yes' *)
+(* @PATH := '' *)
+PROGRAM Main
+VAR
+	go, done: BOOL;
+	n: INT;
+END_VAR
+(* @END_DECLARATION := '0' *)
+INITIAL_STEP Wait:
+n := 0;
+END_STEP
+TRANSITION FROM Wait TO (Zeta,Alpha):=
+go
+END_TRANSITION
+STEP Zeta:
+n := (n + 1) MOD 7;
+END_STEP
+STEP Alpha:
+n := n * 2 MOD 7;
+END_STEP
+TRANSITION FROM (Zeta,Alpha) TO Wait:=
+done
+END_TRANSITION
+END_PROGRAM
+"""
+
+
+def test_steps_that_are_active_together_keep_the_order_of_their_actions() -> None:
+    """Simple steps are executed in the order of the chart, IEC steps in that of the names of their actions."""
+    project = project_of(BESIDE)
+    before = sfc.dumps(project)
+    with pytest.raises(sfc.ModelError, match=r"Zeta and an action of Alpha would change places in a scan \(n\)"):
+        project.edit().use_iec_steps(chart_of(project), guarded=True)
+    assert sfc.dumps(project) == before
+    ordered = project_of(BESIDE.replace("Zeta", "Able"))
+    edit = ordered.edit(prove=True)
+    edit.use_iec_steps(chart_of(ordered), guarded=True)
+    ordered.rename("Main.Able_active", "Zeta_active")
+    with pytest.raises(sfc.ModelError, match="Zeta_active and Alpha_active would change places"):
+        ordered.edit().use_simple_steps(chart_of(ordered))
+
+
+def test_steps_behind_each_other_become_iec_steps_and_simple_ones_whatever_their_names() -> None:
+    project = project_of(SIMPLE.replace("odd := NOT odd;", "odd := NOT odd AND NOT lamp;"))
+    edit = project.edit(prove=True)
+    edit.use_iec_steps(chart_of(project), guarded=True)
+    edit.use_simple_steps(chart_of(project))
+    assert all(proof.equal for proof in edit.proofs)
+
+
 @pytest.mark.parametrize(
     ("path", "tool"),
     [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
 from itertools import chain, islice, product
 
@@ -248,48 +248,61 @@ def _in_common(
             yield _called(one), _called(other), shared
 
 
-def changed_places(
-    chart: SfcNetwork, pou: Pou, dialect: Dialect, steps: Collection[Step], executing: str, *, by_name: bool
-) -> list[str]:
-    """Return why the order of a scan is another one where one action executes what some steps of a chart do.
+Place = tuple[int, int, str]
+"""The place of an action in a scan of CODESYS: its phase, among step actions that of its step, and its name."""
 
-    `executing`: the name of that action. `by_name`: a tool executes associations in the order of names, after all step
-    actions (CODESYS), others in the order of their first use.
+
+def place_of_step(number: int) -> Place:
+    """Return the place of the main action of a step; `number` is that of the step in its chart."""
+    return _PHASES.index(Qualifier.N), number, ""
+
+
+def place_of_name(name: str) -> Place:
+    """Return the place of an association."""
+    return len(_PHASES), 0, local_name(name).casefold()
+
+
+def place_of_use(number: int) -> Place:
+    """Return the place of an association in a tool that executes them in the order of their first use."""
+    return len(_PHASES), number, ""
+
+
+def changed_places(
+    chart: SfcNetwork, pou: Pou, dialect: Dialect, moved: Callable[[Row], Place | None], *, by_name: bool = True
+) -> list[str]:
+    """Return why the order of a scan is another one where some actions get other places.
+
+    `moved`: the new place of an action, None for one that keeps its own. `by_name`: a tool executes associations in the
+    order of names, after all step actions (CODESYS), others in the order of their first use.
     """
     early = list(_step_actions(chart))
-    rows = [(step, row) for step, row in chart.associations() if not (step.exclude or row.exclude)]
+    rows = list(chart.associations())
     phases = {id(row): _PHASES.index(row.qualifier) for _, row in early}
     mains = {id(row) for _, row in early if row.qualifier is Qualifier.N}
     places = {step.id: number for number, step in enumerate(chart.steps)}
-    inside = {step.id for step in steps}
     used: dict[str, int] = {}
     for number, row in enumerate(rows):
         used.setdefault(_called(row).casefold(), number)
-    begin = min(places[step] for step in inside)
-    first = next((number for number, (step, _) in enumerate(rows) if places[step.id] >= begin), len(rows))
 
-    def place(row: Row) -> tuple[int, int, str]:
+    def place(row: Row) -> Place:
         step, association = row
         if id(association) in phases:
             return phases[id(association)], places[step.id], ""
-        name = local_name(association.target or "").casefold()
-        return len(_PHASES), *((0, name) if by_name else (used[_called(row).casefold()], ""))
-
-    gathered = len(_PHASES), *((0, executing.casefold()) if by_name else (first, ""))
+        return place_of_name(association.target or "") if by_name else place_of_use(used[_called(row).casefold()])
 
     def differ(one: Row, other: Row) -> bool:
-        if one[0].id not in inside or other[0].id in inside:
-            return False
-        if mains & {id(one[1]), id(other[1])} and not scans.are_together(one[0], other[0]):
+        here, there = moved(one), moved(other)
+        if here is None or here == there or (there is not None and places[one[0].id] > places[other[0].id]):
+            return False  # of two that are moved the pair is asked for once
+        is_main = here[0] < len(_PHASES) or mains & {id(one[1]), id(other[1])}
+        if is_main and not scans.are_together(one[0], other[0]):
             return False  # a main action has no final scan
-        return (place(one) < place(other)) is not (gathered < place(other))
+        return (place(one) < place(other)) is not (here < (there or place(other)))
 
     scans = SharedScans(chart, pou, dialect)
-    pairs, _ = scans.sharing([*rows, *early])
-    found = _in_common(scans, pairs, differ)
-    return [
-        f"{one} and {other} would change places in a scan ({shared})" for one, other, shared in dict.fromkeys(found)
-    ]
+    pairs, _ = scans.sharing([each for each in (*rows, *early) if not (each[0].exclude or each[1].exclude)])
+    found = dict.fromkeys(_in_common(scans, pairs, differ))
+    return [f"{one} and {other} would change places in a scan ({shared})" for one, other, shared in found]
 
 
 def told_step_actions(
