@@ -36,6 +36,7 @@ from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import (
     ARITHMETIC,
     CHART_OF_ACTION,
+    COUNTER,
     FALLING_EDGE,
     INPUTS_OF_ACTIONS,
     ORDER_OF_ACTIONS,
@@ -64,7 +65,17 @@ SHIFTED = "the same but for the inputs that actions see, and the first scan"
 """Part of the verdict on a chart that does the same in both tools if its actions get the same inputs."""
 
 _APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, FIRST_SCAN, CHART_OF_ACTION, ORDER_OF_ACTIONS, FALLING_EDGE}
-_APART |= {SELECTION, INPUTS_OF_ACTIONS, START_OF_CHART, ARITHMETIC, BOOLEAN_ACTIONS, "retain", "address", "interval"}
+_APART |= {
+    SELECTION,
+    INPUTS_OF_ACTIONS,
+    START_OF_CHART,
+    ARITHMETIC,
+    COUNTER,
+    BOOLEAN_ACTIONS,
+    "retain",
+    "address",
+    "interval",
+}
 _APART |= {"max time", "maximum time"}
 """Losses beside which a run shows more: what operates a chart rests, nothing looks at addresses or times of tasks, and
 the chart of a GRAFCET may have no step that is only passed or left by two transitions, and begins one scan later. A
@@ -418,6 +429,7 @@ _PROVEN = {
     ORDER_OF_ACTIONS: "which executes actions in another order",
     BOOLEAN_ACTIONS: "which writes variables of actions at other times",
     FALLING_EDGE: "which sees another first edge of F_TRIG",
+    COUNTER: "whose counters end at other numbers",
     ARITHMETIC: "which calculates with other numbers of bits",
 }
 """What the target does otherwise, which every proof covers, whatever the delay is."""

@@ -20,7 +20,7 @@ from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.types import Elementary, ElementaryType, used_types
-from plcopen_sfc.report import ARITHMETIC, FALLING_EDGE, ORDER_OF_ACTIONS, ConversionReport, Outcome
+from plcopen_sfc.report import ARITHMETIC, COUNTER, FALLING_EDGE, ORDER_OF_ACTIONS, ConversionReport, Outcome
 from plcopen_sfc.semantics.profile import (
     PROFILES,
     ActionOrder,
@@ -35,6 +35,7 @@ _SECTION = re.compile(r"(?:\s|\(\*.*?\*\))*(?P<word>\w+)", re.DOTALL)
 
 _FALLING = re.compile("F_TRIG", re.IGNORECASE)
 _COUNTS_DOWN = re.compile("CTU?D(_INT)?", re.IGNORECASE)
+_COUNTS_UNSIGNED = re.compile("CTU?D_UINT", re.IGNORECASE)
 
 _SWITCHING = frozenset(Qualifier) - {Qualifier(name) for name in "CALL ON OFF CS CU CD CR TL TD TR TF".split()}
 """Qualifiers of actions that are Boolean variables."""
@@ -234,15 +235,17 @@ def _note_falling_edges(project: Project, kind: Format, dialect: Dialect | None,
 def _note_counters(project: Project, kind: Format, dialect: Dialect | None, report: ConversionReport) -> None:
     """Report counters that count below zero in one of two tools: those of CODESYS are a WORD.
 
-    From CODESYS to S7 they stay unsigned: `CTD_UINT`.
+    From CODESYS to S7 they stay unsigned: `CTD_UINT`, which are not so in other tools.
     """
     here, there = (family(each) is Dialect.CODESYS for each in (project.dialect, dialect or Dialect.IEC))
-    if here is there or dialect is Dialect.SCL:
+    of_s7 = project.dialect is Dialect.SCL
+    if dialect is Dialect.SCL or (here is there and not of_s7):
         return
-    tools = ("the source", kind.tool) if here else (kind.tool, "the source")
-    for path, name in _instances(project, _COUNTS_DOWN):
+    is_unsigned = here or (of_s7 and not there)
+    tools = ("the source", kind.tool) if is_unsigned else (kind.tool, "the source")
+    for path, name in _instances(project, _COUNTS_UNSIGNED if of_s7 and is_unsigned else _COUNTS_DOWN):
         why = f"{name} stops at 0 in {tools[0]}, and counts below it in {tools[1]}"
-        report.add(Outcome.APPROXIMATED, "counter", path, why)
+        report.add(Outcome.APPROXIMATED, COUNTER, path, why)
 
 
 def _instances(project: Project, blocks: re.Pattern[str]) -> Iterator[tuple[str, str]]:

@@ -175,3 +175,14 @@ def test_a_counter_that_stops_at_zero_is_reported(source: str, target: str, flav
         for each in (project, sfc.loads(data, format=target, as_tool=True))
     ]
     assert [item.what for item in report.losses] == ["counter"] * (counts[0] != counts[1])
+
+
+@pytest.mark.parametrize(("target", "told"), [("codesys", []), ("plcopen", ["counter"]), ("simaticml", [])])
+@pytest.mark.parametrize("counter", ["CTD_UINT", "CTUD_UINT"])
+def test_a_counter_of_s7_without_a_sign_is_reported_where_it_gets_one(
+    counter: str, target: str, told: list[str]
+) -> None:
+    text = COUNTER.replace("CTUD", counter).replace("c.CV", "UINT_TO_DINT(c.CV)")
+    text = text.replace("CU := up, ", "") if counter == "CTD_UINT" else text
+    given = sfc.dumps(sfc.loads(text.encode(), format="iec-text"), format="simaticml")
+    assert [item.what for item in sfc.convert(sfc.loads(given), target).report.losses] == told

@@ -721,6 +721,14 @@ def test_a_global_f_trig_is_told_where_the_blocks_that_call_it_do_not_declare_it
     assert ("falling edge", "list of global variables") in {(item.what, item.path) for item in losses}
 
 
+@pytest.mark.parametrize(("pins", "differs"), [("CU := TRUE", False), ("CD := TRUE", True)])
+def test_that_counters_stop_at_zero_is_taken_back_by_a_proof(pins: str, differs: bool) -> None:
+    text = FALLING.format(condition="TRUE").replace("F_TRIG", "CTUD").replace("CLK := a", f"{pins}, PV := 3")
+    text = text.replace("IF edge.Q THEN n := 1; END_IF;", "n := edge.CV;")
+    losses = saved(sfc.loads(text.encode(), format="iec-text"), "codesys").losses
+    assert ("counter" in [item.what for item in losses]) is differs
+
+
 @pytest.mark.parametrize(("condition", "differs"), [("TRUE", True), ("a", False)])
 def test_the_first_call_of_f_trig_is_told_without_a_run_and_taken_back_by_a_proof(
     condition: str, differs: bool
