@@ -310,8 +310,9 @@ class _Reader:
             stays = declared is None or isinstance(declared, t.StructType) or depth > _DEEPEST
             return plain_type(kind) if declared is None or stays else self._plain_type(declared, depth + 1)
         if isinstance(kind, t.StringType) and kind.length is None:
-            known = STRING_LENGTHS.get(self.source.dialect) or STRING_LENGTHS.get(self.dialect)
-            return t.StringType(wide=kind.wide, length=known or STRING_LENGTHS[Dialect.CODESYS])
+            # of a source in another dialect the length is written, unless the target has one of its own
+            known = STRING_LENGTHS.get(self.dialect, STRING_LENGTHS[Dialect.CODESYS])
+            return t.StringType(wide=kind.wide, length=known)
         if isinstance(kind, t.StringType) and kind.length is not None:
             return t.StringType(wide=kind.wide, length=self._number(kind.length))
         if isinstance(kind, t.EnumType):

@@ -11,8 +11,9 @@ nothing but the text: what it uses and does not declare (blocks of libraries, ab
 from __future__ import annotations
 
 import re
-from collections.abc import Container, Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain, count
 
 from plcopen_sfc.errors import ModelError
@@ -28,6 +29,7 @@ from plcopen_sfc.languages.words import EDGES, IEC_KEYWORDS, without_accents
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Configuration, Project, Resource
+from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -51,24 +53,24 @@ def give_plain_names(project: Project, report: ConversionReport) -> None:
     used = units | {name.casefold() for _, name in (*_placed(project), *_declared(project), *_units(project))}
     for path, name in _placed(project):
         if not is_matiec_name(name):
-            _rename(project, path, name, used, report)
-    for path, name, others in _steps_with_others(project):
-        if name.casefold() in others:
-            _rename(project, path, name, used, report)
+            _rename(partial(project.rename, path), path, name, used, report)
+    for path, name, chart, others in _steps_with_others(project):
+        if name.casefold() in others:  # a variable may have the path of the step, too
+            _rename(partial(chart.rename_step, name), path, name, used, report)
     for path, name in _declared(project):
         if not is_matiec_name(name) or name.casefold() in units or is_of_library(name):
-            _rename(project, path, name, used, report)
+            _rename(partial(project.rename, path), path, name, used, report)
     for path, name in _units(project):
         if not is_matiec_name(name) or is_of_library(name):
-            _rename(project, path, name, used, report)
+            _rename(partial(project.rename, path), path, name, used, report)
 
 
-def _rename(project: Project, path: str, name: str, used: set[str], report: ConversionReport) -> None:
+def _rename(rename: Callable[[str], object], path: str, name: str, used: set[str], report: ConversionReport) -> None:
     plain = matiec_name(name)
     tries = chain([plain], (f"{plain}_{number}" for number in count(1)))
     new = next(each for each in tries if each.casefold() not in used and not is_of_library(each))
     try:
-        project.rename(path, new)
+        rename(new)
     except ModelError as error:
         report.add(Outcome.NOT_EXECUTED, "name", path, f"matiec does not take the name {name!r}: {error.message}")
         return
@@ -107,8 +109,8 @@ def _placed(project: Project) -> Iterator[tuple[str, str]]:
         yield from [(f"{declaration.name}.{one.name}", one.name) for one in getattr(declaration.type, "members", [])]
 
 
-def _steps_with_others(project: Project) -> Iterator[tuple[str, str, set[str]]]:
-    """Steps, with the names that theirs would change in the C code: a step becomes a macro of its name.
+def _steps_with_others(project: Project) -> Iterator[tuple[str, str, SfcNetwork, set[str]]]:
+    """Steps of charts, with the names that theirs would change in the C code: a step becomes a macro of its name.
 
     These are the members of all steps, variables of the POU, and the members of its structures and blocks.
     """
@@ -125,7 +127,7 @@ def _steps_with_others(project: Project) -> Iterator[tuple[str, str, set[str]]]:
                 block = standard_block(kind)
                 pins = (*block.inputs, *block.outputs) if block is not None else ()
                 others |= members.get(kind.casefold(), set()) | {pin.name.casefold() for pin in pins}
-        yield from [(f"{pou.name}.{step.name}", step.name, others) for step in pou.chart.steps]
+        yield from [(f"{pou.name}.{step.name}", step.name, pou.chart, others) for step in pou.chart.steps]
 
 
 def _declared(project: Project) -> Iterator[tuple[str, str]]:
@@ -212,6 +214,12 @@ class TypeFitter:
         one.declaration = None
         one.type = self._type(one.type, path, {})
         one.initial = self._value(one.type, one.initial, path)
+
+    def interface(self, interface: Interface, path: str, known: Mapping[str, str]) -> None:
+        """Fit the variables of a POU, and the result of a function."""
+        constants = self.sections(interface.sections, path, known)
+        if interface.return_type is not None:
+            interface.return_type = self._type(interface.return_type, f"{path} / result", constants)
 
     def sections(self, sections: Iterable[VariableSection], path: str, known: Mapping[str, str]) -> dict[str, str]:
         """Fit variables; returns the values of constants, with those that are `known`, by names in lower case."""

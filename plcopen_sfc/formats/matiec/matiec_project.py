@@ -84,7 +84,7 @@ def fit_project(
     globals_ = frozenset(v.name.casefold() for section in project.global_sections() for v in section.variables)
     for pou in project.pous:
         if pou.interface is not None:
-            types.sections(pou.interface.sections, pou.report_path, constants)
+            types.interface(pou.interface, pou.report_path, constants)
         unit = FittedPou(pou, project.dialect, report, own, names, globals_, functions, keeps_drawings)
         _fit_pou(unit, final_scan, same_loops=options.of_matiec, relies=options.of_graph or options.of_grafcet)
     _configure(project, report, lists)

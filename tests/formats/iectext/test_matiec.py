@@ -178,6 +178,25 @@ END_PROGRAM
     require_matiec().build(text, tmp_path)
 
 
+@pytest.mark.parametrize("variable", ["Fill", "fill"])
+def test_a_step_with_the_name_of_a_variable_gets_another(variable: str, tmp_path: Path) -> None:
+    text = f"""PROGRAM Plant
+VAR go, {variable} : BOOL; END_VAR
+INITIAL_STEP Idle: END_STEP
+STEP Fill: Count(N); END_STEP
+TRANSITION FROM Idle TO Fill := go AND {variable}; END_TRANSITION
+TRANSITION FROM Fill TO Idle := Fill.T > T#1s; END_TRANSITION
+ACTION Count: {variable} := NOT {variable}; END_ACTION
+END_PROGRAM
+"""
+    text, report = _text_for(sfc.loads(text.encode(), format="iec-text"))
+    assert not report.with_outcome(Outcome.NOT_EXECUTED)
+    assert f":= go AND {variable};" in text
+    assert "Fill_1.T > T#1s" in text
+    assert f"{variable} := NOT {variable};" in text
+    require_matiec().build(text, tmp_path)
+
+
 def test_what_nothing_declares_is_in_the_report() -> None:
     project = sfc.loads(_HEAD.format(body=CHARTS["selection"].replace("c AND", "cc AND")).encode(), format="iec-text")
     project.pou("Plant").interface.sections[0].variables.append(m.Variable(name="lamp", type=m.DerivedType(name="Led")))

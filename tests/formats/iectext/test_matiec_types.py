@@ -55,3 +55,26 @@ def test_the_compiler_says_the_same(tmp_path: Path) -> None:
     for number, statement in enumerate(_statements(REFUSED)[::4]):
         with pytest.raises(MatiecError):
             matiec.build(_converted(statement)[0], tmp_path / str(number))
+
+
+STRINGS = """TYPE Label : STRUCT text : STRING; END_STRUCT; END_TYPE
+FUNCTION Longer : STRING VAR_INPUT x : STRING[10]; END_VAR Longer := x; END_FUNCTION
+FUNCTION_BLOCK Main
+VAR_INPUT s : STRING; END_VAR
+VAR_OUTPUT n : INT; END_VAR
+VAR l : Label; END_VAR
+l.text := Longer(s); n := LEN(l.text);
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.mark.parametrize("source", ["iec-text", "codesys", "scl", "simaticml"])
+def test_strings_have_the_length_of_matiec(source: str, tmp_path: Path) -> None:
+    project = sfc.loads(STRINGS.encode(), format="iec-text")
+    project = sfc.loads(sfc.convert(project, source).data, format=source, as_tool=True)
+    data, report = sfc.convert(project, "iec-text", flavour="matiec")
+    assert "STRING[" not in data.decode()
+    losses = {(item.outcome, item.what) for item in report.losses}
+    assert losses == {(Outcome.APPROXIMATED, "string")}
+    caller = "PROGRAM Plant\nVAR one : Main; END_VAR\none(s := 'a');\nEND_PROGRAM\n"
+    require_matiec().build(data.decode() + caller, tmp_path)
