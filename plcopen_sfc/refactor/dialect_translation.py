@@ -101,13 +101,9 @@ def translate_project(
     counting = (project.address_dialect, addresses or target)
     computed = compute_constants(project) if target is Dialect.SCL and source is not target else []
     computed += _number_bits(project, target)
-    functions = {
-        pou.name.casefold(): [v.name for kind in _ARGUMENTS for v in pou.variables(kind)]
-        for pou in project.pous
-        if pou.kind is PouKind.FUNCTION
-    }
+    functions, listed = _inputs_of_functions(project), _other_names(project, target)
     globals_ = _Globals(
-        *(s7_types(project), frozenset(_global_names(project)), functions, _other_names(project, target)),
+        *(s7_types(project), frozenset(_global_names(project)), functions, listed),
         Resolver(project, source),
         local_tags(project) if (source is Dialect.SCL) is not (target is Dialect.SCL) else {},
         calls_actions,
@@ -182,7 +178,8 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
 
     The others stay as they are: tools of both read most of each other's text. Anything that only CODESYS has is noted.
     """
-    known = _Globals(s7_types(project), frozenset(_global_names(project)), {}, {}, None)
+    functions = _inputs_of_functions(project)
+    known = _Globals(s7_types(project), frozenset(_global_names(project)), functions, {}, None)
     resolver = Resolver(project, project.dialect)
     found = _number_bits(project, target)
     enumerations = {each.name.casefold() for each in project.data_types if isinstance(each.type, EnumType)}
@@ -403,6 +400,15 @@ def _global_names(project: Project) -> set[str]:
     names = {variable.name for section in sections for variable in section.variables}
     names |= {section.name for section in sections if section.name}
     return names | {thing.name for thing in project.objects()}
+
+
+def _inputs_of_functions(project: Project) -> dict[str, list[str]]:
+    """Return the inputs of the functions of a project, which hide standard ones with their names."""
+    return {
+        pou.name.casefold(): [v.name for kind in _ARGUMENTS for v in pou.variables(kind)]
+        for pou in project.pous
+        if pou.kind is PouKind.FUNCTION
+    }
 
 
 @dataclass(frozen=True, slots=True)

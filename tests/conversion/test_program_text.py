@@ -304,3 +304,17 @@ def test_statements_that_a_pragma_leaves_out_are_executed_in_codesys_2_3() -> No
     _, report = sfc.convert(project, "codesys23", partial=True)
     (item,) = report.with_outcome(Outcome.NOT_EXECUTED)
     assert "no pragmas that leave statements out" in item.why
+
+
+OWN_FUNCTION = """FUNCTION {name} : REAL VAR_INPUT y, x : REAL; END_VAR {name} := y * x + 1.0; END_FUNCTION
+PROGRAM Main VAR_OUTPUT q : REAL; END_VAR q := {name}(2.0, 5.0); END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize("target", ["codesys", "codesys23", "plcopen"])
+@pytest.mark.parametrize("name", ["ATAN2", "ADD_TIME", "Ratio"])
+def test_a_function_of_the_project_is_no_standard_one_that_the_target_lacks(name: str, target: str) -> None:
+    project = sfc.loads(OWN_FUNCTION.format(name=name).encode(), format="iec-text")
+    data, report = sfc.convert(project, target)
+    assert report.losses == []
+    assert sfc.simulate(sfc.loads(data, as_tool=True), pou="Main", scans=1)["q"][0] == 11.0
