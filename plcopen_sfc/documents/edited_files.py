@@ -283,7 +283,7 @@ def _merged(
     except FormatError:  # references by position that lead elsewhere now
         return None
     if is_same:
-        _report_lost(project, back, kind, report)
+        _report_lost(project, back, kind, report, only_beside=is_other or kind.extension_data)
     return _Merged(data, is_same_to_tool=False) if is_same else None
 
 
@@ -342,12 +342,12 @@ class _Trees:
         return self.codec.to_tree(written, options, notes)
 
 
-def _report_lost(project: Project, back: Project, kind: Format, report: ConversionReport) -> None:
-    """Report what a file does not bring back of a project beside its objects, such as its header.
+def _report_lost(project: Project, back: Project, kind: Format, report: ConversionReport, *, only_beside: bool) -> None:
+    """Report what a file does not bring back of a project, or `only_beside` its objects, such as its header.
 
-    Writers report all that a format has no place for in an object; some write nothing else than objects.
+    Writers report what they rewrite, and what they keep as extension data, in objects; some write nothing else.
     """
-    empty: dict[str, list[object]] = {name: [] for name in Project.OBJECTS}
+    empty: dict[str, list[object]] = {name: [] for name in Project.OBJECTS} if only_beside else {}
     verify(project.model_copy(update=empty), kind, back.model_copy(update=empty), report)
 
 

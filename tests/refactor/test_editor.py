@@ -437,6 +437,19 @@ def test_a_macro_step_and_back() -> None:
     assert labels(project) == WHOLE
 
 
+@pytest.mark.parametrize("form", ["twincat", "codesys-export"])
+@pytest.mark.parametrize(("name", "value"), [("number", 7), ("title", "full"), ("warning_time", "T#5s")])
+def test_what_a_file_has_no_place_for_is_told_when_it_is_saved(form: str, name: str, value: object) -> None:
+    project = sfc.loads(sfc.convert(plant(), form, partial=True).data)
+    assert not sfc.convert(project).report.with_outcome(sfc.Outcome.DROPPED)
+    project.edit().set("Main.Fill", **{name: value})
+    (told,) = sfc.convert(project).report.with_outcome(sfc.Outcome.DROPPED)
+    assert told.path == f"POU Main / step Fill / {name.replace('_', ' ')}"
+    project.edit().set("Main.Fill", **{name: None})
+    project.edit().set("Main.Fill", max_time="T#9s")
+    assert not sfc.convert(project).report.with_outcome(sfc.Outcome.DROPPED)
+
+
 RULED = """GRAFCET R
 INPUTS
     a
