@@ -10,10 +10,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from itertools import combinations
 from textwrap import dedent, indent
 
 from plcopen_sfc.languages.binding.name_uses import Names, Occurrence, dialect_of
-from plcopen_sfc.languages.binding.shared_scans import Place, Row, changed_places, place_of_name, place_of_step
+from plcopen_sfc.languages.binding.shared_scans import (
+    Place,
+    Row,
+    SharedScans,
+    changed_places,
+    place_of_name,
+    place_of_step,
+)
 from plcopen_sfc.languages.binding.text_sites import SiteKind
 from plcopen_sfc.languages.il import statements
 from plcopen_sfc.languages.networks import shown_body
@@ -68,6 +76,9 @@ def use_iec_steps(journal: Journal, chart: SfcNetwork, *, guarded: bool = False)
         return place_of_name(f"{step.name}_active" if is_code else f"{step.main_action}") if is_main else None
 
     reasons += changed_places(chart, pou, dialect_of(project), by_name)
+    if not guarded:
+        own = [(step, step.main_action) for step in chart.steps if isinstance(step.main_action, str)]
+        reasons += _executed_once(chart, pou, dialect_of(project), own)
     if reasons:
         raise refused(what, reasons)
     changed = [] if any(chart.associations()) else write_notation(project, [chart], journal, members=True)
@@ -83,6 +94,16 @@ def use_iec_steps(journal: Journal, chart: SfcNetwork, *, guarded: bool = False)
         association = ActionAssociation(id=chart.new_id(), qualifier=Qualifier.N, target=action)
         journal.put(step, "actions", [association, *step.actions])
     return changed
+
+
+def _executed_once(chart: SfcNetwork, pou: Pou, dialect: Dialect, called: list[tuple[Step, str]]) -> list[str]:
+    """Return which steps are active together and execute one action: IEC steps once in a scan, simple ones each."""
+    scans = SharedScans(chart, pou, dialect)
+    return [
+        f"{one.name} and {other.name} execute {name}, IEC steps once in a scan and simple steps each"
+        for (one, name), (other, again) in combinations(called, 2)
+        if name.casefold() == again.casefold() and scans.are_together(one, other)
+    ]
 
 
 def _check_tool(project: Project, what: str) -> None:
@@ -155,6 +176,8 @@ def use_simple_steps(journal: Journal, chart: SfcNetwork) -> list[str]:
         return place_of_step(numbers[row[0].id]) if is_row else None
 
     reasons += changed_places(chart, pou, dialect_of(project), by_step)
+    own = [(step, each.target or "") for step in chart.steps for each in step.actions if id(each) in executing]
+    reasons += _executed_once(chart, pou, dialect_of(project), own)
     if reasons:
         raise refused(what, reasons)
     if not done:

@@ -188,6 +188,23 @@ def test_steps_that_are_active_together_keep_the_order_of_their_actions() -> Non
         ordered.edit().use_simple_steps(chart_of(ordered))
 
 
+def test_steps_that_are_active_together_execute_an_action_twice_or_once() -> None:
+    project = project_of(BESIDE.replace("n := n * 2 MOD 7;", "Add();").replace("n := (n + 1) MOD 7;", "Add();"))
+    chart = chart_of(project)
+    project.pou("Main").add_action("Add", "n := (n + 1) MOD 7;")
+    for each in chart.steps[1:]:
+        each.main_action = "Add"
+    with pytest.raises(sfc.ModelError, match="Zeta and Alpha execute Add, IEC steps once in a scan and simple steps"):
+        project.edit().use_iec_steps(chart)
+    edit = project.edit(prove=True)
+    edit.use_iec_steps(chart, guarded=True)
+    assert all(proof.equal for proof in edit.proofs)
+    for each in chart.steps[1:]:
+        each.actions[0].target = "Add"
+    with pytest.raises(sfc.ModelError, match="Zeta and Alpha execute Add"):
+        project.edit().use_simple_steps(chart)
+
+
 def test_steps_behind_each_other_become_iec_steps_and_simple_ones_whatever_their_names() -> None:
     project = project_of(SIMPLE.replace("odd := NOT odd;", "odd := NOT odd AND NOT lamp;"))
     edit = project.edit(prove=True)
