@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from plcopen_sfc.diagnostics import Severity
@@ -52,7 +52,6 @@ from plcopen_sfc.model import (
     ActionAssociation,
     Interface,
     Pou,
-    PouKind,
     Project,
     SfcBody,
     SfcNetwork,
@@ -101,10 +100,10 @@ def translate_project(
     counting = (project.address_dialect, addresses or target)
     computed = compute_constants(project) if target is Dialect.SCL and source is not target else []
     computed += _number_bits(project, target)
-    functions, listed = _inputs_of_functions(project), _other_names(project, target)
+    resolver = Resolver(project, source)
     globals_ = _Globals(
-        *(s7_types(project), frozenset(_global_names(project)), functions, listed),
-        Resolver(project, source),
+        *(s7_types(project), frozenset(_global_names(project)), resolver.functions, _other_names(project, target)),
+        resolver,
         local_tags(project) if (source is Dialect.SCL) is not (target is Dialect.SCL) else {},
         calls_actions,
         counting,
@@ -178,9 +177,8 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
 
     The others stay as they are: tools of both read most of each other's text. Anything that only CODESYS has is noted.
     """
-    functions = _inputs_of_functions(project)
-    known = _Globals(s7_types(project), frozenset(_global_names(project)), functions, {}, None)
     resolver = Resolver(project, project.dialect)
+    known = _Globals(s7_types(project), frozenset(_global_names(project)), resolver.functions, {}, None)
     found = _number_bits(project, target)
     enumerations = {each.name.casefold() for each in project.data_types if isinstance(each.type, EnumType)}
     # by its header a file that a tool of CODESYS made, and that was converted for others
@@ -190,7 +188,11 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
         if family(target) is Dialect.IEC:
             found += _only_of_codesys(text_site, project.dialect, resolver)
         is_statements = text_site.reading is SiteKind.STATEMENTS
-        is_own = not is_foreign(text_site.text, is_statements, project.dialect, target, enumerations)
+        is_own = not is_foreign(
+            *(text_site.text, is_statements, project.dialect, target),
+            enumerations=enumerations,
+            functions=resolver.functions,
+        )
         if family(target) is Dialect.CODESYS and is_own:
             narrower = _without_widening(text_site, project.dialect, target, resolver) if of_codesys else None
             if narrower is not None:
@@ -210,12 +212,14 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
         if is_wider or is_lost or not is_own:
             found.append(TranslatedText(text_site.report_path, result.text != text_site.text, result.notes))
             text_site.put(result.text)
-    return found + list(_rounding_boxes(every, project.dialect, target))
+    return [*found, *_rounding_boxes(every, project.dialect, target, resolver.functions)]
 
 
-def _rounding_boxes(sites: Iterable[TextSite], source: Dialect, target: Dialect) -> Iterator[TranslatedText]:
+def _rounding_boxes(
+    sites: Iterable[TextSite], source: Dialect, target: Dialect, functions: Collection[str]
+) -> Iterator[TranslatedText]:
     for site in sites:
-        is_box = site.key == "type_name" and isinstance(site.owner, Block)
+        is_box = site.key == "type_name" and isinstance(site.owner, Block) and site.text.casefold() not in functions
         if is_box and (why := other_rounding(site.text.upper(), family(source), family(target))):
             yield TranslatedText(site.report_path, changed=False, notes=(Note(Severity.WARNING, why, (0, 0), 1, 1),))
 
@@ -363,9 +367,6 @@ def _reason_of_codesys(node: Node, types: ExpressionTypes) -> str:
     return f"IEC 61131-3 has no {node.operator.value} of {bits}: only tools of CODESYS compile it" if bits else ""
 
 
-_ARGUMENTS = (SectionKind.INPUT, SectionKind.IN_OUT)
-
-
 def _names_of_results(project: Project, source: Dialect, target: Dialect) -> Renames:
     """Return the new names of functions that cannot keep theirs: their results have the same."""
     renames = Renames()
@@ -402,15 +403,6 @@ def _global_names(project: Project) -> set[str]:
     return names | {thing.name for thing in project.objects()}
 
 
-def _inputs_of_functions(project: Project) -> dict[str, list[str]]:
-    """Return the inputs of the functions of a project, which hide standard ones with their names."""
-    return {
-        pou.name.casefold(): [v.name for kind in _ARGUMENTS for v in pou.variables(kind)]
-        for pou in project.pous
-        if pou.kind is PouKind.FUNCTION
-    }
-
-
 @dataclass(frozen=True, slots=True)
 class _Globals:
     """The types of a project as S7 has them, its global names, the inputs of functions, and names of lists.
@@ -422,7 +414,7 @@ class _Globals:
 
     types: S7Types
     names: frozenset[str]
-    functions: dict[str, list[str]]
+    functions: Mapping[str, Sequence[str]]
     listed: dict[str, tuple[str, ...]]
     resolver: Resolver | None
     tags: dict[str, dict[str, Tag]] = field(default_factory=dict)
@@ -496,7 +488,15 @@ def _with_types(
     holder = text_site.holder if text_site is not None and text_site.key == "value" else None
     if isinstance(holder, ActionAssociation) and holder.target is not None:
         wanted = type_of(parse_expression(holder.target, resolver.dialect).tree)
-    return replace(context, type_of=type_of, parameter_type=parameter_type, wanted=wanted, is_instance=is_instance)
+    functions = context.functions or resolver.functions
+    return replace(
+        context,
+        functions=functions,
+        type_of=type_of,
+        parameter_type=parameter_type,
+        wanted=wanted,
+        is_instance=is_instance,
+    )
 
 
 def _boxes_of_other_types(

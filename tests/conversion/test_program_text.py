@@ -306,15 +306,32 @@ def test_statements_that_a_pragma_leaves_out_are_executed_in_codesys_2_3() -> No
     assert "no pragmas that leave statements out" in item.why
 
 
-OWN_FUNCTION = """FUNCTION {name} : REAL VAR_INPUT y, x : REAL; END_VAR {name} := y * x + 1.0; END_FUNCTION
-PROGRAM Main VAR_OUTPUT q : REAL; END_VAR q := {name}(2.0, 5.0); END_PROGRAM
+OWN = """FUNCTION {name} : REAL VAR_INPUT x : REAL; END_VAR {name} := x + 3.0; END_FUNCTION
+PROGRAM Main VAR_INPUT x : REAL; END_VAR VAR_OUTPUT r : REAL; END_VAR r := {name}(x); END_PROGRAM
 """
 
 
-@pytest.mark.parametrize("target", ["codesys", "codesys23", "plcopen"])
-@pytest.mark.parametrize("name", ["ATAN2", "ADD_TIME", "Ratio"])
-def test_a_function_of_the_project_is_no_standard_one_that_the_target_lacks(name: str, target: str) -> None:
-    project = sfc.loads(OWN_FUNCTION.format(name=name).encode(), format="iec-text")
+@pytest.mark.parametrize("target", ["codesys", "codesys23", "codesys-export", "plcopen-2.01", "simaticml", "scl"])
+@pytest.mark.parametrize(
+    "name", ["Ratio", "ATAN2", "ADD_TIME", "CONCAT_DATE", "SUB_TIME", "REAL_TO_TIME", "REAL_TO_INT", "TO_LREAL"]
+)
+def test_a_function_of_the_project_is_called_and_no_standard_one(name: str, target: str) -> None:
+    project = sfc.loads(OWN.format(name=name).encode(), format="iec-text")
     data, report = sfc.convert(project, target)
-    assert report.losses == []
-    assert sfc.simulate(sfc.loads(data, as_tool=True), pou="Main", scans=1)["q"][0] == 11.0
+    assert not report.losses
+    result = sfc.loads(data, format=target, as_tool=True)
+    runs = [
+        sfc.simulate(each, pou="Main", scans=1, inputs=lambda *_: {"x": 2.25})["r"][0] for each in (project, result)
+    ]
+    assert runs == [5.25, 5.25]
+
+
+@pytest.mark.parametrize("target", ["codesys", "codesys-export"])
+@pytest.mark.parametrize(
+    "operand", ["STRING", "wstring", "DINT", "DATE_AND_TIME", "POINTER TO INT", "ARRAY[0..n] OF BYTE"]
+)
+@pytest.mark.parametrize("operator", ["__NEW", "SIZEOF"])
+def test_types_that_operators_of_codesys_take_are_no_undeclared_names(operator: str, operand: str, target: str) -> None:
+    text = f"PROGRAM Main VAR p : POINTER TO BYTE; n : INT; END_VAR p := {operator}({operand}); n := INTT; END_PROGRAM"
+    losses = sfc.convert(sfc.loads(text.encode(), format="iec-text"), target, partial=True).report.losses
+    assert [item.why.split("`")[1] for item in losses if item.what == "undeclared name"] == ["INTT"]

@@ -491,7 +491,7 @@ def replace_later_language(project: Project, report: ConversionReport) -> None:
             site.put(render(parsed, tree))
             why = "CoDeSys 2.3 has neither S= and R= nor values of enumerations with the name of their type"
             report.add(Outcome.TRANSLATED, "text", site.report_path, why)
-        for word in dict.fromkeys(word for node in walk(tree) for word in _words(node, enumerations)):
+        for word in dict.fromkeys(word for node in walk(tree) for word in _words(node, enumerations, functions)):
             report.add(
                 Outcome.NOT_EXECUTED, "text", site.report_path, f"CoDeSys 2.3 has no {word}: it does not compile"
             )
@@ -560,8 +560,11 @@ def _with_all_inputs(functions: Mapping[str, Pou], node: n.Node) -> n.Node:
     return replace(node, arguments=(*node.arguments, *added))
 
 
-def _words(node: n.Node, enumerations: Collection[str]) -> Iterator[str]:
+def _words(node: n.Node, enumerations: Collection[str], functions: Collection[str]) -> Iterator[str]:
+    """Yield what CoDeSys 2.3 does not have; `functions` are those of the project, in lower case."""
     match node:
+        case n.Call(callee=n.Name(identifier=name)) if name.casefold() in functions:
+            pass
         case n.Operation(operator=n.Operator.AND_THEN | n.Operator.OR_ELSE as operator):
             yield operator.value
         case n.Assignment(kind=kind) if kind is not n.AssignmentKind.ASSIGN:

@@ -63,6 +63,13 @@ class Resolver:
         self.scopes = Scopes(project)
 
     @cached_property
+    def functions(self) -> dict[str, list[str]]:
+        """The inputs of the functions that the project declares, by their names in lower case."""
+        kinds = (SectionKind.INPUT, SectionKind.IN_OUT)
+        functions = (pou for pou in self.project.pous if pou.kind is PouKind.FUNCTION)
+        return {pou.name.casefold(): [v.name for kind in kinds for v in pou.variables(kind)] for pou in functions}
+
+    @cached_property
     def constants(self) -> frozenset[int]:
         """The ids of the variables and entries of tables of tags that are declared as constants."""
         pous = self.project.pous

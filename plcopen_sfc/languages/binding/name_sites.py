@@ -11,6 +11,7 @@ from typing import Any
 
 from plcopen_sfc.languages.binding.text_sites import Role
 from plcopen_sfc.languages.declarations.kept_texts import kept_entries
+from plcopen_sfc.languages.declarations.type_names import ELEMENTARY
 from plcopen_sfc.languages.grafcet_conditions import OVERLINE, program_parts
 from plcopen_sfc.languages.il import CALLS, JUMPS, instructions
 from plcopen_sfc.languages.networks.exported_networks import network_operands
@@ -93,8 +94,11 @@ def in_tree(node: n.Node, dialect: Dialect, access: str = "") -> Iterator[Refere
         for argument in node.arguments:
             if argument.name is not None:
                 yield named(argument.name, callee=node.callee)
-            if argument.value is not None:
+            if argument.value is not None and not (_takes_type(node) and _is_elementary(argument.value)):
                 yield from in_tree(argument.value, dialect)
+    elif isinstance(node, n.TypeOperand) and _is_elementary(node.base):
+        for bound in node.bounds:
+            yield from in_tree(bound, dialect)
     elif isinstance(node, n.Assignment | n.AssignmentExpression):
         yield from in_tree(node.target, dialect)
         yield from _expecting(node.target, node.value, dialect)
@@ -210,6 +214,21 @@ def in_instructions(text: str, dialect: Dialect) -> Iterator[Reference]:
         for operand in instruction.operands:
             tree = operand.parsed.tree
             yield from moved(in_tree(n.CallStatement(tree) if calls else tree, dialect), operand.start)
+
+
+def _takes_type(call: n.Call) -> bool:
+    """True for operators of CODESYS whose operand may be a type: ``__NEW(STRING)``."""
+    return isinstance(call.callee, n.Name) and call.callee.identifier.upper() in _OF_TYPES
+
+
+_OF_TYPES = frozenset({"__NEW", "SIZEOF", "XSIZEOF"})
+
+
+def _is_elementary(operand: n.Expression) -> bool:
+    """True for the name of an elementary type: nothing that is declared can have it."""
+    if not isinstance(operand, n.Name) or operand.quoting is not Quoting.NONE:
+        return False
+    return operand.identifier.upper() in ELEMENTARY.keys() | {"STRING", "WSTRING"}
 
 
 def in_networks(text: str, dialect: Dialect) -> Iterator[Reference]:

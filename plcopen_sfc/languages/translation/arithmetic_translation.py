@@ -315,7 +315,9 @@ class ArithmeticTranslator:
         block = standard_block(name)
         operator = block.operator or operator_of(block, Dialect.CODESYS) if block is not None else None
         types = {self.types.value(each).type for each in operands}
-        if found is not None and found["result"] == "TIME":
+        if name.casefold() in self._context.functions:
+            pass  # nothing is known of its result
+        elif found is not None and found["result"] == "TIME":
             self._note_sign_of_time(call, None, operands)
         elif operator is not None and "TIME" in types and not INSTANTS & types:
             self._note_sign_of_time(call, operator, operands)

@@ -249,20 +249,27 @@ def _without_chains(node: Node) -> Node:
 
 
 def is_foreign(
-    text: str, is_statements: bool, source: Dialect, target: Dialect, enumerations: Collection[str] = ()
+    text: str,
+    is_statements: bool,
+    source: Dialect,
+    target: Dialect,
+    *,
+    enumerations: Collection[str] = (),
+    functions: Collection[str] = (),
 ) -> bool:
     """True if `text` has what `target` writes otherwise, beside names: ``q S= a``, ``a AND_THEN b``, ``a ** b``.
 
-    So it does with the values of `enumerations`, named in lower case: ``Color.red`` and ``Color#red``.
+    So it does with the values of `enumerations`, named in lower case: ``Color.red`` and ``Color#red``. `functions`:
+    those of the project, in lower case, which are called instead of standard ones.
     """
     parsed = parse_statements(text, source) if is_statements else parse_condition(text, source)
-    return any(_is_foreign(node, family(target), enumerations) for node in walk(parsed.tree))
+    return any(_is_foreign(node, family(target), enumerations, functions) for node in walk(parsed.tree))
 
 
 _DURATIONS = frozenset({"T", "TIME", "LT", "LTIME"})
 
 
-def _is_foreign(node: Node, target: Dialect, enumerations: Collection[str]) -> bool:
+def _is_foreign(node: Node, target: Dialect, enumerations: Collection[str], functions: Collection[str]) -> bool:
     match node:
         case n.Member(base=n.Name(identifier=name)) if name.casefold() in enumerations:
             return target is Dialect.IEC
@@ -272,6 +279,8 @@ def _is_foreign(node: Node, target: Dialect, enumerations: Collection[str]) -> b
             return translated_literal(text, Dialect.IEC, target) != PartText(text)
         case n.Operation(operator=Operator.POWER):
             return target is Dialect.CODESYS
+        case n.Call(callee=n.Name(identifier=name)) if name.casefold() in functions:
+            return False
         case n.Call():
             return is_called_otherwise(node, target)
         case n.Operation(operator=Operator.AND_THEN | Operator.OR_ELSE) | n.AssignmentExpression():
