@@ -54,6 +54,10 @@ def test_rules_are_those_of_the_tool_whose_charts_a_file_keeps(
     sfc.save(sfc.load(ROOT / "fixtures" / "codesys" / "distribution_belt.xml"), path, format="simaticml", partial=True)
     text = told(capsys, "info", path, "--no-charts")
     assert "rules    execution profile codesys (charts of CODESYS, which the file keeps)" in text
+    path = tmp_path / "plan.json"
+    sfc.save(sfc.load(ROOT / "fixtures" / "grafcet" / "forcing.gct"), path, format="json")
+    text = told(capsys, "info", path, "--no-charts")
+    assert "rules    execution profile grafcet (GRAFCETs (IEC 60848) as text, which the file keeps)" in text
 
 
 def test_a_folder(capsys: pytest.CaptureFixture[str]) -> None:

@@ -70,8 +70,11 @@ def _print_file(screen: Screen, summary: FileSummary) -> None:
 
 
 def _rules(summary: FileSummary) -> str:
-    kept = f" (charts of {format_named(summary.kept_of)[0].tool}, which the file keeps)" if summary.kept_of else ""
-    return f"execution profile {summary.rules}{kept}" if summary.rules else ""
+    if not summary.rules:
+        return ""
+    kind = format_named(summary.kept_of)[0] if summary.kept_of else None
+    kept = f" ({f'charts of {kind.tool}' if kind.tool else kind.title}, which the file keeps)" if kind else ""
+    return f"execution profile {summary.rules}{kept}"
 
 
 def _first(names: list[str]) -> str:
