@@ -29,6 +29,7 @@ from plcopen_sfc.analysis.pairing import (
     delays,
     heed_called,
     heed_instability,
+    in_retiming,
     retimed,
     step_observations,
     with_commands,
@@ -198,7 +199,8 @@ def _best_of(wanted: Sequence[Delay], compared: _Compared, tries: _Tries) -> Ver
     likeliest delay comes first, and no other where that one shows no difference. A delay that no time is left for is
     not known to make a difference.
     """
-    longest: tuple[int, Delay, Verdict | None] | None = None
+    longest: tuple[tuple[int, bool], Delay, Verdict | None] | None = None
+    likely = in_retiming(compared.profiles) or 0
     best: Verdict | None = None
     end = spent() + tries.limit if tries.limit is not None else None
     if tries.limit is not None and 2 * len(wanted) * compared.preparing > tries.limit:
@@ -225,9 +227,12 @@ def _best_of(wanted: Sequence[Delay], compared: _Compared, tries: _Tries) -> Ver
                 continue
             assert found.counterexample is not None  # noqa: S101  # it is different
             length = len(found.counterexample.inputs)
+        if each.scans * likely < 0:
+            continue  # the side whose actions come first is the later one, if any
         length -= abs(each.queued)  # scans without a counterpart
-        if longest is None or length > longest[0]:
-            longest = length, each, found
+        rank = length, each.scans == likely
+        if longest is None or rank > longest[0]:
+            longest = rank, each, found
     if best is not None:
         return best
     assert longest is not None  # noqa: S101  # at least one was tried

@@ -124,10 +124,10 @@ def delays(wanted: int | str | Delay | Iterable[int], profiles: Sequence[Profile
     numbers = [wanted] if isinstance(wanted, int) else sorted(wanted, key=lambda each: (abs(each), -each))
     if not numbers:
         raise ModelError("there is no delay to try")
-    return tuple(_forms(numbers, _in_retiming(profiles)))
+    return tuple(_forms(numbers, in_retiming(profiles)))
 
 
-def _in_retiming(profiles: Sequence[Profile]) -> int | None:
+def in_retiming(profiles: Sequence[Profile]) -> int | None:
     """Return the scans that the second is later where scans are cut at the same place; None: that changes nothing."""
     actions_first = [each.order is not ScanOrder.TRANSITIONS_FIRST for each in profiles]
     if actions_first[0] == actions_first[1]:
@@ -136,12 +136,12 @@ def _in_retiming(profiles: Sequence[Profile]) -> int | None:
     return 1 if actions_first[1] else -1
 
 
-def _forms(numbers: Iterable[int], in_retiming: int | None) -> Iterator[Delay]:
+def _forms(numbers: Iterable[int], retimed_number: int | None) -> Iterator[Delay]:
     for number in numbers:
         yield Delay(number)
         if number:
             yield Delay(number, late_start=True)
-        if number == in_retiming:
+        if number == retimed_number:
             yield Delay(number, retimed=True)
             if number:
                 yield Delay(number, retimed=True, operated_later=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
@@ -16,7 +16,7 @@ from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action
 from plcopen_sfc.model.project import Chart
-from plcopen_sfc.model.sfc import ActionAssociation, Step
+from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step
 from plcopen_sfc.model.types import SimpleValue
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import INPUTS_OF_ACTIONS, ORDER_OF_ACTIONS, START_OF_CHART, Item
@@ -144,12 +144,13 @@ def _told_start(example: Counterexample, chart: Chart, profiles: tuple[Profile, 
     if profiles[0].initial_steps_entered is profiles[1].initial_steps_entered:
         return ""
     side = tool if profiles[0].initial_steps_entered else "the source"
-    begun = {step.name: {"entry action"} for step in chart.chart.steps if step.initial}
-    for step, row in chart.chart.associations():
+    networks = [network for network, _ in _networks(chart)]
+    begun = {step.name: {"entry action"} for network in networks for step in network.steps if step.initial}
+    for step, row in (each for network in networks for each in network.associations()):
         if step.name in begun and row.qualifier is not Qualifier.N:
             begun[step.name].add(_told_row(row))
     for name in (each.name for each in example.differences if not each.error):
-        if any(last in begun.get(step, ()) for step, last in _writers(name, chart)):
+        if any(each.told in begun.get(each.step.name, ()) for each in _writers(name, chart)):
             return f"the start is no activation of the initial step in {side}: what begins with that is not executed"
     return ""
 
@@ -241,53 +242,75 @@ def _read_at(places: Iterable[str], chart: Chart) -> Iterator[str]:
     project = chart.pou.project
     if project is None:
         return
-    wanted, labels = set(places), chart.chart.labels()
-    for transition in chart.chart.transitions:
-        if f"{chart.report_path} / transition {labels.get(transition.id, '')}" in wanted:
-            yield from names_in(transition, project.dialect)
-    actions = actions_by_name(chart.pou)
-    for step, row in chart.chart.associations():
-        if f"{chart.report_path} / step {step.name} / {_told_row(row)}" in wanted:
-            yield from (name for path in _reads(step, row, actions, project.dialect) for name in path)
+    wanted, actions = set(places), actions_by_name(chart.pou)
+    for network, path in _networks(chart):
+        labels = network.labels()
+        for transition in network.transitions:
+            if f"{path} / transition {labels.get(transition.id, '')}" in wanted:
+                yield from names_in(transition, project.dialect)
+        for step, row in network.associations():
+            if f"{path} / step {step.name} / {_told_row(row)}" in wanted:
+                yield from (name for read in _reads(step, row, actions, project.dialect) for name in read)
+
+
+def _networks(chart: Chart) -> Iterator[tuple[SfcNetwork, str]]:
+    """Yield a chart and the partial charts in it, with their paths."""
+    yield chart.chart, chart.report_path
+    for partial_chart in chart.chart.partial_charts:
+        yield partial_chart.chart, f"{chart.report_path} / {partial_chart.name}"
 
 
 def _places(name: str, example: Counterexample, chart: Chart) -> Iterator[str]:
     """Yield the paths of what determines something of a chart: transitions of a step, actions that write a variable."""
-    sfc, path = chart.chart, chart.report_path
-    step = next((each for each in sfc.steps if f"{each.name}.X" == name), None)
-    if step is not None:
-        labels = sfc.labels()
+    for network, path in _networks(chart) if name.endswith(".X") else ():
+        step = next((each for each in network.steps if _is_shown(each, network, chart, {name[:-2]})), None)
+        if step is None:
+            continue
+        labels = network.labels()
         active = example.left.active(len(example.inputs) - 2) if len(example.inputs) > 1 else []
-        before = {each.id for each in sfc.steps if each.name in active or (not active and each.initial)}
-        for transition in sfc.transitions:
+        is_active = {each.id: _is_shown(each, network, chart, active) for each in network.steps}
+        before = {each.id for each in network.steps if is_active[each.id] or (not active and each.initial)}
+        for transition in network.transitions:
             if step.id in (*transition.sources, *transition.targets) and before.issuperset(transition.sources):
                 yield f"{path} / transition {labels[transition.id]}"
-    else:
-        near = {step for scan in range(len(example.inputs))[-2:] for step in example.left.active(scan)}
-        found = [(step, f"{path} / step {step} / {last}") for step, last in _writers(name, chart)]
-        yield from [place for step, place in found if step in near] or [place for _, place in found]
+        return
+    near = {step for scan in range(len(example.inputs))[-2:] for step in example.left.active(scan)}
+    found = [(_is_shown(each.step, each.network, chart, near), each.place) for each in _writers(name, chart)]
+    yield from [place for is_near, place in found if is_near] or [place for _, place in found]
 
 
-def _writers(name: str, chart: Chart) -> Iterator[tuple[str, str]]:
-    """Yield the writers of a variable: the name of a step, and the action."""
-    return ((step.name, called) for step, called, _ in _writing_rows(name, chart))
+def _is_shown(step: Step, network: SfcNetwork, chart: Chart, names: Collection[str]) -> bool:
+    """True if a step of a chart, or of a partial chart in it (``G1.M2.E2``), is among names of steps in a trace."""
+    if network is chart.chart:
+        return step.name in names
+    return any(step.name in name.split(".") for name in names)
 
 
-def _writing_rows(name: str, chart: Chart) -> Iterator[tuple[Step, str, ActionAssociation]]:
-    """Yield the rows that write a variable: the step, the action in words, and the row, also of an action of a step."""
+class _Writer(NamedTuple):
+    """A row that writes a variable, also of an action of a step; `told`: the action in words."""
+
+    network: SfcNetwork
+    step: Step
+    row: ActionAssociation
+    told: str
+    place: str
+
+
+def _writers(name: str, chart: Chart) -> Iterator[_Writer]:
+    """Yield the writers of a variable."""
     if chart.pou.project is None:
         return
-    scans = SharedScans(chart.chart, chart.pou, chart.pou.project.dialect)
-    for owner, row in chart.chart.associations():
-        if scans.writes((owner, row), name):
-            yield owner, _told_row(row), row
-    for owner in chart.chart.steps:
-        for kind in _STEP_ACTIONS:
-            action = getattr(owner, kind.replace(" ", "_"))
-            own = {"target": action} if isinstance(action, str) else {"body": action}
-            row = ActionAssociation(id=0, **own)
-            if action is not None and scans.writes((owner, row), name):
-                yield owner, kind, row
+    for network, path in _networks(chart):
+        scans = SharedScans(network, chart.pou, chart.pou.project.dialect)
+        rows = [(step, row, _told_row(row)) for step, row in network.associations()]
+        for step in network.steps:
+            for kind in _STEP_ACTIONS:
+                action = getattr(step, kind.replace(" ", "_"))
+                own = {"target": action} if isinstance(action, str) else {"body": action}
+                rows += [(step, ActionAssociation(id=0, **own), kind)] if action is not None else []
+        for step, row, told in rows:
+            if scans.writes((step, row), name):
+                yield _Writer(network, step, row, told, f"{path} / step {step.name} / {told}")
 
 
 def _told_row(row: ActionAssociation) -> str:
@@ -384,9 +407,9 @@ def _read_inputs(example: Counterexample, chart: Chart) -> Iterator[str]:
     near = {step for scan in range(len(example.inputs))[-2:] for step in example.left.active(scan)}
     actions, reads = actions_by_name(chart.pou), set[tuple[str, ...]]()
     for each in example.differences:
-        for step, _, row in _writing_rows(each.name, chart):
-            if step.name in near or row.qualifier in STORING:
-                reads |= _reads(step, row, actions, project.dialect)
+        for writer in _writers(each.name, chart):
+            if _is_shown(writer.step, writer.network, chart, near) or writer.row.qualifier in STORING:
+                reads |= _reads(writer.step, writer.row, actions, project.dialect)
     for name in example.inputs[-1]:
         wanted = tuple(name.casefold().split("."))
         if any(path and (path == wanted or path == wanted[-1:]) for path in reads):
@@ -414,7 +437,7 @@ def _told_early(example: Counterexample, chart: Chart, profiles: tuple[Profile, 
         return early
     names = [each.name for each in example.differences if not each.error]
     begun = {step.name for step in chart.chart.initial_steps if _is_begun_once(step.name, example, is_late=is_late)}
-    if any(step in begun for name in names for step, _ in _writers(name, chart)):
+    if any(each.step.name in begun for name in names for each in _writers(name, chart)):
         what = "the actions of the initial step in its first scan, and others a scan later than"
         return f"{first} executes {what} {other}"
     order = f"{first} executes the actions before the transitions"
