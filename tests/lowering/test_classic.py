@@ -218,6 +218,8 @@ def test_the_first_network_of_textbook_code_is_that_of_the_first_step() -> None:
     steps = [f"Schrittmerker X{number} (M20.{number - 1})" for number in range(1, 6)]
     assert titles == [*steps, "Aktion 1M1", "Aktion 2M1", "Ende des Richtimpulses"]
     assert [fault.code for fault in made.faults] == ["LOW101", "LOW104", "LOW108"]
+    told = [line for line in made.faults[2].table() if all(name in line for name in ("1B2", "2B2", "START"))]
+    assert [line.split("|")[2].strip() for line in told] == ["never stable"]
     # with an input that starts it, the textbook waits for that
     chain = sfc.lower(sfc.load(FIXTURES / "grafcet" / "four_steps.gct"), "fup", **options)
     assert isinstance(chain.pou.body, FbdBody)

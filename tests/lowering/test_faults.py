@@ -250,7 +250,7 @@ def test_a_fault_as_text_as_data_and_as_finding() -> None:
     assert data["faults"][-1]["place"] == ["S1", "S2"]
     assert data["faults"][-1]["trace"][-1] == {
         "inputs": {"B1": False, "B2": False, "Init": True},
-        "chart": {"active": ["S1"], "outputs": {}},
+        "chart": {"active": ["S1"], "outputs": {}, "stable": True},
         "code": {"active": [], "outputs": {}},
     }
     finding = empties.diagnostic("Ablauf")

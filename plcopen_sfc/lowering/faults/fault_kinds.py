@@ -103,7 +103,8 @@ class FaultScan:
     """One scan of the inputs that show a fault, and the reaction of both.
 
     `inputs` are all that the code reads. `chart` and `code` are the steps that are active at its end, `chart_outputs`
-    and `code_outputs` the values of the outputs concerned.
+    and `code_outputs` the values of the outputs concerned. `is_stable`: False if the chart, a GRAFCET, fires
+    transitions without end in this scan, so that no steps of it are told.
     """
 
     inputs: Mapping[str, Value]
@@ -111,6 +112,7 @@ class FaultScan:
     code: tuple[str, ...]
     chart_outputs: Mapping[str, bool]
     code_outputs: Mapping[str, bool]
+    is_stable: bool = True
 
 
 @dataclass(frozen=True)
@@ -152,7 +154,8 @@ class Fault:
         outputs = list(self.trace[0].code_outputs)
         rows = [["scan", "|", "inputs", "|", "chart", *outputs, "|", "code", *outputs]]
         for number, scan in enumerate(self.trace, 1):
-            chart = [" ".join(scan.chart) or "-", *(_shown(scan.chart_outputs[name]) for name in outputs)]
+            steps = " ".join(scan.chart) or "-" if scan.is_stable else "never stable"
+            chart = [steps, *(_shown(scan.chart_outputs[name]) for name in outputs)]
             code = [" ".join(scan.code) or "-", *(_shown(scan.code_outputs[name]) for name in outputs)]
             rows.append([str(number), "|", self._given(scan.inputs), "|", *chart, "|", *code])
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
@@ -185,7 +188,11 @@ class Fault:
             "trace": [
                 {
                     "inputs": dict(scan.inputs),
-                    "chart": {"active": list(scan.chart), "outputs": dict(scan.chart_outputs)},
+                    "chart": {
+                        "active": list(scan.chart),
+                        "outputs": dict(scan.chart_outputs),
+                        "stable": scan.is_stable,
+                    },
                     "code": {"active": list(scan.code), "outputs": dict(scan.code_outputs)},
                 }
                 for scan in self.trace

@@ -20,6 +20,7 @@ from plcopen_sfc.analysis.product import Branching, failure_of
 from plcopen_sfc.analysis.stimuli import stimuli
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.analysis.timers import clocking
+from plcopen_sfc.errors import UnstableChartError
 from plcopen_sfc.lowering.faults.fault_detection import (
     CASE_RULES,
     FLIP_FLOP_RULES,
@@ -355,11 +356,11 @@ class _Showing:
             seen = self._code.scan(row.__getitem__, first=number == 0)
             if seen is None:
                 break
-            active = net.initial
+            active, failure = net.initial, None
             if seen.restarted:
                 self._chart.reset()
             else:
-                failure_of(self._chart, row.__getitem__, first=number == 0)
+                failure = failure_of(self._chart, row.__getitem__, first=number == 0)
                 active = self._chart.marking()
             values = {each.name: now for each, now in zip(self._facts.outputs, seen.outputs, strict=True)}
             scans.append(
@@ -369,6 +370,7 @@ class _Showing:
                     net.names(seen.marking),
                     dict(zip(outputs, map(bool, self._chart.observed_now()), strict=True)),
                     {name: values[name] for name in outputs},
+                    is_stable=not isinstance(failure, UnstableChartError),
                 )
             )
         return tuple(scans)
