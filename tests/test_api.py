@@ -200,10 +200,9 @@ def test_what_a_tool_would_not_do_of_a_file_is_told_before_the_import():
     drill = sfc.load(ROOT / "fixtures" / "simaticml" / "FB_Drill.xml")
     assert imported(drill, "tia") == imported(drill, "tia-V16") == []
     assert imported(sfc.load(CONVEYOR), "codesys") == imported(sfc.load(CONVEYOR), "twincat") == []
-    belt = sfc.load(ROOT / "fixtures" / "codesys" / "distribution_belt.xml")
-    found = {each.message.partition(": actions that ")[0]: each for each in sfc.check_import(belt, "tia")}
-    assert found["operating input: S7-GRAPH has no SFCInit"].code == "IMP001"
-    assert found["operating input: S7-GRAPH has no SFCInit"].location.line == 195
+    found = {each.message.partition(": several of ")[0]: each for each in sfc.check_import(sfc.load(CONVEYOR), "tia")}
+    assert found["operating input: S7-GRAPH has no SFCReset"].code == "IMP001"
+    assert found["operating input: S7-GRAPH has no SFCReset"].location.line == 152
     assert ("IMP002", "warning") in imported(drill, "codesys")  # a tag that is in no file
     assert ("IMP004", "error") in imported(drill, "codesys")
     assert ("IMP003", "info") in imported(sfc.load(FILLING), "beremiz")
