@@ -141,8 +141,8 @@ class StepRewriter:
         if checks:
             checks[-1:] = ["ELSE", *(f"    {line}" for line in self._checks.forgotten(step)), "END_IF;"]
             uses += self._checks.names(step.id)
-        # in this order, as S7-GRAPH executes what happens once before what is done in every cycle, and coils before
-        # all; names in this order too, in which CODESYS executes actions
+        # coils before all, as in S7-GRAPH; what happens once at the start is among the rest where it depends on rows
+        # above it. Names are in this order too, in which CODESYS executes actions
         units: dict[str, str] = {}
         for kind, qualifier, lines in (
             ("actions", Qualifier.N, [*checks, *rows.coils, *(later if not rows.entry else [])]),
