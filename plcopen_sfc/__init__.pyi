@@ -44,6 +44,7 @@ from plcopen_sfc.errors import (
     FormatError as FormatError,
     InputError as InputError,
     Location as Location,
+    ComparisonInterrupt as ComparisonInterrupt,
     LossError as LossError,
     LoweringError as LoweringError,
     ModelError as ModelError,

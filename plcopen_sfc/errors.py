@@ -147,6 +147,17 @@ class LossError(SfcError):
         self.summary = summary
 
 
+class ComparisonInterrupt(KeyboardInterrupt):
+    """Ctrl-C while charts were compared, in a conversion. Nothing was written.
+
+    `report` is the `ConversionReport` of what would have been written, with the verdicts that were known by then.
+    """
+
+    def __init__(self, report: ConversionReport) -> None:
+        super().__init__("interrupted")
+        self.report = report
+
+
 class VersionNeed(NamedTuple):
     """Need for a newer version of a format: the object, what it has, and the first version that can express it."""
 

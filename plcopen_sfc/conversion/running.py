@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from plcopen_sfc.conversion.assumed_types import assumed_types, with_inputs, with_types
 from plcopen_sfc.conversion.causes import concerns, differing_rules, held_inputs, told_apart, told_difference
@@ -25,7 +25,7 @@ from plcopen_sfc.conversion.executed_parts import (
 )
 from plcopen_sfc.conversion.reporting import in_the_source
 from plcopen_sfc.conversion.scan_order import chart_pairs, is_begun_for_good, reads_inputs
-from plcopen_sfc.errors import SfcError
+from plcopen_sfc.errors import ComparisonInterrupt, SfcError
 from plcopen_sfc.languages.binding import names_in
 from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
 from plcopen_sfc.model.chart_settings import SfcFlag
@@ -104,7 +104,27 @@ def report_running(
     does; the report names it already, so a difference is no item of its own.
     `called` gives the paths in the source of what has another name in the result, `target` the rules of the target
     where they are not those of its files. `limit` is the processor time that all of this may take, in seconds.
+
+    Raises `ComparisonInterrupt` with the report so far.
     """
+    try:
+        _report_running(report, source, result, called, tool=tool, target=target, limit=limit)
+    except KeyboardInterrupt:
+        for chart, _ in chart_pairs(source, result, called):
+            report.compared.setdefault(chart.report_path, "not compared: interrupted")
+        raise ComparisonInterrupt(report) from None
+
+
+def _report_running(
+    report: ConversionReport,
+    source: Project,
+    result: Project,
+    called: Mapping[str, str],
+    *,
+    tool: str,
+    target: Profile | None,
+    limit: float,
+) -> None:
     from plcopen_sfc.analysis.equivalence import equivalent  # noqa: PLC0415  # most conversions run nothing
 
     profiles = default_profile(source), target or default_profile(result)
@@ -127,7 +147,9 @@ def report_running(
             continue
         left = (end_of_all - time.thread_time()) / (len(pairs) - number)  # a large chart leaves time for the others
         end = time.thread_time() + left
+        chart = _ComparedChart(report, there, source, profiles, tool)
         compared = partial(
+            chart.ask,
             equivalent,
             resolve(running[0], there.name),
             resolve(running[1], here.name),
@@ -140,10 +162,10 @@ def report_running(
             most_runs=_MOST_RUNS,
             scans=_SCANS,
         )
-        chart = _ComparedChart(report, there, source, profiles, tool)
         run = chart.run(compared, left)
         if run is None:
             continue
+        chart.note(*run.seen)
         given: list[str] = []
         if commands := _asked_in_vain(there, source, run.verdict):
             renamed = [new for new, old in _renamed_variables(here, called).items() if old in commands]
@@ -237,6 +259,15 @@ class _ComparedChart(NamedTuple):
     source: Project
     profiles: tuple[Profile, Profile]
     tool: str
+
+    def ask(self, compare: Callable[..., Verdict], *subjects: Any, **options: Any) -> Verdict:
+        """Compare the chart. An interruption ends that of all charts, with what is known of this one."""
+        found = compare(*subjects, **options)
+        if found.interrupted:
+            if self.chart.report_path not in self.report.compared:
+                self.note_untested(*str(found).splitlines())
+            raise KeyboardInterrupt
+        return found
 
     def run(self, compared: Callable[..., Verdict], limit: float) -> _Run | None:
         """Run the chart for at most `limit` seconds; None, and in the report why, where it cannot be run."""

@@ -119,8 +119,8 @@ def test_a_constant_is_its_value() -> None:
 
 @pytest.mark.slow
 def test_flags_of_codesys_are_reported_once() -> None:
-    found = losses(sfc.load(FIXTURES / "codesys" / "distribution_belt.xml"))
-    flags = [item for item in found if "SFCQuitError" in (item.what, item.path.rpartition(" / ")[2])]
+    found = losses(sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml"))
+    flags = [item for item in found if "SFCReset" in (item.what, item.path.rpartition(" / ")[2])]
     assert [item.what for item in flags] == ["operating input"]
 
 

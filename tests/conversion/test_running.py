@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import _thread
 import io
 import re
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +16,9 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.cli.app import run
 from plcopen_sfc.conversion.running import SHIFTED, report_running
-from plcopen_sfc.errors import LossError, SfcError
+from plcopen_sfc.errors import ComparisonInterrupt, LossError, SfcError
 from plcopen_sfc.pages.conversion_overview import ChartVerdict, verdict_of
 from plcopen_sfc.pages.report_words import german
 from plcopen_sfc.report import START_OF_CHART, ConversionReport, Outcome
@@ -792,3 +798,51 @@ def test_a_command_that_the_chart_takes_back_is_tried_from_outside() -> None:
     report = saved(project, "codesys-export")
     assert report.compared["POU Main"].endswith("\ngiven: `n` written from outside as well")
     assert "POU Main" not in report.untested
+
+
+@contextmanager
+def interrupted_in(function: str) -> Iterator[None]:
+    """Interrupt this thread, as Ctrl-C does, while it executes a function."""
+    main, ended = threading.get_ident(), threading.Event()
+
+    def watch() -> None:
+        while not ended.wait(0.01):
+            frame = sys._current_frames().get(main)
+            while frame is not None:
+                if frame.f_code.co_name == function:
+                    _thread.interrupt_main()
+                    return
+                frame = frame.f_back
+
+    watcher = threading.Thread(target=watch)
+    watcher.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        watcher.join()
+
+
+def test_ctrl_c_ends_a_comparison_with_what_is_known(tmp_path: Path) -> None:
+    """The command said "interrupted", and nothing of the charts that it had compared."""
+    project = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
+    target = tmp_path / "out.xml"
+    with pytest.raises(ComparisonInterrupt) as stop, interrupted_in("equivalent"):
+        sfc.save(project, target, format="plcopen-2.01", partial=True, limit=600)
+    assert isinstance(stop.value, KeyboardInterrupt)
+    told = stop.value.report.compared
+    assert {chart.report_path for chart in project.charts()} == set(told)
+    assert any("interrupted" in each for each in told.values())
+    assert not target.exists()
+
+
+def test_ctrl_c_shows_what_is_known(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    target = tmp_path / "out.xml"
+    source = str(FIXTURES / "codesys" / "sorting_conveyor.xml")
+    with interrupted_in("equivalent"):
+        code = run(["convert", source, str(target), "--to", "plcopen-2.01", "--partial", "--limit", "600"])
+    output = capsys.readouterr()
+    assert code == 130
+    assert "interrupted" in output.out
+    assert "interrupted: nothing is written" in output.err
+    assert not target.exists()

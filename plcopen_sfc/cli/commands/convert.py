@@ -21,9 +21,9 @@ from plcopen_sfc.cli.command_files import (
 )
 from plcopen_sfc.cli.many_files import ManyFiles, for_each, targets
 from plcopen_sfc.cli.report_items import show_counts, show_items, show_not_executed
-from plcopen_sfc.cli.screen import Screen
+from plcopen_sfc.cli.screen import INTERRUPTED, Screen
 from plcopen_sfc.documents.storage import SaveOptions
-from plcopen_sfc.errors import InputError, Location, LossError
+from plcopen_sfc.errors import ComparisonInterrupt, InputError, Location, LossError
 from plcopen_sfc.files import folder_exists, refuse_empty, refuse_unwritable, write_atomic
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
@@ -133,8 +133,14 @@ def _in_format(
             target = targets(sources, target, str, inside)[source]
             Path(target).parent.mkdir(parents=True, exist_ok=True)
         _refuse_another_source(source, target, kind.name)
-        with written_to_stdout(screen, target, extension) as place:
-            return _convert(how, target, screen, source, place)
+        try:
+            with written_to_stdout(screen, target, extension) as place:
+                return _convert(how, target, screen, source, place)
+        except ComparisonInterrupt as stop:
+            _show(screen, stop.report)
+            screen.complain("interrupted: nothing is written")
+            screen.exit_code = INTERRUPTED
+            return stop.report.as_dict()
     if how.page is not None:
         raise InputError("a report with charts is about one file", hint="Convert that file alone.")
     made = targets(sources, target, lambda path: _beside(path, how.format, kind), inside)
