@@ -802,7 +802,10 @@ def test_a_command_that_the_chart_takes_back_is_tried_from_outside() -> None:
 
 @contextmanager
 def interrupted_in(function: str) -> Iterator[None]:
-    """Interrupt this thread, as Ctrl-C does, while it executes a function."""
+    """Interrupt this thread, as Ctrl-C does, while it executes a function.
+
+    It is done again after a second: Python forgets an interruption that comes while a destructor runs.
+    """
     main, ended = threading.get_ident(), threading.Event()
 
     def watch() -> None:
@@ -811,7 +814,8 @@ def interrupted_in(function: str) -> Iterator[None]:
             while frame is not None:
                 if frame.f_code.co_name == function:
                     _thread.interrupt_main()
-                    return
+                    ended.wait(1)
+                    break
                 frame = frame.f_back
 
     watcher = threading.Thread(target=watch)
