@@ -272,6 +272,7 @@ def test_what_a_step_executes_at_its_end_is_told() -> None:
         ("SFCReset", {"chart": BRANCHES}, "several of its steps may be active at a time"),
         ("SFCReset", {"work": "q(S);", "idle": "q(R);"}, "stored or delayed"),
         ("SFCInit", {"work": "q(SD, T#1s);", "idle": "q(SD, T#1s);"}, "stored or delayed"),
+        ("SFCReset", {"idle": "Toggle(SD, T#1s);", "actions": TOGGLE}, "stored or delayed"),
         ("SFCPause", {"work": "Toggle(N);", "actions": USED_ELSEWHERE}, "the actions of the step Work go on"),
     ],
 )

@@ -133,21 +133,25 @@ class _GraphFlags(FlagRewriter):
         others = [row for row in rows if (row.target or "").casefold() in stored and row.qualifier not in _STORED]
         if others or any(row.target is None and row.qualifier in _STORING for row in rows):
             return _ENDED
-        is_begun = any((row.target or "").casefold() in controlled for row in self._initial.actions)
+        begun = self._initial.actions
+        is_begun = any(row.qualifier in _STORING or (row.target or "").casefold() in controlled for row in begun)
         is_written = self._is_written(stored, self._bodies)
         return _ENDED if is_begun or (stored and self._has_rest) or is_written else None
 
-    def _controlled(self) -> set[str]:
-        """Return the operands, in lower case, of which networks behind the sequence control the storing and delays."""
-        rows = [row for _, row in self._chart.associations() if row.qualifier in _STORING and row.target]
-        return {row.target.casefold() for row in rows if row.target is not None}
+    def _controlled(self) -> dict[str, str]:
+        """Return the operands of which networks control the storing and delays, by their names in lower case."""
+        return self._operands(_STORING)
 
     def _stored(self) -> dict[str, str]:
         """Return the operands that rows store, by their names in lower case."""
-        rows = [row for _, row in self._chart.associations() if row.qualifier is Qualifier.S and row.target]
-        rows = [row for row in rows if not is_code(self._place, row)]  # which networks control
-        found = {row.target.casefold(): row.target for row in rows if row.target is not None}
-        return {key: name for key, name in found.items() if key not in self._controlled()}
+        controlled = self._controlled()
+        return {key: name for key, name in self._operands({Qualifier.S}).items() if key not in controlled}
+
+    def _operands(self, qualifiers: Collection[Qualifier]) -> dict[str, str]:
+        """Return the operands of rows with these qualifiers, as far as these execute no statements."""
+        rows = [row for _, row in self._chart.associations() if row.qualifier in qualifiers]
+        rows = [row for row in rows if row.target and not is_code(self._place, row)]
+        return {row.target.casefold(): row.target for row in rows if row.target is not None}
 
     def _is_written(self, names: Iterable[str], bodies: Iterable[BoundBody]) -> bool:
         """True if code may write one of these operands, as code that cannot be read may."""
@@ -162,9 +166,9 @@ class _GraphFlags(FlagRewriter):
         begun = [self._body_of(code) for code in (self._initial.entry_action, self._initial.main_action) if code]
         begun += [self._body_of(row.target or row.body) for row in self._initial.actions if is_code(self._place, row)]
         bound = [bind(body, self._dialect) for body in begun if body is not None]
-        names = [name for name in self._controlled() if self._is_written([name], bound)]
+        names = [name for name in self._controlled().values() if self._is_written([name], bound)]
         if SfcFlag.RESET in flags and names:
-            what = ", ".join(sorted(map(bare_name, names)))
+            what = ", ".join(map(bare_name, names))
             why = f"{SfcFlag.RESET.variable} ends {what} behind what the initial step writes, in CODESYS before it"
             self._note(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, "", why)
 
