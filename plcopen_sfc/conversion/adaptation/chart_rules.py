@@ -500,7 +500,7 @@ CHART_RULES = (
     ),
     ChartRule(
         "rows with an event, an interlock, a value or a call; timers and counters of S5; operands that S7-GRAPH "
-        "writes in the order of its rows; negated rows; main actions, and entry and exit actions of several "
+        "writes or reads in the order of its rows; negated rows; main actions, and entry and exit actions of several "
         "steps, in TC6",
         "statements in actions of the step: while it is active, once at its start, once when it was left; not executed "
         "where no statement does the same",
