@@ -61,6 +61,16 @@ def converted(source: m.Project, target: str = "simaticml") -> tuple[bytes, Conv
     return data, report
 
 
+def prove_whole(source: m.Project) -> bytes:
+    """Convert a project of which all is executed in TIA Portal, and prove it; gives the file."""
+    data, report = converted(source)
+    assert losses(report) == []
+    verdict = same_behaviour(source, sfc.loads(data, format="simaticml", as_tool=True))
+    assert verdict is not None
+    assert verdict.proven, verdict
+    return data
+
+
 def losses(report: ConversionReport) -> list[tuple[str, str, str]]:
     return [(item.outcome.value, item.what, item.path) for item in report.losses]
 
@@ -69,11 +79,7 @@ def losses(report: ConversionReport) -> list[tuple[str, str, str]]:
 @pytest.mark.parametrize("flags", [FLAGS, FLAGS[:2]], ids=" ".join)
 def test_flags_are_obeyed(flags: tuple[str, ...]) -> None:
     source = chart_with(*flags)
-    data, report = converted(source)
-    assert losses(report) == []
-    verdict = same_behaviour(source, sfc.loads(data, format="simaticml", as_tool=True))
-    assert verdict is not None
-    assert verdict.proven, verdict
+    prove_whole(source)
 
 
 def test_flags_of_a_file_that_names_its_tool_are_obeyed() -> None:
@@ -108,11 +114,7 @@ def test_nothing_of_the_initial_step_is_executed_during_sfcinit(flags: tuple[str
 @pytest.mark.slow
 def test_a_pause_holds_simultaneous_branches() -> None:
     source = chart_with("SFCPause", chart=BRANCHES)
-    data, report = converted(source)
-    assert losses(report) == []
-    verdict = same_behaviour(source, sfc.loads(data, format="simaticml", as_tool=True))
-    assert verdict is not None
-    assert verdict.proven, verdict
+    prove_whole(source)
 
 
 @pytest.mark.slow
@@ -120,22 +122,14 @@ def test_a_pause_holds_simultaneous_branches() -> None:
 @pytest.mark.parametrize("flags", [("SFCTipMode",), ("SFCTip",), ("SFCTip", "SFCTipMode")], ids=" ".join)
 def test_a_chart_is_stepped_through(flags: tuple[str, ...], chart: str) -> None:
     source = chart_with(*flags, chart=chart)
-    data, report = converted(source)
-    assert losses(report) == []
-    verdict = same_behaviour(source, sfc.loads(data, format="simaticml", as_tool=True))
-    assert verdict is not None
-    assert verdict.proven, verdict
+    prove_whole(source)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("others", [("SFCInit",), ("SFCReset",), ("SFCPause",), FLAGS], ids=" ".join)
 def test_a_push_counts_where_transitions_are_tested(others: tuple[str, ...]) -> None:
     source = chart_with("SFCTip", *others)
-    data, report = converted(source)
-    assert losses(report) == []
-    verdict = same_behaviour(source, sfc.loads(data, format="simaticml", as_tool=True))
-    assert verdict is not None
-    assert verdict.proven, verdict
+    prove_whole(source)
 
 
 @pytest.mark.slow
@@ -143,21 +137,13 @@ def test_a_push_counts_where_transitions_are_tested(others: tuple[str, ...]) -> 
 @pytest.mark.parametrize("flags", [("SFCInit",), ("SFCReset",)], ids=" ".join)
 def test_what_is_stored_ends(flags: tuple[str, ...], work: str) -> None:
     source = chart_with(*flags, work=work)
-    data, report = converted(source)
-    assert losses(report) == []
-    verdict = same_behaviour(source, sfc.loads(data, format="simaticml", as_tool=True))
-    assert verdict is not None
-    assert verdict.proven, verdict
+    prove_whole(source)
 
 
 def test_a_push_fires_conditions_that_are_never_true() -> None:
     """Transitions with FALSE were told as ones that TIA Portal executes and the source does not."""
     source = chart_with("SFCTip", chart=PLAIN.replace(":= b OR g;", ":= FALSE;"))
-    data, report = converted(source)
-    assert losses(report) == []
-    verdict = same_behaviour(source, sfc.loads(data, format="simaticml", as_tool=True))
-    assert verdict is not None
-    assert verdict.proven, verdict
+    prove_whole(source)
 
 
 PUSHED = """
@@ -212,11 +198,7 @@ USED_ELSEWHERE = f"{TOGGLE} ACTION Other: Toggle(); END_ACTION"
 def test_actions_with_a_time_or_an_edge_stop_and_end(flags: tuple[str, ...], work: str) -> None:
     """Rows of S7-GRAPH go on during SFCPause: what is delayed would begin, and what is limited would end."""
     source = chart_with(*flags, work=f"q({work});")
-    data, report = converted(source)
-    assert losses(report) == []
-    verdict = same_behaviour(source, sfc.loads(data, format="simaticml", as_tool=True))
-    assert verdict is not None
-    assert verdict.proven, verdict
+    prove_whole(source)
 
 
 @pytest.mark.slow
@@ -227,11 +209,7 @@ def test_code_of_actions_stops_and_ends(flag: str, work: str, language: str) -> 
     source = chart_with(flag, work=f"Toggle({work});", actions=TOGGLE)
     if language == "LD":
         source.pou("Main").actions[0].body = draw_ld(parse_statements("q := NOT q;").tree.statements).body
-    data, report = converted(source)
-    assert losses(report) == []
-    verdict = same_behaviour(source, sfc.loads(data, format="simaticml", as_tool=True))
-    assert verdict is not None
-    assert verdict.proven, verdict
+    prove_whole(source)
 
 
 @pytest.mark.slow
@@ -242,11 +220,7 @@ def test_actions_of_steps_stop_and_end(flag: str) -> None:
     step.entry_action, step.main_action, step.exit_action = (
         m.StBody(text=f"n := (n + {each}) MOD 5;") for each in (1, 2, 3)
     )
-    data, report = converted(source)
-    assert losses(report) == []
-    verdict = same_behaviour(source, sfc.loads(data, format="simaticml", as_tool=True))
-    assert verdict is not None
-    assert verdict.proven, verdict
+    data = prove_whole(source)
     back = sfc.loads(data, format="simaticml").pou("Main").chart.step("Work")
     assert "SFC" not in f"{back.entry_action!r} {back.main_action!r} {back.exit_action!r}"
 

@@ -37,9 +37,8 @@ from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, Step, Transi
 from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.report import Outcome
 
-LASTING = frozenset({Qualifier.S, Qualifier.R, Qualifier.R0, Qualifier.N, Qualifier.NONE})
+_LASTING = frozenset({Qualifier.S, Qualifier.R, Qualifier.R0, Qualifier.N, Qualifier.NONE})
 """Qualifiers of actions on operands that are the same in each scan of a step."""
-_WITH_FINAL_SCAN = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.P})
 _WITHOUT = {
     SfcFlag.CURRENT_STEP: "it has S_NO, the number of the step",
 }
@@ -51,7 +50,8 @@ _OBEYED = _TIPPING | ENDING | {SfcFlag.PAUSE}
 _BRANCHES = "several of its steps may be active at a time, which no transition leaves together"
 _MOST_SITUATIONS = 32
 """The most situations for which there is a transition each."""
-_PULSES = frozenset({Qualifier.P1, Qualifier.P0})
+PULSES = frozenset({Qualifier.P1, Qualifier.P0})
+"""Qualifiers of actions that are executed once, as a step begins or ends."""
 _ACTIVE = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.P, Qualifier.L, Qualifier.D})
 """Qualifiers of actions that are executed while a step is active, and once more."""
 
@@ -323,7 +323,7 @@ class FlagRewriter(ABC):
                 why = f"what it executes when it is left is executed when {words} ends it too, in CODESYS it is not"
                 self._note(Outcome.APPROXIMATED, "end of the step", f"step {step.name}", why)
         initial = self._initial
-        is_plain = all(row.qualifier in LASTING for row in initial.actions)
+        is_plain = all(row.qualifier in _LASTING for row in initial.actions)
         if SfcFlag.RESET in flags and not (is_plain and not initial.entry_action and not self._is_read(initial, "t")):
             why = f"{SfcFlag.RESET.variable} does not begin it again where it is active already"
             self._note(Outcome.APPROXIMATED, "initial step", f"step {initial.name}", why)
@@ -345,9 +345,15 @@ class FlagRewriter(ABC):
 
     def _statements(self, found: Body | str | None) -> StBody | None:
         """Return the statements of a step action; None where it has none."""
-        action = self._place.pou.find_action(bare_name(found)) if isinstance(found, str) else None
-        body = action.body if action is not None else found
+        body = self._body_of(found)
         return body if isinstance(body, StBody) else None
+
+    def _body_of(self, code: Body | str | None) -> Body | None:
+        """Return what executes an action of a step, also one of the POU by its name."""
+        if not isinstance(code, str):
+            return code
+        action = self._place.pou.find_action(bare_name(code))
+        return action.body if action is not None else None
 
     def _text_of(self, row: ActionAssociation) -> StBody | None:
         """Return the statements that a row executes, and nothing else does; None where there are none."""
@@ -366,17 +372,14 @@ class FlagRewriter(ABC):
 
     def _is_left(self, rows: list[tuple[Step, ActionAssociation]], ends: str) -> str:
         """Return when statements are executed that a flag does not end; empty where rows store them."""
-        if not all(row.qualifier in _ACTIVE | _PULSES for _, row in rows):
+        if not all(row.qualifier in _ACTIVE | PULSES for _, row in rows):
             return ""
         steps = {step.id: step for step, row in rows if row.qualifier is not Qualifier.P0}
         return " OR ".join([*map(self._host.active, steps.values()), f"NOT ({ends})" if " " in ends else f"NOT {ends}"])
 
+    @abstractmethod
     def _is_executed_at_end(self, step: Step) -> bool:
-        """True if a step executes something when it is left, however it is left."""
-        rows = [row for row in step.actions if is_code(self._place, row)]
-        bodies = [self._text_of(row) for row in rows if row.qualifier is not Qualifier.P1]
-        is_told = any(body is None or not self._is_left(self._runners(body), "TRUE") for body in bodies)
-        return is_told or (step.exit_action is not None and self._statements(step.exit_action) is None)
+        """True if a step executes something when it is left that does not ask the flags."""
 
     def _guard(self, flags: Collection[SfcFlag]) -> None:
         """Let statements not run where a flag ends their step, or stops the chart."""

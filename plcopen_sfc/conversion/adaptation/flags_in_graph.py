@@ -16,7 +16,7 @@ from plcopen_sfc.conversion.adaptation.chart_rewriting import (
     flags_in_use,
     taken_names,
 )
-from plcopen_sfc.conversion.adaptation.flag_transitions import ENDING, FlagRewriter, bare_name, is_code
+from plcopen_sfc.conversion.adaptation.flag_transitions import ENDING, PULSES, FlagRewriter, bare_name, is_code
 from plcopen_sfc.formats.format_interface import SOURCE_CHART_FIELD, WriteOptions, may_have
 from plcopen_sfc.formats.plcopen.source_marks import SourceMarks
 from plcopen_sfc.languages.binding import BoundBody, Effects, Names, bind
@@ -31,7 +31,7 @@ from plcopen_sfc.model.chart_settings import WATCHING_FLAGS, SfcFlag
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import ActionAssociation, Body, PermanentOperation, Step
+from plcopen_sfc.model.sfc import ActionAssociation, PermanentOperation, Step
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import ORDER_OF_ACTIONS, ConversionReport, Outcome
@@ -42,7 +42,6 @@ _FIRST = 0
 """The priority of what is tried before all other transitions."""
 _STORING = frozenset({Qualifier.SD, Qualifier.DS, Qualifier.SL})
 _STORED = frozenset({Qualifier.S, Qualifier.R, Qualifier.R0})
-_AT_ONCE = frozenset({Qualifier.P1, Qualifier.P0})
 _IN_ROWS = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.P0})
 """Qualifiers of statements that rows execute, and once more or only at the end of a step."""
 _ENDED = "actions that it ends, stored or delayed ones, go on there"
@@ -173,19 +172,11 @@ class _GraphFlags(FlagRewriter):
             self._note(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, "", why)
 
     def _is_executed_at_end(self, step: Step) -> bool:
-        """True if statements are executed when a step is left that do not ask the flags, for others execute them, too.
-
-        Networks end all other actions.
-        """
+        # statements that others execute, too, do not ask the flags; networks end all other actions
         rows = [row for row in step.actions if row.qualifier in _IN_ROWS and is_code(self._place, row)]
         bodies = [self._body_of(row.target or row.body) for row in rows if self._text_of(row) is None]
         is_told = any(body is None or isinstance(body, StBody) for body in bodies)
         return is_told or (step.exit_action is not None and self._statements(step.exit_action) is None)
-
-    def _body_of(self, code: str | Body | None) -> Body | None:
-        """Return what an action of a step executes."""
-        action = self._place.pou.find_action(bare_name(code)) if isinstance(code, str) else None
-        return action.body if action is not None else None if isinstance(code, str) else code
 
     def _refused_quit(self) -> str | None:
         is_input = any(v.name.casefold() == "sfcerror" for v in self._place.pou.variables(SectionKind.INPUT))
@@ -212,7 +203,7 @@ class _GraphFlags(FlagRewriter):
             return row.value is None and row.target is not None
         body = self._body_of(row.target if row.target is not None else row.body)
         is_single = self._text_of(row) is not None or not isinstance(body, StBody)
-        return body is not None and (row.qualifier in _AT_ONCE or is_single)
+        return body is not None and (row.qualifier in PULSES or is_single)
 
     def _mark_text(self, body: StBody, text: str) -> None:  # noqa: ARG002
         self.has_other_actions = True

@@ -189,6 +189,12 @@ class _Tc6Flags(FlagRewriter):
     def _refused_pause(self) -> str | None:
         return None
 
+    def _is_executed_at_end(self, step: Step) -> bool:
+        rows = [row for row in step.actions if is_code(self._place, row)]
+        bodies = [self._text_of(row) for row in rows if row.qualifier is not Qualifier.P1]
+        is_told = any(body is None or not self._is_left(self._runners(body), "TRUE") for body in bodies)
+        return is_told or (step.exit_action is not None and self._statements(step.exit_action) is None)
+
     def _guard(self, flags: Collection[SfcFlag]) -> None:
         if self._goes_on(flags):
             self._report_pause()
