@@ -218,12 +218,11 @@ def _best_of(wanted: Sequence[Delay], compared: _Compared, tries: _Tries) -> Ver
             length = compared.quick_difference(each, tries)
         if length is None:
             found = compared.verdict(each, tries)
-            if found.proven or (found.interrupted and best is None):
-                return found
             if found.interrupted and best is not None:
-                return replace(
-                    best, kind=VerdictKind.UNTESTED, reason=f"{best.reason}; {INTERRUPTED}", interrupted=True
-                )
+                reason = f"{best.reason}; {INTERRUPTED}"
+                found = replace(best, kind=VerdictKind.UNTESTED, reason=reason, interrupted=True)
+            if found.proven or found.interrupted:
+                return found
             if not found.different:
                 if best is None or (found.equal and not best.equal):
                     best = found

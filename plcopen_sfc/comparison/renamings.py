@@ -172,8 +172,7 @@ def _surest_walk(left: Part, right: Part) -> _Walk:
     """
     by_name = _Walk(left, right)
     is_doubtful = any(by_name.rate(name, name) < _ENOUGH for name in by_name.steps[0].keys() & by_name.steps[1].keys())
-    others = [_Walk(left, right, by_name=False)] if is_doubtful else []
-    return max(by_name, *others, key=lambda walk: walk.same) if others else by_name
+    return max(by_name, _Walk(left, right, by_name=False), key=lambda walk: walk.same) if is_doubtful else by_name
 
 
 class _Walk:

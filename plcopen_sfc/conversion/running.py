@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -107,24 +108,6 @@ def report_running(
 
     Raises `ComparisonInterrupt` with the report so far.
     """
-    try:
-        _report_running(report, source, result, called, tool=tool, target=target, limit=limit)
-    except KeyboardInterrupt:
-        for chart, _ in chart_pairs(source, result, called):
-            report.compared.setdefault(chart.report_path, "not compared: interrupted")
-        raise ComparisonInterrupt(report) from None
-
-
-def _report_running(
-    report: ConversionReport,
-    source: Project,
-    result: Project,
-    called: Mapping[str, str],
-    *,
-    tool: str,
-    target: Profile | None,
-    limit: float,
-) -> None:
     from plcopen_sfc.analysis.equivalence import equivalent  # noqa: PLC0415  # most conversions run nothing
 
     profiles = default_profile(source), target or default_profile(result)
@@ -138,49 +121,63 @@ def _report_running(
     asked = with_inputs(result, _kept_inside(pairs, called))
     listed = _listed_variables(source, result)
     running = [with_types(project, assumed) if assumed else project for project in (source, asked)]
-    for number, (there, here) in enumerate(pairs):
-        named = {item.outcome for item in losses if concerns(item, there.report_path)}
-        types = [name for variable in there.pou.variables() for name in used_types(variable.type)]
-        untyped = next((name for name in types if name.casefold() in undeclared), None)
-        if here is None or untyped is not None or Outcome.NOT_EXECUTED in named:
-            report.compared[there.report_path] = f"not compared: {_why_not_compared(there, here, named, untyped, tool)}"
-            continue
-        left = (end_of_all - time.thread_time()) / (len(pairs) - number)  # a large chart leaves time for the others
-        end = time.thread_time() + left
-        chart = _ComparedChart(report, there, source, profiles, tool)
-        compared = partial(
-            chart.ask,
-            equivalent,
-            resolve(running[0], there.name),
-            resolve(running[1], here.name),
-            profile=profiles,
-            step_flags=_step_flags(there, here, called, _hidden_flags(report, there)),
-            inputs=listed | _renamed_variables(here, called) | _executed_inputs(report, there),
-            free_inputs=ALL_FREE,
-            cap=cap,
-            runs=_RUNS,
-            most_runs=_MOST_RUNS,
-            scans=_SCANS,
-        )
-        run = chart.run(compared, left)
-        if run is None:
-            continue
-        chart.note(*run.seen)
-        given: list[str] = []
-        if commands := _asked_in_vain(there, source, run.verdict):
-            renamed = [new for new, old in _renamed_variables(here, called).items() if old in commands]
-            compared = partial(compared, free_inputs=(ALL_FREE, *commands, *renamed))
-            outside = f"{', '.join(f'`{name}`' for name in commands)} written from outside as well"
-            again = chart.run_from_outside(compared, run, outside, end - time.thread_time())
-            if again is None:
+    with _told_when_interrupted(report, [there for there, _ in pairs]):
+        for number, (there, here) in enumerate(pairs):
+            named = {item.outcome for item in losses if concerns(item, there.report_path)}
+            types = [name for variable in there.pou.variables() for name in used_types(variable.type)]
+            untyped = next((name for name in types if name.casefold() in undeclared), None)
+            if here is None or untyped is not None or Outcome.NOT_EXECUTED in named:
+                report.compared[there.report_path] = (
+                    f"not compared: {_why_not_compared(there, here, named, untyped, tool)}"
+                )
                 continue
-            run, given = again, [f"given: {outside}"]
-        alike = _note_verdict(chart, run, compared, losses if named else None, end)
-        chart.note_more(*given, *alike)
-        if run.as_run.unknown and there.report_path not in report.untested:  # whose lines tell it already
-            chart.note_more(f"unknown, taken as functions of what they are given: {', '.join(run.as_run.unknown)}")
-        if any(name.casefold() == declaration.name.casefold() for name in types for declaration in assumed):
-            chart.note_more("types that nothing declares have the members that are used of them")
+            left = (end_of_all - time.thread_time()) / (len(pairs) - number)  # a large chart leaves time for the others
+            end = time.thread_time() + left
+            chart = _ComparedChart(report, there, source, profiles, tool)
+            compared = partial(
+                chart.ask,
+                equivalent,
+                resolve(running[0], there.name),
+                resolve(running[1], here.name),
+                profile=profiles,
+                step_flags=_step_flags(there, here, called, _hidden_flags(report, there)),
+                inputs=listed | _renamed_variables(here, called) | _executed_inputs(report, there),
+                free_inputs=ALL_FREE,
+                cap=cap,
+                runs=_RUNS,
+                most_runs=_MOST_RUNS,
+                scans=_SCANS,
+            )
+            run = chart.run(compared, left)
+            if run is None:
+                continue
+            chart.note(*run.seen)
+            given: list[str] = []
+            if commands := _asked_in_vain(there, source, run.verdict):
+                renamed = [new for new, old in _renamed_variables(here, called).items() if old in commands]
+                compared = partial(compared, free_inputs=(ALL_FREE, *commands, *renamed))
+                outside = f"{', '.join(f'`{name}`' for name in commands)} written from outside as well"
+                again = chart.run_from_outside(compared, run, outside, end - time.thread_time())
+                if again is None:
+                    continue
+                run, given = again, [f"given: {outside}"]
+            alike = _note_verdict(chart, run, compared, losses if named else None, end)
+            chart.note_more(*given, *alike)
+            if run.as_run.unknown and there.report_path not in report.untested:  # whose lines tell it already
+                chart.note_more(f"unknown, taken as functions of what they are given: {', '.join(run.as_run.unknown)}")
+            if any(name.casefold() == declaration.name.casefold() for name in types for declaration in assumed):
+                chart.note_more("types that nothing declares have the members that are used of them")
+
+
+@contextmanager
+def _told_when_interrupted(report: ConversionReport, charts: Iterable[Chart]) -> Iterator[None]:
+    """Let an interruption end the comparison of charts with `ComparisonInterrupt`, and tell which were not compared."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        for chart in charts:
+            report.compared.setdefault(chart.report_path, "not compared: interrupted")
+        raise ComparisonInterrupt(report) from None
 
 
 def _note_verdict(

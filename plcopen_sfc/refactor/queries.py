@@ -246,16 +246,16 @@ def _steps_meant(charts: Sequence[SfcNetwork], key: StepKey | None) -> list[Step
     if key is None or isinstance(key, Step):
         return key if key is None else [key]
     check_argument(key, (str, int), "the name or the id of a step is needed")
-    paths = [(step, _path(chart, step)) for chart in charts for step in chart.steps]
-    wanted = (key.casefold(), f".{key.casefold()}") if isinstance(key, str) else ()
+    steps = [(chart, step) for chart in charts for step in chart.steps]
+    end = f".{key.casefold()}" if isinstance(key, str) else None
     found = [
         step
-        for step, path in paths
-        if step.id == key or (wanted and (path.casefold() == wanted[0] or path.casefold().endswith(wanted[1])))
+        for chart, step in steps
+        if step.id == key or (end is not None and f".{_path(chart, step).casefold()}".endswith(end))
     ]
     if not found:
         place = "this chart" if len(charts) == 1 else "the project"
-        near = nearest(str(key), [step.name for step, _ in paths])
+        near = nearest(str(key), [step.name for _, step in steps])
         raise ModelError(f"{place} has no step {key!r}{near}")
     return found
 

@@ -233,12 +233,7 @@ class XmiWriter:
             own = f"{path}/@actionTypes.{number}"
             label = f"{where} / step {step.name} / action {action.target or 'in place'}"
             made = etree.SubElement(element, "actionTypes")
-            if self._action(
-                made,
-                with_condition(network, step, action, self._objects),
-                own,
-                label,
-            ):
+            if self._action(made, with_condition(network, step, action, self._objects), own, label):
                 made.set("id", str(number + 1))
                 links.append((self._numbers[id(step)], number))
             else:
