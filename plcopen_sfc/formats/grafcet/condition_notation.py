@@ -100,7 +100,9 @@ class _Notation:
 
     def _negated(self, operand: n.Expression) -> str | None:
         text = self.written(operand)
-        is_one = isinstance(n.bare(operand), n.Name | n.Member) or (text or "").startswith("[")
+        bare = n.bare(operand)
+        is_compared = isinstance(bare, n.Operation) and bare.operator in n.COMPARISONS  # in brackets, but for a time
+        is_one = isinstance(bare, n.Name | n.Member) or (is_compared and (text or "").startswith("["))
         return None if text is None else f"/{text}" if is_one else f"/({text})"
 
     def _time(self, operator: n.Operator, operands: tuple[n.Expression, ...]) -> str | None:

@@ -561,6 +561,8 @@ END_PROGRAM
         ("n > 3 OR t.Q", "[n > 3] + t.Q"),
         ("(NOT a) = b", "[(NOT a) = b]"),
         ("NOT (n + 1 > 3)", "/[n + 1 > 3]"),
+        ("NOT (n = 0 OR a)", "/([n = 0] + a)"),
+        ("NOT (n = 0 AND a) OR b", "/([n = 0] * a) + b"),
         ("a XOR b", "a XOR b"),
         ("a AND (b XOR a)", "a AND (b XOR a)"),
         ("n = ABS(n) AND a", "[n = ABS(n)] * a"),
