@@ -427,8 +427,8 @@ class _Compared:
         self.spans.append(spent() - start)
         if self.left_out is not None:
             right.leave_out(self.left_out)
-        heed_instability(left, right)
-        heed_instability(right, left)
+        heed_instability(left, right, is_first=True)
+        heed_instability(right, left, is_first=False)
         return left, right
 
     def _written_there(self, system: ProgramSystem, other: ProgramSystem) -> list[str]:

@@ -329,15 +329,17 @@ def step_observations(
     return recognised
 
 
-def heed_instability(chart: ProgramSystem, code: ProgramSystem) -> None:
+def heed_instability(chart: ProgramSystem, code: ProgramSystem, *, is_first: bool) -> None:
     """End a scan as the chart's where code tells by a variable ``unstable`` that the chart would not become stable.
 
     `lower` writes such a variable (German: ``instabil``), with a number where the name is taken. A chart that makes one
-    evolution in a scan cannot tell.
+    evolution in a scan cannot tell what becomes of a plan, the first of both, which is never stable. The other way
+    round it does something, and the second chart fails.
     """
     searching = chart.profile.evolution is Evolution.UNTIL_STABLE and chart.instance.charts()
-    chart.is_unanswered = bool(searching and code.instance.charts()) and code.profile.evolution is Evolution.SINGLE
-    if not searching or code.instance.charts():
+    has_charts = bool(code.instance.charts())
+    chart.is_unanswered = bool(searching) and has_charts and is_first and code.profile.evolution is Evolution.SINGLE
+    if not searching or has_charts:
         return
     for name, each in code.variables.items():
         if _UNSTABLE.fullmatch(name) and each.signal.kind is SignalKind.BOOL and not each.is_input:

@@ -657,6 +657,14 @@ def test_flags_of_steps_are_never_freed() -> None:
         assert "object at 0x" not in str(verdict)
 
 
+def test_a_chart_of_a_tool_is_different_from_a_grafcet_that_never_becomes_stable() -> None:
+    """Only a plan, the first of both, leaves out what no situation answers; the proof was about nothing."""
+    resting = chart_of(replace(ring(2), conditions=("FALSE", "c0")))
+    never = chart_of(replace(ring(2), conditions=("c0", "c0")))
+    assert equivalent(resting, never, ("s7graph", "grafcet")).different
+    assert "never become stable" in str(equivalent(never, resting, ("grafcet", "s7graph")))
+
+
 @pytest.mark.parametrize("last", ["NOT a", "a AND b", "b"])
 def test_a_grafcet_that_never_becomes_stable_is_different_from_one_that_does(last: str) -> None:
     never, resting = (ring_of_three(condition) for condition in ("a", last))
