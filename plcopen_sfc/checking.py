@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import check_argument
+from plcopen_sfc.languages.st.parsing import sharing_trees
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from plcopen_sfc.semantics.profile import Profile
 
 
+@sharing_trees()
 def check(
     subject: Project | Pou | SfcNetwork,
     *,

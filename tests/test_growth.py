@@ -16,6 +16,7 @@ from plcopen_sfc.formats.plcopen.tc6_chart_writer import Tc6ChartWriter
 from plcopen_sfc.formats.provenance import compared_only, is_untouched
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.languages.binding import Row, SharedScans, shared_scans, told_orders
+from plcopen_sfc.languages.st import parsing
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.pages.report_words import german
 
@@ -164,3 +165,26 @@ def test_what_is_compared_only_gets_no_digest(tmp_path: Path) -> None:
         # without a digest nothing tells that it was not edited
         assert is_untouched(chart) is is_untouched(chart.drawing) is digested
     assert compared == kept
+
+
+@pytest.mark.parametrize("operation", [sfc.check, lambda project: sfc.dumps(project, format="scl")])
+def test_a_long_body_is_parsed_once_in_each_dialect(
+    monkeypatch: pytest.MonkeyPatch, operation: Callable[[sfc.Project], object]
+) -> None:
+    body = "x := x + 1;\n" * 200
+    project = sfc.loads(f"PROGRAM Main\nVAR x : INT; END_VAR\n{body}END_PROGRAM\n".encode(), format="iec-text")
+    parsed: list[tuple[str, Dialect]] = []
+    parse = parsing.Parsed
+
+    def counted(text: str, dialect: Dialect, *others: Any) -> object:
+        parsed.append((text, dialect))
+        return parse(text, dialect, *others)
+
+    monkeypatch.setattr(parsing, "Parsed", counted)
+    operation(project)
+    long = [each for each in parsed if len(each[0]) >= len(body) - 1]
+    assert long
+    assert len(set(long)) == len(long)
+    parsed.clear()
+    operation(project)
+    assert [each for each in parsed if len(each[0]) >= len(body) - 1] == long, "nothing is kept behind it"

@@ -20,6 +20,7 @@ from plcopen_sfc.files import file_exists, folder_exists, path_exists, read_byte
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.provenance import is_untouched, may_have_controls, texts_of, without_edits
 from plcopen_sfc.formats.registry import TIA_FORMAT, all_formats, for_tia, format_named
+from plcopen_sfc.languages.st.parsing import sharing_trees
 from plcopen_sfc.languages.words import IEC_KEYWORDS, is_plain, objection
 from plcopen_sfc.model import times
 from plcopen_sfc.model.dialect import Dialect
@@ -287,6 +288,7 @@ def _seconds(limit: float | str, project: Project) -> float:
 
 
 @collecting_rarely()
+@sharing_trees()
 @without_edits()
 def save_project(
     project: Project,

@@ -13,6 +13,7 @@ from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.drawing.pictures import chart_figure
 from plcopen_sfc.errors import check_argument
 from plcopen_sfc.languages.declarations.declaration_writing import write_data_type, write_type, write_value
+from plcopen_sfc.languages.st.parsing import sharing_trees
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project, Task
@@ -32,6 +33,7 @@ _SEVERITIES = (Severity.ERROR, Severity.WARNING, Severity.INFO)
 _CAMEL = re.compile("(?<=[a-z])(?=[A-Z])")
 
 
+@sharing_trees()
 def page(
     project: Project, *, lang: str = "en", trace: Trace | None = None, verdict: Verdict | None = None, side: int = 0
 ) -> str:

@@ -6,8 +6,9 @@ semicolon becomes one `Unreadable` statement, and reading goes on behind it. A m
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from contextlib import nullcontext
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, nullcontext
+from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from importlib.resources import files
@@ -366,11 +367,35 @@ def parse_declarations(text: str, dialect: Dialect = Dialect.IEC) -> Parsed[Decl
 
 def _parse(text: str, dialect: Dialect, start: str) -> Parsed[Any]:
     # conditions and short actions repeat a lot in real charts; trees cannot be changed, so equal texts share one
-    return (_cached_parse if len(text) <= _CACHED else _fresh_parse)(text, dialect, start)
+    if len(text) <= _CACHED:
+        return _cached_parse(text, dialect, start)
+    trees = _TREES.get()
+    if trees is None:
+        return _fresh_parse(text, dialect, start)
+    found = trees.get((text, dialect, start))
+    if found is None:
+        found = _fresh_parse(text, dialect, start)
+        if len(text) + sum(len(shared) for shared, _, _ in trees) <= _MOST_SHARED:
+            trees[text, dialect, start] = found
+    return found
 
 
 _CACHED = 1000
 _LONG = 100_000
+_MOST_SHARED = 4_000_000
+"""Characters of the texts whose trees an operation keeps: a tree takes about a hundred bytes for each."""
+
+_TREES: ContextVar[dict[tuple[str, Dialect, str], Parsed[Any]] | None] = ContextVar("shared_trees", default=None)
+
+
+@contextmanager
+def sharing_trees() -> Iterator[None]:
+    """Parse equal long texts once, as long as this is open: an operation looks at each body in several passes."""
+    token = _TREES.set({} if (outer := _TREES.get()) is None else outer)
+    try:
+        yield
+    finally:
+        _TREES.reset(token)
 
 
 @lru_cache(maxsize=16384)
