@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import check_argument
 from plcopen_sfc.languages.st.parsing import sharing_trees
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from plcopen_sfc.semantics.profile import Profile
 
 
+@collecting_rarely()
 @sharing_trees()
 def check(
     subject: Project | Pou | SfcNetwork,

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from threading import Lock
 
 _ALLOCATIONS = 200_000
-_YOUNGER = (20, 50)
+_YOUNGER = (100, 50)
 """Collections of a generation before the next older one is looked through."""
 
 
