@@ -27,6 +27,7 @@ from plcopen_sfc.drawing.drawing_style import (
 )
 from plcopen_sfc.drawing.new_drawing import Pen, draw, highest_id, sketch
 from plcopen_sfc.drawing.symbol_layout import has_positions, layout, place_nearby
+from plcopen_sfc.grouping import Clusters
 from plcopen_sfc.model.drawing import BARS, CONVERGENCES, DIVERGENCES, STEPS, Drawing, Places, Symbol, SymbolKind
 from plcopen_sfc.model.network import InputPin, OutputPin
 from plcopen_sfc.model.project import Project
@@ -54,17 +55,17 @@ class WireClusters:
     """
 
     def __init__(self, symbols: Iterable[Symbol], *, jumps_apart: bool) -> None:
-        self.parent: dict[int, int] = {}
         symbols = list(symbols)
         kinds = {symbol.id: symbol.kind for symbol in symbols}
+        sides: list[int] = []
         for symbol in symbols:
             if symbol.kind in _TWO_SIDED:
-                self.parent[input_side(symbol.id)] = input_side(symbol.id)
-                self.parent[output_side(symbol.id)] = output_side(symbol.id)
+                sides += [input_side(symbol.id), output_side(symbol.id)]
             elif symbol.kind in BARS or symbol.kind is SymbolKind.JUMP:
-                self.parent[input_side(symbol.id)] = input_side(symbol.id)
+                sides.append(input_side(symbol.id))
+        self._sides = Clusters(sides)
         for symbol in symbols:
-            if input_side(symbol.id) not in self.parent:
+            if input_side(symbol.id) not in self._sides:
                 continue
             for pin in symbol.inputs:
                 for connection in pin.connections:
@@ -72,27 +73,15 @@ class WireClusters:
                     if kind is SymbolKind.JUMP and jumps_apart:
                         continue
                     side = output_side(connection.source) if kind in _TWO_SIDED else input_side(connection.source)
-                    if side in self.parent:
-                        self._unite(side, input_side(symbol.id))
+                    if side in self._sides:
+                        self._sides.unite((input_side(symbol.id), side))
             if symbol.kind is SymbolKind.JUMP and symbol.target is not None and kinds.get(symbol.target) in BARS:
-                self._unite(input_side(symbol.id), input_side(symbol.target))
-        self.members: dict[int, list[int]] = {}
-        for side in self.parent:
-            self.members.setdefault(self.root(side), []).append(side)
-
-    def root(self, side: int) -> int:
-        """Return the side that represents the cluster of `side`."""
-        parent = self.parent
-        while parent[side] != side:
-            parent[side] = side = parent[parent[side]]
-        return side
+                self._sides.unite((input_side(symbol.target), input_side(symbol.id)))
+        self._members = self._sides.members()
 
     def around(self, side: int) -> list[int]:
         """Return the cluster of `side`; nothing where the drawing has no such side."""
-        return self.members[self.root(side)] if side in self.parent else []
-
-    def _unite(self, one: int, other: int) -> None:
-        self.parent[self.root(one)] = self.root(other)
+        return self._members[self._sides.root(side)] if side in self._sides else []
 
 
 _FIELDS = (

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeA
 from pydantic import BeforeValidator, Field
 
 from plcopen_sfc.errors import ArgumentError, Location, ModelError, check_argument, nearest
-from plcopen_sfc.grouping import grouped
+from plcopen_sfc.grouping import Clusters, grouped
 from plcopen_sfc.model import times
 from plcopen_sfc.model.actions import ActionEvent, ActionKind, ForcingOrder, Monitoring, Qualifier, SymbolAccess
 from plcopen_sfc.model.base import Element, ElementId, Model
@@ -636,18 +636,10 @@ def leaving_steps(transitions: Iterable[Transition]) -> dict[int, list[Transitio
 
 def connected_parts(steps: Collection[Step], transitions: Iterable[Transition]) -> list[list[Step]]:
     """Return the steps of each part that no transition connects with another, in their order."""
-    above = {step.id: step.id for step in steps}
-
-    def root(number: int) -> int:
-        while above[number] != number:
-            above[number] = number = above[above[number]]
-        return number
-
+    parts = Clusters(step.id for step in steps)
     for transition in transitions:
-        ends = [root(i) for i in (*transition.sources, *transition.targets) if i in above]  # a damaged chart lacks some
-        for end in ends[1:]:
-            above[root(end)] = root(ends[0])
-    return list(grouped((root(step.id), step) for step in steps).values())
+        parts.unite(i for i in (*transition.sources, *transition.targets) if i in parts)  # a damaged chart lacks some
+    return list(grouped((parts.root(step.id), step) for step in steps).values())
 
 
 def step_codes(step: Step, lines: Iterable[str | tuple[str, str | None]]) -> Iterator[tuple[str, str]]:

@@ -8,13 +8,20 @@ from dataclasses import dataclass, field
 from itertools import chain
 
 from plcopen_sfc.formats.format_interface import ChartHost, WriteOptions
-from plcopen_sfc.formats.plcopen.source_marks import SourceMarks, added_section
+from plcopen_sfc.formats.plcopen.source_marks import (
+    REWRITTEN_FIELD,
+    SourceMarks,
+    added_section,
+    rewritten_transition,
+)
 from plcopen_sfc.languages.networks import Helper, condition_reader, is_empty_network
-from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.st import parse_expression, print_node
 from plcopen_sfc.languages.words import identifier, take_name
+from plcopen_sfc.lowering.code.boolean_logic import reduced
 from plcopen_sfc.lowering.code.lowered_code import names_of
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.chart_settings import SfcFlag
+from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import BodyCondition, Condition, SfcNetwork, Step, Transition
@@ -66,6 +73,26 @@ class ChartRewriting:
         if found.tree is None or found.before or found.helpers or not found.complete:
             return None
         return print_node(found.tree)
+
+    def change_condition(self, transition: Transition, condition: str, uses: Iterable[str]) -> None:
+        """Give a transition another condition, which depends on the added variables `uses`, too."""
+        transition.condition = Expression(text=condition)
+        self.mark_condition(transition, uses)
+
+    def mark_condition(self, transition: Transition, uses: Iterable[str]) -> None:
+        """Keep the condition of the source for the way back, beside what is marked of the transition already."""
+        known = self.marks.get(id(transition), {}).get(REWRITTEN_FIELD, {})
+        source, held = self.source_transitions[transition.id], known.get("held", ())
+        self.marks[id(transition)] = mark = rewritten_transition(
+            transition, source, [*known.get("uses", ()), *uses], held
+        )
+        if "logic" in known:
+            mark[REWRITTEN_FIELD]["logic"] = known["logic"]
+
+    def reduced(self, text: str) -> str:
+        """Return a condition without what other parts of it decide."""
+        parsed = parse_expression(text, self.host.dialect)
+        return text if parsed.problems else print_node(reduced(parsed.tree))
 
     @property
     def of_graph(self) -> bool:

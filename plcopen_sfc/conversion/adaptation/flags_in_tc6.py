@@ -18,9 +18,7 @@ from plcopen_sfc.conversion.adaptation.step_rewriting import StepRewriter
 from plcopen_sfc.conversion.executed_parts import told_flag
 from plcopen_sfc.formats.plcopen.source_marks import (
     OF_FLAGS,
-    REWRITTEN_FIELD,
     TEXTS_FIELD,
-    rewritten_transition,
     text_digest,
 )
 from plcopen_sfc.model.actions import Qualifier
@@ -71,13 +69,7 @@ class _Tc6Flags(FlagRewriter):
     def store(self, surroundings: PermanentRewriter) -> None:
         """Let the initial step store the action with the memories, and mark what was changed for the way back."""
         for transition in (each for each in self._changed if each.id in self._rewriting.source_transitions):
-            source = self._rewriting.source_transitions[transition.id]
-            known = self._rewriting.marks.get(id(transition), {}).get(REWRITTEN_FIELD, {})
-            uses = [*known.get("uses", ()), *self._names]
-            mark = rewritten_transition(transition, source, uses, known.get("held", ()))
-            if "logic" in known:
-                mark[REWRITTEN_FIELD]["logic"] = known["logic"]
-            self._rewriting.marks[id(transition)] = mark
+            self._rewriting.mark_condition(transition, self._names)
         self._added.mark(self._names, of=OF_FLAGS)
         if self.lines:
             body = StBody(text="\n".join(self.lines))

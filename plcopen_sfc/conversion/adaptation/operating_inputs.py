@@ -13,7 +13,7 @@ from collections.abc import Collection, Iterable, Sequence
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, conjunction
 from plcopen_sfc.conversion.adaptation.step_checks import StepChecks
 from plcopen_sfc.conversion.executed_parts import OPERATING_INPUT
-from plcopen_sfc.formats.plcopen.source_marks import OF_ENDS, REWRITTEN_FIELD, added_element, rewritten_transition
+from plcopen_sfc.formats.plcopen.source_marks import OF_ENDS, added_element
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.s7_programs import unused_inputs
 from plcopen_sfc.model.conditions import Expression
@@ -299,11 +299,7 @@ class OperatingInputs:
 
     def _hold(self, transition: Transition, edge: str) -> None:
         """Let a transition that leaves the initial step not count while the sequence begins again."""
-        source, marks = self._rewriting.source_transitions[transition.id], self._rewriting.marks
-        known = marks.get(id(transition), {}).get(REWRITTEN_FIELD, {})
-        text = self._rewriting.text(transition.condition) or "TRUE"
-        transition.condition = Expression(text=conjunction(text, f"NOT {as_term(edge)}"))
-        uses = [*known.get("uses", ()), *self._checks.names_of_edges()]
-        marks[id(transition)] = rewritten_transition(transition, source, uses, known.get("held", ()))
+        text = conjunction(self._rewriting.text(transition.condition) or "TRUE", f"NOT {as_term(edge)}")
+        self._rewriting.change_condition(transition, text, self._checks.names_of_edges())
         why = f"not while {self._wanted[INIT]} begins the sequence again"
         self._rewriting.note(Outcome.TRANSLATED, "condition", f"transition {self._chart.label(transition)}", why)

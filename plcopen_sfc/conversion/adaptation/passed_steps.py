@@ -15,10 +15,8 @@ from typing import NamedTuple
 from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, all_of, any_of, as_term, conjunction
 from plcopen_sfc.conversion.adaptation.operating_inputs import AddedElements
 from plcopen_sfc.conversion.adaptation.step_checks import StepChecks
-from plcopen_sfc.formats.plcopen.source_marks import REWRITTEN_FIELD, rewritten_transition
 from plcopen_sfc.languages.effects import reads
-from plcopen_sfc.languages.st import parse_expression, print_node
-from plcopen_sfc.lowering.code.boolean_logic import reduced
+from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.sfc import Transition, by_priority
 from plcopen_sfc.report import Outcome
@@ -118,7 +116,9 @@ class SkipRewriter:
         direct = frozenset(transition.targets)
         for way in ways[:-1]:
             condition = all_of(way.conditions)
-            only = self._readable(all_of([text, condition, *(f"NOT {as_term(each)}" for each in [*before, *tried])]))
+            only = self._rewriting.reduced(
+                all_of([text, condition, *(f"NOT {as_term(each)}" for each in [*before, *tried])])
+            )
             tried.append(condition)
             if only == "FALSE":
                 continue
@@ -126,7 +126,7 @@ class SkipRewriter:
                 stays.append(
                     condition
                     if len(tried) == 1
-                    else self._readable(all_of([condition, *(f"NOT {as_term(each)}" for each in tried[:-1])]))
+                    else self._rewriting.reduced(all_of([condition, *(f"NOT {as_term(each)}" for each in tried[:-1])]))
                 )
                 continue
             if way.ends == direct:
@@ -147,18 +147,11 @@ class SkipRewriter:
         steps = [each for each in self._chart.steps if each.id in {*transition.sources} - {*other.sources}]
         return all_of([*(self._host.active(step) for step in steps), text])
 
-    def _readable(self, text: str) -> str:
-        parsed = parse_expression(text, self._host.dialect)
-        return text if parsed.problems else print_node(reduced(parsed.tree))
-
     def _hold(self, transition: Transition, stays: str) -> None:
         """Let a transition not fire where a way past steps leads back to the step that it leaves."""
-        marks, source = self._rewriting.marks, self._rewriting.source_transitions[transition.id]
-        known = marks.get(id(transition), {}).get(REWRITTEN_FIELD, {})
-        text = self._rewriting.text(transition.condition) or "TRUE"
-        transition.condition = Expression(text=self._readable(conjunction(text, f"NOT {as_term(stays)}")))
-        uses = [*known.get("uses", ()), *self._checks.names_of_edges(), _TOGETHER]
-        marks[id(transition)] = rewritten_transition(transition, source, uses, known.get("held", ()))
+        text = conjunction(self._rewriting.text(transition.condition) or "TRUE", f"NOT {as_term(stays)}")
+        uses = [*self._checks.names_of_edges(), _TOGETHER]
+        self._rewriting.change_condition(transition, self._rewriting.reduced(text), uses)
         why = "not where steps are skipped up to the one that it leaves"
         what = "transition" if transition.condition == Expression(text="FALSE") else "condition"
         self._rewriting.note(Outcome.TRANSLATED, what, f"transition {self._chart.label(transition)}", why)

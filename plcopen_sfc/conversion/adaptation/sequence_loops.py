@@ -35,8 +35,6 @@ from plcopen_sfc.drawing import limits
 from plcopen_sfc.formats.format_interface import ChartHost, WriteOptions
 from plcopen_sfc.formats.plcopen.source_marks import OF_BRANCHES, replaced_sequences
 from plcopen_sfc.formats.provenance import is_replaced
-from plcopen_sfc.languages.st import parse_expression, print_node
-from plcopen_sfc.lowering.code.boolean_logic import reduced
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition, connected_parts
 from plcopen_sfc.report import SEQUENCE, Outcome
 from plcopen_sfc.semantics.net import Net
@@ -135,7 +133,8 @@ class SequenceRewriter:
         own = [each for each in self._order if not ids.isdisjoint((*each.sources, *each.targets))]
         edges = {key: self._checks.rising(key) for key in self._wanted}
         conditions = [
-            (self._readable(self._begins(step, edges)), self._readable(self._ends(step, edges))) for step in steps
+            (self._rewriting.reduced(self._begins(step, edges)), self._rewriting.reduced(self._ends(step, edges)))
+            for step in steps
         ]
         for each in own:
             self._note(each, "the steps that it connects are loops with its condition")
@@ -152,11 +151,6 @@ class SequenceRewriter:
                 why = "conditions tell which transition fires"
                 self._rewriting.note(Outcome.TRANSLATED, "order of transitions", f"step {step.name}", why)
         return heads
-
-    def _readable(self, text: str) -> str:
-        """Return a condition without what other parts of it decide."""
-        parsed = parse_expression(text, self._host.dialect)
-        return text if parsed.problems else print_node(reduced(parsed.tree))
 
     def _note(self, transition: Transition, why: str) -> None:
         self._rewriting.note(Outcome.TRANSLATED, "transition", f"transition {self._chart.label(transition)}", why)
@@ -235,7 +229,7 @@ class SequenceRewriter:
             begins = f"NOT {self._checks.waits(start)}"
             if INIT in self._wanted:
                 begins = any_of([begins, f"{self._checks.rising(INIT)} AND NOT {self._checks.rising(OFF)}"])
-        added.transition(start, heads, self._readable(begins), "the sequences begin")
+        added.transition(start, heads, self._rewriting.reduced(begins), "the sequences begin")
         return start
 
 

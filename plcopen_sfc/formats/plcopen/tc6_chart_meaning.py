@@ -19,6 +19,7 @@ from plcopen_sfc.formats.plcopen.tc6_reading import (
     neutral,
 )
 from plcopen_sfc.formats.xml.extension_data import extension_data, markup
+from plcopen_sfc.grouping import Clusters
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.drawing import Places, StepActionKind, SymbolKind
 from plcopen_sfc.model.wiring import trace
@@ -276,20 +277,12 @@ class DrawnChart:
     def _check_initial(self) -> None:
         initial = [step for step in self.steps if step.get("initial")]
         if len(initial) > 1:
-            parent: dict[int, int] = {step["id"]: step["id"] for step in self.steps}
-
-            def root(node: int) -> int:
-                while parent[node] != node:
-                    parent[node] = node = parent[parent[node]]
-                return node
-
+            parts = Clusters(step["id"] for step in self.steps)
             for transition in self.transitions:
-                linked = [root(i) for i in (*transition["sources"], *transition["targets"])]
-                for other in linked[1:]:
-                    parent[root(other)] = root(linked[0])
+                parts.unite((*transition["sources"], *transition["targets"]))
             first: dict[int, Any] = {}
             for step in initial:
-                other = first.setdefault(root(step["id"]), step)
+                other = first.setdefault(parts.root(step["id"]), step)
                 if other is not step:
                     self._error("SFC110", f"{step['name']!r} is a second initial step, besides {other['name']!r}", step)
         elif self.steps and not initial:

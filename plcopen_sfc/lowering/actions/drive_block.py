@@ -114,9 +114,7 @@ class DriveBlock:
                         )
             return node
 
-        for place, network in enumerate(self.code.networks):
-            statements = tuple(transform(statement, replaced) for statement in network.statements)
-            self.code.networks[place] = replace(network, statements=statements)
+        self.code.change(lambda statement: transform(statement, replaced))
 
     def _input(self, given: Expression, wanted: str, comment: str, kind: DataType = BOOL) -> n.Name:
         if given not in self._given:

@@ -72,9 +72,7 @@ def name_inputs(code: LoweredCode, project: Project) -> None:
                     return n.Call(node.callee, tuple(n.Argument(a.value, n.Name(v.name)) for a, v in pairs))
         return node
 
-    for place, network in enumerate(code.networks):
-        statements = tuple(transform(each, named) for each in network.statements)
-        code.networks[place] = replace(network, statements=statements)
+    code.change(lambda statement: transform(statement, named))
 
 
 def put_logic(code: LoweredCode, declared: Iterable[Variable], *, contacts: bool) -> None:
@@ -106,9 +104,7 @@ def put_logic(code: LoweredCode, declared: Iterable[Variable], *, contacts: bool
                 return n.Parenthesized(n.Operation(Operator.OR, (one, conjunction([negation(left), right]))))
         return node
 
-    for place, network in enumerate(code.networks):
-        statements = tuple(transform(each, changed) for each in network.statements)
-        code.networks[place] = replace(network, statements=statements)
+    code.change(lambda statement: transform(statement, changed))
 
 
 class _Flattener:

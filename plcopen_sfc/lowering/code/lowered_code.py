@@ -335,6 +335,11 @@ class LoweredCode:
         same = len(kept) <= len(statements) and all(map(is_, kept, statements))
         return (len(kept), text) if same else (0, "")
 
+    def change(self, changed: Callable[[n.Statement], n.Statement], begin: int = 0) -> None:
+        """Change each statement of the networks from place `begin` on."""
+        for place, network in enumerate(self.networks[begin:], begin):
+            self.networks[place] = replace(network, statements=tuple(map(changed, network.statements)))
+
     def declare(self, wanted: str, kind: t.DataType = BOOL, *, initial: str | None = None, comment: str = "") -> n.Name:
         """Declare a local variable that is called `wanted`, if that is free, and return its name."""
         name = self.naming.fresh(wanted)

@@ -72,9 +72,7 @@ def inline_single_uses(code: LoweredCode, kept: Collection[Expression]) -> None:
         return together([network.statements for network in inlined(parts)])
 
     code.networks[:] = inlined(code.networks)
-    for place, network in enumerate(code.networks):
-        ended = tuple(_with_short_end(each, once, gone) for each in network.statements)
-        code.networks[place] = replace(network, statements=ended)
+    code.change(lambda statement: _with_short_end(statement, once, gone))
     code.variables[:] = [variable for variable in code.variables if variable.name.casefold() not in gone]
 
 

@@ -7,6 +7,7 @@ from functools import cached_property
 from graphlib import CycleError, TopologicalSorter
 
 from plcopen_sfc.analysis.marking import explore_in_sets
+from plcopen_sfc.grouping import Clusters
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Node, Statement
@@ -181,21 +182,10 @@ def leaving_and_entering(net: Net, step: int) -> tuple[list[NetTransition], list
 
 def _parts(net: Net) -> list[int]:
     """Return the steps of each part as bits."""
-    part = list(range(len(net.steps)))
-
-    def root(step: int) -> int:
-        while part[step] != step:
-            part[step] = step = part[part[step]]
-        return step
-
+    parts = Clusters(range(len(net.steps)))
     for transition in net.transitions:
-        joined = {root(step) for step in (*transition.sources, *transition.targets)}
-        for step in joined:
-            part[step] = min(joined)
-    found: dict[int, int] = {}
-    for step in range(len(part)):
-        found[root(step)] = found.get(root(step), 0) | 1 << step
-    return list(found.values())
+        parts.unite((*transition.sources, *transition.targets))
+    return [sum(1 << step for step in steps) for steps in parts.members().values()]
 
 
 def _imposed(chart: RuledChart) -> Iterator[int]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import replace
 from typing import NoReturn
 
 from plcopen_sfc.analysis.exclusivity import exclusive
@@ -284,9 +283,7 @@ class ScanSchedule(ABC):
         alternatives = self.alternatives()
         if alternatives is None:
             return
-        for place, network in enumerate(self.code.networks[begin:], begin):
-            statements = tuple(with_distinct(each, alternatives) for each in network.statements)
-            self.code.networks[place] = replace(network, statements=statements)
+        self.code.change(lambda statement: with_distinct(statement, alternatives), begin)
         self.gather(begin)
 
     def _add_actions(self) -> None:
