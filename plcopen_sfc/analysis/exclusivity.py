@@ -20,6 +20,7 @@ from plcopen_sfc.languages.effects import targets
 from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
 from plcopen_sfc.languages.st import names_of, parse_condition, walk
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.literals import LiteralKind
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model.conditions import Expression as Condition
 from plcopen_sfc.model.dialect import Dialect
@@ -97,6 +98,9 @@ def truth(condition: AnyCondition, *, dialect: Dialect = Dialect.IEC, knowledge:
     read = _read(condition, dialect)
     if isinstance(read, str):
         return Truth.UNKNOWN
+    constant = constant_of(read.tree, dialect, knowledge)
+    if constant is not None and constant.kind is LiteralKind.BOOL:  # thousands in long charts, as comparisons are
+        return Truth.ALWAYS if constant.value else Truth.NEVER
     if knowledge is not None and not read.own and _compares_within(read.tree, dialect, knowledge):
         return Truth.VARIES
     formula = Formula(dialect, knowledge)
