@@ -273,8 +273,8 @@ class Verdict:
     @property
     def premises(self) -> tuple[str, ...]:
         """What the verdict rests on, in lines: further reasons why there is no proof, and how both were compared."""
-        if self.counterexample is not None:
-            return ()
+        if self.counterexample is not None:  # who repeats it must know which scans were put beside each other
+            return tuple(f"given: {note}" for note in self.delay_notes)
         if self.proven:
             return tuple(f"given: {note}" for note in (*self.notes, *self.delay_notes))
         _, _, more = self.reason.partition("; ")

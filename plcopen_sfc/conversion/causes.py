@@ -86,7 +86,7 @@ def _causes(
         parts |= dict.fromkeys(map(_called, influences.places))
     if evolution or found:
         return [*evolution, *found][:_LISTED]
-    if started := _told_start(example, chart, profiles, tool):
+    if started := _told_start(example, chart, profiles, tool) or _told_begun(example, chart, profiles, tool):
         return [started]
     written = _written_at(chart, profiles, tool)
     for name in (each.name for each in example.differences if each.name in written):
@@ -155,11 +155,10 @@ def _told_start(example: Counterexample, chart: Chart, profiles: tuple[Profile, 
     return ""
 
 
-def _is_begun_once(step: str, example: Counterexample, *, is_late: bool) -> bool:
-    """True if a step is active from the first scan, and not entered again, on the second side where `is_late`."""
-    trace = example.right if is_late else example.left
-    active = [step in trace.active(scan) for scan in range(len(example.inputs))]
-    return active[0] and not any(now and not before for before, now in pairwise(active))
+def _is_begun_once(step: Step, network: SfcNetwork, example: Counterexample, chart: Chart, scans: int) -> bool:
+    """True if an initial step of the source is not entered again in as many `scans`."""
+    active = (_is_shown(step, network, chart, example.left.active(scan)) for scan in range(scans))
+    return step.initial and not any(now and not before for before, now in pairwise(active))
 
 
 def _called(place: str) -> str:
@@ -430,20 +429,29 @@ def told_apart(example: Counterexample, chart: Chart, profiles: tuple[Profile, P
 def _told_early(example: Counterexample, chart: Chart, profiles: tuple[Profile, Profile], tool: str) -> str:
     """Return what shows that one of two tools executes the actions first: inputs, the start, or times of steps."""
     early = acting_early(profiles, tool)
-    is_late = profiles[1].order is ScanOrder.ACTIONS_FIRST
-    first, other = (tool, "the source") if is_late else ("the source", tool)
+    first = tool if profiles[1].order is ScanOrder.ACTIONS_FIRST else "the source"
     read = [*_read_inputs(example, chart)]
     if any(_is_changed(name, example) for name in read):
         return early
-    names = [each.name for each in example.differences if not each.error]
-    begun = {step.name for step in chart.chart.initial_steps if _is_begun_once(step.name, example, is_late=is_late)}
-    if any(each.step.name in begun for name in names for each in _writers(name, chart)):
-        what = "the actions of the initial step in its first scan, and others a scan later than"
-        return f"{first} executes {what} {other}"
+    if begun := _told_begun(example, chart, profiles, tool):
+        return begun
     order = f"{first} executes the actions before the transitions"
-    if not read and any(name.endswith(".X") for name in names):
+    if not read and any(each.name.endswith(".X") for each in example.differences if not each.error):
         return f"{order}, and so compares the times of steps a scan later"
     return early if read else order
+
+
+def _told_begun(example: Counterexample, chart: Chart, profiles: tuple[Profile, Profile], tool: str) -> str:
+    """Return which tool is a scan late but for its initial step, if an action of that differs; else empty."""
+    if profiles[0].order is profiles[1].order:
+        return ""
+    is_late = profiles[1].order is ScanOrder.ACTIONS_FIRST
+    first, other = (tool, "the source") if is_late else ("the source", tool)
+    writers = (each for difference in example.differences for each in _writers(difference.name, chart))
+    scans = len(example.inputs) - (1 if is_late else 0)
+    if not any(_is_begun_once(each.step, each.network, example, chart, scans) for each in writers):
+        return ""
+    return f"{first} executes the actions of the initial step in its first scan, and others a scan later than {other}"
 
 
 def acting_early(profiles: tuple[Profile, Profile], tool: str) -> str:

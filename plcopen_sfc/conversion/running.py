@@ -191,18 +191,18 @@ def _note_verdict(
 
     every = chart.report.losses
     held = [] if run.verdict.equal else _told_while_held(compared, run, every if losses is None else losses, end)
-    alike: list[str] = []
-    rules: list[str] = []
+    alike = _Alike()
     if run.as_run.counterexample is not None:
-        alike, rules = _told_alike(compared, run, every, end - time.thread_time())
+        alike = _told_alike(compared, run, every, end - time.thread_time())
     if run.verdict.kind is VerdictKind.UNTESTED:
         seen, *unreached = str(run.verdict).splitlines()
         chart.note_untested("\n".join([seen, *([] if losses is None else [_IN_IT])]), *unreached)
     elif losses is None:
-        _report_run(chart.report, run, held or rules)
+        _report_run(chart.report, run, held or alike.rules, acquitted=alike.acquitted)
     else:
-        chart.note(*run.told_with(losses, held or rules))
-    return alike
+        causes = [each for each in losses if each.what not in alike.acquitted]
+        chart.note(*run.told_with(causes, held or alike.rules))
+    return list(alike.told)
 
 
 def _asked_in_vain(there: Chart, source: Project, verdict: Verdict) -> list[str]:
@@ -330,9 +330,19 @@ def _told_while_held(compared: Callable[..., Verdict], run: _Run, losses: Sequen
     return []
 
 
-def _told_alike(
-    compared: Callable[..., Verdict], run: _Run, losses: Sequence[Item], limit: float
-) -> tuple[list[str], list[str]]:
+class _Alike(NamedTuple):
+    """How a chart that differs compares under other rules, and what that says of the causes of its difference.
+
+    `told`: verdicts in words; `rules`: the rules that are a cause, in words; `acquitted`: subjects of items of the
+    report that are none, as the same differs without them.
+    """
+
+    told: Sequence[str] = ()
+    rules: Sequence[str] = ()
+    acquitted: frozenset[str] = frozenset()
+
+
+def _told_alike(compared: Callable[..., Verdict], run: _Run, losses: Sequence[Item], limit: float) -> _Alike:
     """Return how a chart that differs compares under one more rule of the target, or all, and the rules as causes.
 
     Nothing where it differs yet: what is left of a difference then is one of the conversion. With the search for
@@ -345,10 +355,10 @@ def _told_alike(
     evolution, order = profiles[1].evolution, profiles[1].order
     end = time.thread_time() + limit
 
-    def run_under(rules: Callable[[], Profile]) -> Verdict | None:
+    def run_under(first: Callable[[], Profile], second: Profile = profiles[1]) -> Verdict | None:
         left = end - time.thread_time()
         try:
-            return compared(profile=(rules(), profiles[1]), delay="auto", limit=left) if left > 0 else None
+            return compared(profile=(first(), second), delay="auto", limit=left) if left > 0 else None
         except SfcError:  # some would contradict others: S7-GRAPH has one order
             return None
 
@@ -357,23 +367,37 @@ def _told_alike(
         return found if found is not None and found.equal else None
 
     if profiles[0].evolution is Evolution.UNTIL_STABLE is not evolution:
-        if (found := equal_under(lambda: replace(profiles[0], evolution=evolution))) is not None:
-            return [f"without its search for stability: {found.summary}"], []
+        once = run_under(lambda: replace(profiles[0], evolution=evolution))
+        if once is not None and once.equal:
+            return _Alike([f"without its search for stability: {once.summary}"])
+        acquitted = frozenset({STABILITY} if once is not None and _is_same(once.counterexample, example) else ())
         found = run_under(lambda: replace(profiles[0], max_evolutions=2))
         if found is None or found.counterexample is not None or not found.states:  # it passes one in its first scan
-            return [], []
-        return [f"where it passes no step: {found.summary}"], []
+            return _Alike(acquitted=acquitted)
+        return _Alike([f"where it passes no step: {found.summary}"], acquitted=acquitted)
     if example is None:
-        return [], []
+        return _Alike()
+    if evolution is Evolution.UNTIL_STABLE is not profiles[0].evolution:
+        once = run_under(lambda: profiles[0], replace(profiles[1], evolution=profiles[0].evolution))
+        if once is not None and once.equal:
+            cause = f"{tool} fires transitions until none can fire, and passes steps"
+            return _Alike([f"without the search for stability of {tool}: {once.summary}"], [cause])
     if profiles[0].order is not order and (found := equal_under(lambda: replace(profiles[0], order=order))) is not None:
         first = tool if order is ScanOrder.ACTIONS_FIRST else "the source"
         line = f"with actions and transitions in the order of {tool}: {found.summary}"
-        return [line], [f"{first} executes the actions before the transitions"]
+        return _Alike([line], [f"{first} executes the actions before the transitions"])
     if (found := equal_under(lambda: profiles[1])) is None:
-        return [], []
+        return _Alike()
     every = differing_rules(example, run.chart, profiles, tool)
     rules = [rule for rule in every if equal_under(rule.patched) is not None]
-    return [f"under the rules of {tool}: {found.summary}"], [rule.told(losses, run.chart) for rule in rules]
+    return _Alike([f"under the rules of {tool}: {found.summary}"], [rule.told(losses, run.chart) for rule in rules])
+
+
+def _is_same(one: Counterexample | None, other: Counterexample | None) -> bool:
+    """True if two runs differ in the same values after as many scans."""
+    if one is None or other is None:
+        return one is other
+    return one.differences == other.differences and len(one.inputs) == len(other.inputs)
 
 
 class _Run(NamedTuple):
@@ -413,7 +437,7 @@ class _Run(NamedTuple):
         return told_difference(example, self.chart, losses, self.profiles, self.tool, rules=rules)
 
 
-def _report_run(report: ConversionReport, run: _Run, rules: Sequence[str]) -> None:
+def _report_run(report: ConversionReport, run: _Run, rules: Sequence[str], *, acquitted: Collection[str] = ()) -> None:
     """Report the verdict on a chart of which the report names no loss; `rules`: see `_Run.told`."""
     from plcopen_sfc.analysis.product import NEVER_STABLE  # noqa: PLC0415  # most conversions run nothing
 
@@ -432,9 +456,9 @@ def _report_run(report: ConversionReport, run: _Run, rules: Sequence[str]) -> No
     if as_run.equal:  # every run has a first scan
         _note_proven(report, path, START_OF_CHART, "which begins otherwise")
     if verdict.counterexample is not None:
-        report.add(
-            Outcome.APPROXIMATED, "chart", path, "; ".join(run.told(verdict.counterexample, report.losses, rules))
-        )
+        causes = [each for each in report.losses if each.what not in acquitted]
+        told = run.told(verdict.counterexample, causes, rules)
+        report.add(Outcome.APPROXIMATED, "chart", path, "; ".join(told))
     elif not as_run.equal:
         example = as_run.counterexample
         why = "it is not known to do the same"

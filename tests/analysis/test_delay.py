@@ -80,6 +80,15 @@ def test_what_scans_see_is_said_where_the_delay_depends_on_it(feature: str) -> N
         assert between(RETIMED[feature], "iec", "codesys", exact).kind is VerdictKind.DIFFERENT
 
 
+def test_a_difference_says_how_scans_were_put_beside_each_other() -> None:
+    """Whoever repeats the run sees something else in a second that has the inputs of the same scan."""
+    other = ring({1: "act(S);"}, more="ACTION act: q := NOT c; END_ACTION")
+    first, second = RETIMED["input in an action"].pous[0], other.pous[0]
+    verdict = equivalent(first, second, ("iec", "codesys"), delay=Delay(1, retimed=True))
+    assert verdict.different
+    assert "given: actions of the second see the inputs and times of the scan before" in str(verdict).splitlines()
+
+
 def test_charts_of_actions_that_are_not_executed_do_not_hinder_it() -> None:
     inner = "ACTION Sub: INITIAL_STEP I0: END_STEP TRANSITION FROM I0 TO I0 := b; END_TRANSITION END_ACTION"
     for used, is_retimed in (("act(S);", True), ("act(S); Sub(N);", False)):

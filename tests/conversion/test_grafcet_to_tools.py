@@ -170,6 +170,43 @@ def test_a_ruled_chart_is_compared_where_it_passes_no_step(form: str) -> None:
     assert sfc.equivalent(project, wrong, (rules, default_profile(wrong)), delay="auto", limit=60).counterexample
 
 
+LATE_LAMP = """GRAFCET P
+INPUTS
+    a
+    b
+OUTPUTS
+    Q
+    R
+INITIAL STEP 1
+    R AFTER 2s
+1 -> 2 : 1s/b
+STEP 2
+    Q
+2 -> 1 : a
+"""
+
+
+def test_a_difference_without_a_passed_step_does_not_blame_the_search_for_stability() -> None:
+    """The shortest run fires nothing; the step that the chart passes elsewhere was called its cause."""
+    report = sfc.save(sfc.loads(LATE_LAMP.encode()), io.BytesIO(), format="codesys", limit=60)
+    assert [item.outcome for item in report.items if item.what == STABILITY] == ["approximated"]
+    (told,) = [item.why for item in report.items if item.what == "chart" and "something else" in item.why]
+    assert "R is FALSE in the source" in told
+    assert "stability" not in told
+    assert "CODESYS executes the actions of the initial step in its first scan, and others a scan later" in told
+
+
+def test_a_tools_chart_and_its_grafcet_differ_by_the_search_for_stability_of_the_grafcet() -> None:
+    """The sequencer differed by its first scan, the report said, as it is one of the first two that differs."""
+    chain = sfc.load("fixtures/simaticml-training-chain/Ablauf.xml")
+    report = sfc.save(chain, io.BytesIO(), format="grafcet-text", limit=60)
+    different, *more = report.compared["POU Ablauf"].splitlines()
+    assert different.startswith("different after 2 scans")
+    assert any(line.startswith("without the search for stability of GRAFCET: equal (proof") for line in more)
+    (told,) = [item.why for item in report.items if item.what == "chart" and "something else" in item.why]
+    assert told.endswith("GRAFCET fires transitions until none can fire, and passes steps")
+
+
 CIRCLE = """GRAFCET M
 INPUTS
     a
