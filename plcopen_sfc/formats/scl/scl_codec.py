@@ -7,6 +7,7 @@ nothing is lost: the text is read as it is, and the rest of the model is put beh
 from __future__ import annotations
 
 from collections.abc import Container, Iterator, Mapping, Sequence
+from functools import lru_cache
 from itertools import pairwise
 
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
@@ -435,6 +436,7 @@ def _sections(pou: Pou, types: S7Types, tags: Container[str]) -> Iterator[Variab
             yield _in_scl(section, pou, types)
 
 
+@lru_cache(maxsize=4)  # for the report and for the text
 def _stays_inside(body: str, keyword: str) -> bool:
     """True if a block ends behind `body`: no comment in it is left open, no end of a block is in it."""
     end = f"END_{keyword}"
@@ -575,7 +577,7 @@ class SclCodec(TextCodec):
         return ReadResult(found.project, found.diagnostics)
 
     def without_own_comments(self, text: str) -> str:
-        comments = split_units(text, Dialect.SCL).comments
+        comments = split_units(text, Dialect.SCL).comments if OWN_COMMENT.search(text) else ()
         return without(text, [comment.span for comment in comments if OWN_COMMENT.match(comment.text)])
 
     def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
