@@ -35,6 +35,7 @@ from plcopen_sfc.lowering.lowering_options import (
     LoweringRules,
     OperatingMode,
     States,
+    has_line_comments,
     tool_of,
     usual_states,
 )
@@ -206,7 +207,7 @@ def construct(
     states = rules.states or usual_states(rules, dialect)
     rules = replace(rules, construction=chosen, language=language, states=states)
     code = _code(source, dialect, rules, language, project)
-    # the listings of textbooks have // in every file
+    code.has_line_comments = has_line_comments(rules, dialect, project)
     code.is_textbook = rules.is_classic
     code.for_others = rules.target is not None and not rules.is_classic
     if rules.flags != LOCAL:

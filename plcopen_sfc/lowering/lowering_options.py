@@ -10,6 +10,7 @@ from typing import TypedDict, TypeVar
 from plcopen_sfc.errors import LoweringError, check_argument, listed_names, nearest
 from plcopen_sfc.formats.format_interface import Format, NetworkForm
 from plcopen_sfc.formats.registry import format_named
+from plcopen_sfc.languages.networks.exported_networks import EXPORTS
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.code_texts import TEXTS, Texts
 from plcopen_sfc.model.dialect import Dialect
@@ -248,6 +249,14 @@ def tool_of(target: str | None, dialect: Dialect) -> Tool | None:
     """Return the tool that a format is for; without a format that of the dialect of the project. None: IEC 61131-3."""
     own = format_named(target)[0].dialect if target is not None else dialect
     return _TOOL_OF_DIALECT.get(own) if own is not None else None
+
+
+def has_line_comments(rules: LoweringRules, dialect: Dialect, project: Project) -> bool:
+    """True if code may have ``//``: edition 2 of IEC 61131-3, as in matiec, and CoDeSys 2.3 have no such comments."""
+    if (rules.target or project.tool_format) == EXPORTS:
+        return False
+    # the listings of textbooks have // in every other file
+    return rules.is_classic or rules.target is None or tool_of(rules.target, dialect) is not None
 
 
 def usual_states(rules: LoweringRules, dialect: Dialect) -> States:

@@ -20,7 +20,7 @@ from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.binding.compile_mistakes import compile_mistakes
 from plcopen_sfc.lowering.chart_lowering import LoweredPou, prove_code
 from plcopen_sfc.lowering.code_texts import Texts
-from plcopen_sfc.lowering.lowering_options import Construction, Style, tool_of
+from plcopen_sfc.lowering.lowering_options import Construction, Style, has_line_comments
 from plcopen_sfc.lowering.proof import prove
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import StBody
@@ -205,10 +205,8 @@ def _body(lowered: LoweredPou, pou: Pou) -> Body | None:
 def _header(lowered: LoweredPou, project: Project) -> str:
     lines = (part for line in _lines(lowered) for part in wrap(line, _WIDTH, break_long_words=False))
     text = "\n".join(f"// {line}" for line in lines)
-    target = lowered.rules.target
-    # edition 2 of IEC 61131-3 has no other comments
-    portable = target is not None and tool_of(target, project.dialect) is None
-    return compilable_comments(text, project.dialect) if portable else text
+    dialect = project.dialect
+    return text if has_line_comments(lowered.rules, dialect, project) else compilable_comments(text, dialect)
 
 
 def _lines(lowered: LoweredPou) -> Iterator[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -262,7 +263,7 @@ def test_a_branch_does_not_ask_for_its_own_step() -> None:
     project = sfc.load(FIXTURES / "codesys23/distribution_belt.EXP")
     made = sfc.lower(project, "case", pou="Ablauf", verify=False)
     assert isinstance(made.pou.body, m.StBody)
-    branch = made.pou.body.text.partition("STEP_Warten: // Step Warten\n")[2].partition("\n\n")[0]
+    branch = made.pou.body.text.partition("STEP_Warten: (* Step Warten *)\n")[2].partition("\n\n")[0]
     assert branch.splitlines()[:2] == ["        Band_Rechts := FALSE;", "        Wartezeit(IN := TRUE, PT := t#3s);"]
 
 
@@ -344,3 +345,25 @@ def test_steps_that_do_the_same_are_one_branch_unless_their_comments_tell_them_a
         main = made.pou.body.text.partition("// Actions of the active steps")[2]
         assert label in main
         assert comment in main
+
+
+@pytest.mark.parametrize("asked", [{}, {"style": "classic", "construction": "flipflop", "language": "ST"}])
+@pytest.mark.parametrize("through", ["lower", "lower_to_file"])
+def test_exports_of_codesys_23_have_no_comments_up_to_the_end_of_a_line(
+    through: str, asked: dict[str, Any], tmp_path: Path
+) -> None:
+    # only code without SFC flags has a classic form
+    project = sfc.load(FIXTURES / "codesys23/distribution_belt.EXP")
+    interface = project.pou("Ablauf").interface
+    assert interface is not None
+    interface.sections = [each for each in interface.sections if each.kind is not m.SectionKind.INPUT]
+    file = tmp_path / "belt.EXP"
+    if through == "lower":
+        sfc.save(sfc.lower(project, pou="Ablauf", verify=False, **asked).project, file, partial=True)
+    else:
+        sfc.lower_to_file(project, str(file), pou="Ablauf", format="codesys23", verify=False, partial=True, **asked)
+    text = file.read_text("cp1252")
+    body = text[text.index("PROGRAM Ablauf") : text.index("PROGRAM Eingabe")]
+    assert "CASE" in body or "Warten" in body
+    assert "//" not in body
+    assert "(* " in body

@@ -36,7 +36,7 @@ def structured_text(code: LoweredCode, dialect: Dialect) -> StBody:
     printer = _CodePrinter(code, dialect)
     text = "\n\n".join(printer.paragraph(network) for network in code.networks)
     has_pragmas = any(comment.kind is CommentKind.PRAGMA for comment in tokenize(text, dialect).comments)
-    return StBody(text=compilable_comments(text, dialect) if code.is_portable and not has_pragmas else text)
+    return StBody(text=compilable_comments(text, dialect) if not (code.has_line_comments or has_pragmas) else text)
 
 
 def instruction_list(code: LoweredCode, pou: str) -> IlBody:

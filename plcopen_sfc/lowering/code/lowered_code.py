@@ -293,7 +293,7 @@ class LoweredCode:
 
     `data_types` are new ones of the project. `drawn`: it becomes networks, all on `one_sheet` or each for itself, or
     instructions; `tool`: the tool that it is for, where that matters. `for_others`: exact code for a format, not for
-    the project. `is_textbook`: code in the classic style.
+    the project. `has_line_comments`: comments with ``//``. `is_textbook`: code in the classic style.
     `culture` (``de-DE``): the language of comments, where the target has another usual one.
     `operands`: variables in which boxes of S7 keep their state, with these boxes.
     `texts`: names of variables. `at_rest`: the values of inputs with which the code does what the chart does, in scans
@@ -314,6 +314,7 @@ class LoweredCode:
     one_sheet: bool = False
     tool: Tool | None = None
     for_others: bool = False
+    has_line_comments: bool = True
     is_textbook: bool = False
     culture: str = ""
     operands: dict[n.Expression, str] = field(default_factory=dict)
@@ -362,7 +363,7 @@ class LoweredCode:
 
     @property
     def is_portable(self) -> bool:
-        """True if it is for every tool of IEC 61131-3: edition 2, as in matiec, has no ``//``, no empty statement."""
+        """True if it is for every tool of IEC 61131-3: edition 2, as in matiec, has no empty statement."""
         return self.for_others and self.tool is None
 
     @property
