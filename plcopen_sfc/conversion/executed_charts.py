@@ -444,11 +444,16 @@ class ExecutedChartReader:
 
     def _is_plain_but_for(self, pulse: sfc.ActionAssociation) -> bool:
         """True if all other associations with the variable of a pulse are N."""
-        name = plain_name(pulse.target or "")
-        others = (
-            row for _, row in self.chart.associations() if row is not pulse and plain_name(row.target or "") == name
-        )
-        return all(row.qualifier in (Qualifier.N, Qualifier.NONE) and row.event is None for row in others)
+        return all(row is pulse for row in self._not_plain.get(plain_name(pulse.target or ""), ()))
+
+    @cached_property
+    def _not_plain(self) -> dict[str, list[sfc.ActionAssociation]]:
+        """The associations that are not N, by the names of their variables."""
+        found: dict[str, list[sfc.ActionAssociation]] = {}
+        for _, row in self.chart.associations():
+            if row.qualifier not in (Qualifier.N, Qualifier.NONE) or row.event is not None:
+                found.setdefault(plain_name(row.target or ""), []).append(row)
+        return found
 
     # -- transitions
 

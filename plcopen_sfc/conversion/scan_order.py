@@ -99,7 +99,9 @@ def _inputs_read(chart: Chart, project: Project) -> list[str]:
         if plain.issuperset(map(str.casefold, used_types(variable.type)))
     }
     wanted = {name for name in given | others if name.casefold() in named}
-    written = _written([pou for pou, _ in reading], project) if wanted - given else set()
+    written = {name for path in (*done.writes, *done.calls) for name in path}
+    if any(name.casefold() not in written for name in wanted - given):  # seldom: to bind all bodies takes long
+        written |= _written([pou for pou, _ in reading], project)
     return sorted(name for name in wanted if name in given or name.casefold() not in written)
 
 
