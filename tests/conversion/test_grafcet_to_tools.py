@@ -1083,6 +1083,39 @@ def test_edges_of_steps_have_a_memory(form: str) -> None:
     ]
 
 
+MACRO_STEP = """GRAFCET P
+INPUTS
+    a
+OUTPUTS
+    Q
+    R
+INITIAL STEP 1
+    ON EVENT {edge} : R := {value}
+1 -> M4 : ↑a
+MACRO M4
+M4 -> 5 : ↑a
+STEP 5
+    ON EVENT ↓XM4 : R := FALSE
+5 -> 1 : ↑a * R
+5 -> 1 : ↑a * /R
+EXPANSION M4
+    STEP E4
+        Q
+    E4 -> S4 : ↑a
+    STEP S4
+"""
+
+
+@pytest.mark.parametrize("form", ["codesys", "simaticml", "plcopen-2.01"])
+@pytest.mark.parametrize(("edge", "value"), [("↑XM4", "TRUE"), ("↓XM4", "NOT R"), ("↑(XM4 * a)", "TRUE")])
+def test_edges_of_macro_steps_are_those_of_their_steps(edge: str, value: str, form: str) -> None:
+    """They were refused, as of something that is no variable and no step."""
+    plan = sfc.loads(MACRO_STEP.format(edge=edge, value=value).encode())
+    report = sfc.save(plan, io.BytesIO(), format=form, limit=60)
+    assert "edge" not in losses(report)
+    assert re.match(r"equal.* \(proof", report.compared["POU P"])
+
+
 SIMULTANEOUS = """GRAFCET G AS FUNCTION_BLOCK
 INPUTS
     a

@@ -139,8 +139,7 @@ class GrafcetTexts:
 
     def steps_in(self, operand: str, *, rising: bool) -> list[Step]:
         """Return the steps whose flags are in the operand of an edge. Raises `MissingTermError` for no name."""
-        tree = parse_expression(operand).tree
-        names = first_names(tree) if tree is not None else ["?"]
+        names = first_names(self._opened(operand))
         timed = self._timed(operand)
         undeclared = [name for name in names if not self._declares(name) and name not in timed]
         unknown = [name for name in undeclared if self.step_of(name) is None and name.casefold() not in self._globals]
@@ -148,6 +147,22 @@ class GrafcetTexts:
             what = shown_edge(operand, rising=rising)
             raise MissingTermError(f"{what} is an edge of something that is no variable and no step: {unknown[0]}")
         return [step for name in undeclared if (step := self.step_of(name)) is not None]
+
+    def _opened(self, operand: str) -> n.Expression:
+        """Return an operand with the flags of the steps inside instead of those of macro-steps and charts."""
+        return transform(parse_expression(operand).tree, self._open)
+
+    def _open(self, node: n.Node) -> n.Node:
+        inside = self._inside(node)
+        if inside is None:
+            return node
+        return n.Parenthesized(disjunction(n.Name(f"X{step.name}") for step in inside))
+
+    def _inside(self, node: n.Node) -> Sequence[Step] | None:
+        """Return the steps of a macro-step or chart, of which a node is the flag; None for any other node."""
+        if not isinstance(node, n.Name) or node.identifier[:1] not in "Xx" or self._declares(node.identifier):
+            return None
+        return self.groups.get(node.identifier[1:].casefold())
 
     def _timed(self, operand: str) -> set[str]:
         """Return the names of the steps whose times are in an operand."""
@@ -176,7 +191,7 @@ class GrafcetTexts:
         if not self._actions_first and not self._of_graph:
             # the transitions of this scan have changed the flags of steps already
             earlier = {step.name.casefold(): self.activity_before(step) for step in steps}
-            now = transform(tree, lambda node: self._earlier(node, earlier))
+            now = transform(self._opened(operand), lambda node: self._earlier(node, earlier))
             # as the transitions have seen it: before timers go on, and before memories that it reads
             self.memories.insert(0, f"{before} := {print_node(now)};")
             if tree is not None and of_inputs:
@@ -300,8 +315,9 @@ class GrafcetTexts:
             step = self.steps.get(name)
             if step is not None and not self._declares(node.identifier):
                 return step_flag(step)
-            if name in self.groups and not self._declares(node.identifier):
-                return n.Parenthesized(disjunction(map(step_flag, self.groups[name])))
+            inside = self._inside(node)
+            if inside is not None:
+                return n.Parenthesized(disjunction(map(step_flag, inside)))
         return node
 
     def flag_before(self, node: n.Node) -> n.Node:
