@@ -32,6 +32,7 @@ from plcopen_sfc.formats.remainder_comments import lacking
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle
 from plcopen_sfc.formats.xml.xml_parsing import parse_xml
+from plcopen_sfc.languages.grafcet_conditions import OVERLINE
 from plcopen_sfc.model.actions import ActionKind
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.pou import Pou
@@ -115,7 +116,7 @@ class XmiWriter:
         words = {kind: word for word, kind in SECTIONS.items()}
         declared = [(v, s.kind) for s in sections_of(pou.interface) for v in s.variables]
         declared += [(v, kind) for kind, variables in self._tags.items() for v in variables]
-        texts = " ".join(_texts(networks))
+        texts = " ".join(_texts(networks)).replace(OVERLINE, "")
         flags = {
             f"X{step.name}": self._numbers[id(step)]
             for network in networks

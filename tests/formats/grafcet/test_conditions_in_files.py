@@ -223,6 +223,13 @@ def test_a_variable_that_only_overlined_names_name_has_its_name_of_the_tool_in_t
     assert not [item for item in report.items if item.what == "undeclared name"]
 
 
+@pytest.mark.parametrize("form", FILES[:3])
+def test_the_overlined_flag_of_a_step_is_declared_in_the_file(form: str) -> None:
+    data, report = sfc.convert(plan("a * X̅1̅"), form)
+    assert not report.losses
+    assert not sfc.check(sfc.loads(data, format=form), profile="grafcet", select=["VAR01", "CND09"])
+
+
 def test_steps_get_numbers_as_names_in_a_grafcet_only() -> None:
     project = sfc.loads(
         b"PROGRAM P\nINITIAL_STEP S1: END_STEP\nTRANSITION FROM S1 TO S1 := TRUE; END_TRANSITION\nEND_PROGRAM\n"
