@@ -1,6 +1,6 @@
 """Program text: structured text, instruction lists, networks, declarations, and the names in them.
 
-* `st`: structured text. `il` and `il_printing`: instruction lists. `networks`: FBD and LD.
+* `st`: structured text. `il`, `il_printing` and `il_problems`: instruction lists. `networks`: FBD and LD.
 * `declarations`: to the model and back.
 * `binding`: name sites, scopes, and effects of bodies; `effects`: those of syntax trees.
 * `pragmas`: the remainder of the model in texts.

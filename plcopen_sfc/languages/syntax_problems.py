@@ -9,6 +9,7 @@ from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.grafcet_conditions import condition_problem
+from plcopen_sfc.languages.il_problems import instruction_problems
 from plcopen_sfc.languages.problems import Lines, Problem
 from plcopen_sfc.languages.st import (
     parse_body,
@@ -106,6 +107,8 @@ def _problems(project: Project, *, grafcet: bool) -> Iterator[tuple[TextSite, Se
     for text_site in text_sites(project):
         if text_site.reading is SiteKind.STATEMENTS:
             yield text_site, parse_body(text_site.text, project.dialect).problems
+        elif text_site.reading is SiteKind.INSTRUCTIONS:
+            yield text_site, instruction_problems(text_site.text, project.dialect)
         elif grafcet and isinstance(text_site.holder, Expression):
             problem = condition_problem(text_site.text, project.dialect)
             yield text_site, [problem] if problem is not None else []

@@ -20,7 +20,7 @@ of a step as actions of the POU, ``Fill_entry`` and ``Fill_exit``.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import takewhile
 
@@ -28,10 +28,12 @@ from plcopen_sfc.formats.codesys23.exp_outline import PRAGMA, Span, after_commen
 from plcopen_sfc.formats.text_patch import Key, Place, WrittenBlock, block_span, plain_lines
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.il import OPERATORS, is_il
+from plcopen_sfc.languages.il_problems import instruction_problems
 from plcopen_sfc.languages.networks import shown_body, shown_condition
 from plcopen_sfc.languages.networks.exported_networks import EXPORTS
+from plcopen_sfc.languages.problems import Problem
 from plcopen_sfc.languages.st.lexer import tokenize
-from plcopen_sfc.languages.st.parsing import parse_expression
+from plcopen_sfc.languages.st.parsing import parse_expression, statement_problems
 from plcopen_sfc.model import sfc
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
@@ -88,6 +90,24 @@ def read_text_body(text: str, span: Span) -> sfc.Body | None:
     if may_be_il and is_il(tokenize(content, Dialect.CODESYS).tokens):
         return IlBody(text=content)
     return StBody(text=content)
+
+
+_MANY = 20
+
+
+def body_problems(body: sfc.Body | None, text: str, span: Span) -> Iterator[tuple[str, int]]:
+    """Yield the faults of syntax in a body that was read from `span` of `text`, each with its offset in `text`."""
+    match body:
+        case StBody(text=content):
+            problems: Sequence[Problem] = statement_problems(content, Dialect.CODESYS)
+        case IlBody(text=content):
+            problems = instruction_problems(content, Dialect.CODESYS)
+        case _:
+            return
+    has_pairs = "\r\n" in text[span[0] : span[1]]
+    for problem in problems[:_MANY]:
+        offset = problem.span[0]
+        yield problem.message, span[0] + offset + (content[:offset].count("\n") if has_pairs else 0)
 
 
 def called_alone(text: str, span: Span) -> str:
@@ -218,6 +238,7 @@ class _ChartReader:
                 step.main_action = called
             else:
                 step.main_action = read_text_body(self.text, inside)
+                self._check(step.main_action, inside)
             places.append((("body", ""), inside, ()))
         places.append((("end", ""), end, ()))
         position = end[1]
@@ -246,6 +267,10 @@ class _ChartReader:
         self.found.places.append((key, (start, position), block_span(key, (start, position), places).spans))
         return position
 
+    def _check(self, body: sfc.Body | None, inside: Span) -> None:
+        for message, offset in body_problems(body, self.text, inside):
+            self.note("EXP110", message, offset)
+
     def _associations(self, inside: Span) -> list[sfc.ActionAssociation]:
         """Return the associations that a step consists of; empty where it has an action in place."""
         found: list[sfc.ActionAssociation] = []
@@ -271,6 +296,8 @@ class _ChartReader:
         transition.priority = whole_number(header[2])
         inside = _condition_core(self.text, (header.end(), end[0]))
         transition.condition = _read_condition(self.text, inside)
+        if isinstance(transition.condition, sfc.BodyCondition):
+            self._check(transition.condition.body, inside)
         sides = (re.findall(r"\w+", header[3]), re.findall(r"\w+", header[4]))
         self.ends.append((transition, sides, start))
         self.chart.transitions.append(transition)

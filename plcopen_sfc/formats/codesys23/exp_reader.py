@@ -11,6 +11,7 @@ from plcopen_sfc.formats.codesys23.chart_text import (
     ENTRY,
     EXIT,
     PouNames,
+    body_problems,
     called_alone,
     is_chart,
     read_chart,
@@ -47,7 +48,6 @@ from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.networks.exported_networks import KNOWN_SECTIONS
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
-from plcopen_sfc.languages.st.parsing import statement_problems
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou, PouKind
@@ -235,10 +235,8 @@ class _Reader:
             chart = read_chart(self.text, span, names, note)
             return chart.body, places + chart.places
         body = read_text_body(self.text, span)
-        if isinstance(body, StBody):
-            for problem in statement_problems(body.text, Dialect.CODESYS)[:_MANY]:
-                offset = span[0] + _offset(self.text[span[0] : span[1]], problem.span[0])
-                self._note("EXP110", Severity.ERROR, problem.message, offset, path)
+        for message, offset in body_problems(body, self.text, span):
+            self._note("EXP110", Severity.ERROR, message, offset, path)
         return body, places + ([(("body", ""), span, ())] if body is not None else [])
 
     def _pragmas(self, span: Span) -> list[re.Match[str]]:
@@ -426,9 +424,3 @@ def _page_of(word: bytes) -> str:
     except UnicodeDecodeError:
         return "cp1251" if _THREE_LETTERS.search(word) else "cp1252" if _ASCII_LETTERS.search(word) else ""
     return "utf-8"
-
-
-def _offset(text: str, position: int) -> int:
-    """Return the offset in `text` of the character at `position` of it with LF as line ends."""
-    lines = plain_lines(text)[:position].count("\n")
-    return position + lines if "\r\n" in text else position

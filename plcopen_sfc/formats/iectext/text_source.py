@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import islice
@@ -13,6 +13,7 @@ from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.iectext.text_outline import Outline
 from plcopen_sfc.languages.declarations.kept_texts import unwrapped, wrapped
+from plcopen_sfc.languages.il_problems import instruction_problems
 from plcopen_sfc.languages.pragmas import Fields, NotationError, RemainderEntry, parse_change
 from plcopen_sfc.languages.problems import Lines, Problem
 from plcopen_sfc.languages.st import parse_expression, parse_statements
@@ -225,12 +226,16 @@ class TextSource:
             self.note(code, problem.message, self.place_of(start, text, problem.span[0]), path)
 
     def check_code(self, body: Fields, start: int, end: int, path: str) -> None:
-        """Report the problems of the statements of a body, or of an expression."""
-        text = body.get("text", "")
-        if body.get("language") == "IL" or not text:
+        """Report the problems of the statements or instructions of a body, or of an expression."""
+        text, dialect = body.get("text", ""), self.outline.dialect
+        if not text:
             return
-        parse = parse_expression if body.get("kind") == "expression" else parse_statements
-        self.check(parse(text, self.outline.dialect).problems, start, end, text, code="IEC110", path=path)
+        if body.get("language") == "IL":
+            problems: Sequence[Problem] = instruction_problems(text, dialect)
+        else:
+            parse = parse_expression if body.get("kind") == "expression" else parse_statements
+            problems = parse(text, dialect).problems
+        self.check(problems, start, end, text, code="IEC110", path=path)
 
     def place_of(self, start: int, text: str, offset: int) -> int:
         """Return the offset of the character at `offset` of `text`, which was taken from the text at `start`."""

@@ -11,6 +11,7 @@ from dataclasses import replace
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.il import instructions, result_expression, statements_with_result
+from plcopen_sfc.languages.il_problems import instruction_problems
 from plcopen_sfc.languages.networks.exported_networks import SOURCES, network_statements
 from plcopen_sfc.languages.networks.network_graph import Graph, is_fed
 from plcopen_sfc.languages.networks.network_reading import NetworkReader, body_statements, reader_of_chart
@@ -269,7 +270,10 @@ class _ConditionReader:
         if drawn is not None:
             return self._statements(drawn, name)
         more = ""
-        if isinstance(body, IlBody) and any(each.label for each in instructions(body.text, self._dialect)):
+        faults = instruction_problems(body.text, self._dialect) if isinstance(body, IlBody) else []
+        if faults:
+            more = f": {faults[0].message}"
+        elif isinstance(body, IlBody) and any(each.label for each in instructions(body.text, self._dialect)):
             more = ": jumps have to lead forward, and a value is loaded behind each label: tools do not agree without"
         return _failed(f"a condition in {body.language} cannot be read as an expression{more}")
 

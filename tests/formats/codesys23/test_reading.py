@@ -315,3 +315,31 @@ def test_steps_of_one_name_and_missing_ones_stay_in_the_text_of_a_chart() -> Non
     project.pous[0].chart.step("A").name = "Z"
     expected = text.replace("FROM A", "FROM Z").replace("TO A", "TO Z").replace("STEP A", "STEP Z")
     assert sfc.dumps(project, partial=True).decode() == expected
+
+
+@pytest.mark.parametrize(
+    ("action", "condition", "lines"),
+    [
+        ("q := ;", "a", [6]),
+        ("q := a;\nq := b", "a", [7]),
+        ("LD a\nST", "a", [7]),
+        ("", "a AND", [8]),
+        ("", "LD a\nAND( b", [9]),
+        ("q := a;", "LD a\nAND( b\nOR c\n)", []),
+    ],
+)
+def test_texts_in_charts_are_checked_like_those_of_programs(action: str, condition: str, lines: list[int]) -> None:
+    parts = [
+        "PROGRAM Main\nVAR\na, b, c, q : BOOL;\nEND_VAR\nINITIAL_STEP Wait:",
+        *([action] if action else []),
+        "END_STEP\nTRANSITION FROM Wait TO Wait:=",
+        f"{condition}\nEND_TRANSITION\nEND_PROGRAM\n",
+    ]
+    data = "\n".join(parts).replace("\n", "\r\n").encode()
+    project = sfc.loads(data, format="codesys23")
+    found = [(each.code, each.location.line) for each in project.diagnostics]
+    assert found == [("EXP110", line) for line in lines]
+    assert sfc.dumps(project) == data
+    if lines:
+        with pytest.raises(sfc.DamagedSourceError):
+            sfc.dumps(project, format="codesys")
