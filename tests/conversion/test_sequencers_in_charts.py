@@ -102,7 +102,64 @@ def test_permanent_instructions_are_executed_once_after_an_edit_of_the_actions(t
     chart = sfc.loads(edited, format=target).pou("Main").chart
     assert chart is not None
     assert (chart.permanent_pre, chart.permanent_post) == ([], [])
-    assert [row.qualifier for row in chart.step("Idle").actions] == [m.Qualifier.S, m.Qualifier.S]
+    rows = [row for row in chart.step("Idle").actions if row.target != "sequence_started"]
+    assert [row.qualifier for row in rows] == [m.Qualifier.S, m.Qualifier.S]
+
+
+def leaving_at_once(*parts: Any, inputs: tuple[str, ...] = ()) -> m.Project:
+    """A sequencer whose first condition is TRUE from the first scan on."""
+    project = sfc.Project(name="Plant", dialect=m.Dialect.SCL)
+    pou = project.add_function_block("Main", sfc.step("Idle", initial=True), "NOT #a", *parts)
+    for name in inputs:
+        pou.add_variable(name, "BOOL", "input")
+    pou.add_variable("S_NO", "INT", "output")
+    return sfc.loads(sfc.dumps(project, format="simaticml", partial=True), format="simaticml", as_tool=True)
+
+
+LEAVING = {
+    "one step at a time": leaving_at_once(sfc.step("Work", actions=["N #q"]), "#b", sfc.jump("Idle")),
+    "loops": leaving_at_once(
+        sfc.simultaneous([sfc.step("Left", actions=["N #q"])], [sfc.step("Right", actions=["N #r"])]),
+        "#b",
+        sfc.jump("Idle"),
+        inputs=("INIT_SQ", "OFF_SQ"),
+    ),
+}
+
+
+@pytest.mark.parametrize("project", LEAVING.values(), ids=LEAVING.keys())
+@pytest.mark.parametrize(
+    ("target", "flavour", "profile"),
+    [("plcopen-2.01", None, "iec"), ("plcopen-2.01", "beremiz", "beremiz"), ("iec-text", "matiec", "matiec")],
+)
+def test_what_is_stored_is_executed_from_the_first_scan_on(
+    project: m.Project, target: str, flavour: str | None, profile: str
+) -> None:
+    """The initial step was left before it stored anything: outputs stayed, and in Beremiz no step was active again."""
+    data, report = sfc.convert(project, target, flavour=flavour, strict=True)
+    written = sfc.loads(data, format=target.removesuffix("-2.01"), as_tool=True)
+    inputs = {"a": [False] * 4 + [True] * 2, "b": [False] * 3 + [True] * 3}
+    traces = [
+        sfc.simulate(each, pou="Main", inputs=lambda scan, _: {n: v[scan] for n, v in inputs.items()}, **more)
+        for each, more in ((project, {"scans": 6}), (written, {"scans": 6, "profile": profile}))
+    ]
+    assert list(traces[0]["S_NO"])[:2] == [1, 2]
+    for name in ("S_NO", "q"):
+        assert list(traces[1][name]) == list(traces[0][name]), name
+    assert report.losses == []
+    if target == "plcopen-2.01" and flavour is None:
+        assert list(differences(project, as_file(sfc.loads(data, format=target)))) == []
+
+
+def test_flags_of_initial_steps_are_true_in_the_first_scan_of_beremiz() -> None:
+    """Conditions that ask for such a step were FALSE in the first scan."""
+    text = """FUNCTION_BLOCK Main VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT q : BOOL; END_VAR
+        INITIAL_STEP A1: END_STEP TRANSITION FROM A1 TO A2 := NOT a; END_TRANSITION STEP A2: END_STEP
+        INITIAL_STEP B1: END_STEP TRANSITION FROM B1 TO B2 := A1.X; END_TRANSITION STEP B2: q(N); END_STEP
+        END_FUNCTION_BLOCK"""
+    data, _ = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "plcopen-2.01", flavour="beremiz", strict=True)
+    written = sfc.loads(data, format="plcopen", as_tool=True)
+    assert sfc.simulate(written, pou="Main", scans=2, profile="beremiz").active(0) == ("A2", "B2")
 
 
 ONCE = {"step": "Work", "target": "q"}

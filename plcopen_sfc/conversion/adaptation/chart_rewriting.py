@@ -12,6 +12,7 @@ from plcopen_sfc.formats.plcopen.source_marks import (
     REWRITTEN_FIELD,
     SourceMarks,
     added_section,
+    changed_element,
     rewritten_transition,
 )
 from plcopen_sfc.languages.networks import Helper, condition_reader, is_empty_network
@@ -81,7 +82,11 @@ class ChartRewriting:
 
     def mark_condition(self, transition: Transition, uses: Iterable[str]) -> None:
         """Keep the condition of the source for the way back, beside what is marked of the transition already."""
-        known = self.marks.get(id(transition), {}).get(REWRITTEN_FIELD, {})
+        mark = self.marks.get(id(transition), {})
+        known = mark.get(REWRITTEN_FIELD, {})
+        if "added" in known:
+            self.marks[id(transition)] = changed_element(transition, mark, uses)
+            return
         source, held = self.source_transitions[transition.id], known.get("held", ())
         self.marks[id(transition)] = mark = rewritten_transition(
             transition, source, [*known.get("uses", ()), *uses], held

@@ -234,6 +234,10 @@ class _ChartRewriter:
         if self._rewriting.flags:
             execute_flags_in_tc6(self._rewriting, self._steps, self._checks, self._permanent)
 
+    def start(self) -> None:
+        """Hold the start of a sequencer until what its initial step stores has been executed."""
+        self._permanent.hold()
+
     def losses(self) -> None:
         """Report the parts without a counterpart."""
         self._report_graph(self._shown.names)
@@ -535,6 +539,11 @@ CHART_RULES = (
         "conditions that obey them, transitions to the initial step and to one that does nothing, statements that ask "
         "them, and such that set SFCError and SFCCurrentStep; not executed where several steps may be active",
         _ChartRewriter.flags,
+    ),
+    ChartRule(
+        "the first scan of S7-GRAPH, which tests no transition, where the initial step stores actions, in TC6",
+        "a variable `sequence_started` that the initial step sets, and the conditions that leave it ask for",
+        _ChartRewriter.start,
     ),
     ChartRule(
         "SFC flags that analyse errors in TC6",

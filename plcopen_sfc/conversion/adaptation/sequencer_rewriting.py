@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, first_of
+from plcopen_sfc.conversion.adaptation.chart_rewriting import ChartRewriting, as_term, conjunction, first_of
 from plcopen_sfc.conversion.adaptation.operating_inputs import OperatingModes
 from plcopen_sfc.conversion.adaptation.step_checks import StepChecks
 from plcopen_sfc.conversion.adaptation.step_rewriting import StepRewriter
@@ -177,6 +177,27 @@ class PermanentRewriter:
             edges = [*switches, *edges]
         if edges:
             self._edges(StBody(text="\n".join(edges)))
+
+    def hold(self) -> None:
+        """Let no transition fire in the first scan, as in S7-GRAPH, if actions are stored.
+
+        A step that is left before the actions of the first scan stores none. In CODESYS, actions come first.
+        """
+        initial = self._first
+        if self._host.is_codesys or not self._rewriting.of_graph or not self._steps.has_stored or initial is None:
+            return
+        started = self._rewriting.new_variable("sequence_started")
+        self._steps.set(initial, started)
+        first = {step.id for step in self._chart.steps if step.initial}
+        for transition in (each for each in self._chart.transitions if not first.isdisjoint(each.sources)):
+            place = f"transition {self._chart.label(transition)}"
+            text = self._rewriting.text(transition.condition)
+            if text is None:
+                why = "it may fire in the first scan, in which S7-GRAPH tests no transition"
+                self._rewriting.note(Outcome.APPROXIMATED, "condition", place, why)
+                continue
+            self._rewriting.change_condition(transition, conjunction(text, started), [started])
+            self._rewriting.note(Outcome.TRANSLATED, "condition", place, "not in the first scan, as in S7-GRAPH")
 
     def _report_early(self, outputs: list[str]) -> None:
         """Report actions that read the output of a timer of S5: S7-GRAPH writes it after all actions."""

@@ -99,6 +99,8 @@ class StepRewriter:
         self.pulses: dict[str, str] = {}
         """Variables that are TRUE for a scan after a step was left, each with the one that its exit action sets."""
         self.timers = TimerRows(self._chart, checks.variable, at_once=not self._host.is_codesys)
+        self.has_stored = False
+        """True if a step stores an action that is executed in every scan."""
         self._uses: dict[int, list[str]] = {}
         self._permanent: dict[int, list[str]] = {}
         self._logic: dict[int, Mapping[int, Node] | None] = {}
@@ -220,6 +222,7 @@ class StepRewriter:
         `first`: before the other actions of the step. `instead_of`: the field of the chart that it executes. `uses`:
         the added variables in it. `logic`: the elements drawn in the chart that it executes, by their places.
         """
+        self.has_stored = True
         self._logic[step.id] = logic
         self._uses.setdefault(step.id, []).extend([*self._checks.names(step.id), *uses])
         if self._host.is_codesys:
@@ -240,6 +243,12 @@ class StepRewriter:
         self._add_row(step, row.qualifier, target=row.target, duration=row.duration)
         if isinstance(row.body, StBody):
             step.actions[-1].body = row.body.model_copy()
+
+    def set(self, step: Step, target: str) -> None:
+        """Let a step, rewritten already, set an added variable."""
+        self._uses.setdefault(step.id, []).extend([*self._checks.names(step.id), target])
+        self._add_row(step, Qualifier.S, target=target)
+        self._mark(step)
 
     def reset(self, step: Step, targets: Iterable[str]) -> None:
         """Let a step that was added to the chart end what others store in `targets`."""

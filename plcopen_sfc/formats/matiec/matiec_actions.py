@@ -24,6 +24,7 @@ from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.network import InputVariable
 from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step
+from plcopen_sfc.model.types import SimpleValue
 from plcopen_sfc.report import Outcome
 
 STEP_ACTIONS = (("entry", Qualifier.P1), ("main", Qualifier.N), ("exit", Qualifier.P0))
@@ -398,6 +399,8 @@ class StepFlagVariables:
     def _flag(self, step: Step) -> str:
         name = self._flags.get(step.name.casefold())
         if name is None:
-            name = self._flags[step.name.casefold()] = self._unit.declare(f"{step.name}_flag")
+            # transitions of the first scan ask for the flag before the step has written it
+            initial = SimpleValue(text="TRUE") if step.initial else None
+            name = self._flags[step.name.casefold()] = self._unit.declare(f"{step.name}_flag", initial=initial)
             step.actions.insert(0, ActionAssociation(id=next(self._ids), qualifier=Qualifier.N, target=name))
         return name

@@ -21,7 +21,7 @@ from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import Body, SfcBody
-from plcopen_sfc.model.types import DataType, Variable
+from plcopen_sfc.model.types import DataType, SimpleValue, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -69,7 +69,7 @@ class FittedPou:
         base = f"x_{base}" if base[0].isdigit() or base.upper() in IEC_KEYWORDS else base
         return take_name(base, self.used)
 
-    def declare(self, wish: str, kind: str | DataType = "BOOL") -> str:
+    def declare(self, wish: str, kind: str | DataType = "BOOL", initial: SimpleValue | None = None) -> str:
         """Add a local variable; returns its name."""
         name = self.new_name(wish)
         if self.pou.interface is None:
@@ -79,7 +79,7 @@ class FittedPou:
         if local is None:
             local = VariableSection(kind=SectionKind.LOCAL, comment=ADDED)
             sections.append(local)
-        local.variables.append(Variable.model_validate({"name": name, "type": kind}))
+        local.variables.append(Variable.model_validate({"name": name, "type": kind, "initial": initial}))
         return name
 
     def idle(self) -> str:

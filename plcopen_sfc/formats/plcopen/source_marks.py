@@ -124,10 +124,13 @@ def added_element(
     return {REWRITTEN_FIELD: mark | ({"instead_of": instead_of} if instead_of else {})}
 
 
-def changed_element(added: Step, mark: Mapping[str, Any], uses: Iterable[str]) -> dict[str, Any]:
-    """Return the mark of a step that was added, and has got actions since."""
+def changed_element(
+    added: Step | Transition, mark: Mapping[str, Any], uses: Iterable[str]
+) -> dict[str, dict[str, Any]]:
+    """Return the mark of a step or transition that was added, and has got actions or another condition since."""
     known = mark[REWRITTEN_FIELD]
-    return added_element(added, [*known["uses"], *uses], known.get("instead_of"))
+    found: dict[str, Any] = added_element(added, [*known["uses"], *uses])[REWRITTEN_FIELD]
+    return {REWRITTEN_FIELD: known | {"digest": found["digest"], "uses": found["uses"]}}
 
 
 def replaced_sequences(source: SfcNetwork, written: SfcNetwork) -> dict[str, Any]:
