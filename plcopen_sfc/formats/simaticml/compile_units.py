@@ -109,9 +109,11 @@ def write_units(ctx: DocumentWriting, parent: etree._Element, body: Body) -> Non
 
 def _without_calls(ctx: DocumentWriting, body: StBody) -> StBody:
     """Return a body with statements of actions in place of the calls of them; itself if there are none."""
-    if not any(ctx.pou is each for each in ctx.project.pous) or ctx.pou is None:
+    # a document of a folder has a copy of the block
+    pou = next((each for each in ctx.project.pous if ctx.pou is not None and each.name == ctx.pou.name), None)
+    if pou is None:
         return body  # it was added, and calls nothing that is not there
-    found = ctx.action_calls.inlined(body.text, ctx.pou)
+    found = ctx.action_calls.inlined(body.text, pou)
     if found.called:
         why = f"the statements of actions are in place of the calls of {', '.join(dict.fromkeys(found.called))}"
         ctx.note(Outcome.TRANSLATED, "code", why=why)

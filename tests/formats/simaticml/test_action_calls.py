@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 import plcopen_sfc as sfc
@@ -124,6 +126,23 @@ def test_the_calls_come_back(build: object) -> None:
             assert action.body.text == was.text.replace("THIS^.", "").replace("Swap;", "Swap();")
     assert not named
     assert "motor.Stop();" in [text_of(pou) for pou in back.pous if pou.name == "Axis"] or build is own
+
+
+def test_a_folder_has_the_texts_of_the_single_file(tmp_path: Path) -> None:
+    """Bodies kept the calls of actions and methods there, and those of methods without an item of the report."""
+    text = """FUNCTION_BLOCK Motor VAR_INPUT slow : BOOL; END_VAR VAR_OUTPUT run : BOOL; n : INT; END_VAR
+        METHOD Half : INT VAR_INPUT x : INT; END_VAR Half := x / 2; END_METHOD
+        ACTION Stop: run := FALSE; END_ACTION
+        n := Half(x := n + 2); IF slow THEN Stop(); END_IF; END_FUNCTION_BLOCK
+        PROGRAM Line VAR one : Motor; wait : TON := (PT := T#1s); k : INT; END_VAR
+        wait(IN := one.run); k := one.Half(x := k); one.Stop(); END_PROGRAM"""
+    project = sfc.loads(sfc.dumps(sfc.loads(text.encode(), format="iec-text"), format="codesys"))
+    sfc.save(project, f"{tmp_path}/plc/", format="simaticml", strict=True)
+    in_folder = sfc.load(tmp_path / "plc", as_tool=True)
+    alone = sfc.loads(sfc.dumps(project, format="simaticml"), as_tool=True)
+    for name in ("Motor", "Line"):
+        assert text_of(in_folder.pou(name)) == text_of(alone.pou(name))
+    assert "PT := T#1s" in text_of(in_folder.pou("Line"))
 
 
 def test_statements_are_those_of_the_instance() -> None:
