@@ -162,7 +162,7 @@ def report_running(
                     continue
                 run, given = again, [f"given: {outside}"]
             alike = _note_verdict(chart, run, compared, losses if named else None, end)
-            chart.note_more(*given, *alike)
+            chart.note_more(*given, *_never_entered(run.verdict), *alike)
             if run.as_run.unknown and there.report_path not in report.untested:  # whose lines tell it already
                 chart.note_more(f"unknown, taken as functions of what they are given: {', '.join(run.as_run.unknown)}")
             if any(name.casefold() == declaration.name.casefold() for name in types for declaration in assumed):
@@ -203,6 +203,16 @@ def _note_verdict(
         causes = [each for each in losses if each.what not in alike.acquitted]
         chart.note(*run.told_with(causes, held or alike.rules))
     return list(alike.told)
+
+
+def _never_entered(verdict: Verdict) -> list[str]:
+    """Return the steps that no input leads to on either side, in lines."""
+    from plcopen_sfc.analysis.coverage import STEP  # noqa: PLC0415  # most conversions run nothing
+
+    if not verdict.equal:
+        return []
+    first = verdict.coverage[0]
+    return replace(first, unreached=tuple(each for each in first.unreached if each.kind == STEP)).lines()
 
 
 def _asked_in_vain(there: Chart, source: Project, verdict: Verdict) -> list[str]:

@@ -854,3 +854,16 @@ def test_ctrl_c_shows_what_is_known(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert "interrupted" in output.out
     assert "interrupted: nothing is written" in output.err
     assert not target.exists()
+
+
+@pytest.mark.parametrize("target", ["codesys", "simaticml", "plcopen-2.01"])
+def test_steps_that_no_input_leads_to_are_told_with_a_verdict_that_is_equal(target: str) -> None:
+    """A proof of one state was all that a user saw of a chart whose first condition is never TRUE."""
+    never = sfc.loads(CHART.replace(":= a;", ":= a AND NOT a;", 1).format(**NOTHING).encode(), format="iec-text")
+    lines = saved(never, target).compared["POU Main"].splitlines()
+    assert lines[0].startswith("equal")
+    assert "not reached: steps S1, S2: unreachable (proven)" in lines
+    assert not any("not reached" in line for line in saved(chart("q(N);"), target).compared["POU Main"].splitlines())
+
+
+NOTHING = {"first": "q(N);", "second": "", "initial": "", "edge": "", "actions": ""}
