@@ -149,9 +149,17 @@ def _joined(path: str, part: str) -> str:
     return f"{path} / {part}" if path else part
 
 
-def _competing(chart: SfcNetwork) -> dict[int, list[int]]:
-    """Return the transitions that leave each step, in the order in which they are tried."""
-    return {source: [each.id for each in leaving] for source, leaving in leaving_steps(chart.transitions).items()}
+def _competing(chart: SfcNetwork) -> dict[str, list[str]]:
+    """Return the steps to which each step that several transitions leave may go, in the order in which they are tried.
+
+    By their names: another file may give the same chart other ids.
+    """
+    names = {step.id: step.name for step in chart.steps}
+    return {
+        names.get(source, ""): [", ".join(names.get(target, "") for target in each.targets) for each in leaving]
+        for source, leaving in leaving_steps(chart.transitions).items()
+        if len(leaving) > 1
+    }
 
 
 def _id(thing: Any) -> int:

@@ -290,3 +290,14 @@ def test_excluded_elements_are_no_silent_matter() -> None:
     chart = first_chart(sfc.loads(data, as_tool=True))
     (entering,) = [t for t in chart.transitions if t.targets == [chart.step("LampTest").id]]
     assert getattr(entering.condition, "text", "") == "FALSE"
+
+
+def test_what_a_conversion_adds_or_numbers_anew_is_not_called_dropped() -> None:
+    """The report had `25 comes back as 49` (ids of transitions), and lists of steps that had become longer."""
+    _, report = sfc.convert(sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml"), "codesys-export", partial=True, limit=0)
+    lines = {item.path.rpartition(" / ")[2]: item for item in report.items if item.what == "field"}
+    assert not [item for item in report.items if "order of transitions" in item.path and item.why[:1].isdigit()]
+    assert lines["actions"].outcome == "translated"
+    assert "Drill_actions" in lines["actions"].why
+    assert lines["steps"].outcome == "translated"
+    assert lines["title"].outcome == "dropped"
