@@ -121,6 +121,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         note_limits(written.charts(), kind, report)
     if written is not copy and _has_flags(kind):
         _put_into_notation(written, kind, report)
+    if _has_flags(kind) and not _has_flags(project):
+        _note_step_times(written, kind, report)
     return Prepared(written, copy, replace(options, marks=marks, rewritten=copy), behaviour)
 
 
@@ -338,10 +340,18 @@ def _put_into_notation(project: Project, kind: Format, report: ConversionReport)
     from plcopen_sfc.refactor.step_kinds import name_steps_by_flags, name_steps_by_members  # noqa: PLC0415
 
     flags = _has_flags(kind)
+    tool = kind.tool or kind.name
     for path in name_steps_by_flags(project) if flags else name_steps_by_members(project):
-        tool = kind.tool or kind.name
         why = f"`Step` in {tool} for `Step.x`" if flags else f"`Step.x` in {tool} for the flag `Step`"
         report.add(Outcome.TRANSLATED, "step flag", path, why)
+
+
+def _note_step_times(project: Project, kind: Format, report: ConversionReport) -> None:
+    from plcopen_sfc.refactor.step_kinds import step_times_asked  # noqa: PLC0415
+
+    for path in step_times_asked(project):
+        why = f"a simple step of {kind.tool} has no time: IEC steps have, and timers that its action calls"
+        report.add(Outcome.NOT_EXECUTED, "step time", path, why)
 
 
 def _writes_statements(kind: Format) -> bool:

@@ -34,7 +34,7 @@ from plcopen_sfc.model.declaration import Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step
+from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step, simple_steps
 from plcopen_sfc.operations import provided
 from plcopen_sfc.refactor.chart_edits import refused
 from plcopen_sfc.refactor.journal import Journal
@@ -81,7 +81,7 @@ def use_iec_steps(journal: Journal, chart: SfcNetwork, *, guarded: bool = False)
         reasons += _executed_once(chart, pou, dialect_of(project), own)
     if reasons:
         raise refused(what, reasons)
-    changed = [] if any(chart.associations()) else write_notation(project, [chart], journal, members=True)
+    changed = write_notation(project, simple_steps(chart.steps), journal, members=True)
     for step in chart.steps:
         if step.main_action is None:
             continue
@@ -145,7 +145,7 @@ def use_simple_steps(journal: Journal, chart: SfcNetwork) -> list[str]:
     done: list[tuple[Step, list[str], list[str], str]] = []
     reasons = [
         f"{each.use} asks for more than its flag"
-        for each in step_occurrences(project, [chart])
+        for each in step_occurrences(project, chart.steps)
         if _TIME.match(each.text_site.text, each.reference.span[1])
     ]
     for step in chart.steps:
@@ -182,7 +182,7 @@ def use_simple_steps(journal: Journal, chart: SfcNetwork) -> list[str]:
         raise refused(what, reasons)
     if not done:
         raise refused(what, "no step has an association")
-    changed = write_notation(project, [chart], journal, members=False)
+    changed = write_notation(project, chart.steps, journal, members=False)
     for step, lines, ends, called in done:
         journal.put(step, "actions", [])
         inside = _inside_guard(pou, step, called)
@@ -233,23 +233,37 @@ _MEMBER = re.compile(r"\s*\.\s*x\b", re.IGNORECASE)
 
 
 def name_steps_by_flags(project: Project) -> list[str]:
-    """Write ``Wait`` for ``Wait.x`` in `project`, and return the paths of the changed texts."""
-    return write_notation(project, _of_simple_steps(project), Journal(), members=False)
+    """Write ``Wait`` for ``Wait.x`` of simple steps in `project`, and return the paths of the changed texts."""
+    journal, simple = Journal(), _simple_steps_of(project)
+    others = {id(step): step for chart in project.charts() for step in chart.chart.steps}
+    for step in simple:
+        others.pop(id(step), None)
+    changed = write_notation(project, simple, journal, members=False)
+    return list(dict.fromkeys([*changed, *write_notation(project, others.values(), journal, members=True)]))
 
 
 def name_steps_by_members(project: Project) -> list[str]:
     """Write ``Wait.x`` for ``Wait`` in `project`, and return the paths of the changed texts."""
-    return write_notation(project, _of_simple_steps(project), Journal(), members=True)
+    return write_notation(project, _simple_steps_of(project), Journal(), members=True)
 
 
-def _of_simple_steps(project: Project) -> list[SfcNetwork]:
-    """Return the charts without associations, which alone have such flags."""
-    return [chart.chart for chart in project.charts() if not any(chart.chart.associations())]
+def step_times_asked(project: Project) -> list[str]:
+    """Return the paths of the texts that ask for the time of a simple step, which has none."""
+    asked = (
+        each.text_site.report_path
+        for each in step_occurrences(project, _simple_steps_of(project))
+        if _TIME.match(each.text_site.text, each.reference.span[1])
+    )
+    return list(dict.fromkeys(asked))
 
 
-def step_occurrences(project: Project, charts: Iterable[SfcNetwork]) -> Iterator[Occurrence]:
-    """Yield the places of program text that ask for steps of some charts."""
-    steps = {id(step): step for chart in charts for step in chart.steps}
+def _simple_steps_of(project: Project) -> list[Step]:
+    return [step for chart in project.charts() for step in simple_steps(chart.chart.steps)]
+
+
+def step_occurrences(project: Project, asked: Iterable[Step]) -> Iterator[Occurrence]:
+    """Yield the places of program text that ask for some steps."""
+    steps = {id(step): step for step in asked}
     names = Names(project) if steps else None
     for occurrence in names.occurrences(*{step.name for step in steps.values()}) if names is not None else ():
         declaration = occurrence.meaning.declaration
@@ -258,10 +272,10 @@ def step_occurrences(project: Project, charts: Iterable[SfcNetwork]) -> Iterator
             yield occurrence
 
 
-def write_notation(project: Project, charts: Iterable[SfcNetwork], journal: Journal, *, members: bool) -> list[str]:
-    """Change the notation in texts that ask for steps of some charts, and return the paths of these texts."""
+def write_notation(project: Project, asked: Iterable[Step], journal: Journal, *, members: bool) -> list[str]:
+    """Change the notation in texts that ask for some steps, and return the paths of these texts."""
     found: dict[tuple[int, str | int], list[Occurrence]] = {}
-    for occurrence in step_occurrences(project, charts):
+    for occurrence in step_occurrences(project, asked):
         found.setdefault((id(occurrence.text_site.holder), occurrence.text_site.key), []).append(occurrence)
     changed: dict[str, None] = {}
     for occurrences in found.values():

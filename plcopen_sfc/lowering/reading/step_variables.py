@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Protocol, TypeVar
 
@@ -29,7 +29,7 @@ from plcopen_sfc.model.body import LdBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Contact
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.sfc import SfcBody
+from plcopen_sfc.model.sfc import SfcBody, simple_steps
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, StepVariables
@@ -235,9 +235,10 @@ class _StepVariables:
         declared = {v.name.casefold() for v in source.pou.variables()}
         steps = _bits_by_name(source.net)
         self._steps = {name: bits for name, bits in steps.items() if name not in declared}
-        # CoDeSys 2.3: in a chart without action associations a step is a BOOL of its name, else a structure
-        simple = profile.step_variables is StepVariables.FLAG and not any(s.step.actions for s in source.net.steps)
-        self._flags = self._steps if simple else {}
+        self._flags: Mapping[str, int] = {}
+        if profile.step_variables is StepVariables.FLAG:
+            names = [step.name.casefold() for step in simple_steps([step.step for step in source.net.steps])]
+            self._flags = {name: self._steps[name] for name in names if name in self._steps}
         if profile.step_variables is StepVariables.GRAFCET:
             self._flags = {
                 name.casefold(): bits for name, bits in source.net.flags.items() if name.casefold() not in declared

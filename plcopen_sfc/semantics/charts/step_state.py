@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from plcopen_sfc.errors import Location, UnknownBehaviourError
-from plcopen_sfc.model.sfc import ActionAssociation
+from plcopen_sfc.model.sfc import ActionAssociation, simple_steps
 from plcopen_sfc.semantics.charts.graph import step_data
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, StepVariables
@@ -89,17 +89,22 @@ class Steps:
         for macro in net.macros:
             name, bits = named.get(macro.step.name.casefold(), (macro.step.name, 0))
             named[name.casefold()] = (name, bits | macro.steps)
-        simple = profile.step_variables is StepVariables.FLAG and not any(s.step.actions for s in net.steps)
+        has_simple = profile.step_variables is StepVariables.FLAG
+        simple = simple_steps([step.step for step in net.steps]) if has_simple else []
+        all_simple = has_simple and len(simple) == len(net.steps)
+        flags = {step.name.casefold() for step in simple}
         members: Mapping[str, ScalarType] = {"X": BOOL, "T": ELAPSED}
         self.times: tuple[int, ...] = (T,)
         if profile.step_variables is StepVariables.GRAPH:
             members, self.times = step_data.STEP, (T, step_data.U)
-        self._announces = profile.order is not ScanOrder.TRANSITIONS_FIRST and not simple
+        self._announces = profile.order is not ScanOrder.TRANSITIONS_FIRST and not all_simple
         if self._announces:
             members = {**members, "_X": BOOL}
-        structure = None if simple else scope.structure(_STRUCTURE, members)
+        structure = None if all_simple else scope.structure(_STRUCTURE, members)
         self._has_flags = profile.step_variables is StepVariables.GRAFCET
-        self.names = tuple(self._declare(scope, name, bits, structure) for name, bits in named.values())
+        self.names = tuple(
+            self._declare(scope, name, bits, None if key in flags else structure) for key, (name, bits) in named.items()
+        )
         if self._has_flags:
             self.names += tuple(self._flags(scope))
         self._by_step: list[list[StepName]] = [[] for _ in net.steps]

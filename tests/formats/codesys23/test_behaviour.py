@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 import plcopen_sfc as sfc
+from plcopen_sfc import model as m
 from tests.formats.codesys23.test_reading import BELT
 
 AT_PLACE_3 = 10
@@ -83,3 +84,73 @@ def test_bits_that_a_controller_counts_in_words_are_other_terminals_elsewhere(la
     for target in ("codesys", "twincat", "codesys-export"):
         report = sfc.convert(project, target, partial=True).report
         assert len([each for each in report.losses if each.what == "address"]) == lost
+
+
+MIXED = """PROGRAM Main
+VAR
+a, b, lamp, pump : BOOL;
+n : INT;
+END_VAR
+INITIAL_STEP Wait:
+lamp := Wait;
+END_STEP
+TRANSITION FROM Wait TO Run:=
+a AND NOT Run.x
+END_TRANSITION
+STEP Run:
+pump(N);
+END_STEP
+TRANSITION FROM Run TO Wait:=
+b
+END_TRANSITION
+END_PROGRAM
+ACTION Other:
+IF Wait AND NOT Run.x THEN
+n := n + 1;
+END_IF;
+END_ACTION
+"""
+
+
+def test_a_simple_step_beside_iec_steps_has_a_flag_of_its_name() -> None:
+    project = sfc.loads(MIXED.replace("\n", "\r\n").encode(), format="codesys23")
+    trace = sfc.simulate(project, inputs=lambda scan, _: {"a": scan == 1, "b": scan == 3}, scans=6)
+    assert list(trace["lamp"]) == [True] * 6  # its action is executed while it is active, never once more
+    assert list(trace["pump"]) == [False, False, True, True, False, False]
+    lowered = sfc.lower(project, "bits", verify=True, free_inputs="all")
+    assert lowered.proof is not None
+    assert lowered.proof.proven
+    # other tools have structures for all steps, and the way back gives the flag
+    written = sfc.dumps(project, format="codesys").decode("utf-8-sig")
+    assert "lamp := Wait.x" in written
+    assert "IF Wait.x AND NOT Run.x THEN" in written
+    back = sfc.dumps(sfc.loads(written.encode(), format="codesys"), format="codesys23").decode()
+    assert "lamp := Wait;" in back
+    assert "IF Wait AND NOT Run.x THEN" in back
+    assert "a AND NOT Run.x" in back
+    # IEC steps of all steps: each is a structure
+    project.edit().use_iec_steps(project.pou("Main").chart)
+    assert "IF Wait.x AND NOT Run.x THEN" in sfc.dumps(project).decode()
+
+
+@pytest.mark.parametrize("association", ["", "q(N);"])
+def test_the_time_of_a_simple_step_is_not_executed(association: str) -> None:
+    text = f"""PROGRAM Main
+    VAR a, q : BOOL; n : INT; END_VAR
+    INITIAL_STEP S1: {association} END_STEP
+    TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+    STEP S2:
+    Work(N); {{plcopen_sfc step_action := 'main'}}
+    END_STEP
+    TRANSITION FROM S2 TO S1 := S2.t > T#1s; END_TRANSITION
+    ACTION Work: n := n + 1; END_ACTION
+    END_PROGRAM"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    project.dialect = m.Dialect.CODESYS
+    told = [item for item in sfc.convert(project, "codesys23", partial=True).report.items if item.what == "step time"]
+    assert [(item.outcome, item.path) for item in told] == [
+        (sfc.Outcome.NOT_EXECUTED, "POU Main / transition S2 -> S1")
+    ]
+    # an IEC step has one
+    other = sfc.loads(text.replace(" {plcopen_sfc step_action := 'main'}", "").encode(), format="iec-text")
+    assert not [item for item in sfc.convert(other, "codesys23", partial=True).report.items if item.what == "step time"]
