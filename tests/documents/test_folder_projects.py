@@ -405,6 +405,16 @@ def test_a_folder_becomes_one_file_and_a_folder_again(tmp_path: Path) -> None:
         sfc.save(one, back, format="simaticml", fresh=name == "simaticml", partial=True)
 
 
+@pytest.mark.parametrize("name", ["plcopen/filling_station_2.01.xml", "codesys/distribution_belt.xml"])
+def test_a_folder_has_the_bodies_of_the_single_file(name: str, tmp_path: Path) -> None:
+    """A box R_TRIG with an instance became a PBox with one, which TIA Portal does not have."""
+    source = sfc.load(FIXTURES / name)
+    sfc.save(source, f"{tmp_path}/plc/", format="simaticml", partial=True)
+    alone = sfc.loads(sfc.dumps(sfc.load(FIXTURES / name), format="simaticml", partial=True), as_tool=True)
+    in_folder = sfc.load(tmp_path / "plc", as_tool=True)
+    assert {pou.name: pou.bodies for pou in in_folder.pous} == {pou.name: pou.bodies for pou in alone.pous}
+
+
 def test_a_project_of_another_tool_gets_the_folders_of_openness(tmp_path: Path) -> None:
     project = sfc.loads(_PUMPS, format="iec-text")
     report = sfc.save(project, f"{tmp_path}/out/", format="simaticml-V17")

@@ -386,7 +386,9 @@ class SimaticmlCodec(FolderCodec):
         exchange_markup(project, Markup.SIMATICML, markup_of(project))
 
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
-        version, own = _version(project, options), markup_of(project)
+        version = _version(project, options)
+        # a document of a folder has objects of the project; those that are added to it for TIA Portal have its markup
+        own = Markup.SIMATICML if options.added else markup_of(options.whole or project)
         exchange_markup(project, own, Markup.SIMATICML)  # no copy: `options.marks` names its objects by their ids
         try:
             return write_project(project, version, report, options)
