@@ -327,6 +327,8 @@ def save_project(
         if of_grafcet:
             project, declared = with_declarable_variables(project, kind)
     refuse_mistakes(project, kind, of_grafcet=of_grafcet)
+    if path is not None and _format_of_list(path) is kind and path_exists(path):
+        path = str(Path(path).parent)  # the documents that it lists are beside it
     if path is not None and is_folder(path, project, name):
         from plcopen_sfc.documents.folder_projects import save_folder  # noqa: PLC0415  # most projects are files
 

@@ -242,7 +242,8 @@ def test_a_folder_is_saved_file_by_file(tmp_path: Path) -> None:
     assert sorted(Path(name).name for name in report.removed) == ["GVL_Neu.TcGVL", "Neu.TcPOU"]
 
 
-def test_a_project_file_lists_the_files_of_the_project(tmp_path: Path) -> None:
+@pytest.mark.parametrize("saved_to", ["belt", "belt/PLC.plcproj"])
+def test_a_project_file_lists_the_files_of_the_project(saved_to: str, tmp_path: Path) -> None:
     shutil.copytree(BELT, tmp_path / "belt")
     listing = tmp_path / "belt" / "PLC.plcproj"
     listing.write_text(
@@ -256,7 +257,7 @@ def test_a_project_file_lists_the_files_of_the_project(tmp_path: Path) -> None:
     assert [section.name for section in project.global_variables] == ["GVL_EA"]
     assert [each.code for each in project.diagnostics if "Gone" in str(each.location.file)] == ["DIR101"]
     _name(project)
-    assert [Path(name).name for name in sfc.save(project, tmp_path / "belt").written] == ["Ablauf_Band.TcPOU"]
+    assert [Path(name).name for name in sfc.save(project, tmp_path / saved_to).written] == ["Ablauf_Band.TcPOU"]
     assert (tmp_path / "belt" / "MainTask.TcTTO").exists()
 
 
@@ -277,14 +278,15 @@ LISTED = """\ufeff<?xml version="1.0" encoding="utf-8"?>\r
 """
 
 
-def test_new_files_are_entered_in_the_project_file_and_old_ones_taken_out(tmp_path: Path) -> None:
+@pytest.mark.parametrize("saved_to", ["belt", "belt/PLC.plcproj"])
+def test_new_files_are_entered_in_the_project_file_and_old_ones_taken_out(saved_to: str, tmp_path: Path) -> None:
     shutil.copytree(BELT, tmp_path / "belt")
     listing = tmp_path / "belt" / "PLC.plcproj"
     listing.write_bytes(LISTED.encode())
     project = sfc.load(listing)
     project.pous.append(Pou(name="Neu", kind=PouKind.FUNCTION_BLOCK))
     project.global_variables = []
-    report = sfc.save(project, tmp_path / "belt")
+    report = sfc.save(project, tmp_path / saved_to)
     assert {Path(name).name for name in report.written} == {"Neu.TcPOU", "PLC.plcproj"}
     assert changed(LISTED.encode(), listing.read_bytes()) == [
         '-    <Compile Include="GVLs\\GVL_EA.TcGVL">',
@@ -294,11 +296,11 @@ def test_new_files_are_entered_in_the_project_file_and_old_ones_taken_out(tmp_pa
     again = sfc.load(listing)
     assert [pou.name for pou in again.pous] == ["Ablauf_Band", "Neu"]
     again.global_variables.append(VariableSection(kind="global", name="GVL_Neu"))
-    sfc.save(again, tmp_path / "belt")
+    sfc.save(again, tmp_path / saved_to)
     assert b'<Compile Include="GVLs\\GVL_Neu.TcGVL">\r\n      <SubType>Code' in listing.read_bytes()
     assert b'<Folder Include="GVLs" />' in listing.read_bytes()
     _name(again)
-    assert [Path(name).name for name in sfc.save(again, tmp_path / "belt").written] == ["Ablauf_Band.TcPOU"]
+    assert [Path(name).name for name in sfc.save(again, tmp_path / saved_to).written] == ["Ablauf_Band.TcPOU"]
 
 
 def test_tasks_are_edited_in_their_files(tmp_path: Path) -> None:
