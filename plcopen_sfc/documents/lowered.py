@@ -54,7 +54,7 @@ from plcopen_sfc.model.project import PouInstance, Project
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.processes import results
-from plcopen_sfc.report import FALLING_EDGE, ConversionReport, Outcome
+from plcopen_sfc.report import ARITHMETIC, FALLING_EDGE, ConversionReport, Outcome
 
 
 @dataclass(frozen=True)
@@ -77,6 +77,11 @@ class LoweredFile:
 
 
 _SHOWN = 8
+_REMEDIES = {
+    FALLING_EDGE: "R_TRIG with the negated input does the same in both.",
+    ARITHMETIC: "Operands that are converted before (`INT_TO_DINT(n) + 1`) give the same in both.",
+}
+"""What makes the code of a chart do the same in another tool, by the kind of the difference in the report."""
 
 
 def save_lowered(lowered: LoweredPou, target: Source, **options: Unpack[SaveOptions]) -> ConversionReport:
@@ -251,9 +256,10 @@ class _Draft:
             try:
                 proof = prove_written(chart, lowered, seen, self._loaded, **options.searching)
             except LoweringError as error:
+                place = chart.pou.report_path
                 for item in self.report.with_outcome(Outcome.APPROXIMATED):
-                    if item.what == FALLING_EDGE and item.path == chart.pou.report_path:
-                        error.hint = f"A cause: {item.why}. R_TRIG with the negated input does the same in both."
+                    if item.what in _REMEDIES and (item.path == place or item.path.startswith(f"{place} / ")):
+                        error.hint = f"A cause: {item.why}. {_REMEDIES[item.what]}"
                 raise
             refuse_untested(lowered.name, proof, accepted=options.accept_untested)
         return replace(lowered, proof=proof, faults=faults_of(chart, lowered))

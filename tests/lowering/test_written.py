@@ -220,3 +220,29 @@ def test_code_is_proven_under_the_names_that_the_target_takes(
     assert not made.refused
     assert made.pous[0].proof is not None
     assert made.pous[0].proof.proven
+
+
+ADDING = """FUNCTION_BLOCK Ov
+VAR_INPUT a : BOOL; n : INT; END_VAR
+VAR_OUTPUT q : BOOL; END_VAR
+INITIAL_STEP S1: END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+STEP S2: Work(N); END_STEP
+TRANSITION FROM S2 TO S1 := NOT a; END_TRANSITION
+ACTION Work: q := {sum} > 3; END_ACTION
+END_FUNCTION_BLOCK"""
+
+
+@pytest.mark.parametrize("target", ["codesys", "codesys23"])
+def test_code_that_another_tool_calculates_otherwise_is_refused_with_the_cause(target: str, tmp_path: Path) -> None:
+    file = str(tmp_path / "adding")
+    project = sfc.loads(ADDING.format(sum="n + 1").encode(), format="iec-text")
+    (error,) = sfc.lower_to_file(project, file, format=target).refused.values()
+    assert "read back, the code does not do what the chart does" in str(error)
+    assert "calculates with 32 bits" in error.hint
+    assert not Path(file).exists()
+    # and what the hint says to do helps
+    mended = sfc.loads(ADDING.format(sum="INT_TO_DINT(n) + 1").encode(), format="iec-text")
+    (made,) = sfc.lower_to_file(mended, file, format=target).pous
+    assert made.proof is not None
+    assert made.proof.equal
