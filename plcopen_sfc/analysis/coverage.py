@@ -430,7 +430,7 @@ class _Reasons:
             impossible = index in self._unreachable.steps.get(name, ())
             why = "unreachable (proven)" if impossible else self._way_to(name, net, {index})
         else:
-            transition = _transition(net, key)
+            transition = next(t for t in net.transitions if (t.path, t.transition.id) == key[1:3])
             impossible = transition.index in self._unreachable.transitions.get(name, ())
             why = "can never fire (proven)" if impossible else self._needs(name, net, transition)
         if self._complete and not impossible:
@@ -597,10 +597,6 @@ class _Reasons:
         if isinstance(condition, conditions.Expression):
             return f"needs {_quoted(condition.text)}, never reached"
         return f"needs the condition of {transition.path}, never reached"
-
-
-def _transition(net: Net, key: Key) -> NetTransition:
-    return next(t for t in net.transitions if (t.path, t.transition.id) == key[1:3])
 
 
 def _kept(names: Sequence[str]) -> str:

@@ -121,7 +121,7 @@ class NamedEffects:
     def __init__(self, instance: Instance) -> None:
         library = instance.controller.library
         fields = [*instance.frame.layout.fields, *library.globals.fields]
-        if any(_has_bounds(field.type) for field in fields):
+        if any(isinstance(each.type, ScalarType) and each.type.narrowed is not None for each in fields):
             raise NotDivisibleError("a subrange can be left")
         _check_places(instance)
         self._layout = instance.frame.layout
@@ -167,10 +167,6 @@ class NamedEffects:
                 raise NotDivisibleError("it uses references")
             return node.kind in _HARMLESS_ASSIGNMENTS
         return isinstance(node, _HARMLESS)
-
-
-def _has_bounds(type_: Type) -> bool:
-    return isinstance(type_, ScalarType) and type_.narrowed is not None
 
 
 def _is_block(type_: Type, instance: Instance) -> bool:

@@ -136,7 +136,8 @@ class Unreachable:
         if self._is_late():
             return False
         if called is None:
-            return self._is_impossible(trees, chart, self.fixed, self._situations(owner))
+            situations = self._executed_in(owner.removeprefix(f"{self._pou.name}.").casefold())  # where they are known
+            return self._is_impossible(trees, chart, self.fixed, situations)
         pou = self._system.called_pous()[called]
         formula = Formula(self._system.subject.project.dialect, self._knowledge.at(pou))
         terms = formula.terms([JudgedCondition(tree) for tree in trees])
@@ -297,10 +298,6 @@ class Unreachable:
             owners += [each.transition for each in net.transitions if self._condition(each) is None]
         owners += self._pou.transitions if owners else []
         return set().union(*map(self._changing_names, owners))
-
-    def _situations(self, owner: str) -> _Situations | None:
-        """Return the situations in which a text is executed that only one step has; None: not known."""
-        return self._executed_in(owner.removeprefix(f"{self._pou.name}.").casefold())
 
     def _situations_of(self, action: str) -> _Situations | None:
         step = self._only_step.get(action)

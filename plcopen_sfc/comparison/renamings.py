@@ -138,7 +138,8 @@ def _likeness(left: Part, right: Part) -> float:
     aspects = {name for part in (left, right) for name in part.aspects if _counts(name)}
     inner = left.parts.keys() | right.parts.keys()
     same: float = sum(_same(left.aspects.get(name), right.aspects.get(name)) for name in aspects)
-    same += sum(_share(left.parts[key], right.parts[key]) for key in left.parts.keys() & right.parts.keys())
+    both = left.parts.keys() & right.parts.keys()
+    same += sum(0.5 + _likeness(left.parts[key], right.parts[key]) / 2 for key in both)
     return same / (len(aspects) + len(inner)) if aspects or inner else 1
 
 
@@ -148,10 +149,6 @@ def _overlap(left: Part, right: Part) -> float:
     if not isinstance(one, frozenset) or not isinstance(other, frozenset) or not one | other:
         return 0
     return len(one & other) / len(one | other)
-
-
-def _share(left: Part, right: Part) -> float:
-    return 0.5 + _likeness(left, right) / 2
 
 
 def _counts(aspect: str) -> bool:

@@ -40,7 +40,7 @@ from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.chart_settings import OPERATING_FLAGS, WATCHING_FLAGS, SfcFlag
-from plcopen_sfc.model.conditions import Expression, NamedCondition
+from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
@@ -519,7 +519,8 @@ class ExecutedChartReader:
 
     def _condition(self, condition: sfc.Condition) -> Meaning:
         if self.is_written and condition.kind == "named":
-            return Meaning.of(("named", condition.name.casefold(), condition.negated), _shown_name(condition))
+            name, negated = condition.name, condition.negated
+            return Meaning.of(("named", name.casefold(), negated), f"NOT {name}" if negated else name)
         # two names or wires that cannot be followed may lead to different things; a pin without wires leads nowhere
         is_whole = condition.kind in ("expression", "body") or (
             condition.kind == "wired" and not condition.input.connections
@@ -601,10 +602,6 @@ class ExecutedChartReader:
         """Note a title that only files of one tool have."""
         if self.is_written:
             self.owner.tell_text(part, aspect, title)
-
-
-def _shown_name(condition: NamedCondition) -> str:
-    return f"NOT {condition.name}" if condition.negated else condition.name
 
 
 def _executed_by(step: sfc.Step) -> Iterator[tuple[str, Qualifier]]:

@@ -21,18 +21,6 @@ def _is_codesys(head: FileHead) -> bool:
     return _is_tc6(head) and not head.xhtml_prefix and head.mentions("http://www.3s-software.com/plcopenxml/")
 
 
-def _is_twincat(head: FileHead) -> bool:
-    return head.root == "TcPlcObject"
-
-
-def _is_codesys_export(head: FileHead) -> bool:
-    return head.root == "ExportFile"
-
-
-def _is_native(head: FileHead) -> bool:
-    return head.text.lstrip().startswith("{") and '"plcopen_sfc"' in head.text[:2000]
-
-
 _TEXT_UNIT = re.compile(
     r"\s*+(?:(?>\(\*.*?\*\)|//[^\r\n]*+|\{\{.*?\}\}|\{[^}]*+\})\s*+)*+"
     r"(?:PROGRAM|FUNCTION_BLOCK|FUNCTION|TYPE|VAR_GLOBAL|CONFIGURATION|CLASS|INTERFACE|NAMESPACE|USING)\b"
@@ -104,10 +92,6 @@ def _is_grafcet_text(head: FileHead) -> bool:
     return begins is not None or re.search(r"(?m)^[ \t]*<GRAFCET>[ \t]*\r?$", head.text) is not None
 
 
-def _is_workbook(head: FileHead) -> bool:
-    return head.data.startswith(b"PK\x03\x04") and b"xl/" in head.data
-
-
 _OF_LISTS = ("steps", "associations", "step actions", "times", "interlocks", "supervisions", "priorities", "comments")
 _LIST_HEADINGS = re.compile(
     r"^(?=(?:.*[;,\t])?[ \"]*(?:step|step name|schritt|schrittname|variable|tag|symbol|signal)[ \"]*(?:[;,\t]|$))"
@@ -117,20 +101,12 @@ _LIST_HEADINGS = re.compile(
 )
 
 
-def _is_csv_list(head: FileHead) -> bool:
-    return not head.root and _LIST_HEADINGS.search(head.text) is not None
-
-
 _SYMBOL = re.compile(
     r'^\ufeff?[ \t]*"[^"\r\n]*"[ \t]*,'
     r'[ \t]*"(?:P?[EAIQ][BWD]?|M[BWD]?|[TZC]|S?F[BC]|[OD]B|UDT|VAT)[ \t]*\d+(?:\.\d)?[ \t]*"'
     r'[ \t]*,[ \t]*"?[^",\r\n]*"',
     re.IGNORECASE | re.MULTILINE,
 )
-
-
-def _is_symbol_table(head: FileHead) -> bool:
-    return not head.root and _SYMBOL.search(head.text) is not None
 
 
 FORMATS: tuple[Format, ...] = (
@@ -223,7 +199,7 @@ FORMATS: tuple[Format, ...] = (
         tool="TwinCAT",
         module="plcopen_sfc.formats.twincat.twincat_codec",
         extensions=(".tcpou", ".tcgvl", ".tcdut", ".tcio", ".tctto"),
-        recognises=_is_twincat,
+        recognises=lambda head: head.root == "TcPlcObject",
         capabilities=("steps", "step actions", "associations", "times", "flags", "comments", "branches"),
         xml=True,
         drawing=DrawingNeed.STRUCTURED,
@@ -244,7 +220,7 @@ FORMATS: tuple[Format, ...] = (
         tool="CODESYS",
         module="plcopen_sfc.formats.codesys_export.export_codec",
         extensions=(".export",),
-        recognises=_is_codesys_export,
+        recognises=lambda head: head.root == "ExportFile",
         capabilities=("steps", "step actions", "associations", "times", "flags", "comments", "branches"),
         xml=True,
         drawing=DrawingNeed.STRUCTURED,
@@ -263,7 +239,7 @@ FORMATS: tuple[Format, ...] = (
         tool="",
         module="plcopen_sfc.formats.json_codec",
         extensions=(".json",),
-        recognises=_is_native,
+        recognises=lambda head: head.text.lstrip().startswith("{") and '"plcopen_sfc"' in head.text[:2000],
         capabilities=("everything",),
     ),
     Format(
@@ -357,7 +333,7 @@ FORMATS: tuple[Format, ...] = (
         tool="",
         module="plcopen_sfc.formats.steplist.xlsx_codec",
         extensions=(".xlsx",),
-        recognises=_is_workbook,
+        recognises=lambda head: head.data.startswith(b"PK\x03\x04") and b"xl/" in head.data,
         capabilities=_OF_LISTS,
         xml_texts=True,
         ids=False,
@@ -373,7 +349,7 @@ FORMATS: tuple[Format, ...] = (
         tool="",
         module="plcopen_sfc.formats.steplist.list_codec",
         extensions=(".csv",),
-        recognises=_is_csv_list,
+        recognises=lambda head: not head.root and _LIST_HEADINGS.search(head.text) is not None,
         capabilities=_OF_LISTS,
         ids=False,
         dialect=Dialect.IEC,
@@ -389,7 +365,7 @@ FORMATS: tuple[Format, ...] = (
         module="plcopen_sfc.formats.symboltable.sdf_codec",
         extensions=(".sdf",),
         versions=("international", "german"),
-        recognises=_is_symbol_table,
+        recognises=lambda head: not head.root and _SYMBOL.search(head.text) is not None,
         capabilities=("tags",),
         text=True,
         ids=False,

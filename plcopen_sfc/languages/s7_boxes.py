@@ -20,7 +20,7 @@ from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.translation.call_translation import HALVES, is_lacking, translated_truncation
 from plcopen_sfc.model import network as net
 from plcopen_sfc.model.base import ExtensionData
-from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.body import networks_of
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import BodyCondition
@@ -37,10 +37,9 @@ _OUTER = {"RS": "AND", "SR": "OR"}
 def put_logic(project: Project, report: ConversionReport) -> None:
     """Write the flip-flops with an operand in bodies of POUs as logic that assigns the operand."""
     for name, pou, body in project.bodies():
-        networks = body.networks if isinstance(body, FbdBody | LdBody) else []
-        for network in networks:
+        for network in networks_of(body):
             for box in [node for node in network.nodes if isinstance(node, net.Block) and _operand(node)]:
-                _replace(network, box, max(node.id for other in networks for node in other.nodes) + 1)
+                _replace(network, box, max(node.id for other in networks_of(body) for node in other.nodes) + 1)
                 why = f"AND and OR that assign {_operand(box)}: flip-flops of other tools keep no state in a variable"
                 report.add(Outcome.TRANSLATED, "box", pou.report_path_of(name), why)
 
@@ -48,7 +47,7 @@ def put_logic(project: Project, report: ConversionReport) -> None:
 def put_boxes(project: Project) -> None:
     """Put the flip-flops back that `put_logic` has written otherwise, where the logic was not changed."""
     for _, _, body in project.bodies():
-        for network in body.networks if isinstance(body, FbdBody | LdBody) else ():
+        for network in networks_of(body):
             for node in list(network.nodes):
                 marks = node.extension_data.attributes if node.extension_data is not None else {}
                 if isinstance(node, net.Block) and BOX in marks:
@@ -180,20 +179,18 @@ def translate_boxes(project: Project, target: Dialect, tool: str, report: Conver
 
 def _networks(project: Project) -> Iterator[_Place]:
     for name, pou, body in project.bodies():
-        if isinstance(body, FbdBody | LdBody):
-            yield from (_Place(network, pou.report_path_of(name)) for network in body.networks)
+        yield from (_Place(network, pou.report_path_of(name)) for network in networks_of(body))
     for chart in project.charts():
-        for transition in chart.chart.transitions:
-            condition = transition.condition
-            if isinstance(condition, BodyCondition) and isinstance(condition.body, FbdBody | LdBody):
-                path = f"{chart.report_path} / transition {chart.chart.label(transition)}"
-                yield from (_Place(network, path) for network in condition.body.networks)
+        labels = chart.chart.labels()
+        conditions = [(f"transition {labels[each.id]}", each.condition) for each in chart.chart.transitions]
         for step in chart.chart.steps:
             for kind, supervised in (("interlock", step.interlock), ("supervision", step.supervision)):
-                condition = supervised.condition if supervised is not None else None
-                if isinstance(condition, BodyCondition) and isinstance(condition.body, FbdBody | LdBody):
-                    path = f"{chart.report_path} / step {step.name} / {kind}"
-                    yield from (_Place(network, path) for network in condition.body.networks)
+                if supervised is not None:
+                    conditions.append((f"step {step.name} / {kind}", supervised.condition))
+        for place, condition in conditions:
+            if isinstance(condition, BodyCondition):
+                path = f"{chart.report_path} / {place}"
+                yield from (_Place(network, path) for network in networks_of(condition.body))
 
 
 class _Box:
@@ -224,10 +221,7 @@ class _Box:
         else:
             done = standard is not None and not is_lacking(standard.name, self.target)
             if done and standard is not None and standard.name != name:
-                pins = {
-                    pin: _standard_pin(standard.input_name(pin) or standard.output_name(pin), pin)
-                    for pin in self._pins()
-                }
+                pins = {pin: standard.input_name(pin) or standard.output_name(pin) or pin for pin in self._pins()}
                 self.rename(standard.name, pins)
         if not done:
             self._note(Outcome.NOT_EXECUTED, f"{self.tool} has no {name}: it does not compile")
@@ -328,10 +322,6 @@ class _Box:
         place = next(index for index, pin in enumerate(inputs) if pin.name == "IN1")
         inputs.insert(place + 1, inputs[place].model_copy(update={"name": "IN2"}, deep=True))
         return True
-
-
-def _standard_pin(found: str | None, pin: str) -> str:
-    return pin if found is None else found
 
 
 _RULES: dict[str, Callable[[_Box], bool]] = {

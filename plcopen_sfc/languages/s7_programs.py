@@ -10,7 +10,7 @@ For the result of a function S7 has a variable ``Ret_Val``, other tools the name
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -20,7 +20,7 @@ from plcopen_sfc.languages.s7_globals import global_names, local_tags
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.task_schedules import FREEWHEELING, nanoseconds, schedule_of
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
-from plcopen_sfc.model.body import FbdBody, LdBody, StBody
+from plcopen_sfc.model.body import FbdBody, LdBody, StBody, networks_of
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block, LogicNetwork
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
@@ -59,7 +59,7 @@ def name_results(project: Project, report: ConversionReport) -> None:
             rename_local(body, RESULT, pou.name)
         named[pou.name.casefold()] = pou.name
         report.add(Outcome.TRANSLATED, "result", pou.report_path, "it has the name of the function")
-    for network in _networks(project) if named else ():
+    for network in (each for _, _, body in project.bodies() for each in networks_of(body)) if named else ():
         for node in network.nodes:
             name = named.get(node.type_name.casefold()) if isinstance(node, Block) else None
             if isinstance(node, Block) and name is not None:
@@ -75,12 +75,6 @@ def _result(pou: Pou) -> VariableSection | None:
         return None
     type_ = found[0].variables[0].type
     return None if isinstance(type_, DerivedType) and type_.name.casefold() == "void" else found[0]
-
-
-def _networks(project: Project) -> Iterator[LogicNetwork]:
-    for _, _, body in project.bodies():
-        if isinstance(body, FbdBody | LdBody):
-            yield from body.networks
 
 
 def _name_pin(network: LogicNetwork, block: Block, name: str) -> None:

@@ -103,6 +103,11 @@ class OpaqueBody(BodyBase):
     content: str
 
 
+def networks_of(body: object) -> list[LogicNetwork]:
+    """Return the networks of a body in FBD or LD; none of anything else."""
+    return body.networks if isinstance(body, FbdBody | LdBody) else []
+
+
 def has_program(body: BodyBase | None) -> bool:
     """True unless a body is empty, as those of permanent instructions without a program."""
     if isinstance(body, FbdBody | LdBody):

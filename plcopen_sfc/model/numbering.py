@@ -109,7 +109,7 @@ def _renumber(chart: SfcNetwork, numbers: dict[int, int]) -> None:
         transition.targets = [numbers.get(number, 0) for number in transition.targets]
     for sequence in chart.sequences:
         sequence.steps = [numbers.get(number, 0) for number in sequence.steps]
-    wires = [wire for part in (chart.logic, [t.condition for t in chart.transitions]) for wire in _wires(part)]
+    wires = [wire for part in (chart.logic, [t.condition for t in chart.transitions]) for wire in wires_in(part)]
     for wire in wires:
         wire.source = numbers.get(wire.source, 0)
 
@@ -118,17 +118,17 @@ def _number_nodes(nodes: list[Node]) -> None:
     numbers = _numbers(node.id for node in nodes)
     for node in nodes:
         node.id = numbers[node.id]
-    for wire in _wires(nodes):
+    for wire in wires_in(nodes):
         wire.source = numbers.get(wire.source, 0)
 
 
-def _wires(thing: Any) -> list[Connection]:
+def wires_in(thing: Any) -> list[Connection]:
     """Return the wires in nodes or conditions, but for those inside bodies, which have ids of their own."""
     if isinstance(thing, Connection):
         return [thing]
     if isinstance(thing, list):
-        return [wire for item in thing for wire in _wires(item)]
+        return [wire for item in thing for wire in wires_in(item)]
     if isinstance(thing, Model) and not hasattr(thing, "language"):
         names = (name for name in type(thing).__pydantic_fields__ if name != "body")
-        return [wire for name in names for wire in _wires(getattr(thing, name))]
+        return [wire for name in names for wire in wires_in(getattr(thing, name))]
     return []

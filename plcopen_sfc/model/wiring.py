@@ -86,7 +86,7 @@ class _Tracer:
         for symbol, kind in self.kinds.items():
             if kind == _TRANSITION:
                 alternatives = self._sources_of(symbol)
-                targets = self._targets_of(symbol)
+                targets = tuple(dict.fromkeys(self._downstream(symbol, frozenset({symbol}))))
                 self.wiring.links[symbol] = [Link(sources, targets) for sources in alternatives]
             elif kind == _JUMP or kind in STEPS:
                 self._check_predecessor(symbol)
@@ -126,9 +126,6 @@ class _Tracer:
                 self._problem("SFC105", symbol, "too many alternatives meet here")
                 break
         return combined if branches else []
-
-    def _targets_of(self, transition: int) -> tuple[int, ...]:
-        return tuple(dict.fromkeys(self._downstream(transition, frozenset({transition}))))
 
     def _downstream(self, symbol: int, seen: frozenset[int]) -> list[int]:
         found: list[int] = []

@@ -273,12 +273,10 @@ class _ProjectContent:
         names = self.index.names(prefix) | {anchor: {"": f"{anchor}-heading"} for anchor in frames}
         picture = chart_figure(body.chart, prefix, marks, names, self.words)
         figure = picture_figure(picture, self.words)
-        tables = [(part, self._cells(part)) for part in self.index.parts[prefix]]
+        common, parts = (self.index, self._bodies, self.words), self.index.parts[prefix]
+        tables = [(part, StepCells(part.chart, *common, told=self._findings_at)) for part in parts]
         permanent = (cells.permanent() for _, cells in tables)
         return joined(figure, *permanent, *(self._steps(part, cells) for part, cells in tables))
-
-    def _cells(self, part: DrawnPart) -> StepCells:
-        return StepCells(part.chart, self.index, self._bodies, self.words, told=self._findings_at)
 
     def _steps(self, part: DrawnPart, cells: StepCells) -> Html:
         rows = [self._step(step, cells) for step in part.chart.steps]

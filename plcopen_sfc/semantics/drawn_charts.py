@@ -7,6 +7,7 @@ transitions are in the order of the flow. Simulation, comparison and lowering tr
 
 from __future__ import annotations
 
+from operator import is_
 from typing import Any
 
 from plcopen_sfc.grouping import grouped
@@ -53,24 +54,20 @@ def _pou(pou: Pou, dialect: Dialect, profile: Profile) -> Pou:
         transitions = [_with_condition(t, conditions.get(t.id)) for t in transitions]
         initial = next((place for place, step in enumerate(steps) if step.initial), None)
         if drawn.tree.statements and initial is not None:
-            name = _free(_ACTION, taken)
+            name = free_name(_ACTION, {each.casefold() for each in taken})
             update["actions"] = [*pou.actions, Action(name=name, body=StBody(text=print_node(drawn.tree)))]
             steps[initial] = _storing(steps[initial], name, chart)
         update["interface"] = _interface(pou, drawn)
     if profile.order_of_flow:
         steps, transitions = in_order_of_flow(steps, transitions)
     logic = chart.logic if profile.drawn_logic else []
-    unmoved = all(map(_is, [*steps, *transitions], [*chart.steps, *chart.transitions]))
+    unmoved = all(map(is_, [*steps, *transitions], [*chart.steps, *chart.transitions]))
     if unmoved and not update and len(logic) == len(chart.logic):
         return pou
     changed = chart.model_copy(update={"steps": steps, "transitions": transitions, "logic": logic})
     place = next(place for place, each in enumerate(pou.bodies) if each is body)
     bodies = [*pou.bodies[:place], body.model_copy(update={"chart": changed}), *pou.bodies[place + 1 :]]
     return pou.model_copy(update={**update, "bodies": bodies})
-
-
-def _is(one: object, other: object) -> bool:
-    return one is other
 
 
 def _is_drawn(transition: Transition) -> bool:
@@ -124,7 +121,3 @@ def in_order_of_flow(steps: list[Step], transitions: list[Transition]) -> tuple[
             waiting += reversed(leaving.get(item.id, ()))
     rest = [step for step in steps if step.id not in found]
     return [*found.values(), *rest], [*passed.values(), *(t for t in transitions if t.id not in passed)]
-
-
-def _free(name: str, taken: list[str]) -> str:
-    return free_name(name, {each.casefold() for each in taken})

@@ -46,12 +46,8 @@ def _findings(project: Project, tool: str) -> list[Diagnostic]:
         found += kind.codec().validate(source.content, file=source.path)
     if tool and not any(finding.severity is Severity.ERROR for finding in read):
         found += check_import(project, tool)
-    found.sort(key=lambda finding: (finding.location.file or "", finding.location.line is None, _line(finding)))
+    found.sort(key=lambda each: (each.location.file or "", each.location.line is None, each.location.line or 0))
     return found
-
-
-def _line(finding: Diagnostic) -> int:
-    return finding.location.line or 0
 
 
 def _print(screen: Screen, name: str, findings: list[Diagnostic], *, valid: bool) -> None:

@@ -178,12 +178,10 @@ class _GraphFlags(FlagRewriter):
         is_told = any(body is None or isinstance(body, StBody) for body in bodies)
         return is_told or (step.exit_action is not None and self._statements(step.exit_action) is None)
 
-    def _refused_quit(self) -> str | None:
-        is_input = any(v.name.casefold() == "sfcerror" for v in self._place.pou.variables(SectionKind.INPUT))
-        return "SFCError is an input" if is_input else None
-
     def _refusal(self, flag: SfcFlag) -> str | None:
-        return super()._refusal(flag) or (self._refused_quit() if flag is SfcFlag.QUIT_ERROR else None)
+        inputs = {variable.name.casefold() for variable in self._place.pou.variables(SectionKind.INPUT)}
+        own = "SFCError is an input" if flag is SfcFlag.QUIT_ERROR and "sfcerror" in inputs else None
+        return super()._refusal(flag) or own
 
     def _refused_pause(self) -> str | None:
         for step, row in self._chart.associations():

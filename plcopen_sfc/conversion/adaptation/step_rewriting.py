@@ -297,7 +297,8 @@ class StepRewriter:
         """
         kept = {row.id for row in step.actions}
         replaced = [row.id for owner, row in self._rows if owner is step and row.id not in kept]
-        yield from (number for number in replaced if not any(number in _ids(owner) for owner in self._chart.steps))
+        acting = {row.id for _, row in self._chart.associations()}
+        yield from (number for number in replaced if number not in acting)
         used = {row.id for _, row in self._rows}
         drawing = self._chart.drawing
         for symbol in drawing.symbols if drawing is not None else ():
@@ -680,10 +681,6 @@ class StepRewriter:
         event = f" (event {row.event})" if row.event is not None else ""
         text = f"`{_called(row)}`{event} is not executed in {self._host.title}: {why}"
         self._note_action(Outcome.NOT_EXECUTED, step, row.target, text)
-
-
-def _ids(step: Step) -> set[int]:
-    return {row.id for row in step.actions}
 
 
 def _plain_statements(row: ActionAssociation) -> list[str]:

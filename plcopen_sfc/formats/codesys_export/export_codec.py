@@ -86,15 +86,12 @@ def read_task(entry: Entry) -> Task:
     task.priority = whole_number(value(content, "Priority").strip()) or 0
     stated = {name: value(content, *path) or None for name, path in _SETTINGS.items()}
     watched = {name: value(content, *path) or None for name, path in _WATCHDOG.items()}
-    task.settings = TaskSettings(**stated, watchdog=TaskWatchdog(enabled=_is_watched(entry), **watched))
+    is_watched = value(content, "Watchdog", "Enabled").casefold() == "true"
+    task.settings = TaskSettings(**stated, watchdog=TaskWatchdog(enabled=is_watched, **watched))
     calls = member(content, "PouList")
     names = [value(call, "Name") for call in calls] if calls is not None else []
     task.instances = [PouInstance(name=name, type_name="") for name in names if name]
     return task
-
-
-def _is_watched(entry: Entry) -> bool:
-    return value(entry.content, "Watchdog", "Enabled").casefold() == "true"
 
 
 def change_task(entry: Entry, task: Task) -> None:

@@ -186,7 +186,8 @@ def _units(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]
     literals = _literals(project)
     for declaration in project.data_types:
         report.add(Outcome.KEPT, "data type", f"type {declaration.name}")
-        yield WrittenBlock(("type", declaration.name), _data_type(declaration, types), apart=True)
+        as_struct = declaration.model_copy(update={"type": _struct(declaration, types)})
+        yield WrittenBlock(("type", declaration.name), write_data_type(as_struct, _SCL), apart=True)
     for pou in project.pous:
         report.add(Outcome.KEPT, "POU", f"POU {pou.name}")
         _note_foreign(project, pou, types, tags.get(pou.name.casefold(), ()), report)
@@ -318,10 +319,6 @@ def _note_foreign(project: Project, pou: Pou, types: S7Types, tags: Container[st
 
 
 _FOREIGN_SECTIONS = frozenset({SectionKind.GLOBAL, SectionKind.ACCESS})
-
-
-def _data_type(declaration: t.DataTypeDeclaration, types: S7Types) -> str:
-    return write_data_type(declaration.model_copy(update={"type": _struct(declaration, types)}), _SCL)
 
 
 def _struct(declaration: t.DataTypeDeclaration, types: S7Types) -> t.StructType:

@@ -9,7 +9,7 @@ Where other tools write bits on a condition, logic keeps them: no box of TIA Por
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import TypeGuard
 
 from plcopen_sfc.formats.simaticml.box_types import give_types
@@ -19,10 +19,10 @@ from plcopen_sfc.formats.simaticml.network_operands import literal_type, parse_o
 from plcopen_sfc.languages.networks.network_graph import wires_of
 from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.model import network as net
-from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.body import FbdBody, LdBody, networks_of
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import Body, BodyCondition, Condition
+from plcopen_sfc.model.sfc import BodyCondition, Condition
 
 BOOLEAN = frozenset({"AND", "OR", "XOR", "NOT", "EQ", "NE", "GT", "GE", "LT", "LE"})
 """Operators whose result is of type BOOL; AND, OR, XOR and NOT of words are other boxes in TIA Portal."""
@@ -325,7 +325,7 @@ def put_coils(project: Project) -> None:
             conditions += [each.condition for each in (step.interlock, step.supervision) if each is not None]
         for condition in conditions:
             if isinstance(condition, BodyCondition):
-                for network in _networks(condition.body):
+                for network in networks_of(condition.body):
                     network.nodes = [_result(node) for node in network.nodes]
     blocks = {pou.name.casefold() for pou in project.pous}
     for _, pou, body in project.bodies():
@@ -339,11 +339,6 @@ def put_coils(project: Project) -> None:
                 put_assignments(network, types, blocks)
                 if isinstance(body, LdBody):
                     put_in_series(network)
-
-
-def _networks(body: Body) -> Iterator[net.LogicNetwork]:
-    if isinstance(body, FbdBody | LdBody):
-        yield from body.networks
 
 
 def _result(node: net.Node) -> net.Node:

@@ -20,7 +20,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import render, transform
 from plcopen_sfc.languages.standard_blocks import S7_CONVERTED, S7_VERSION, StandardBlock, Tool, standard_block
 from plcopen_sfc.model.base import ExtensionData
-from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.body import networks_of
 from plcopen_sfc.model.network import Block, BlockCall, BlockVariable, InputPin, LogicNetwork
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
@@ -108,12 +108,9 @@ def put_operands(project: Project, report: ConversionReport, *, of_charts: bool 
             texts.setdefault(id(text_site.site.pou), []).append(text_site)
     for pou in project.pous if of_charts else [each for each in project.pous if each.chart is None]:
         _put_flip_flops(project, pou, flip_flop_instances(pou, flip_flops), texts.get(id(pou), []), report)
-    for _, body in _drawn(project):
-        for block in _blocks(body):
-            if block.type_name.upper() in edges and block.instance:
-                block.extension_data = block.extension_data or ExtensionData()
-                marks = {PART_NAME: block.type_name.upper(), "Version": S7_VERSION}
-                block.extension_data.attributes = marks | block.extension_data.attributes
+    for _, block in _boxes(project):
+        if block.type_name.upper() in edges and block.instance:
+            _mark(block, **{PART_NAME: block.type_name.upper(), "Version": S7_VERSION})
 
 
 def _put_flip_flops(
@@ -140,28 +137,24 @@ def _put_flip_flops(
         new = render(found, transform(found.tree, lambda node: _value(node, changed)))
         if new != text_site.text:
             text_site.put(new)
-    for owner, body in _drawn(project):
-        for block in _blocks(body) if owner is pou else ():
-            if _name(block.instance) in changed:
-                operand = InputPin(expression=block.instance)
-                block.parameters.inputs.append(BlockVariable(name="operand", input=operand))
-                block.instance = None
+    for owner, block in _boxes(project):
+        if owner is pou and _name(block.instance) in changed:
+            operand = InputPin(expression=block.instance)
+            block.parameters.inputs.append(BlockVariable(name="operand", input=operand))
+            block.instance = None
     for variable in changed.values():
         variable.type, variable.initial = ElementaryType(name=Elementary.BOOL), None
         why = "flip-flops of TIA Portal keep their state in a variable of type BOOL"
         report.add(Outcome.TRANSLATED, "instance", f"POU {pou.name} / {variable.name}", why)
 
 
-def _drawn(project: Project) -> Iterator[tuple[Pou, object]]:
-    """Yield the bodies of blocks and of permanent instructions, each with its block."""
-    yield from ((pou, body) for _, pou, body in project.bodies())
+def _boxes(project: Project) -> Iterator[tuple[Pou, Block]]:
+    """Yield the boxes in blocks and in permanent instructions, each with its block."""
+    drawn: list[tuple[Pou, object]] = [(pou, body) for _, pou, body in project.bodies()]
     for chart in project.charts():
-        yield from ((chart.pou, each.body) for each in (*chart.chart.permanent_pre, *chart.chart.permanent_post))
-
-
-def _blocks(body: object) -> Iterator[Block]:
-    if isinstance(body, FbdBody | LdBody):
-        yield from (node for network in body.networks for node in network.nodes if isinstance(node, Block))
+        drawn += [(chart.pou, each.body) for each in (*chart.chart.permanent_pre, *chart.chart.permanent_post)]
+    for pou, body in drawn:
+        yield from ((pou, node) for network in networks_of(body) for node in network.nodes if isinstance(node, Block))
 
 
 def _name(instance: str | None) -> str:
@@ -180,7 +173,7 @@ def mark_calls(project: Project) -> None:
     """Mark each box that calls a function or function block of the project as a call, with the kinds of its pins."""
     callable_ = {pou.name.casefold(): pou for pou in project.pous if pou.kind in _CALLS}
     for _, _, body in project.bodies():
-        for network in body.networks if isinstance(body, FbdBody | LdBody) else ():
+        for network in networks_of(body):
             for node in network.nodes:
                 pou = callable_.get(node.type_name.casefold()) if isinstance(node, Block) else None
                 if isinstance(node, Block) and pou is not None and node.call in (None, _CALLS[pou.kind]):
@@ -193,7 +186,7 @@ def put_standard_blocks(project: Project) -> None:
     """Make standard blocks of other tools parts, with the pins of IEC 61131-3: CODESYS has them as calls."""
     own = {pou.name.casefold() for pou in project.pous}
     for _, _, body in project.bodies():
-        for network in body.networks if isinstance(body, FbdBody | LdBody) else ():
+        for network in networks_of(body):
             changed = {
                 node.id: standard
                 for node in network.nodes
@@ -256,6 +249,6 @@ def mark_call(block: Block, pou: Pou) -> None:
                 block.parameters.in_outs.append(parameter)
 
 
-def _mark(parameter: BlockVariable, **marks: str) -> None:
-    parameter.extension_data = parameter.extension_data or ExtensionData()
-    parameter.extension_data.attributes = marks | parameter.extension_data.attributes
+def _mark(thing: Block | BlockVariable, **marks: str) -> None:
+    thing.extension_data = thing.extension_data or ExtensionData()
+    thing.extension_data.attributes = marks | thing.extension_data.attributes

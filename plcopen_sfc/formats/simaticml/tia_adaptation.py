@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import Any
 
 from plcopen_sfc.formats.simaticml.added_elements import system_members
@@ -19,7 +19,8 @@ from plcopen_sfc.model import sfc
 from plcopen_sfc.model.base import ExtensionData, Model
 from plcopen_sfc.model.body import BodyBase, FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import WiredCondition
-from plcopen_sfc.model.network import Connection, LogicNetwork
+from plcopen_sfc.model.network import LogicNetwork
+from plcopen_sfc.model.numbering import wires_in
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou
 from plcopen_sfc.model.project import Project, Tag, TagTable
 from plcopen_sfc.model.text import MultilingualText
@@ -76,20 +77,8 @@ def _shift_logic(chart: sfc.SfcNetwork) -> None:
     symbols = chart.drawing.symbols if chart.drawing is not None else []
     wired = [t.condition for t in chart.transitions if isinstance(t.condition, WiredCondition)]
     for thing in (*chart.logic, *wired, *symbols):
-        for wire in _wires(thing):
+        for wire in wires_in(thing):
             wire.source += _APART if wire.source in old else 0
-
-
-def _wires(thing: Any) -> Iterator[Connection]:
-    """Yield all wires in an element of a network, a condition or a symbol."""
-    if isinstance(thing, Connection):
-        yield thing
-    elif isinstance(thing, Model):
-        for value in thing.__dict__.values():
-            yield from _wires(value)
-    elif isinstance(thing, list):
-        for item in thing:
-            yield from _wires(item)
 
 
 def _without_tabs(project: Project, report: ConversionReport) -> None:

@@ -54,7 +54,8 @@ def written_elsewhere(pou: Pou, project: Project) -> frozenset[str]:
     shared |= {block.name.casefold() for block in project.data_blocks}
     found: set[str] = set()
     for other in others:
-        own = {v.name.casefold() for v in other.variables() if v.name.casefold() not in _external(other)}
+        own = {v.name.casefold() for v in other.variables()}
+        own -= {v.name.casefold() for v in other.variables(SectionKind.EXTERNAL)}
         for _, _, body in other.named_bodies():
             for path in bind(body, project.dialect).effects.writes:
                 inner = path[1:] if path[:1] and path[0] in lists else path
@@ -63,7 +64,3 @@ def written_elsewhere(pou: Pou, project: Project) -> frozenset[str]:
                 elif inner and inner[0] in shared and (inner is not path or inner[0] not in own):
                     found.add(".".join(inner))
     return frozenset(found - {""})
-
-
-def _external(pou: Pou) -> set[str]:
-    return {variable.name.casefold() for variable in pou.variables(SectionKind.EXTERNAL)}

@@ -92,6 +92,7 @@ _NUMBERED_NAME = r"\d+(?!(?:[eE][+-]?\d+|ms|us|ns|min|[smhd])(?!\w))[^\W\d_]\w*"
 """A name that begins with digits, as GRAFCETs have for sensors (``1B1``): neither ``1E5`` nor ``3s``."""
 
 
+@cache
 def _pattern(dialect: Dialect, comments: Dialect) -> re.Pattern[str]:
     scl = dialect is Dialect.SCL
     codesys = dialect in (Dialect.CODESYS, Dialect.TWINCAT)
@@ -128,13 +129,6 @@ def _pattern(dialect: Dialect, comments: Dialect) -> re.Pattern[str]:
 
 
 _COMMENT, _BLOCK, _LITERAL, _WORD_ASSIGN, _WORD, _NAME, _ADDRESS, _OPERATOR, _PUNCT, _OPEN_QUOTE = range(1, 11)
-
-
-@cache
-def _compiled(dialect: Dialect, comments: Dialect) -> re.Pattern[str]:
-    return _pattern(dialect, comments)
-
-
 _PLAIN = {_OPERATOR: "OPERATOR", _LITERAL: "LITERAL", _NAME: "NAME", _ADDRESS: "ADDRESS"}
 """The token types of groups that are tokens as they are."""
 
@@ -170,7 +164,7 @@ def tokenize(
     comments: list[Comment] = []
     problems: list[Problem] = []
     append = tokens.append
-    match = _compiled(dialect, comments_of or dialect).match
+    match = _pattern(dialect, comments_of or dialect).match
     position, end = 0, len(text)
     previous = ""
     blocks = _Blocks(text)

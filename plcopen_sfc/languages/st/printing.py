@@ -78,7 +78,7 @@ class Printer:
             case n.Range(lower, upper):
                 return f"{self.text(lower)}..{self.text(upper)}"
             case n.CaseBranch():
-                return self._case_branch(node, indent)
+                return f"{self._listed(node.labels)}:{self.lines(node.statements, indent + INDENT)}"
             case n.Branch():
                 return self._branch("ELSIF", node, indent).removesuffix(self._newline)
             case _:
@@ -105,7 +105,7 @@ class Printer:
             case n.Unary(operator):
                 return _UNARY[operator] + self._operand(node, 0)
             case n.Operation():
-                return self._operation(node)
+                return f" {node.operator.value} ".join(self._operand(node, at) for at in range(len(node.operands)))
             case n.Parenthesized(inner):
                 return f"({self.text(inner)})"
             case n.AssignmentExpression(target, value):
@@ -115,9 +115,6 @@ class Printer:
                 return f"{words}{limits} {self.text(base)}"
             case _:
                 return ""
-
-    def _operation(self, node: n.Operation) -> str:
-        return f" {node.operator.value} ".join(self._operand(node, index) for index in range(len(node.operands)))
 
     def _operand(self, node: n.Operation | n.Unary, index: int) -> str:
         text = self.text(operands(node)[index])
@@ -217,9 +214,6 @@ class Printer:
         for branch in node.branches:
             text += f"{deeper}{self.text(branch, deeper)}{self._newline}"
         return text + self._otherwise(node.otherwise, indent) + f"{indent}END_CASE;"
-
-    def _case_branch(self, node: n.CaseBranch, indent: str) -> str:
-        return f"{self._listed(node.labels)}:{self.lines(node.statements, indent + INDENT)}"
 
     def _otherwise(self, statements: tuple[Statement, ...] | None, indent: str) -> str:
         if statements is None:

@@ -482,12 +482,9 @@ class RegionEncoding(ScanSchedule):
             free = [negation(self._bits[other]) for other in transition.competing if other in self._bits]
             held = self._held.get(self.states.machine_of(transition.sources[0]).region.index, FALSE)
             free += [negation(each) for each in (*self.blocking, held)]
-            enabled = self._enabled(transition)
+            enabled = conjunction(self.active(i) for i in transition.sources)
             yield from self.prepared(index, enabled, free)
             yield assignment(bit, conjunction([enabled, self.source.conditions[index], *free]))
-
-    def _enabled(self, transition: NetTransition) -> Expression:
-        return conjunction(self.active(i) for i in transition.sources)
 
     # -- steps that are left and entered at once
 

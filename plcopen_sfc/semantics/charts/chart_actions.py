@@ -307,15 +307,11 @@ def _kept(slot: int, frame: Frame) -> bool:
 def _association(owner: Owner, model: ActionAssociation) -> Association:
     inverted = owner.inverted is not model.negated
     condition = _not_yet if model.condition is not None else None
-    return Association(model.qualifier, owner.steps, inverted, condition, _no_time, owner.since)
+    return Association(model.qualifier, owner.steps, inverted, condition, lambda _: 0, owner.since)
 
 
 def _not_yet(_: Frame) -> bool:
     raise AssertionError("a condition is asked before it is translated")
-
-
-def _no_time(_: Frame) -> int:
-    return 0
 
 
 def missing_time(message: str, where: str) -> Callable[[Frame], int]:

@@ -145,7 +145,7 @@ class ChartProgram(RunningChart):
         order = indexed if self._tested is None else sorted(indexed, key=self._tested.__getitem__)
         enabled = [self._moves[index] for index in order]
         moves = tuple(self._timed(move, move.condition) for move in enabled)
-        forced = tuple(self._timed(move, _always) for move in enabled)
+        forced = tuple(self._timed(move, lambda _: True) for move in enabled)
         active = list(indexes(situation))
         watches = tuple(self._watches[index] for index in active if index in self._watches)
         current = self.net.steps[active[-1]].step.name if active else ""
@@ -383,10 +383,6 @@ class ChartProgram(RunningChart):
             location=Location(path=self.path),
             hint="Active steps at the end: " + ", ".join(self.net.names(situation)),
         )
-
-
-def _always(_: Frame) -> bool:
-    return True
 
 
 def _missing_condition(where: str) -> Condition:

@@ -14,7 +14,7 @@ from plcopen_sfc.semantics.charts.step_state import override
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.routines import Routines
-from plcopen_sfc.semantics.programs.runtime_types import BOOL, ELEMENTARY, ArrayOf, Frame, ScalarType
+from plcopen_sfc.semantics.programs.runtime_types import BOOL, ELEMENTARY, ArrayOf, Frame
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope
@@ -62,7 +62,7 @@ class Flags:
             self.used -= {SfcFlag.ERROR_ANALYZATION_TABLE}
         for flag in sorted(self.used):
             if Routines(scope).type_of(flag.variable) is None:
-                scope.declare(flag.variable, _type(flag))
+                scope.declare(flag.variable, ELEMENTARY["STRING"] if flag in _TEXTS else BOOL)
         self._quitted = self._reserve(path, SfcFlag.QUIT_ERROR)
         self._reset = self._reserve(path, SfcFlag.RESET)
         self._tipped = self._reserve(path, SfcFlag.TIP)
@@ -173,10 +173,6 @@ def _declare_table(scope: Scope) -> int:
     string = ELEMENTARY["STRING"]
     row = scope.structure("ExpressionResult", {"name": string, "address": string, "comment": string, "value": BOOL})
     return override(scope, SfcFlag.ERROR_ANALYZATION_TABLE.variable, ArrayOf("ARRAY", row, ((0, 15),)))
-
-
-def _type(flag: SfcFlag) -> ScalarType:
-    return ELEMENTARY["STRING"] if flag in _TEXTS else BOOL
 
 
 class Reason(NamedTuple):

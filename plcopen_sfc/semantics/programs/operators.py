@@ -340,7 +340,8 @@ class Operators:
                 raise SimulationError(f"{one.name} and {other.name} do not go together")
             type_ = _base(typed.type)
             whole = literal.type.family is not t.Family.REAL
-            if type_.family is t.Family.REAL or (type_.is_number and whole and _fits(literal, type_)):
+            is_fitting = type_.is_number and whole and type_.least <= int(literal.value) <= type_.greatest
+            if type_.family is t.Family.REAL or is_fitting:
                 return type_
         one, other = _base(one), _base(other)
         if one.family is t.Family.REAL or other.family is t.Family.REAL:
@@ -355,10 +356,6 @@ class Operators:
         if other.is_ranged and not other.is_number:
             return other
         return one if one.family is not t.Family.BOOL else other
-
-
-def _fits(code: Code, type_: t.ScalarType) -> bool:
-    return type_.least <= int(code.value) <= type_.greatest
 
 
 _DURATIONS = ("TIME", "LTIME", "S5TIME")
