@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from plcopen_sfc.languages.binding.name_resolution import Resolver
-from plcopen_sfc.languages.binding.name_sites import named
 from plcopen_sfc.languages.binding.name_uses import dialect_of
 from plcopen_sfc.languages.binding.symbols import inside
 from plcopen_sfc.languages.binding.text_sites import Site
@@ -167,7 +166,7 @@ class _Known:
     def _look_up(self, tree: n.Expression) -> VariableValues | LiteralValue | None:
         if isinstance(tree, n.Address):
             return VariableValues(ValueKind.BOOL) if _BOOLEAN_ADDRESS.fullmatch(tree.text) else None
-        declaration = self._declaration(tree)
+        declaration = self._resolver.declaration_of(tree, self._site)
         if declaration is not None and declaration.kind is Kind.ENUM_VALUE:
             return self._enumerated(declaration)
         if declaration is not None and id(declaration.holder) in self._constants:
@@ -178,14 +177,6 @@ class _Known:
             return None
         type_ = self._resolver.type_of(tree, self._site)
         return self._domain(type_)
-
-    def _declaration(self, tree: n.Expression) -> Declaration | None:
-        if isinstance(tree, n.Name):
-            return self._resolver.lookup(named(tree), self._site).declaration
-        if isinstance(tree, n.Member):
-            base = self._resolver.type_of(tree.base, self._site, tree.name.identifier)
-            return self._resolver.member(base, tree.name.identifier).declaration
-        return None
 
     def _constant(self, declaration: Declaration) -> LiteralValue | None:
         """Return the value of a constant where it is written as a literal."""

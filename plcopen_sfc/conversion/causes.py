@@ -454,15 +454,18 @@ def _told_begun(example: Counterexample, chart: Chart, profiles: tuple[Profile, 
     return f"{first} executes the actions of the initial step in its first scan, and others a scan later than {other}"
 
 
+def only_one(profiles: tuple[Profile, Profile], tool: str, is_so: Callable[[Profile], bool]) -> str:
+    """Return which of two tools alone does something: the source, or `tool`; empty where both or none do."""
+    found = [name for name, each in zip(("the source", tool), profiles, strict=True) if is_so(each)]
+    return found[0] if len(found) == 1 else ""
+
+
 def acting_early(profiles: tuple[Profile, Profile], tool: str) -> str:
     """Return which of two tools executes the actions first; empty where both or none do."""
-    sides = {True: "the source", False: tool}
-    early = [sides[each is profiles[0]] for each in profiles if each.order is ScanOrder.ACTIONS_FIRST]
-    why = "executes the actions before the transitions, and so sees other inputs in them"
-    return f"{early[0]} {why}" if len(early) == 1 else ""
+    early = only_one(profiles, tool, lambda each: each.order is ScanOrder.ACTIONS_FIRST)
+    return early and f"{early} executes the actions before the transitions, and so sees other inputs in them"
 
 
 def _told_held(profiles: tuple[Profile, Profile], tool: str) -> list[str]:
-    sides = {True: "the source", False: tool}
-    held = [sides[each is profiles[0]] for each in profiles if each.initial_situation_held]
-    return [f"{held[0]} tests no transition in its first scan"] if len(held) == 1 else []
+    held = only_one(profiles, tool, lambda each: each.initial_situation_held)
+    return [f"{held} tests no transition in its first scan"] if held else []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from plcopen_sfc.conversion.causes import acting_early
+from plcopen_sfc.conversion.causes import acting_early, only_one
 from plcopen_sfc.conversion.executed_parts import FIRST_SCAN
 from plcopen_sfc.conversion.reporting import in_the_source
 from plcopen_sfc.languages.binding import actions_by_name, bind, names_in, step_effects
@@ -65,12 +65,10 @@ def report_scan_order(
 
 def _start(profiles: tuple[Profile, Profile], tool: str) -> str:
     """Return what one of two tools alone does in the first scan of a chart; empty where both do the same."""
-    sides = {True: "the source", False: tool}
-    held = [sides[each is profiles[0]] for each in profiles if each.initial_situation_held]
-    if len(held) == 1:
-        return f"{held[0]} tests no transition in its first scan"
-    early = [sides[each is profiles[0]] for each in profiles if each.order is ScanOrder.ACTIONS_FIRST]
-    return f"{early[0]} executes its actions in the first scan before a transition is tested" if len(early) == 1 else ""
+    if held := only_one(profiles, tool, lambda each: each.initial_situation_held):
+        return f"{held} tests no transition in its first scan"
+    early = only_one(profiles, tool, lambda each: each.order is ScanOrder.ACTIONS_FIRST)
+    return early and f"{early} executes its actions in the first scan before a transition is tested"
 
 
 def _inputs_read(chart: Chart, project: Project) -> list[str]:

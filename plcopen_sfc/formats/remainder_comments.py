@@ -75,7 +75,8 @@ def put_back(project: Project, entries: Sequence[Entry], note: Note) -> Project:
                 outdated.append(tuple(around))
             elif last == "type":  # a start value is one of the type
                 outdated.append((*around, "initial"))
-            elif around == ["pous"] and _is_program(change.instead):  # it was added in place of the tasks
+            elif around == ["pous"] and isinstance(change.instead, dict) and change.instead.get("kind") == "program":
+                # it was added in place of the tasks
                 outdated += [("configurations",), ("origin",)]
             message = f"this comment of plcopen_sfc is for another text and left out: {error}"
             note(OUTDATED, message, comment.span[0])
@@ -117,10 +118,6 @@ def keys_of(project: Project, change: RemainderEntry) -> Iterator[str | int]:
             return
         thing = thing[index]
         yield index
-
-
-def _is_program(pou: Any) -> bool:
-    return isinstance(pou, dict) and pou.get("kind") == "program"
 
 
 def _is_in(path: tuple[Segment, ...], places: Iterable[tuple[Segment, ...]]) -> bool:

@@ -103,11 +103,15 @@ def to_structured_text(text: str, terms: Terms) -> str:
     return reader.level(0, len(reader.tokens))
 
 
+def has_parts_of_grafcet(chart: SfcNetwork) -> bool:
+    """Return True if a chart has what only IEC 60848 has: partial charts, enclosing steps, kinds of actions."""
+    is_partial = bool(chart.partial_charts) or any(step.encloses for step in chart.steps)
+    return is_partial or any(each.kind is not None or each.forcing is not None for _, each in chart.associations())
+
+
 def is_grafcet(chart: SfcNetwork) -> bool:
-    """Return True if a chart has what only GRAFCETs have: partial charts, kinds of actions, signs in its conditions."""
-    if chart.partial_charts or any(step.encloses for step in chart.steps):
-        return True
-    if any(action.kind is not None or action.forcing is not None for _, action in chart.associations()):
+    """Return True if a chart has what only GRAFCETs have, also signs in its conditions."""
+    if has_parts_of_grafcet(chart):
         return True
     conditions = (transition.condition for transition in chart.transitions)
     return any(isinstance(each, Expression) and _SIGNS.search(each.text) for each in conditions)

@@ -23,7 +23,7 @@ from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import networks_of
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import BodyCondition
+from plcopen_sfc.model.sfc import BodyCondition, placed_conditions
 from plcopen_sfc.report import ConversionReport, Outcome
 
 BOX = "flip-flop"
@@ -181,13 +181,7 @@ def _networks(project: Project) -> Iterator[_Place]:
     for name, pou, body in project.bodies():
         yield from (_Place(network, pou.report_path_of(name)) for network in networks_of(body))
     for chart in project.charts():
-        labels = chart.chart.labels()
-        conditions = [(f"transition {labels[each.id]}", each.condition) for each in chart.chart.transitions]
-        for step in chart.chart.steps:
-            for kind, supervised in (("interlock", step.interlock), ("supervision", step.supervision)):
-                if supervised is not None:
-                    conditions.append((f"step {step.name} / {kind}", supervised.condition))
-        for place, condition in conditions:
+        for place, condition in placed_conditions(chart.chart):
             if isinstance(condition, BodyCondition):
                 path = f"{chart.report_path} / {place}"
                 yield from (_Place(network, path) for network in networks_of(condition.body))

@@ -146,6 +146,14 @@ def free_name(wanted: str, taken: Container[str]) -> str:
     return name
 
 
+def underscored_name(wanted: str, taken: set[str]) -> str:
+    """Return `wanted`, with underscores behind it until it is none of the names that are `taken`; it is one then."""
+    while wanted.casefold() in taken:
+        wanted += "_"
+    taken.add(wanted.casefold())
+    return wanted
+
+
 def take_name(wanted: str, taken: set[str]) -> str:
     """Return what `free_name` gives; it is one of the names that are `taken` then."""
     name = free_name(wanted, taken)

@@ -644,6 +644,18 @@ def leaving_steps(transitions: Iterable[Transition]) -> dict[int, list[Transitio
     return grouped((source, each) for each in by_priority(transitions) for source in dict.fromkeys(each.sources))
 
 
+def placed_conditions(chart: SfcNetwork) -> Iterator[tuple[str, Condition]]:
+    """Yield the conditions of transitions, interlocks and supervisions, each with its place in reports."""
+    labels = chart.labels()
+    for transition in chart.transitions:
+        if transition.condition is not None:
+            yield f"transition {labels[transition.id]}", transition.condition
+    for step in chart.steps:
+        for kind, check in (("interlock", step.interlock), ("supervision", step.supervision)):
+            if check is not None and check.condition is not None:
+                yield f"step {step.name} / {kind}", check.condition
+
+
 def connected_parts(steps: Collection[Step], transitions: Iterable[Transition]) -> list[list[Step]]:
     """Return the steps of each part that no transition connects with another, in their order."""
     parts = Clusters(step.id for step in steps)

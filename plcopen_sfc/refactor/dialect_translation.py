@@ -64,7 +64,7 @@ from plcopen_sfc.model.conditions import WiredCondition
 from plcopen_sfc.model.declaration import Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block
-from plcopen_sfc.model.sfc import BodyCondition
+from plcopen_sfc.model.sfc import BodyCondition, placed_conditions
 from plcopen_sfc.model.types import (
     DerivedType,
     ElementaryType,
@@ -524,12 +524,7 @@ def _drawn(project: Project, dialect: Dialect) -> Iterator[tuple[str, Pou, State
             yield pou.report_path_of(name), pou, body_statements(body, dialect).tree
     for chart in project.charts():
         read = condition_reader(chart.chart, dialect, transitions=chart.pou.transitions)
-        labels = chart.chart.labels()
-        conditions = [(f"transition {labels[t.id]}", t.condition) for t in chart.chart.transitions]
-        for step in chart.chart.steps:
-            for kind, part in (("interlock", step.interlock), ("supervision", step.supervision)):
-                conditions.append((f"step {step.name} / {kind}", part.condition if part is not None else None))
-        for label, condition in conditions:
+        for label, condition in placed_conditions(chart.chart):
             found = read(condition) if isinstance(condition, BodyCondition | WiredCondition) else None
             if found is not None and found.tree is not None:
                 last = Assignment(Name("condition"), found.tree)

@@ -142,7 +142,7 @@ class CsvInputs:
             skipped += 1
         if skipped == len(lines):
             raise InputError("the file has no header", location=Location(file, 1), hint="Write the names of inputs.")
-        delimiter = delimiter or max(";\t,", key=lambda sign: _outside_quotes(lines[skipped]).count(sign))
+        delimiter = delimiter or max(";\t,", key=lambda sign: "".join(lines[skipped].split('"')[::2]).count(sign))
         reader = csv.reader(lines[skipped:], delimiter=delimiter, strict=True, skipinitialspace=True)
         rows: list[_Row] = []
         start = skipped + 1
@@ -250,10 +250,6 @@ def _decode(data: bytes) -> str:
         return data.decode(encoding)
     except UnicodeDecodeError:
         return data.decode("cp1252", errors="replace")
-
-
-def _outside_quotes(line: str) -> str:
-    return "".join(line.split('"')[::2])
 
 
 def _nanoseconds(milliseconds: str) -> int:

@@ -15,6 +15,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from plcopen_sfc.drawing.drawing_style import fits
+from plcopen_sfc.drawing.pictures.network_layout import crossings
 from plcopen_sfc.drawing.pictures.svg_canvas import DOUBLE, Canvas
 from plcopen_sfc.drawing.pictures.symbol_facts import PictureSheet
 from plcopen_sfc.drawing.pictures.symbol_pictures import JumpSymbol, StepSymbol, Symbol, TransitionSymbol
@@ -142,7 +143,9 @@ class FileArrangement:
             link.source.box.bottom > link.user.box.top and len(link.points) < 5 for link in links
         ):
             return None
-        if any(boxes.on_way(link.points) for link in links) or _cross([link.points for link in links]):
+        lines = (line for link in links for line in pairwise(link.points))
+        # a line across that crosses one that leads down: a reader could not tell that from a branch
+        if any(boxes.on_way(link.points) for link in links) or crossings(lines):
             return None
         if sheet.stars:
             for link in links:
@@ -312,25 +315,6 @@ class _Boxes:
             and top < box.bottom
             for box in self._boxes[first:last]
         )
-
-
-def _cross(wires: Sequence[Wire]) -> bool:
-    """True if a line across crosses one that leads down: a reader could not tell that from a branch."""
-    across: list[tuple[float, float, float]] = []
-    down: list[tuple[float, float, float]] = []
-    for wire in wires:
-        for (x, y), (next_x, next_y) in pairwise(wire):
-            if x == next_x:
-                down.append((x, min(y, next_y), max(y, next_y)))
-            else:
-                across.append((y, min(x, next_x), max(x, next_x)))
-    across.sort()
-    levels = [level for level, _, _ in across]
-    return any(
-        left < x < right
-        for x, top, bottom in down
-        for _, left, right in across[bisect_right(levels, top) : bisect_left(levels, bottom)]
-    )
 
 
 def _sources(symbol: DrawnSymbol, symbols: Mapping[int, object]) -> Iterator[int]:

@@ -92,15 +92,15 @@ def feedback_wires(count: int, wires: Sequence[Wire]) -> set[Wire]:
     return found
 
 
-def crossings(lines: Iterable[tuple[tuple[int, int], tuple[int, int]]]) -> int:
+def crossings(lines: Iterable[tuple[tuple[float, float], tuple[float, float]]]) -> int:
     """Return how many pairs of level and upright lines cross, each inside of the other."""
-    across: dict[int, list[tuple[int, int]]] = {}
-    upright: list[tuple[int, int, int]] = []
+    across: dict[float, list[tuple[float, float]]] = {}
+    upright: list[tuple[float, float, float]] = []
     for (x1, y1), (x2, y2) in lines:
-        if y1 == y2:
-            across.setdefault(y1, []).append((min(x1, x2), max(x1, x2)))
-        else:
+        if x1 == x2:
             upright.append((x1, min(y1, y2), max(y1, y2)))
+        else:
+            across.setdefault(y1, []).append((min(x1, x2), max(x1, x2)))
     levels = sorted(across)
     return sum(
         left < x < right

@@ -34,6 +34,7 @@ from plcopen_sfc.languages.networks.exported_networks import EXPORTS
 from plcopen_sfc.languages.problems import Problem
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.st.parsing import parse_expression, statement_problems
+from plcopen_sfc.languages.words import take_name
 from plcopen_sfc.model import sfc
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
@@ -362,11 +363,7 @@ class ChartNames:
         """Return the action with this content: the one that it names, or one that is added and called like `wish`."""
         if isinstance(content, str) and content.casefold() == wish.casefold():
             return content
-        name, number = wish, 1
-        while name.casefold() in self._used:
-            number += 1
-            name = f"{wish}_{number}"
-        self._used.add(name.casefold())
+        name = take_name(wish, self._used)
         body = StBody(text=f"{content}();") if isinstance(content, str) else content
         self.added.append(Action(name=name, body=body))
         if name != wish:

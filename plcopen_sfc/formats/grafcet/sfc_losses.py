@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from plcopen_sfc.languages.binding import Names, names_in
+from plcopen_sfc.languages.grafcet_conditions import has_parts_of_grafcet
 from plcopen_sfc.languages.networks import is_empty_network
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, print_node, transform
@@ -57,7 +58,7 @@ def report_unexpressed(project: Project, report: ConversionReport) -> None:
             if step.macro is not None and step.macro.body is not None:
                 why = "a GRAFCET gets no expansion for its steps: dissolve the macro-step"
                 report.add(Outcome.NOT_EXECUTED, "macro-step", f"{pou.report_path} / step {step.name}", why)
-        if _is_grafcet(chart):
+        if has_parts_of_grafcet(chart):
             continue
         for transition in chart.transitions:
             if isinstance(transition.condition, Expression):
@@ -171,12 +172,6 @@ def _bracketed(text: str) -> str:
 
     tree = transform(parsed.tree, changed)
     return text if tree is parsed.tree else print_node(tree)
-
-
-def _is_grafcet(chart: SfcNetwork) -> bool:
-    """Return True if a chart has something that only IEC 60848 has."""
-    is_partial = bool(chart.partial_charts) or any(step.encloses for step in chart.steps)
-    return is_partial or any(each.kind is not None or each.forcing is not None for _, each in chart.associations())
 
 
 def _declared(pou: Pou, flags: list[str]) -> set[str]:

@@ -268,7 +268,8 @@ class _Reader:
         text = self._text[body[0] : body[1]]
         texts: dict[str, str] = {}
         if isinstance(head.return_type, DerivedType):
-            texts |= dict.fromkeys(_quoting(head.return_type), "")
+            known = kept(head.return_type.extension_data)
+            texts |= {name: "" for name in ("quoted", "unquoted") if name in known}
         retain = any(each.name == "RETAIN" for each in head.properties)
         for section in declared.sections if retain else ():
             section.retain = True
@@ -425,7 +426,3 @@ def _title(head: Head) -> str | None:
 
 def _texts(**texts: str) -> dict[str, str]:
     return {name: text for name, text in texts.items() if text}
-
-
-def _quoting(type_: DerivedType) -> list[str]:
-    return [name for name in ("quoted", "unquoted") if name in kept(type_.extension_data)]

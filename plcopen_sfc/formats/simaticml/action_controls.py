@@ -40,7 +40,7 @@ from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, declared_
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node
 from plcopen_sfc.languages.standard_blocks import Tool
-from plcopen_sfc.languages.words import needs_quotes
+from plcopen_sfc.languages.words import needs_quotes, take_name
 from plcopen_sfc.model import network as net
 from plcopen_sfc.model.actions import ActionKind, Qualifier
 from plcopen_sfc.model.body import LdBody, StBody
@@ -72,25 +72,6 @@ class FlagTexts:
     lines: Sequence[str] = ()
     ends: Sequence[str] = ()
     stops: str = ""
-
-
-def action_controls(
-    project: Project,
-    pou: Pou,
-    chart: SfcNetwork,
-    functions: ActionFunctions,
-    *,
-    alone: Callable[[str], bool] = lambda _: False,
-    shared: Callable[[str], bool] = lambda _: False,
-    flags: FlagTexts = FlagTexts(),
-) -> ActionControls:
-    """Return the action controls that the chart of a block needs.
-
-    `alone`: True if each association of an action acts for its step alone already, as rows do. `shared`: True if an
-    action writes its variable only while it is executed, so that other code may do so at other times. `flags`: those
-    of the chart.
-    """
-    return _Planner(project, pou, chart, functions, flags, alone=alone, shared=shared).plan()
 
 
 def are_rows_alone(options: WriteOptions) -> Callable[[str], bool]:
@@ -198,17 +179,24 @@ class _ImpossibleError(Exception):
     """No network expresses a control."""
 
 
-class _Planner:
+class ControlPlanner:
+    """Plans the action controls that the chart of a block needs.
+
+    `alone`: True if each association of an action acts for its step alone already, as rows do. `shared`: True if an
+    action writes its variable only while it is executed, so that other code may do so at other times. `flags`: those
+    of the chart.
+    """
+
     def __init__(
         self,
         project: Project,
         pou: Pou,
         chart: SfcNetwork,
         functions: ActionFunctions,
-        flags: FlagTexts,
         *,
-        alone: Callable[[str], bool],
-        shared: Callable[[str], bool],
+        alone: Callable[[str], bool] = lambda _: False,
+        shared: Callable[[str], bool] = lambda _: False,
+        flags: FlagTexts = FlagTexts(),
     ) -> None:
         self._flags = flags
         self._pou, self._chart, self._functions, self._alone, self._shared = pou, chart, functions, alone, shared
@@ -221,7 +209,7 @@ class _Planner:
         self._taken |= {transition.name.casefold() for transition in chart.transitions}
 
     def plan(self) -> ActionControls:
-        """Plan the controls of all actions that need one."""
+        """Return the controls of all actions that need one."""
         found = ActionControls()
         for line in self._flags.lines:
             error = SfcFlag.ERROR.variable
@@ -509,11 +497,7 @@ class _Planner:
 
     def _variable(self, draft: _Draft, role: str, type_: ElementaryType | DerivedType) -> str:
         stem = "".join(each if each.isalnum() else "_" for each in draft.label)
-        name, number = f"{stem}_{role}", 1
-        while name.casefold() in self._taken:
-            number += 1
-            name = f"{stem}_{role}_{number}"
-        self._taken.add(name.casefold())
+        name = take_name(f"{stem}_{role}", self._taken)
         draft.variables.append(Variable(name=name, type=type_))
         return f"#{name}"
 

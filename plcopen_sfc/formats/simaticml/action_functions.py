@@ -32,7 +32,7 @@ from plcopen_sfc.languages.st import parse_expression, parse_statements, print_n
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.standard_blocks import BLOCKS_OF_S7, S7_VERSION, StandardBlock, standard_block
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
-from plcopen_sfc.languages.words import identifier, take_name
+from plcopen_sfc.languages.words import identifier, take_name, underscored_name
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import NamedCondition
@@ -252,9 +252,7 @@ class ActionFunctions:
         interface = self._parameters(owner, uses.names - {step.name.casefold() for step in chart.steps}, uses.writes)
         if isinstance(interface, str):
             return interface
-        name = f"{action.name}_chart"
-        while name.casefold() in taken:
-            name += "_"
+        name = underscored_name(f"{action.name}_chart", taken)
         block = Pou(
             name=take_name(f"{owner.name}_{action.name}"[:_LONGEST], self._taken),
             kind=PouKind.FUNCTION_BLOCK,
@@ -411,10 +409,7 @@ class ActionFunctions:
             if step is None or node.base.quoting not in _LOCAL or member not in _STEP_DATA:
                 continue
             if (step, member) not in found:
-                name = identifier(f"{step}_{member}")
-                while name.casefold() in taken:
-                    name += "_"
-                taken.add(name.casefold())
+                name = underscored_name(identifier(f"{step}_{member}"), taken)
                 variable = t.Variable(name=name, type=t.ElementaryType(name=_STEP_DATA[member]))
                 of_step = text[slice(*node.span)]
                 _, instance = inside.get(step.casefold(), ("", ""))

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from lxml import etree
 
-from plcopen_sfc.formats.simaticml.action_controls import action_controls
+from plcopen_sfc.formats.simaticml.action_controls import ControlPlanner
 from plcopen_sfc.formats.simaticml.action_functions import ActionControls, ActionFunctions
 from plcopen_sfc.formats.simaticml.added_elements import mark_added
 from plcopen_sfc.formats.simaticml.element_reader import ASSOCIATION
@@ -483,7 +483,7 @@ def action_functions(project: Project, calls: ActionCalls) -> ActionFunctions:
 
 def _plan(functions: ActionFunctions, project: Project, pou: Pou, chart: SfcNetwork) -> None:
     """Make the functions and blocks of all actions of a chart."""
-    controls = action_controls(project, pou, chart, functions)
+    controls = ControlPlanner(project, pou, chart, functions).plan()
     planner = RowPlanner(project, pou, functions, controls, of_tia=markup_of(project) is Markup.SIMATICML)
     for step in (each for each in chart.steps if not each.exclude):
         for code, event in ((step.entry_action, _S1), (step.main_action, None), (step.exit_action, _S0)):

@@ -22,7 +22,7 @@ from plcopen_sfc.model import network as net
 from plcopen_sfc.model.body import FbdBody, LdBody, networks_of
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import BodyCondition, Condition
+from plcopen_sfc.model.sfc import BodyCondition, placed_conditions
 
 BOOLEAN = frozenset({"AND", "OR", "XOR", "NOT", "EQ", "NE", "GT", "GE", "LT", "LE"})
 """Operators whose result is of type BOOL; AND, OR, XOR and NOT of words are other boxes in TIA Portal."""
@@ -320,10 +320,7 @@ def put_coils(project: Project) -> None:
     made of them.
     """
     for chart in project.charts():
-        conditions: list[Condition | None] = [t.condition for t in chart.chart.transitions]
-        for step in chart.chart.steps:
-            conditions += [each.condition for each in (step.interlock, step.supervision) if each is not None]
-        for condition in conditions:
+        for _, condition in placed_conditions(chart.chart):
             if isinstance(condition, BodyCondition):
                 for network in networks_of(condition.body):
                     network.nodes = [_result(node) for node in network.nodes]

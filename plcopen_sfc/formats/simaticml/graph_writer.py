@@ -50,6 +50,7 @@ from plcopen_sfc.formats.simaticml.sequence_rules import (
 from plcopen_sfc.formats.simaticml.sequence_topology import TopologyWriter, usual_order
 from plcopen_sfc.formats.xml.extension_data import Markup, attributes_of, boolean, elements_of, markup_of
 from plcopen_sfc.languages.networks import chart_statements, condition_reader
+from plcopen_sfc.languages.words import underscored_name
 from plcopen_sfc.model.base import ExtensionData
 from plcopen_sfc.model.body import LdBody
 from plcopen_sfc.model.chart_settings import WATCHING_FLAGS, AlarmCategory, SfcFlag
@@ -319,16 +320,8 @@ class _ChartWriter:
                 why = "S7-GRAPH wants a transition behind every step: one that is never TRUE"
                 self.ctx.note(Outcome.TRANSLATED, "end of the sequence", f"step {step.name}", why)
 
-    def _free_name(self, stem: str, number: int) -> str:
-        """Return a name that no step, transition or variable of the block has."""
-        name = f"{stem}{number}"
-        while name.casefold() in self.names:
-            name += "_"
-        self.names.add(name.casefold())
-        return name
-
     def _added_step(self, parent: etree._Element, number: int) -> None:
-        name = self._free_name("Wait", number)
+        name = underscored_name(f"Wait{number}", self.names)
         why = "S7-GRAPH wants it and a transition between two branches: what comes next is active one cycle later"
         self.ctx.note(Outcome.APPROXIMATED, "step", f"step {name}", why)
         element = sub(parent, "Step", {"Number": str(number), "Init": "false", "Name": name})
@@ -339,7 +332,7 @@ class _ChartWriter:
         mark_added(element)
 
     def _added_transition(self, parent: etree._Element, number: int, *, never: bool) -> None:
-        marks = {"IsMissing": "false", "Name": self._free_name("Trans", number), "Number": str(number)}
+        marks = {"IsMissing": "false", "Name": underscored_name(f"Trans{number}", self.names), "Number": str(number)}
         element = sub(parent, "Transition", marks)
         body = condition_body(Expression(text="FALSE"), RESULT_OF["Transition"]) if never else None
         write_flgnet_body(self.ctx, element, body or empty_network(RESULT_OF["Transition"]))

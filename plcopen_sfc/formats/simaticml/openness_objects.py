@@ -10,8 +10,8 @@ from lxml import etree
 
 from plcopen_sfc.formats.format_interface import may_have
 from plcopen_sfc.formats.simaticml.action_controls import (
+    ControlPlanner,
     FlagTexts,
-    action_controls,
     are_rows_alone,
     are_shared,
     told_late_actions,
@@ -224,7 +224,7 @@ def _planned_controls(ctx: DocumentWriting, pou: Pou, chart: SfcNetwork, functio
     mark = ctx.options.marks.get(id(chart), {})
     flags = FlagTexts(mark.get("lines", ()), mark.get("ends", ()), mark.get("stops", ""))
     alone, shared = are_rows_alone(ctx.options), are_shared(ctx.options)
-    controls = action_controls(ctx.project, pou, chart, functions, alone=alone, shared=shared, flags=flags)
+    controls = ControlPlanner(ctx.project, pou, chart, functions, alone=alone, shared=shared, flags=flags).plan()
     ctx.action_controls = controls
     for label in controls.going_on:
         why = "it goes on where an SFC flag stops the chart, or ends a step: no network controls it"

@@ -45,11 +45,7 @@ from plcopen_sfc.whole_numbers import whole_number
 
 
 def scl_text(element: XmlNode) -> str:
-    """Return the text of a ``StructuredText`` as TIA Portal shows it."""
-    return _children(element)
-
-
-def _children(element: XmlNode) -> str:
+    """Return the text of a ``StructuredText``, or of a part of it, as TIA Portal shows it."""
     return "".join(_text(child) for child in children(element))
 
 
@@ -83,13 +79,13 @@ def _component(component: XmlNode, *, quoted: bool = False) -> str:
     if mark is not None:
         quoted = _inner(mark) == "true"
     name = component.get("Name") or ""
-    return (f'"{name}"' if quoted else name) + _children(component)
+    return (f'"{name}"' if quoted else name) + scl_text(component)
 
 
 def _constant(constant: XmlNode, *, is_global: bool = False) -> str:
     name = constant.get("Name")
     if not name:
-        return _children(constant)
+        return scl_text(constant)
     return f'"{name}"' if is_global else f"#{name}"
 
 
@@ -108,12 +104,12 @@ def _comment(comment: XmlNode) -> str:
 
 
 def _named(element: XmlNode) -> str:
-    return (element.get("Name") or "") + _children(element)
+    return (element.get("Name") or "") + scl_text(element)
 
 
 def _call(element: XmlNode) -> str:
     name = element.get("Name")
-    return (f'"{name}"' if name and element.get("BlockType") else name or "") + _children(element)
+    return (f'"{name}"' if name and element.get("BlockType") else name or "") + scl_text(element)
 
 
 def _instance(element: XmlNode) -> str:
@@ -148,10 +144,6 @@ def _address(element: XmlNode) -> str:
     return "" if element.get("Informative") == "true" else read_address(element)
 
 
-def _nothing(_: XmlNode) -> str:
-    return ""
-
-
 _WRITERS: dict[str, Callable[[XmlNode], str]] = {
     "Access": _access,
     "Address": _address,
@@ -161,22 +153,21 @@ _WRITERS: dict[str, Callable[[XmlNode], str]] = {
     "NewLine": _repeated("\n"),
     "LineComment": _line_comment,
     "Comment": _comment,
-    "Symbol": _children,
+    "Symbol": scl_text,
     "Component": _component,
     "Constant": _constant,
-    "ConstantType": _nothing,
     "ConstantValue": _inner,
     "Instruction": _named,
     "CallInfo": _call,
     "Instance": _instance,
     "Parameter": _named,
-    "NamelessParameter": _children,
-    "TemplateValue": _nothing,
-    "BooleanAttribute": _nothing,
-    "IntegerAttribute": _nothing,
-    "StringAttribute": _nothing,
-    "DateAttribute": _nothing,
+    "NamelessParameter": scl_text,
     "Label": _named,
+    # what is no part of the text
+    **dict.fromkeys(
+        ("ConstantType", "TemplateValue", "BooleanAttribute", "IntegerAttribute", "StringAttribute", "DateAttribute"),
+        lambda _: "",
+    ),
 }
 
 

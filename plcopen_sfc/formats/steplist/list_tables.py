@@ -128,11 +128,9 @@ class ListTable:
     def unknown(self) -> list[tuple[int, str]]:
         """Columns that are not read: their places and headings."""
         headings = self.sheet.rows[self.start]
-        return [(at, text.strip()) for at, text in enumerate(headings) if text.strip() and at not in self._known]
-
-    @property
-    def _known(self) -> set[int]:
-        return {*self.columns.values()}
+        return [
+            (at, text.strip()) for at, text in enumerate(headings) if text.strip() and at not in self.columns.values()
+        ]
 
 
 def tables_in(sheets: Sequence[Sheet]) -> Iterator[ListTable]:

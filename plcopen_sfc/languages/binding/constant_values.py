@@ -13,7 +13,6 @@ from operator import add, mul, sub
 from typing import Any
 
 from plcopen_sfc.languages.binding.name_resolution import Resolver
-from plcopen_sfc.languages.binding.name_sites import named
 from plcopen_sfc.languages.binding.text_sites import Site, TextSite, ValueOf
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
@@ -118,11 +117,7 @@ class ConstantValues:
         return None
 
     def _declaration(self, tree: n.Name | n.Member, site: Site) -> Declaration | None:
-        if isinstance(tree, n.Name):
-            found = self._resolver.lookup(named(tree), site).declaration
-        else:
-            base = self._resolver.type_of(tree.base, site, tree.name.identifier)
-            found = self._resolver.member(base, tree.name.identifier).declaration
+        found = self._resolver.declaration_of(tree, site)
         return None if found is None else self._resolver.original(found)
 
     def _named(self, tree: n.Name | n.Member, site: Site, depth: int) -> LiteralValue | None:

@@ -311,6 +311,15 @@ class Resolver:
             return self.settled(result, site.place) if result is not None else Untyped.FOREIGN
         return self.type_of_declaration(meaning.declaration)
 
+    def declaration_of(self, value: n.Node, site: Site) -> Declaration | None:
+        """Return the declaration of a variable or a member; None for anything else."""
+        if isinstance(value, n.Name):
+            return self.lookup(named(value), site).declaration
+        if isinstance(value, n.Member):
+            base = self.type_of(value.base, site, value.name.identifier)
+            return self.member(base, value.name.identifier).declaration
+        return None
+
     def _own(self, word: str, site: Site) -> Type | None:
         """Return the POU that THIS or SUPER of CODESYS is."""
         if site.pou is None or word.upper() not in ("THIS", "SUPER"):

@@ -306,7 +306,7 @@ class CallTranslator:
         if counted is not None:
             return counted
         block = standard_block(name)
-        arguments = self._arguments(node.arguments, self._pins_of(block) if block is not None else _as_it_is)
+        arguments = self._arguments(node.arguments, self._pins_of(block) if block is not None else lambda name: name)
         truncated = translated_truncation(name, self._target, self._type_of_first(node) or "REAL")
         if truncated is not None:
             return self._with(node, self._named(callee, truncated), arguments)
@@ -547,10 +547,6 @@ class CallTranslator:
         if callee is node.callee and arguments is node.arguments:
             return node
         return replace(node, callee=callee, arguments=arguments)
-
-
-def _as_it_is(name: n.Name) -> n.Name:
-    return name
 
 
 def _operation(operator: Operator, values: list[Expression], node: n.Call) -> Expression:

@@ -48,7 +48,8 @@ class StepTranslator:
             return None
         step, quantity = found
         new = self._names[step.casefold()]
-        if self._references.source is self._references.target and self._stays(step, new):
+        stays = step == new and self._references.source_block == self._references.target_block
+        if self._references.source is self._references.target and stays:
             return node
         written = self._write(new, quantity)
         if written is None:
@@ -60,9 +61,6 @@ class StepTranslator:
         if differs and self._references.target is not StepNotation.S7_GRAPH:
             self._notes.add(Severity.WARNING, ".U is the time without disturbances, .T also counts these", node)
         return written
-
-    def _stays(self, step: str, new: str) -> bool:
-        return step == new and self._references.source_block == self._references.target_block
 
     def _read(self, node: n.Name | n.Member) -> tuple[str, str] | None:
         """Name of a step and of its variable: ``X`` (active), ``T`` (elapsed time), or a tool's own."""
