@@ -125,11 +125,6 @@ def _is_taken_as_usual(text: str) -> bool:
     return text.isascii() or decode_export(text.encode(USUAL, errors="replace")).encoding == USUAL
 
 
-def code_page_for(text: str) -> str:
-    """Return the first code page that has all characters of `text`, or the usual one if none has."""
-    return next((page for page in CODE_PAGES if _has_all(page, text)), USUAL)
-
-
 def _has_all(page: str, text: str) -> bool:
     try:
         text.encode(page)
@@ -161,11 +156,13 @@ _KEYWORDS = {kind: word for word, kind in KINDS.items()} | {PouKind.ORGANIZATION
 
 
 def write_export(project: Project, meant: Project, report: ConversionReport, page: str = "") -> tuple[str, str]:
-    """Return the text of a project, and its code page: `page`, or one that has its characters.
+    """Return the text of a project, and its code page: `page`, or the first one that has its characters.
 
     `meant` as in `write_blocks`.
     """
-    page = page or code_page_for("\n".join(block.whole() for block in _objects(project, ConversionReport())))
+    if not page:
+        text = "\n".join(block.whole() for block in _objects(project, ConversionReport()))
+        page = next((each for each in CODE_PAGES if _has_all(each, text)), USUAL)
     return write_blocks(project, meant, report, page).whole(), page
 
 

@@ -533,8 +533,3 @@ def _kept(element: etree._Element) -> Fields:
         with suppress(ValueError, RecursionError):  # the reader of the element reports that it is damaged
             found |= comment_fields(comment)
     return found
-
-
-def kept_order(links: str) -> dict[str, int]:
-    """Return the place of each connection in the order of the file."""
-    return {link: place for place, link in enumerate(links.split())}

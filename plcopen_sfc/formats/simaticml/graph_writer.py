@@ -33,7 +33,6 @@ from plcopen_sfc.formats.simaticml.graph_reader import (
     CONTROLLED,
     RESULT_OF,
     USUAL_CATEGORIES,
-    kept_order,
 )
 from plcopen_sfc.formats.simaticml.lad_fbd_networks import write_flgnet_body
 from plcopen_sfc.formats.simaticml.replaced_elements import INSTEAD, WRITTEN, chart_digest, rows_digest
@@ -292,7 +291,8 @@ class _ChartWriter:
         drawn = _branches_of(links)
         types = writer.types()
         links = usual_order(with_competing_transitions_joined(without_joined_jumps(links, types), types), own)
-        order = kept_order(attributes_of(sequence.extension_data).get(CONNECTIONS, ""))
+        links_of_file = attributes_of(sequence.extension_data).get(CONNECTIONS, "").split()
+        order = {link: place for place, link in enumerate(links_of_file)}
         links.sort(key=lambda link: order.get(str(link), len(order)))  # stable: new connections stay in usual order
         used = _branches_of(links)
         # a branch that no connection names is one of the only sequence; of several it might be in any

@@ -28,7 +28,6 @@ from plcopen_sfc.formats.simaticml.tia_versions import (
     SCHEMAS,
     VERSIONS,
     TiaVersion,
-    first_with,
     namespace,
     schema_of,
     version_named,
@@ -96,7 +95,7 @@ def _unknown(part: etree._Element, version: TiaVersion, place: Location) -> Diag
 
 
 def _too_new(kind: str, number: int, version: TiaVersion, place: Location) -> Diagnostic:
-    first = first_with(kind, number)
+    first = next((each for each in VERSIONS if each.schema(kind) >= number), None)
     since = f", which came with {first.name}" if first is not None else ""
     own = version.schema(kind)
     message = f"this is of schema {kind} v{number}{since}; TIA Portal {version.name} has " + (

@@ -75,11 +75,6 @@ def _place_in_time(name: str) -> tuple[int, int, int] | None:
     return (int(found[1]), int(found[2] or 0), int(found[3] or 0)) if found else None
 
 
-def first_with(kind: str, number: int) -> TiaVersion | None:
-    """Return the first version that has schema `number` of `kind`, or a later one."""
-    return next((version for version in VERSIONS if version.schema(kind) >= number), None)
-
-
 def namespace(kind: str, number: int) -> str:
     """Return the namespace of `kind` in schema version `number`."""
     below = "NetworkSource/" if kind in LANGUAGES else ""
