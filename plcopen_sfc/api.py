@@ -65,7 +65,7 @@ def save(
     limit: float | str = 0,
     at_rest: Collection[str] = (),
 ) -> ConversionReport:
-    """Save a project to a path or a binary file; returns what became of each item.
+    """Save a project to a path or a binary file; return what became of each item.
 
     Saved in the format it was loaded from, the file is what was read with just the edits in it. `format` converts to
     another (see `plcopen-sfc formats`). Without it an extension that the format of the source does not have chooses

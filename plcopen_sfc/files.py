@@ -158,7 +158,7 @@ def _replace(target: Path, data: bytes) -> None:
 
 
 def _stage(target: Path, data: bytes) -> Path:
-    """Write `data` to a temporary file beside `target`, with its permissions; returns the path of that file."""
+    """Write `data` to a temporary file beside `target`, with its permissions; return the path of that file."""
     mode = _mode_of(target)
     # The name is cut: the target's own name may already be as long as the file system allows.
     temporary = target.parent / f".{target.name[:40]}.{secrets.token_hex(6)}.tmp"

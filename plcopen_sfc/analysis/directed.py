@@ -213,7 +213,7 @@ class DirectedSearch:
         return Directed(self._difference, self._runs, self._scans, tuple(self._notes), self._stopped)
 
     def _learn_of_programs(self, name: str, signal: Signal) -> bool:
-        """Try the values of an input that the programs ask for; True where they look at its bits."""
+        """Try the values of an input that the programs ask for; return True where they look at its bits."""
         if signal.kind is SignalKind.STRING:
             self._learn(name, (_text(length) for side in self._sides for length in side.text_lengths(signal)))
         # what is compared with a constant may be a copy of an input
@@ -222,7 +222,7 @@ class DirectedSearch:
         return self._learn(name, bits, most=_MOST_PATTERNS)
 
     def _learn(self, name: str, values: Iterable[Value], *, most: int = _MOST_VALUES) -> bool:
-        """Try more values of an input; True where there are any."""
+        """Try more values of an input; return True where there are any."""
         known = self._values[name]
         found = dict.fromkeys(values)
         known += [value for value in found if value not in known][: max(most - len(known), 0)]

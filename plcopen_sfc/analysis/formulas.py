@@ -158,7 +158,7 @@ def negation(term: Any) -> Any:
 
 
 def disjunction(terms: list[Any]) -> Any:
-    """That at least one of the z3 terms is true."""
+    """Return the formula that at least one of the z3 terms is true."""
     z3, context = z3_context()
     return z3.Or(*terms) if terms else z3.BoolVal(False, ctx=context)
 
@@ -350,7 +350,7 @@ class Formula:
         return z3, solver
 
     def _is(self, atom: _Atom, value: bool | int | float | str | date) -> list[Any]:
-        """That an atom has a value, if its kind can have it."""
+        """Return the formula that an atom has a value, if its kind can have it."""
         z3, context = z3_context()
         if atom.kind is ValueKind.BOOL:
             return [atom.term == z3.BoolVal(bool(value), ctx=context)]

@@ -407,7 +407,7 @@ class RunningClocks:
         return [values(cells) for cells, values in self._rest]
 
     def next_end(self, clock: Clocking) -> int | None:
-        """In how many scans the next clock ends, if one runs; one that has just ended is waited for.
+        """Return in how many scans the next clock ends, if one runs; one that has just ended is waited for.
 
         A condition may want more than the time, or see it a scan later.
         """

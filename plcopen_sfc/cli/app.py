@@ -18,7 +18,7 @@ from plcopen_sfc.version import __version__
 
 
 def run(arguments: list[str]) -> int:
-    """Run the command line; returns the exit code."""
+    """Run the command line; return the exit code."""
     prepare_streams()
     try:
         _app()(arguments, prog_name="plcopen-sfc")

@@ -196,7 +196,7 @@ class _Walk:
 
     @property
     def same(self) -> float:
-        """How much of the steps that are met is the same."""
+        """The share of the steps met that is the same."""
         return sum(self.rate(*pair) for pair in self.met.items())
 
     def _go(self) -> None:

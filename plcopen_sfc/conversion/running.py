@@ -183,7 +183,7 @@ def _told_when_interrupted(report: ConversionReport, charts: Iterable[Chart]) ->
 def _note_verdict(
     chart: _ComparedChart, run: _Run, compared: Callable[..., Verdict], losses: Sequence[Item] | None, end: float
 ) -> list[str]:
-    """Put the verdict on a run into the report; returns how the chart compares under other rules.
+    """Put the verdict on a run into the report; return how the chart compares under other rules.
 
     `losses`: those among which the report names some of this chart; None where it names none of it.
     """

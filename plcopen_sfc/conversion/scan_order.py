@@ -145,7 +145,7 @@ def _initial(chart: Chart) -> Iterator[Step]:
 
 
 def _begun_as_false(pou: Pou) -> Iterator[str]:
-    """Yield the Boolean variables (lower case) of a POU that nobody gives a value before its first scan."""
+    """Yield the Boolean variables (lower case) of a POU that nothing sets before its first scan."""
     for section in pou.interface.sections if pou.interface is not None else ():
         is_own = section.kind in (SectionKind.LOCAL, SectionKind.OUTPUT)
         for each in section.variables if is_own and not (section.retain or section.persistent) else ():

@@ -70,7 +70,7 @@ def merged(documents: dict[str, SourceDocument], kind: Format) -> Project:
 
 
 def _header(documents: dict[str, SourceDocument], kind: Format) -> FileHeader:
-    """That of the document which speaks for the project, else what all documents agree on."""
+    """Return the header of the document that speaks for the project, else what all documents agree on."""
     for document in documents.values():
         if not document.objects and not is_bare(document.frame):
             return document.frame.header.model_copy(deep=True)

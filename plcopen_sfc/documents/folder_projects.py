@@ -211,7 +211,7 @@ def _start(path: Path) -> bytes:
 
 
 def add_document(source: FolderSource, name: str, data: bytes, *, as_tool: bool = False) -> list[ProjectObject]:
-    """Make `data` the document `name` of the folder; returns its objects, which know where they are from."""
+    """Make `data` the document `name` of the folder; return its objects, which know where they are from."""
     part = read_document(data, format=source.format, path=str(Path(source.path, name)), as_tool=as_tool)
     things = list(part.objects())
     source.documents[name] = SourceDocument(without_objects(part), len(things))

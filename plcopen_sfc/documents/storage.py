@@ -304,7 +304,7 @@ def save_project(
     limit: float | str = 0,
     at_rest: Collection[str] = (),
 ) -> ConversionReport:
-    """Save a project to a path, a folder or a binary file; returns what became of each item."""
+    """Save a project to a path, a folder or a binary file; return what became of each item."""
     path = os.fspath(target) if isinstance(target, str | os.PathLike) else None
     if path is not None:
         refuse_empty(path)

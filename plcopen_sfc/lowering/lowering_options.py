@@ -219,7 +219,7 @@ _ALIASES: dict[type[StrEnum], dict[str, str]] = {
     Construction: {"fup": "flipflop"},
     Language: {"fup": "FBD", "kop": "LD", "awl": "IL", "scl": "ST"},
 }
-"""What German editors and users call them."""
+"""The names that German editors and users have for them."""
 _NOUNS: dict[type[StrEnum], str] = {
     Construction: "construction",
     Style: "style",

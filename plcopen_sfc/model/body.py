@@ -28,10 +28,10 @@ class BodyBase(Owned, Element):
     title: Text | None = None
 
     _bound: Any = PrivateAttr(default=None)
-    """What the names in the body tell (`languages.binding.bind`). It lives as long as the body, and is not copied."""
+    """The bound names of the body (`languages.binding.bind`). They live as long as the body, and are not copied."""
 
     def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
-        """A copy that nobody has looked at."""
+        """Return a copy that has no bound names yet."""
         with self._without_bound():
             return super().__deepcopy__(memo)
 

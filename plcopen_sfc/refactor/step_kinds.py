@@ -48,7 +48,7 @@ _MOST_ASSOCIATIONS = 9
 
 
 def use_iec_steps(journal: Journal, chart: SfcNetwork, *, guarded: bool = False) -> list[str]:
-    """Make the action of each step an association with N; returns the paths of texts with another notation now.
+    """Make the action of each step an association with N; return the paths of texts with another notation now.
 
     `guarded`: the code asks if the step is active, so that it is not executed once more.
     """
@@ -133,7 +133,7 @@ def _guarded(step: Step, dialect: Dialect) -> str:
 
 
 def use_simple_steps(journal: Journal, chart: SfcNetwork) -> list[str]:
-    """Make the associations of each step its main action; returns the paths of texts with another notation now.
+    """Make the associations of each step its main action; return the paths of texts with another notation now.
 
     A variable with N is set in the main action, and reset in the exit action. Refused where an association stores,
     delays or pulses, and where a text asks for the time of a step, which simple steps have not.

@@ -110,7 +110,7 @@ def _in_format(
     *,
     is_one_of_several: bool = False,
 ) -> dict[str, object]:
-    """Convert files to one format; returns the result. One of several has its name in those of the files."""
+    """Convert files to one format; return the result. One of several has its name in those of the files."""
     sources, target = files.with_target()
     name = format_of_target(name, target if sources.alone else None, how.saving["tia"])
     how = replace(how, saving={**how.saving, "format": name})
@@ -171,7 +171,7 @@ def _convert_one_of_many(how: ConvertOptions, screen: Screen, source: str, targe
 
 
 def _convert(how: ConvertOptions, target: str, screen: Screen, source: str, place: str) -> dict[str, object]:
-    """Convert one file to `target`, in place of which `place` is written; returns the report."""
+    """Convert one file to `target`, in place of which `place` is written; return the report."""
     project = load_input(screen, source, as_tool=how.as_tool)
     for finding in project.diagnostics:
         screen.finding(finding, result=False)

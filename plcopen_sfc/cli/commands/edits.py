@@ -63,7 +63,7 @@ class _Edit(ABC):
     """A change of a project by a command. Called for each file, in a process of its own if there are several."""
 
     def __call__(self, project: Project) -> tuple[dict[str, Any], RecordedScreen]:
-        """Edit a project; returns the report on it, and what is printed."""
+        """Edit a project; return the report on it, and what is printed."""
         screen = RecordedScreen(verbose=1)
         return self.on(screen, project), screen
 

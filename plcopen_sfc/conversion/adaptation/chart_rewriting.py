@@ -112,7 +112,7 @@ class ChartRewriting:
         return self._interlocks[step.id]
 
     def new_variable(self, wish: str, kind: DataType | None = None) -> str:
-        """Declare a variable of the POU that the source does not have, Boolean unless a type is given; its name."""
+        """Declare a variable that the source does not have, Boolean unless a type is given; return its name."""
         name = self.new_name(wish)
         self.declare(name, kind or ElementaryType(name=Elementary.BOOL))
         return name

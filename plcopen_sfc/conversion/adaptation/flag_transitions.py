@@ -109,7 +109,7 @@ class FlagRewriter(ABC):
     # -- what the target has
 
     def _declare(self, name: str) -> str:
-        """Declare a Boolean variable that the source does not have; its name in texts."""
+        """Declare a Boolean variable that the source does not have; return its name in texts."""
         self._rewriting.declare(name, ElementaryType(name=Elementary.BOOL))
         return f"{self.prefix}{name}"
 
@@ -310,7 +310,7 @@ class FlagRewriter(ABC):
         return flag in Effects.all(body.code for body in self._bodies).writes
 
     def _memory(self, wish: str) -> str:
-        """Declare a Boolean variable that the source does not have; its name in texts."""
+        """Declare a Boolean variable that the source does not have; return its name in texts."""
         return self._declare(self._rewriting.new_name(wish))
 
     # -- what differs

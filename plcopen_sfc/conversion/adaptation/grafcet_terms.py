@@ -263,7 +263,7 @@ class GrafcetTexts:
         return found
 
     def new_variable(self, wish: str, *, initial: str | None = None, block: str = "") -> str:
-        """Declare a Boolean variable, or an instance of a function block; its name."""
+        """Declare a Boolean variable, or an instance of a function block; return its name."""
         if self._section is None:
             self._section = local_section(self._pou)
         name = self.new_name(wish)

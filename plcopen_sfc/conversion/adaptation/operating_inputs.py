@@ -185,7 +185,7 @@ class AddedElements:
         self._added: list[Step | Transition] = []
 
     def step(self, wish: str, why: str) -> Step:
-        """Add a step; its name is `wish`, or like it."""
+        """Add a step that is called `wish`, or like that."""
         step = self._chart.add_step(self._rewriting.new_name(wish))
         step.id = next(self._ids.get(SymbolKind.STEP, iter(())), self._unlike_source(step.id))
         self._added.append(step)

@@ -110,7 +110,7 @@ class SkipRewriter:
     def _lead_past(
         self, transition: Transition, ways: Sequence[_Way], text: str, before: Sequence[str], added: AddedElements
     ) -> str:
-        """Add the transitions of ways; returns when one leads back to where it began, empty where none does."""
+        """Add the transitions of ways; return when one leads back to where it began, empty where none does."""
         stays: list[str] = []
         tried: list[str] = []
         direct = frozenset(transition.targets)

@@ -268,7 +268,7 @@ class StepRewriter:
         self._rewriting.note(outcome, "action", f"step {step.name} / action {name}", why)
 
     def _action(self, wish: str, body: Body, uses: list[str]) -> str:
-        """Add an action to the POU; its name."""
+        """Add an action to the POU; return its name."""
         action = Action(name=self._rewriting.new_name(wish), body=body)
         self._pou.actions.append(action)
         if isinstance(body, StBody | IlBody):

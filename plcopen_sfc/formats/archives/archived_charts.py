@@ -121,7 +121,7 @@ class ChartReader:
                 self._ctx.warn("TWC105", message, value)
 
     def _segment(self, segment: etree._Element, above: int | None) -> int | None:
-        """Read a segment below the symbol `above`; returns the symbol at its end."""
+        """Read a segment below the symbol `above`; return the symbol at its end."""
         if type_of(segment) != SEGMENT:
             kind = type_of(segment) or "nothing"
             self._ctx.error("TWC102", f"a segment of the type {kind} is not understood", segment)

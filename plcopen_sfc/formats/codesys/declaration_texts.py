@@ -28,7 +28,7 @@ _MERGED = ("type", "address", "initial", "comment")
 
 
 class _UnfitError(Exception):
-    """An edit that nobody can put into the text."""
+    """An edit that cannot be put into the text."""
 
 
 def declaration_texts(project: Project, baseline: Project, report: ConversionReport) -> dict[int, str | None]:

@@ -222,7 +222,7 @@ class TypeFitter:
             interface.return_type = self._type(interface.return_type, f"{path} / result", constants)
 
     def sections(self, sections: Iterable[VariableSection], path: str, known: Mapping[str, str]) -> dict[str, str]:
-        """Fit variables; returns the values of constants, with those that are `known`, by names in lower case."""
+        """Fit variables; return the values of constants, with those that are `known`, by names in lower case."""
         sections = list(sections)
         constants = {**known, **_constants(sections)}
         for section in sections:

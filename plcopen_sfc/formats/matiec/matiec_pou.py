@@ -70,7 +70,7 @@ class FittedPou:
         return take_name(base, self.used)
 
     def declare(self, wish: str, kind: str | DataType = "BOOL", initial: SimpleValue | None = None) -> str:
-        """Add a local variable; returns its name."""
+        """Add a local variable; return its name."""
         name = self.new_name(wish)
         if self.pou.interface is None:
             self.pou.interface = Interface()
@@ -105,7 +105,7 @@ class FittedPou:
         return self.new_name(f"{UNDECLARED_PREFIX}_{what}")
 
     def declare_helpers(self, helpers: Iterable[Helper]) -> list[str]:
-        """Declare what a translated network needs; returns what is wrong with it."""
+        """Declare what a translated network needs; return what is wrong with it."""
         wrong: list[str] = []
         for helper in helpers:
             if helper.type_name is None:
@@ -221,7 +221,7 @@ def _is_taken(node: net.Node, dialect: Dialect) -> bool:
 
 
 def write_negations_out(nodes: Iterable[net.Node]) -> int:
-    """Write ``NOT x`` for a negated variable ``x`` that is read; returns how many there were."""
+    """Write ``NOT x`` for a negated variable ``x`` that is read; return how many there were."""
     negated = [node for node in nodes if isinstance(node, net.InputVariable) and node.negated]
     for node in negated:
         node.expression = f"NOT {node.expression}" if is_plain(node.expression) else f"NOT ({node.expression})"

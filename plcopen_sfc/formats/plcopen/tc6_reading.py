@@ -59,7 +59,7 @@ class UnreadChart:
         self.ahead: SfcNetwork | None = None
 
     def read_ahead(self, read: Callable[[UnreadChart], SfcNetwork]) -> set[str]:
-        """Read the chart now; returns the added parts that it executes."""
+        """Read the chart now; return the added parts that it executes."""
         self.ahead = read(self)
         return self.executed
 

@@ -220,7 +220,7 @@ class LadderDrafter(Drafter):
     # -- the rails
 
     def start(self) -> float:
-        """Draw the left power rail for the rungs that are placed next; returns where they may begin."""
+        """Draw the left power rail for the rungs that are placed next; return where they may begin."""
         self._rail = unchecked(
             net.LeftPowerRail, id=self.new_id(), position=(float(_MARGIN), float(_MARGIN)), outputs=[]
         )
@@ -382,7 +382,7 @@ def _sheets(rungs: list[Rung], *, divided: bool) -> list[list[Rung]]:
 
 
 def _stack(rungs: list[Rung], left: float) -> tuple[float, float]:
-    """Place rungs below each other; returns how far they reach to the right and down."""
+    """Place rungs below each other; return how far they reach to the right and down."""
     right: float = left
     top: float = _MARGIN
     for rung in rungs:

@@ -69,7 +69,7 @@ class _Handler:
 
 
 def over(items: Sequence[Any]) -> Span:
-    """From the start of the first item to the end of the last."""
+    """Return the span from the start of the first item to the end of the last."""
     return (items[0].span[0], items[-1].span[1])
 
 

@@ -79,7 +79,7 @@ def asked_outside(project: Project, pou: Pou, net: Net, target: str | None) -> t
 
 
 def show(asked: Sequence[Asked], values: Sequence[n.Expression], net: Net, code: LoweredCode) -> list[n.Statement]:
-    """Declare structures that are called as the steps are; returns the statements that write their members."""
+    """Declare structures that are called as the steps are; return the statements that write their members."""
     statements: list[n.Statement] = []
     members: dict[int, list[Variable]] = {}
     for (step, quantity), value in zip(asked, values, strict=True):

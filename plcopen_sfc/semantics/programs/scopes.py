@@ -288,7 +288,7 @@ class Scope:
         return t.StructureType(name, layout)
 
     def declare(self, name: str, type_: t.Type, *, hidden: bool = False, direction: Direction = Direction.LOCAL) -> int:
-        """Declare a variable of the simulator; returns its slot in `v`. An existing one of the name stays what it is.
+        """Declare a variable of the simulator; return its slot in `v`. An existing one of the name stays what it is.
 
         Only while the POU is being declared, that is, in a chart compiler.
         """
