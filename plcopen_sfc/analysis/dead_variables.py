@@ -61,7 +61,7 @@ def sole_statements(instance: Instance) -> Sequence[n.Statement] | None:
             return None
         if isinstance(node, n.Assignment) and node.kind in (n.AssignmentKind.REFERENCE, n.AssignmentKind.ATTEMPT):
             return None
-        if isinstance(node, n.Call) and isinstance(node.callee, n.Name) and node.callee.identifier.upper() == "ADR":
+        if isinstance(node, n.Call) and node.called.upper() == "ADR":
             return None
     return statements
 
@@ -288,9 +288,9 @@ class _Reading:
 
     def _standard_block(self, node: n.Expression) -> Layout | None:
         """Return the layout of a standard function block whose instance is called with named arguments only."""
-        if not isinstance(node, n.Call) or not isinstance(node.callee, n.Name):
+        if not isinstance(node, n.Call) or not node.called:
             return None
-        variable = self.instance.frame.layout.find(node.callee.identifier)
+        variable = self.instance.frame.layout.find(node.called)
         if variable is None or not isinstance(variable.type, StructureType):
             return None
         layout = variable.type.layout

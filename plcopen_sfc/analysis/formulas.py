@@ -519,8 +519,7 @@ class Formula:
     def _calculation(self, tree: Expression, kind: ValueKind) -> Any:
         """Return the term of an operation or a standard function, where that is known and wanted; else None."""
         z3, _ = z3_context()
-        if isinstance(tree, n.Call) and isinstance(tree.callee, n.Name):
-            name = tree.callee.identifier.upper()
+        if isinstance(tree, n.Call) and (name := tree.called.upper()):
             given = [each.value for each in tree.arguments if each.value is not None]
             if name != "LEN" and not self.guessing:
                 return None

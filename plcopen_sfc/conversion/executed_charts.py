@@ -229,9 +229,9 @@ class ExecutedChartReader:
             return None
         statements = parse_statements(body.text, self.owner.dialect).tree.statements
         call = statements[0].call if len(statements) == 1 and isinstance(statements[0], n.CallStatement) else None
-        if not isinstance(call, n.Call) or not isinstance(call.callee, n.Name):
+        if not isinstance(call, n.Call):
             return None
-        function = self.owner.added_functions.get(call.callee.identifier.casefold())
+        function = self.owner.added_functions.get(call.called.casefold())
         passed = {_same_name(argument) for argument in call.arguments}
         if function is None or passed != {variable.name.casefold() for variable in function.variables()}:
             return None

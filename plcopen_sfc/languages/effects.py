@@ -183,10 +183,10 @@ _MAX_REPEATED = 30
 
 def is_standard_call(call: n.Call) -> bool:
     """True if it calls a standard function, and has no output parameters."""
-    if not isinstance(call.callee, n.Name) or any(argument.output for argument in call.arguments):
+    if any(argument.output for argument in call.arguments):
         return False
-    block = standard_block(call.callee.identifier)
-    return call.callee.identifier.upper() in BOUND_FUNCTIONS or (block is not None and not block.stateful)
+    block = standard_block(call.called)
+    return call.called.upper() in BOUND_FUNCTIONS or (block is not None and not block.stateful)
 
 
 def writes(tree: Expression | Statement, standard_instances: Set[Path]) -> frozenset[Path]:

@@ -308,7 +308,7 @@ def _call(action: Action) -> n.Call | None:
 def _called(pou: Pou, project: Project, action: Action, what: str) -> tuple[Variable, Pou]:
     """Return the variable whose block an action calls, and that block. Raises `ModelError`."""
     call = _call(action)
-    name = call.callee.identifier.casefold() if call is not None and isinstance(call.callee, n.Name) else ""
+    name = call.called.casefold() if call is not None else ""
     for variable in pou.variables():
         if variable.name.casefold() == name and isinstance(variable.type, DerivedType):
             wanted = variable.type.name.casefold()

@@ -43,8 +43,8 @@ def has_edge(condition: Condition | None, chart: CheckedChart) -> bool:
 
 
 def _is_edge(node: n.Node, chart: CheckedChart) -> bool:
-    if isinstance(node, n.Call) and isinstance(node.callee, n.Name):
-        return node.callee.identifier.upper() in _EDGES
+    if isinstance(node, n.Call):
+        return node.called.upper() in _EDGES
     if isinstance(node, n.Member) and isinstance(node.base, n.Name):
         type_ = chart.types.get(node.base.identifier.casefold())
         return isinstance(type_, DerivedType) and type_.name.upper() in _EDGES

@@ -345,10 +345,8 @@ def _with_methods(text_site: TextSite, found: Mapping[str, _Kept], dialect: Dial
     left: set[str] = set()
 
     def change(node: n.Node) -> n.Node:
-        if not isinstance(node, n.Call) or not isinstance(node.callee, n.Name):
-            return node
-        kept_method = found.get(node.callee.identifier.casefold())
-        if kept_method is None:
+        kept_method = found.get(node.called.casefold()) if isinstance(node, n.Call) else None
+        if not isinstance(node, n.Call) or kept_method is None:
             return node
         names = {each.name.identifier.casefold(): each for each in node.arguments if each.name is not None}
         instance: n.Expression | None = None
@@ -358,7 +356,7 @@ def _with_methods(text_site: TextSite, found: Mapping[str, _Kept], dialect: Dial
         is_own = instance is not None or text_site.site.pou is kept_method.owner
         is_known = is_own and kept_method.around <= names.keys()
         if not is_known:
-            left.add(node.callee.identifier.casefold())
+            left.add(node.called.casefold())
             return node
         method = n.Name(kept_method.method.name)
         callee = method if instance is None else n.Member(instance, method)

@@ -86,11 +86,8 @@ def _called(text_site: TextSite, functions: Mapping[str, Pou], project: Project)
     """Return the functions that a text calls, in lower case."""
     if not any(name in text_site.text.casefold() for name in functions):
         return set()
-    found: set[str] = set()
-    for each in walk(text_site.parsed(project.dialect).tree):
-        if isinstance(each, n.Call) and isinstance(each.callee, n.Name):
-            found.add(each.callee.identifier.casefold())
-    return found & functions.keys()
+    nodes = walk(text_site.parsed(project.dialect).tree)
+    return {each.called.casefold() for each in nodes if isinstance(each, n.Call)} & functions.keys()
 
 
 def _is_drawn(text_site: TextSite, name: str) -> bool:
@@ -115,8 +112,8 @@ def _add_parameters(
         name
         for tree in trees
         for call in walk(tree)
-        if isinstance(call, n.Call) and isinstance(call.callee, n.Name)
-        for name in needed.get(call.callee.identifier.casefold(), ())
+        if isinstance(call, n.Call)
+        for name in needed.get(call.called.casefold(), ())
     }
     sections = [VariableSection(kind=kind) for kind in (SectionKind.INPUT, SectionKind.IN_OUT)]
     for name in names:
@@ -146,10 +143,8 @@ class _Passing:
         lacking: set[str] = set()
 
         def change(node: n.Node) -> n.Node:
-            if not isinstance(node, n.Call) or not isinstance(node.callee, n.Name):
-                return node
-            key = node.callee.identifier.casefold()
-            if key not in self.needed:
+            key = node.called.casefold() if isinstance(node, n.Call) else ""
+            if not isinstance(node, n.Call) or key not in self.needed:
                 return node
             names = self.added.get(key, [])
             is_named = all(each.name is not None for each in node.arguments)

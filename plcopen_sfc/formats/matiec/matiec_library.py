@@ -39,11 +39,10 @@ def in_seconds(call: n.Call) -> n.Expression | None:
 
 def _rewritten(call: n.Call, number: Form, time: Form) -> n.Expression | None:
     value = call.arguments[0].value if len(call.arguments) == 1 else None
-    if value is None or not isinstance(call.callee, n.Name):
+    if value is None:
         return None
-    name = call.callee.identifier
     for pattern, form in ((_FROM_TIME, number), (_TO_TIME, time)):
-        found = pattern.fullmatch(name)
+        found = pattern.fullmatch(call.called)
         if found is None:
             continue
         source, target = (_SHORT.get(each.upper(), each.upper()) for each in found.groups())

@@ -424,8 +424,7 @@ class OperandConverter:
             is_number = value.operator in CALCULATING | n.CONNECTIVES
             found = next(filter(None, map(self.kind, value.operands)), "") if is_number else ""
         elif isinstance(value, n.Call):
-            name = value.callee.identifier if isinstance(value.callee, n.Name) else ""
-            converted = _FUNCTION.fullmatch(name)
+            converted = _FUNCTION.fullmatch(value.called)
             found = converted[1].upper() if converted is not None else self._type_of(value)
         else:
             found = self._type_of(value)
@@ -492,8 +491,8 @@ class _TypeCheck:
                     yield f"{node.operator.value} of {kind}"
             elif isinstance(node, n.Assignment) and node.kind is n.AssignmentKind.ASSIGN:
                 yield from self._assignment(node)
-            elif isinstance(node, n.Call) and isinstance(node.callee, n.Name):
-                yield from self._call(node.callee.identifier.upper(), [a.value for a in node.arguments if a.value])
+            elif isinstance(node, n.Call) and node.called:
+                yield from self._call(node.called.upper(), [a.value for a in node.arguments if a.value])
 
     def _operation(self, node: n.Operation) -> Iterator[str]:
         values = [self._types.value(operand) for operand in node.operands]
@@ -519,7 +518,9 @@ class _TypeCheck:
 
     def _assignment(self, node: n.Assignment) -> Iterator[str]:
         target, value = self._types.value(node.target).type, self._types.value(node.value)
-        if target in _NUMBERS and _is_call_of(node.value, "TRUNC"):  # which gives any integer in matiec
+        call = n.bare(node.value)
+        if target in _NUMBERS and isinstance(call, n.Call) and call.called.upper() == "TRUNC":
+            # which gives any integer in matiec
             return
         if not target or not (value.type or value.loose):
             return
@@ -556,11 +557,6 @@ def _otherwise(tree: n.Node, type_of: TypeOf) -> Iterator[str]:
             yield "matiec does not begin a time of day again behind midnight"
         if node.operator is n.Operator.MULTIPLY and "TIME" in kinds:
             yield "the product of a duration is wrong in matiec where its part below a second becomes more than 2.1 s"
-
-
-def _is_call_of(value: n.Expression, name: str) -> bool:
-    value = n.bare(value)
-    return isinstance(value, n.Call) and isinstance(value.callee, n.Name) and value.callee.identifier.upper() == name
 
 
 def _is_real(value: n.Expression) -> bool:

@@ -94,7 +94,7 @@ def in_tree(node: n.Node, dialect: Dialect, access: str = "") -> Iterator[Refere
         for argument in node.arguments:
             if argument.name is not None:
                 yield named(argument.name, callee=node.callee)
-            if argument.value is not None and not (_takes_type(node) and _is_elementary(argument.value)):
+            if argument.value is not None and not (node.called.upper() in _OF_TYPES and _is_elementary(argument.value)):
                 yield from in_tree(argument.value, dialect)
     elif isinstance(node, n.TypeOperand) and _is_elementary(node.base):
         for bound in node.bounds:
@@ -214,11 +214,6 @@ def in_instructions(text: str, dialect: Dialect) -> Iterator[Reference]:
         for operand in instruction.operands:
             tree = operand.parsed.tree
             yield from moved(in_tree(n.CallStatement(tree) if calls else tree, dialect), operand.start)
-
-
-def _takes_type(call: n.Call) -> bool:
-    """True for operators of CODESYS whose operand may be a type: ``__NEW(STRING)``."""
-    return isinstance(call.callee, n.Name) and call.callee.identifier.upper() in _OF_TYPES
 
 
 _OF_TYPES = frozenset({"__NEW", "SIZEOF", "XSIZEOF"})

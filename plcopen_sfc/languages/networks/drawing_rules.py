@@ -92,8 +92,8 @@ def is_boolean_result(expression: Expression) -> bool | None:
     block = None
     if isinstance(expression, n.Operation | n.Unary):
         block = operator_block(expression.operator)
-    elif isinstance(expression, n.Call) and isinstance(expression.callee, n.Name):
-        block = standard_block(expression.callee.identifier)
+    elif isinstance(expression, n.Call):
+        block = standard_block(expression.called)
         if block is None:
             return None
     known = {"BOOL": True, "ANY": None, "ANY_BIT": None, "ANY_ELEMENTARY": None}

@@ -110,6 +110,11 @@ class Call(Node):
     callee: Expression
     arguments: tuple[Argument, ...] = ()
 
+    @property
+    def called(self) -> str:
+        """The name that is called; empty for a path, as to a method."""
+        return self.callee.identifier if isinstance(self.callee, Name) else ""
+
 
 class Operator(StrEnum):
     """Operators by the name that IEC 61131-3 gives them. ``&`` reads as AND."""

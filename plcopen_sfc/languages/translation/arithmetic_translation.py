@@ -309,7 +309,7 @@ class ArithmeticTranslator:
 
     def _call(self, call: n.Call) -> n.Call:
         new = []
-        name = call.callee.identifier.upper() if isinstance(call.callee, n.Name) else ""
+        name = call.called.upper()
         found = CONVERSION.fullmatch(name)
         operands = [argument.value for argument in call.arguments if argument.value is not None]
         block = standard_block(name)

@@ -73,7 +73,7 @@ def operator_of(block: StandardBlock, target: Dialect) -> Operator | None:
 
 def is_called_otherwise(call: n.Call, target: Dialect) -> bool:
     """True for a call of a standard function that `target`, CODESYS or IEC 61131-3, writes otherwise, or lacks."""
-    name = call.callee.identifier.upper() if isinstance(call.callee, n.Name) else ""
+    name = call.called.upper()
     if translated_truncation(name, target, "REAL") not in (None, name) or (
         name == "TRUNC" and target is not Dialect.IEC
     ):

@@ -139,7 +139,7 @@ def may_act(node: n.Node) -> bool:
         return True
     if not isinstance(node, n.Call):
         return False
-    block = standard_block(node.callee.identifier) if isinstance(node.callee, n.Name) else None
+    block = standard_block(node.called)
     return block is None or block.stateful
 
 

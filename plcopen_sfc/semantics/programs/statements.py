@@ -138,7 +138,7 @@ class Guards:
 
     def _written_by_call(self, call: n.Call) -> Iterator[Expression | None]:
         yield from (each.value for each in call.arguments if each.output and each.value is not None)
-        block = standard_block(call.callee.identifier) if isinstance(call.callee, n.Name) else None
+        block = standard_block(call.called)
         if block is not None and not block.stateful:
             return
         try:
