@@ -204,9 +204,16 @@ def check_import(project: Project, tool: str) -> list[Diagnostic]:
         near = nearest(name, _IMPORTERS)
         raise UnknownFormatError(f"no tool is called {tool!r}{near}", hint=f"There are: {', '.join(_IMPORTERS)}.")
     format, flavour = _IMPORTERS[name]
-    data, report = convert(project, format, flavour=flavour, tia=version, partial=True, fresh=True)
     file = project.source.path if project.source is not None else None
     kind = project.source.format if project.source is not None else format
+    is_own = kind == format or kind == "twincat" == name
+    has_lines = True
+    if is_own and kind != "twincat":  # whose files keep no other source
+        imported = loads(dumps(project, format=kind, partial=True), format=kind, as_tool=True)
+        if imported != project or project.origin is not None:  # the tool does not read the source that the file keeps
+            has_lines = not isinstance(project.source, FolderSource)
+            project = imported
+    data, report = convert(project, format, flavour=flavour, tia=version, partial=True, fresh=True)
     losses = report.losses
     if kind == format:
         losses += _losses_of_file(project, format_named(format)[0], data)
@@ -215,11 +222,11 @@ def check_import(project: Project, tool: str) -> list[Diagnostic]:
             "IMP001" if item.outcome is Outcome.NOT_EXECUTED else "IMP002",
             _DISTURBING[item.outcome],
             f"{item.what}: {item.why}",
-            Location(item.file or file, line=item.line, path=item.path),
+            Location(item.file or file, line=item.line if has_lines else None, path=item.path),
         )
         for item in losses
     ]
-    if kind != format and not (kind == "twincat" == name):
+    if not is_own:
         hint = f"plcopen-sfc convert --to {format}{f' --for {flavour}' if flavour else ''} writes one that it reads."
         text = f"the file is {kind}, and {tool} imports {format}"
         found.append(Diagnostic("IMP004", Severity.ERROR, text, Location(file), hint))

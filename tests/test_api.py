@@ -253,6 +253,23 @@ def test_names_that_a_tool_does_not_compile_are_told_in_its_own_files(format: st
     assert [why in each.message for each in found] == [True] * bool(why), found
 
 
+@pytest.mark.parametrize(
+    ("format", "name", "tool"),
+    [("simaticml", "out/", "tia-V16"), ("simaticml", "out.xml", "tia"), ("codesys", "out.xml", "codesys")],
+)
+def test_what_convert_has_written_for_a_tool_is_valid_for_it(tmp_path: Path, format: str, name: str, tool: str):
+    """The source that a file keeps was judged, and not what the tool reads."""
+    text = b"""FUNCTION_BLOCK Motor VAR_INPUT a : INT; END_VAR VAR_OUTPUT n : INT; END_VAR
+    METHOD Half : INT VAR_INPUT x : INT; END_VAR Half := x / 2; END_METHOD n := Half(x := a); END_FUNCTION_BLOCK
+    FUNCTION_BLOCK Main VAR_INPUT a : BOOL; END_VAR VAR n, k : INT; END_VAR
+    INITIAL_STEP S0: END_STEP TRANSITION FROM S0 TO S1 := a; END_TRANSITION
+    STEP S1: Go(P1); END_STEP TRANSITION FROM S1 TO S0 := NOT a; END_TRANSITION
+    ACTION Go: n := n + 1; IF a THEN k := n * 2; END_IF; END_ACTION END_FUNCTION_BLOCK"""
+    source = sfc.loads(sfc.dumps(sfc.loads(text, format="iec-text"), format="codesys"))
+    sfc.save(source, f"{tmp_path}/{name}", format=format, strict=format != "codesys")
+    assert [each for each in sfc.check_import(sfc.load(tmp_path / name), tool) if each.severity.value != "info"] == []
+
+
 def test_variables_of_codesys_have_single_underscores():
     text = b"PROGRAM Main VAR Fill__Up : BOOL; END_VAR Fill__Up := TRUE; END_PROGRAM"
     own = sfc.loads(sfc.convert(sfc.loads(text, format="iec-text"), "codesys")[0], as_tool=True)
