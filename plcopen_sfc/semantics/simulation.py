@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from datetime import timedelta
 from typing import Any
 
+from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.errors import (
     ArgumentError,
     InputError,
@@ -58,6 +59,7 @@ _DEFAULT_SCANS = 100
 _OPERATING_FLAGS = frozenset(flag.variable.casefold() for flag in COMMANDS)
 
 
+@collecting_rarely()
 def simulate(
     subject: SfcNetwork | Pou | Project,
     *,
