@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from typing import NamedTuple
+from typing import NamedTuple, cast
 from uuid import UUID
 
 from lxml import etree
@@ -67,6 +67,18 @@ def unknown_type(archive: etree._Element) -> etree._Element | None:
         if known is not None and (entry.text or "").strip().casefold() != known.casefold():
             return entry
     return None
+
+
+def unlisted_type(archive: etree._Element) -> str:
+    """Return the first type of the objects, by name, that the ``TypeList`` does not have; empty without any.
+
+    Exports of CODESYS V3 have no list: there each object has the identity of its type.
+    """
+    if archive.find("TypeList") is None:
+        return ""
+    used = {str(each) for each in cast("list[str]", archive.xpath("Data//@t | Data//@cet"))}
+    listed = {entry.get("n", "") for entry in archive.iterfind("TypeList/Type")}
+    return min((used & TYPES.keys()) - listed, default="")
 
 
 def type_of(item: etree._Element) -> str:

@@ -17,7 +17,7 @@ from lxml import etree
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import FormatError, Location, StructureError
 from plcopen_sfc.formats.archives.archived_charts import ChartReader, ChartWriter, read_settings, write_settings
-from plcopen_sfc.formats.archives.object_archive import archived, kept_data, kept_in, unknown_type
+from plcopen_sfc.formats.archives.object_archive import archived, kept_data, kept_in, unknown_type, unlisted_type
 from plcopen_sfc.formats.archives.object_identities import add_code, identity, identity_of
 from plcopen_sfc.formats.archives.property_elements import (
     edited_property,
@@ -199,6 +199,9 @@ class _Reader:
             wrong = unknown_type(archive)
             if wrong is not None:
                 self._ctx.error("TWC103", f"the type {wrong.get('n')} is another one than in any known file", wrong)
+            unlisted = unlisted_type(archive)
+            if unlisted:
+                self._ctx.error("TWC103", f"the list of types lacks {unlisted}, which the archive uses", archive)
             fields = ChartReader(self._ctx, names).read(chart)
             settings = owner.find("ObjectProperties/XmlArchive")
             found = archived(settings) if settings is not None else None

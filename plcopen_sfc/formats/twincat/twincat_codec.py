@@ -107,7 +107,8 @@ _KINDS = (*KINDS, TASK)
 def read_object(data: bytes, *, file: str | None) -> ReadResult:
     """Read a file. Raises `FormatError` where it is none of an object."""
     root = parse_xml(data, file=file)
-    thing = next((child for child in root if child.tag in _KINDS), None)
+    objects = [child for child in root if child.tag in _KINDS]
+    thing = objects[0] if objects else None
     if root.tag != ROOT or thing is None:
         known = ", ".join(_KINDS)
         found = next((str(child.tag) for child in root if isinstance(child.tag, str)), "nothing")
@@ -122,6 +123,8 @@ def read_object(data: bytes, *, file: str | None) -> ReadResult:
     except ValidationError as error:
         raise StructureError(first_misfit(error), location=Location(file, line_of(thing))) from error
     project.dialect = Dialect.CODESYS
+    for other in objects[1:]:
+        ctx.error("TWC106", f"{other.get('Name', '')} is a second object in the file, which is not read", other)
     return ReadResult(project, ctx.diagnostics)
 
 

@@ -344,6 +344,7 @@ DAMAGED = {
     "a number that two attributes have": (b'<v n="Id">70L</v>', b'<v n="Id">69L</v>', "TWC105", "number 69"),
     "a segment without a list": (b'<l2 n="InnerList">', b'<l2 n="InnerLst">', "TWC101", "no list of elements"),
     "another identity of a type": (b"{86ee92a2", b"{96ee92a2", "TWC103", "SFCStep"),
+    "a type that is not listed": (b'<Type n="SFCTransition">', b'<Type n="SFCOther">', "TWC103", "lacks SFCTransition"),
     "code in an element": (
         b'<n n="EmbeddedTransition" />',
         b'<o n="EmbeddedTransition" t="X" />',
@@ -374,6 +375,22 @@ def test_damage_is_told_at_its_place(damage: str) -> None:
     assert any(words in each.message for each in found), project.diagnostics
     assert all(each.location.line for each in found)
     assert all((each.location.path or "").startswith("POU Ablauf_Band") for each in found)
+
+
+def test_a_second_object_in_a_file_is_not_read_and_told() -> None:
+    data = CHART.read_bytes().replace(
+        b"</TcPlcObject>",
+        b'<POU Name="Other" Id="{1c5c6e05-2bb7-4258-aaaa-000000000001}">'
+        b"<Declaration><![CDATA[PROGRAM Other]]></Declaration>"
+        b"<Implementation><ST><![CDATA[;]]></ST></Implementation></POU></TcPlcObject>",
+    )
+    project = sfc.loads(data)
+    assert [pou.name for pou in project.pous] == ["Ablauf_Band"]
+    (found,) = project.diagnostics
+    assert (found.code, "Other" in found.message) == ("TWC106", True)
+    assert sfc.dumps(project) == data
+    with pytest.raises(sfc.DamagedSourceError):  # it would be missing in another format
+        sfc.dumps(project, format="codesys")
 
 
 def test_a_truncated_file_does_not_keep_the_others_from_being_read(tmp_path: Path) -> None:
