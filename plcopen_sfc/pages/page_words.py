@@ -32,6 +32,10 @@ class Words:
         """Return a message of a report; English where no translation of it is known."""
         return german(english) if self.lang == "de" else english
 
+    def tool(self, english: str) -> str:
+        """Return a tool in a heading, which messages of a report have in another case of German."""
+        return _WORDS.get(english) or german(english) if self.lang == "de" else english
+
     def verdict(self, english: str) -> str:
         """Return a line of a verdict, or why something was not reached; English where no translation is known."""
         return german_verdict(english) if self.lang == "de" else english

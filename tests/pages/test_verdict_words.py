@@ -11,7 +11,9 @@ import pytest
 from plcopen_sfc.pages.page_words import Words
 from plcopen_sfc.pages.phrases import german_tables
 
-ENGLISH = re.compile(r"\b(?:the|and|or|of|is|are|which|needs?|never|not|reached|with|has|have|both|first|second)\b")
+ENGLISH = re.compile(
+    r"\b(?:the|and|or|of|is|are|which|needs?|never|not|reached|with|has|have|both|first|second|different|after|scans?|equal)\b"
+)
 """English words that are neither German nor, in capitals, operators of code."""
 LINES = (
     "given: situations in which forcing orders contradict each other are left out",
@@ -96,6 +98,11 @@ def test_a_line_is_german_but_for_its_code(line: str) -> None:
     assert english_in(told) == []
     assert re.findall("`[^`]*`", told) == re.findall("`[^`]*`", line)
     assert Words("en").verdict(line) == line
+
+
+def test_a_tool_in_a_heading_is_in_the_nominative() -> None:
+    assert Words("de").tool("tools that read the text") == "Werkzeuge für Text"
+    assert Words("de").tool("CODESYS") == Words("en").tool("CODESYS") == "CODESYS"
 
 
 def test_a_line_is_a_sentence() -> None:
