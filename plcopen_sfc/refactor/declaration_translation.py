@@ -29,6 +29,7 @@ from plcopen_sfc.model import types as t
 from plcopen_sfc.model.actions import SWITCHES
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import STRING_LENGTHS, Dialect
+from plcopen_sfc.model.sfc import Body
 from plcopen_sfc.model.variables import SectionKind, VariableSection
 from plcopen_sfc.whole_numbers import whole_number
 
@@ -82,19 +83,26 @@ def start_by_statements(project: Project) -> list[str]:
     In S7 they have none. Statements stand at the beginning of a body of structured text; other bodies get none.
     """
     found: list[str] = []
-    for pou in project.pous:
-        body = pou.bodies[0] if pou.bodies else None
-        if not isinstance(body, StBody) or pou.interface is None:
+    for path, interface, body, kinds in _started(project):
+        if not isinstance(body, StBody) or interface is None:
             continue
-        kinds = _BEGUN_BY_CALLS if pou.kind is PouKind.FUNCTION else (SectionKind.TEMP,)
         statements = ""
-        for variable in (v for each in pou.interface.sections if each.kind in kinds for v in _variables(each)):
+        for variable in (v for each in interface.sections if each.kind in kinds for v in _variables(each)):
             if isinstance(variable.initial, t.SimpleValue):
                 statements += f"{variable.name} := {variable.initial.text};\n"
                 variable.initial = None
-                found.append(f"{pou.report_path} / variable {variable.name}")
+                found.append(f"{path} / variable {variable.name}")
         body.text = statements + body.text
     return found
+
+
+def _started(project: Project) -> Iterator[tuple[str, Interface | None, Body | None, tuple[SectionKind, ...]]]:
+    """Yield the path, the interface and the body of each POU and method, and the variables that each call starts."""
+    for pou in project.pous:
+        kinds = _BEGUN_BY_CALLS if pou.kind is PouKind.FUNCTION else (SectionKind.TEMP,)
+        yield pou.report_path, pou.interface, pou.bodies[0] if pou.bodies else None, kinds
+        for method in pou.methods:
+            yield f"{pou.report_path} / method {method.name}", method.interface, method.body, _BEGUN_BY_CALLS
 
 
 _BEGUN_BY_CALLS = (SectionKind.LOCAL, SectionKind.TEMP, SectionKind.OUTPUT)

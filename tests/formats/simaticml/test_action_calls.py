@@ -145,6 +145,23 @@ def test_a_folder_has_the_texts_of_the_single_file(tmp_path: Path) -> None:
     assert "PT := T#1s" in text_of(in_folder.pou("Line"))
 
 
+def test_a_variable_of_a_method_starts_by_a_statement() -> None:
+    """It was not executed, although one of a function was."""
+    text = """FUNCTION_BLOCK Motor VAR_INPUT a : INT; END_VAR VAR_OUTPUT n : INT; END_VAR
+        METHOD Half : INT VAR_INPUT x : INT; END_VAR VAR y : INT := 4; END_VAR y := y + x; Half := y / 2; END_METHOD
+        n := Half(x := a); END_FUNCTION_BLOCK"""
+    project = sfc.loads(sfc.dumps(sfc.loads(text.encode(), format="iec-text"), format="codesys"))
+    tool = sfc.loads(sfc.convert(project, "simaticml", strict=True)[0], as_tool=True)
+    for each in (project, tool):
+        assert list(sfc.simulate(each, pou="Motor", inputs=lambda scan, _: {"a": scan}, scans=5)["n"]) == [
+            2,
+            2,
+            3,
+            3,
+            4,
+        ]
+
+
 def test_statements_are_those_of_the_instance() -> None:
     tool = sfc.loads(sfc.dumps(project_of(of_instances), format="simaticml"), as_tool=True)
     assert text_of(tool.pou("Axis")) == "// action Stop of #motor\n#motor.run := FALSE;"
