@@ -16,6 +16,7 @@ from plcopen_sfc.lowering.proof import prove
 from plcopen_sfc.model import Action, ActionAssociation, ActionEvent, Pou, Project, Qualifier, StBody, conditions
 from plcopen_sfc.semantics.subjects import resolve
 from tests.lowering.random_charts import random_chart
+from tests.sweeps import examples
 
 
 def project(declarations: str, transitions: str, steps: str = "INITIAL_STEP A: END_STEP STEP B: END_STEP") -> Project:
@@ -785,8 +786,8 @@ def test_flags_that_are_never_together_are_proven_apart() -> None:
 @pytest.mark.parametrize("profile", ["iec", "codesys", "matiec"])
 def test_what_is_called_unreachable_is_reached_by_no_longer_run(profile: str) -> None:
     """The flags of some steps are asked for in the actions of others, in charts of all shapes."""
-    impossible = 0
-    for seed in range(12):
+    impossible, seeds = 0, examples(24)
+    for seed in range(seeds):
         random = Random(seed)  # noqa: S311
         pou = random_chart(seed, size=5, codesys=profile == "codesys")
         chart = pou.chart
@@ -805,4 +806,4 @@ def test_what_is_called_unreachable_is_reached_by_no_longer_run(profile: str) ->
         never = {key for key, proven in short.items() if proven}
         assert never <= long.keys()
         impossible += len(never)
-    assert impossible > 20
+    assert impossible > seeds
