@@ -134,7 +134,7 @@ def test_a_step_has_several_conditions_in_s7_graph(output: str) -> None:
     report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), format="simaticml", limit=20)
     assert report.compared.popitem()[1].startswith("equal (proof")
     assert losses(report).keys() == FIRST
-    delayed = sfc.convert(sfc.loads(f"{SEVERAL}    Q2 AFTER 1s\n".encode()), "simaticml", limit=20).report
+    delayed = sfc.convert(sfc.loads(f"{SEVERAL}    Q2 AFTER 1s\n".encode()), "simaticml", limit=4).report
     assert delayed.compared.popitem()[1].startswith("equal in ")
     stored = f"{SEVERAL}    ON DEACTIVATION Q2 := FALSE\n"
     whys = losses(sfc.convert(sfc.loads(stored.encode()), "simaticml", partial=True)[1])
