@@ -55,9 +55,9 @@ def pytest_collection_finish() -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out four of five slow tests, unless these are asked for (``-m slow``, or by ``::``) or all is to be run.
+    """Leave out seven of eight slow tests, unless these are asked for (``-m slow``, or by ``::``) or all is to be run.
 
-    Which fifth is run is the same for the same files, and another one after most changes of the package.
+    Which eighth is run is the same for the same files, and another one after most changes of the package.
     What installs a whole environment comes first: at the end the other processes would wait for it.
     """
     asked_for = "slow" in config.option.markexpr or any("::" in argument for argument in config.args)
@@ -76,6 +76,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     items.sort(key=lambda item: item.path.name != "test_wheel.py")
 
 
-_EACH_ITS_OWN = ("tests/test_docs.py", "tests/fuzz/")
+_EACH_ITS_OWN = ("tests/test_docs.py::test_examples_of_a_page_run", "tests/fuzz/")
 """Pages, and formats: another one does not stand for them."""
-_SHARES = 5
+_SHARES = 8
