@@ -389,11 +389,18 @@ class SimaticmlCodec(FolderCodec):
         version = _version(project, options)
         # a document of a folder has objects of the project; those that are added to it for TIA Portal have its markup
         own = Markup.SIMATICML if options.added else markup_of(options.whole or project)
-        exchange_markup(project, own, Markup.SIMATICML)  # no copy: `options.marks` names its objects by their ids
+        # what is kept of the source is no part of the project; an object may be kept twice
+        sources = [
+            mark[field] for mark in options.marks.values() for field in (SOURCE_CHART_FIELD, "actions") if field in mark
+        ]
+        written = list({id(each): each for each in (project, *sources)}.values())
+        for each in written:  # no copy: `options.marks` names its objects by their ids
+            exchange_markup(each, own, Markup.SIMATICML)
         try:
             return write_project(project, version, report, options)
         finally:
-            exchange_markup(project, Markup.SIMATICML, own)
+            for each in written:
+                exchange_markup(each, Markup.SIMATICML, own)
 
     def style(self) -> XmlStyle:
         """As TIA Portal writes: UTF-8 with a mark, CRLF, two blanks, ``<a />``."""

@@ -241,8 +241,8 @@ def markup_of(project: Project) -> Markup:
     return Markup.SIMATICML if project.header.product == TIA_PORTAL else Markup.TC6
 
 
-def exchange_markup(thing: Model, own: Markup, wanted: Markup) -> None:
-    """Change what `thing` and the objects in it carry: markup of `wanted` as it is, instead of that of `own`.
+def exchange_markup(thing: Model | Sequence[Model], own: Markup, wanted: Markup) -> None:
+    """Change what `thing`, or each in a list, and the objects in it carry: markup of `wanted` as it is, not of `own`.
 
     Objects and charts that are unread stay so, and as they are.
     """
