@@ -333,7 +333,11 @@ class _Trees:
         written = edited
         if self.is_other:
             written, marks = rewrite_project(edited, self.kind, options, notes)
-            options = replace(options, marks=marks, rewritten=edited)
+            if baseline is not None and self.kind.flags_as_conditions:
+                # the blocks that are added for it have their numbers in the file, too
+                baseline, more = rewrite_project(baseline, self.kind, options, ConversionReport())
+                marks = {**more, **marks}
+            options = replace(options, baseline=baseline, marks=marks, rewritten=edited)
         if limited:
             _note_limits(written, self.kind, self.touched, notes)
         for _, _, body in written.bodies() if self.is_other else ():

@@ -133,7 +133,9 @@ def test_what_is_no_file_is_said_as_always() -> None:
 
 ADDED = {
     *("PRG_Pumps_DB", "GVL_IO", "MainTask", "E_PumpMode", "FB_Runtime_Reset"),
-    *("PRG_Pumps_SelectPump_entry", "PRG_Pumps_Swap_entry", "PRG_Pumps_Pumping_active", "PRG_Pumps_Standby_active"),
+    *("PRG_Pumps_SelectPump_entry", "PRG_Pumps_Swap_entry"),
+    # statements of main actions that ask the SFC flags
+    *(f"PRG_Pumps_{step}_main" for step in ("CloseValve", "Pumping", "Standby", "StartPump1", "StartPump2")),
 }
 """Features that only TIA Portal has: an instance, a list, a task, an enumeration, and functions of actions."""
 

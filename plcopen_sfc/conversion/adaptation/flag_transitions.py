@@ -271,8 +271,12 @@ class FlagRewriter(ABC):
             fires = [text, *(f"NOT {each}" for each in (waits, init if is_first or stops else "") if each)]
             condition = all_of(fires)
             if stops:
-                found = self._memory(f"{self._chart.label(transition).replace(' -> ', '_to_')}_waits")
-                left = [step for step in self._chart.steps if step.id in transition.sources]
+                left, entered = (
+                    [step for step in self._chart.steps if step.id in ends]
+                    for ends in (transition.sources, transition.targets)
+                )
+                # not by its own name: the target may give it one, and the file come back with that
+                found = self._memory(f"{_together(left)}_to_{_together(entered)}_waits")
                 now = all_of([*map(self._host.active, left), *fires])
                 self.lines.append(f"{found} := {stops} AND (({waits} AND {found}) OR ({now}));")
                 condition = all_of([f"({condition}) OR ({waits} AND {found})", f"NOT {self._pause}"])
@@ -443,3 +447,7 @@ def bare_name(name: str) -> str:
 
 def _guarded(text: str, terms: list[str]) -> str:
     return "\n".join(guarded(all_of(terms), text.strip().splitlines())) if any(terms) else text
+
+
+def _together(steps: Sequence[Step]) -> str:
+    return "_".join(step.name for step in steps)
