@@ -206,9 +206,8 @@ def check_import(project: Project, tool: str) -> list[Diagnostic]:
     format, flavour = _IMPORTERS[name]
     file = project.source.path if project.source is not None else None
     kind = project.source.format if project.source is not None else format
-    is_own = kind == format or kind == "twincat" == name
     has_lines = True
-    if is_own and kind != "twincat":  # whose files keep no other source
+    if kind == format:
         imported = loads(dumps(project, format=kind, partial=True), format=kind, as_tool=True)
         if imported != project or project.origin is not None:  # the tool does not read the source that the file keeps
             has_lines = not isinstance(project.source, FolderSource)
@@ -226,7 +225,7 @@ def check_import(project: Project, tool: str) -> list[Diagnostic]:
         )
         for item in losses
     ]
-    if not is_own:
+    if kind != format and not (kind == "twincat" == name):
         hint = f"plcopen-sfc convert --to {format}{f' --for {flavour}' if flavour else ''} writes one that it reads."
         text = f"the file is {kind}, and {tool} imports {format}"
         found.append(Diagnostic("IMP004", Severity.ERROR, text, Location(file), hint))

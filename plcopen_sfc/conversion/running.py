@@ -198,10 +198,9 @@ def _note_verdict(
         seen, *unreached = str(run.verdict).splitlines()
         chart.note_untested("\n".join([seen, *([] if losses is None else [_IN_IT])]), *unreached)
     elif losses is None:
-        _report_run(chart.report, run, held or alike.rules, acquitted=alike.acquitted)
+        _report_run(chart.report, run, alike.causes_in(every), held or alike.rules)
     else:
-        causes = [each for each in losses if each.what not in alike.acquitted]
-        chart.note(*run.told_with(causes, held or alike.rules))
+        chart.note(*run.told_with(alike.causes_in(losses), held or alike.rules))
     return list(alike.told)
 
 
@@ -343,13 +342,17 @@ def _told_while_held(compared: Callable[..., Verdict], run: _Run, losses: Sequen
 class _Alike(NamedTuple):
     """How a chart that differs compares under other rules, and what that says of the causes of its difference.
 
-    `told`: verdicts in words; `rules`: the rules that are a cause, in words; `acquitted`: subjects of items of the
+    `told`: verdicts in words; `rules`: the rules that are a cause, in words; `no_causes`: subjects of items of the
     report that are none, as the same differs without them.
     """
 
     told: Sequence[str] = ()
     rules: Sequence[str] = ()
-    acquitted: frozenset[str] = frozenset()
+    no_causes: frozenset[str] = frozenset()
+
+    def causes_in(self, losses: Sequence[Item]) -> list[Item]:
+        """Return the items that may be a cause."""
+        return [each for each in losses if each.what not in self.no_causes]
 
 
 def _told_alike(compared: Callable[..., Verdict], run: _Run, losses: Sequence[Item], limit: float) -> _Alike:
@@ -380,11 +383,11 @@ def _told_alike(compared: Callable[..., Verdict], run: _Run, losses: Sequence[It
         once = run_under(lambda: replace(profiles[0], evolution=evolution))
         if once is not None and once.equal:
             return _Alike([f"without its search for stability: {once.summary}"])
-        acquitted = frozenset({STABILITY} if once is not None and _is_same(once.counterexample, example) else ())
+        no_causes = frozenset({STABILITY} if once is not None and _is_same(once.counterexample, example) else ())
         found = run_under(lambda: replace(profiles[0], max_evolutions=2))
         if found is None or found.counterexample is not None or not found.states:  # it passes one in its first scan
-            return _Alike(acquitted=acquitted)
-        return _Alike([f"where it passes no step: {found.summary}"], acquitted=acquitted)
+            return _Alike(no_causes=no_causes)
+        return _Alike([f"where it passes no step: {found.summary}"], no_causes=no_causes)
     if example is None:
         return _Alike()
     if evolution is Evolution.UNTIL_STABLE is not profiles[0].evolution:
@@ -447,8 +450,8 @@ class _Run(NamedTuple):
         return told_difference(example, self.chart, losses, self.profiles, self.tool, rules=rules)
 
 
-def _report_run(report: ConversionReport, run: _Run, rules: Sequence[str], *, acquitted: Collection[str] = ()) -> None:
-    """Report the verdict on a chart of which the report names no loss; `rules`: see `_Run.told`."""
+def _report_run(report: ConversionReport, run: _Run, losses: Sequence[Item], rules: Sequence[str]) -> None:
+    """Report the verdict on a chart of which the report names no loss; `losses` and `rules`: see `_Run.told`."""
     from plcopen_sfc.analysis.product import NEVER_STABLE  # noqa: PLC0415  # most conversions run nothing
 
     verdict, as_run, path = run.verdict, run.as_run, run.chart.report_path
@@ -466,9 +469,7 @@ def _report_run(report: ConversionReport, run: _Run, rules: Sequence[str], *, ac
     if as_run.equal:  # every run has a first scan
         _note_proven(report, path, START_OF_CHART, "which begins otherwise")
     if verdict.counterexample is not None:
-        causes = [each for each in report.losses if each.what not in acquitted]
-        told = run.told(verdict.counterexample, causes, rules)
-        report.add(Outcome.APPROXIMATED, "chart", path, "; ".join(told))
+        report.add(Outcome.APPROXIMATED, "chart", path, "; ".join(run.told(verdict.counterexample, losses, rules)))
     elif not as_run.equal:
         example = as_run.counterexample
         why = "it is not known to do the same"

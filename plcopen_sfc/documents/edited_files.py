@@ -334,7 +334,7 @@ class _Trees:
         if self.is_other:
             written, marks = rewrite_project(edited, self.kind, options, notes)
             if baseline is not None and self.kind.flags_as_conditions:
-                # the blocks that are added for it have their numbers in the file, too
+                # blocks that SFC flags add are in the file with numbers of their own, which they keep
                 baseline, more = rewrite_project(baseline, self.kind, options, ConversionReport())
                 marks = {**more, **marks}
             options = replace(options, baseline=baseline, marks=marks, rewritten=edited)

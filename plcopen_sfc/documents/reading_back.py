@@ -18,7 +18,7 @@ from plcopen_sfc.languages.networks.network_reading import network_statements
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.model.base import ExtensionData, Model
 from plcopen_sfc.model.body import FbdBody, LdBody
-from plcopen_sfc.model.compare import ModelDifference, differences, in_order_of
+from plcopen_sfc.model.compare import differences, in_order_of
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import LogicNetwork, Node
 from plcopen_sfc.model.numbering import number_in_order, numbered_in_order
@@ -101,28 +101,13 @@ def _report_differences(project: Project, kind: Format, back: Project, report: C
         project = in_order_of(project, back)
     _order_ends(project, back)
     for difference in differences(project, back, ignore=frozenset({"drawing"})):
-        if (added := _added(difference)) is not None:
-            why = f"the written file has {_short(added)}, and the source nothing"
+        if difference.left in (None, []):
+            why = f"the written file has {_short(difference.right)}, and the source nothing"
             report.add(Outcome.TRANSLATED, FIELD, difference.path, why)
             continue
         left, right = _short(difference.left), _short(difference.right)
         why = f"{left} comes back as {right}" if right != _NOTHING else f"{left} is not in the written file"
         report.add(Outcome.DROPPED, FIELD, difference.path, why)
-
-
-def _added(difference: ModelDifference) -> object:
-    """Return what only the written file has, if nothing else differs; None if something of the source is missing."""
-    left, right = difference.left, difference.right
-    if left is None:
-        return right
-    if isinstance(left, list) and isinstance(right, list):
-        more = [*right]
-        for each in left:
-            if each not in more:
-                return None
-            more.remove(each)
-        return more or None
-    return None
 
 
 def _order_ends(project: Project, back: Project) -> None:

@@ -90,7 +90,8 @@ def differences(
                     place = path if unnamed else _joined(path, name.replace("_", " "))
                     yield from differences(a, b, ignore=ignore, path=place)
         if isinstance(left, SfcNetwork):
-            yield from differences(_competing(left), _competing(right), path=_joined(path, "order of transitions"))
+            orders = (_competing(each, by_id=_ids(left) == _ids(right)) for each in (left, right))
+            yield from differences(*orders, path=_joined(path, "order of transitions"))
     elif isinstance(left, list):
         if len(left) != len(right):
             yield ModelDifference(path, _names(left), _names(right))
@@ -149,17 +150,22 @@ def _joined(path: str, part: str) -> str:
     return f"{path} / {part}" if path else part
 
 
-def _competing(chart: SfcNetwork) -> dict[str, list[str]]:
-    """Return the steps to which each step that several transitions leave may go, in the order in which they are tried.
+def _competing(chart: SfcNetwork, *, by_id: bool) -> dict[str, list[str]]:
+    """Return the transitions that leave each step, in the order in which they are tried.
 
-    By their names: another file may give the same chart other ids.
+    By their ids, or only by the names of the steps to which they lead: another file may give a chart other ids.
     """
     names = {step.id: step.name for step in chart.steps}
-    return {
-        names.get(source, ""): [", ".join(names.get(target, "") for target in each.targets) for each in leaving]
-        for source, leaving in leaving_steps(chart.transitions).items()
-        if len(leaving) > 1
-    }
+
+    def shown(transition: Transition) -> str:
+        return str(transition.id) if by_id else ", ".join(names.get(target, "") for target in transition.targets)
+
+    leaving = leaving_steps(chart.transitions).items()
+    return {names.get(source, ""): [shown(each) for each in found] for source, found in leaving if len(found) > 1}
+
+
+def _ids(chart: SfcNetwork) -> set[int]:
+    return {transition.id for transition in chart.transitions}
 
 
 def _id(thing: Any) -> int:

@@ -313,8 +313,7 @@ _STEP_BY_NAME = 'The chart has it by its name: chart.step("Fill").'
 def simple_steps(steps: Collection[Step]) -> list[Step]:
     """Return the simple ones among the steps of a chart of CoDeSys 2.3: their flag is a BOOL of their name.
 
-    An IEC step has associations, and no action of its own. One that has neither is an IEC step where others
-    are.
+    An IEC step has associations, and no action of its own. One that has neither is an IEC step where others are.
     """
     has_associations = any(step.actions for step in steps)
     return [step for step in steps if not step.actions and (step.main_action is not None or not has_associations)]

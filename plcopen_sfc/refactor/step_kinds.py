@@ -233,13 +233,12 @@ _MEMBER = re.compile(r"\s*\.\s*x\b", re.IGNORECASE)
 
 
 def name_steps_by_flags(project: Project) -> list[str]:
-    """Write ``Wait`` for ``Wait.x`` of simple steps in `project`, and return the paths of the changed texts."""
+    """Write ``Wait`` for ``Wait.x`` of simple steps, ``Wait.x`` of others; return the paths of the changed texts."""
     journal, simple = Journal(), _simple_steps_of(project)
-    others = {id(step): step for chart in project.charts() for step in chart.chart.steps}
-    for step in simple:
-        others.pop(id(step), None)
+    known = {id(step) for step in simple}
+    others = [step for chart in project.charts() for step in chart.chart.steps if id(step) not in known]
     changed = write_notation(project, simple, journal, members=False)
-    return list(dict.fromkeys([*changed, *write_notation(project, others.values(), journal, members=True)]))
+    return list(dict.fromkeys([*changed, *write_notation(project, others, journal, members=True)]))
 
 
 def name_steps_by_members(project: Project) -> list[str]:

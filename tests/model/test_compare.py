@@ -80,3 +80,20 @@ def test_no_report_names_a_place_by_the_fields_of_the_model(target: str) -> None
     for file in ("plcopen/every_element_2.01.xml", "codesys/sorting_conveyor.xml", "simaticml/FB_Drill.xml"):
         report = sfc.convert(sfc.load(f"fixtures/{file}"), target, partial=True)[1]
         assert [item.path for item in report.items if re.search(r"\[\w*\]|\w\.(?:data|type|bodies)\b", item.path)] == []
+
+
+def test_the_order_of_transitions_differs_whatever_they_lead_to_and_other_ids_are_no_order() -> None:
+    """Two that lead to one step were in no order, once it was told by names."""
+    text = SOURCE.replace(
+        "TRANSITION FROM Fill", "TRANSITION FROM Wait TO Fill := open; END_TRANSITION TRANSITION FROM Fill"
+    )
+    one, other = (sfc.loads(text.encode(), format="iec-text") for _ in range(2))
+    first, second, _ = transitions = other.pous[0].chart.transitions
+    transitions[:2] = [second, first]
+    assert {each.path.rpartition(" / ")[0] for each in differences(one, other)} == {
+        "POU Tank / order of transitions / Wait"
+    }
+    transitions[:2] = [first, second]
+    for each in transitions:
+        each.id += 100
+    assert not [each for each in differences(one, other) if "order" in each.path]
