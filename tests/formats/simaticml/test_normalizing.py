@@ -15,6 +15,7 @@ from plcopen_sfc.documents.file_documents import normalized
 from plcopen_sfc.errors import StructureError, UnknownFormatError
 from plcopen_sfc.formats.simaticml.openness_schemas import validate
 from plcopen_sfc.model.compare import differences
+from tests.corpus import require_corpus
 from tests.formats.simaticml.documents import ALL_PARAMS, FIXTURES, parsed, real_documents
 from tests.formats.simaticml.drilling_plc import FOLDER
 
@@ -63,6 +64,7 @@ LEFT_OUT = re.compile(r"^header\b|extension data|\b(comment|initial|attributes)(
 @pytest.mark.corpus
 def test_the_program_is_the_same() -> None:
     """Only what was left out is missing: informative comments, start values and attributes, and what is kept."""
+    require_corpus()
     compared = 0
     for path in real_documents()[::5]:
         data = path.read_bytes()
