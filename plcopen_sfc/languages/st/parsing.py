@@ -6,18 +6,18 @@ semicolon becomes one `Unreadable` statement, and reading goes on behind it. A m
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, nullcontext
 from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from importlib.resources import files
 from threading import Lock
-from typing import Any, Generic, TypeVar, cast
+from typing import Any, Generic, TypeVar
 
 from lark import Lark
-from lark.exceptions import UnexpectedToken
 from lark.lexer import Lexer
+from lark.parsers.lalr_analysis import Shift
 
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.languages.problems import Lines, Problem
@@ -48,24 +48,38 @@ _CLOSING = frozenset(_CLOSED_BY.values())
 _DIVIDING = frozenset({"ELSE", "ELSIF", "UNTIL", "CATCH", "FINALLY"})
 _STARTS = frozenset({"IF", "POU", "END_VAR", "END_TYPE", "END_STRUCT", "END_UNION"})
 """Where one of these is accepted, a statement or a declaration may start."""
+_END = "$END"
 _HEADS = frozenset({"POU", "END_POU"})
-_BEHIND_SECTIONS = _HEADS | {"VAR", "VAR_ACCESS", "VAR_CONFIG", "TYPE", "$END"}
+_BEHIND_SECTIONS = _HEADS | {"VAR", "VAR_ACCESS", "VAR_CONFIG", "TYPE", _END}
 _INSIDE_DECLARATIONS = frozenset({"STRUCT", "UNION"})
+
+
+@dataclass(frozen=True, slots=True)
+class _Grammar:
+    """The tables that lark makes of a grammar, for `Reading`.
+
+    `actions` has for each state what a kind of token does there: a number is the state behind it, else a rule is
+    complete: how many values it has, the function that makes one of them, and its name, by which `actions` has the
+    state behind it. `first` and `last` are the states at both ends of a text, by the rule for all of it.
+    """
+
+    actions: dict[int, dict[str, Any]]
+    first: dict[str, int]
+    last: dict[str, int]
+    builder: Builder
 
 
 class Reading:
     """One run of the parser over `found`, from the rule `start`."""
 
-    def __init__(self, lark: Lark, builder: Builder, start: str, text: str, found: Tokens) -> None:
-        self._parser = lark.parse_interactive(start=start)
-        self._values: list[Any] = self._parser.parser_state.value_stack
-        self._states: list[Any] = self._parser.parser_state.state_stack
-        # lark's own tokens are strings that remember much more and cost as much
-        self._feed = cast("Callable[..., Any]", self._parser.parser_state.feed_token)
-        self._builder = builder
+    def __init__(self, grammar: _Grammar, start: str, text: str, found: Tokens) -> None:
+        self._actions = grammar.actions
+        self._values: list[Any] = []
+        self._states, self._last_state = [grammar.first[start]], grammar.last[start]
+        self._builder = builder = grammar.builder
         self._is_list = start in ("statements", "declarations")
         self._text = text
-        self._tokens = [*found.tokens, Token("$END", "", (len(text), len(text)))]
+        self._tokens = [*found.tokens, Token(_END, "", (len(text), len(text)))]
         builder.problems = []
 
     def run(self) -> Any:
@@ -76,21 +90,35 @@ class Reading:
             self._feed_semicolon(0)
         position, last = 0, len(tokens) - 1
         while True:
-            try:
-                for index in range(position, last):
-                    position = index
-                    feed(tokens[index])
-                position = last
-                # after an error nothing may be left to reduce, and lark looks for the end when it reduces
-                complete = self._is_list and len(self._values) == 1
-                result = self._values[0] if complete else feed(tokens[last], is_end=True)
-            except UnexpectedToken:
-                if not self._is_list:
-                    self._tell(position)
-                    return None
-                position = self._recover(position)
-            else:
+            while position < last and feed(tokens[position]):
+                position += 1
+            # after an error nothing may be left to reduce, and the end is found by a reduction
+            if position == last and ((self._is_list and len(self._values) == 1) or feed(tokens[last])):
+                result = self._values[0]
                 return self._builder.whole(result, len(self._text)) if self._is_list else result
+            if not self._is_list:
+                self._tell(position)
+                return None
+            position = self._recover(position)
+
+    def _feed(self, token: Token) -> bool:
+        """Reduce what is complete before `token`, and take it in; False where the grammar has no such token there."""
+        # what lark's own parser does, which looks for the function of each rule by all symbols of that
+        actions, states, values, kind = self._actions, self._states, self._values, token.type
+        while (action := actions[states[-1]].get(kind)) is not None:
+            if action.__class__ is int:
+                states.append(action)
+                values.append(token)
+                return True
+            size, make, name = action
+            first = len(values) - size
+            items = values[first:]
+            del values[first:], states[first + 1 :]
+            states.append(actions[states[-1]][name])
+            values.append(make(items))
+            if kind == _END and states[-1] == self._last_state:
+                return True
+        return False
 
     def _feed_semicolon(self, offset: int) -> None:
         """Feed a semicolon that is not in the text; an empty statement that it makes is left out."""
@@ -111,7 +139,19 @@ class Reading:
 
     def _accepted(self) -> set[str]:
         """Return the types of the tokens that could come next."""
-        return set(self._parser.accepts())  # type: ignore[no-untyped-call]  # lark has no type for it
+        return {kind for kind in self._actions[self._states[-1]] if kind.isupper() and self._is_accepted(kind)}
+
+    def _is_accepted(self, kind: str) -> bool:
+        states = [*self._states]
+        while (action := self._actions[states[-1]].get(kind)) is not None:
+            if isinstance(action, int):
+                return True
+            size, _, name = action
+            del states[len(states) - size :]
+            states.append(self._actions[states[-1]][name])
+            if kind == _END and states[-1] == self._last_state:
+                return True
+        return False
 
     def _opening(self) -> Token | None:
         """Return the keyword of the innermost block that is open."""
@@ -144,7 +184,7 @@ class Reading:
             end = self._tokens[position - 1].span[1]
             self._feed(Token("END_VAR", "", (end, end)))
             return position
-        if token.type == "$END":
+        if token.type == _END:
             return self._give_up(position)
         if token.type in _CLOSING and self._close_outer_block(token) and token.type in self._accepted():
             return position
@@ -169,7 +209,7 @@ class Reading:
         accepted = self._accepted()
         if "SEMICOLON" not in accepted or accepted & _STARTS:  # where a statement may start, none is unfinished
             return False
-        if token.type == "$END" or token.type in _CLOSED_BY or token.type in _CLOSING or token.type in _DIVIDING:
+        if token.type == _END or token.type in _CLOSED_BY or token.type in _CLOSING or token.type in _DIVIDING:
             return True
         between = self._text[self._tokens[position - 1].span[1] : token.span[0]]
         return token.type != "BAD" and ("\n" in between or "\r" in between)
@@ -223,7 +263,7 @@ class Reading:
         closing = {_CLOSED_BY[v.type] for v in self._values if isinstance(v, Token) and v.type in _CLOSED_BY}
         for index in range(position, len(self._tokens)):
             kind = self._tokens[index].type
-            if kind == "$END" or (kind in _HEADS and index > first):
+            if kind == _END or (kind in _HEADS and index > first):
                 return index
             if kind in _CLOSED_BY:
                 if depth == 0 and index > first and kind not in _INSIDE_DECLARATIONS:
@@ -260,7 +300,7 @@ _SHOWN = {
     "RSQB": "']'",
     "ASSIGN": "':='",
     "ARROW": "'=>'",
-    "$END": "the end of the text",
+    _END: "the end of the text",
     "TRY": "__TRY",
     "CATCH": "__CATCH",
     "FINALLY": "__FINALLY",
@@ -299,7 +339,7 @@ def expectation(found: Token, accepted: Iterable[str]) -> str:
     words[:0] = sorted(_SHOWN.get(terminal, terminal) for terminal in left)
     expected = f"{', '.join(words[:-1])} or {words[-1]}" if len(words) > 1 else "".join(words)
     shown = found.value if len(found.value) <= _SHOWN_TEXT else found.value[:_SHOWN_TEXT] + ".."
-    what = "the end of the text" if found.type == "$END" else f"'{shown}'"
+    what = "the end of the text" if found.type == _END else f"'{shown}'"
     if expected.endswith("a name") and found.type != "NAME" and found.value.isidentifier():
         what = f"the keyword {what}"  # whoever declares it takes it for a name
     return f"found {what}, expected {expected}" if expected else f"{what} cannot stand here"
@@ -409,9 +449,9 @@ def _fresh_parse(text: str, dialect: Dialect, start: str) -> Parsed[Any]:
         declares = start == "declarations"
         found = tokenize_declarations(text, dialect) if declares else tokenize(text, dialect, embedded_code=True)
         with _LOCK:
-            lark, builder = _parser_for(dialect is Dialect.SCL, declares)
-            tree = Reading(lark, builder, start, text, found).run()
-            problems = sorted(found.problems + builder.problems, key=lambda problem: problem.span)
+            grammar = _grammar(dialect is Dialect.SCL, declares)
+            tree = Reading(grammar, start, text, found).run()
+            problems = sorted(found.problems + grammar.builder.problems, key=lambda problem: problem.span)
         problem = too_deep(tree) if tree is not None and may_be_deep(found.tokens) else None
     if problem is not None:
         problems = [problem]
@@ -437,19 +477,30 @@ class _GivenTokens(Lexer):
 
 
 @cache
-def _parser_for(scl: bool, declares: bool) -> tuple[Lark, Builder]:
+def _grammar(scl: bool, declares: bool) -> _Grammar:
     builder = (DeclarationBuilder if declares else Builder)(signs_below_power=scl)
     names = ["st.lark", "declarations.lark"] if declares else ["st.lark"]
+    starts = ["declarations"] if declares else ["statements", "whole_expression", "condition"]
     lark = Lark(
         "\n".join(files(__package__).joinpath(name).read_text("utf-8") for name in names),
         parser="lalr",
         lexer=_GivenTokens,
-        start=["declarations"] if declares else ["statements", "whole_expression", "condition"],
+        start=starts,
         keep_all_tokens=True,
         maybe_placeholders=False,
         transformer=builder,
     )
-    return lark, builder
+    tables = {start: lark.parse_interactive(start=start).parser_state.parse_conf for start in starts}
+    table = tables[starts[0]]  # all have the same states
+    actions = {
+        state: {
+            kind: arg if action is Shift else (len(arg.expansion), table.callbacks[arg], arg.origin.name)
+            for kind, (action, arg) in choices.items()
+        }
+        for state, choices in table.states.items()
+    }
+    first = {start: each.start_state for start, each in tables.items()}
+    return _Grammar(actions, first, {start: each.end_state for start, each in tables.items()}, builder)
 
 
 MAX_DEPTH = 150
