@@ -8,6 +8,7 @@ Commands bring the parser and the interpreter, which help and version do without
 import inspect
 import sys
 from collections.abc import Callable
+from dataclasses import fields, is_dataclass
 from typing import Annotated, Any
 
 import typer
@@ -80,10 +81,12 @@ def _common(
 def _command(function: Callable[..., int]) -> Callable[..., None]:
     """Make a command of a function, whose parameters behind the screen are its arguments and options.
 
-    It returns the exit code. The options that all commands share are added here, and those of commands that take many
-    files (`files`).
+    It returns the exit code. A record among the parameters stands for its fields, which are options. Those that all
+    commands share are added here, and those of commands that take many files (`files`).
     """
-    _, *own = inspect.signature(function).parameters.values()
+    _, *parameters = inspect.signature(function).parameters.values()
+    records: dict[str, Any] = {each.name: each.annotation for each in parameters if is_dataclass(each.annotation)}
+    own = [option for each in parameters for option in _options(each)]
     names = {each.name for each in own}
     shared = _SHARED | (_OF_MANY_FILES if "files" in names else {})
 
@@ -93,11 +96,13 @@ def _command(function: Callable[..., int]) -> Callable[..., None]:
             from plcopen_sfc.cli.many_files import ManyFiles
 
             given["files"] = ManyFiles(tuple(given["files"]), given.pop("jobs"))
+        for name, record in records.items():
+            given[name] = record(**{each.name: given.pop(each.name) for each in fields(record)})
         with guarded(**options) as screen:
             screen.exit_code = function(screen, **given)
 
     # typer reads the signature of what it calls: the options that all commands share are put into it
-    parameters = [
+    declared = [
         # what typer makes a `ManyFiles` of
         each.replace(annotation=Annotated[list[str], *each.annotation.__metadata__]) if each.name == "files" else each
         for each in own
@@ -107,9 +112,20 @@ def _command(function: Callable[..., int]) -> Callable[..., None]:
         if name not in names
     ]
     command.__name__, command.__doc__ = function.__name__, function.__doc__
-    command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]  # what typer reads
-    command.__annotations__ = {each.name: each.annotation for each in parameters}
+    command.__signature__ = inspect.Signature(declared)  # type: ignore[attr-defined]  # what typer reads
+    command.__annotations__ = {each.name: each.annotation for each in declared}
     return command
+
+
+def _options(parameter: inspect.Parameter) -> list[inspect.Parameter]:
+    """Return the options of a parameter: the fields of a record, else itself."""
+    if not is_dataclass(parameter.annotation):
+        return [parameter]
+    kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
+    return [
+        inspect.Parameter(each.name, kind, default=each.default, annotation=each.type)
+        for each in fields(parameter.annotation)
+    ]
 
 
 _SHARED: dict[str, tuple[Any, Any]] = {
@@ -186,73 +202,22 @@ def _rules(screen: Screen, codes: o.Codes = None, markdown: o.Markdown = False) 
 
 
 @_command
-def _convert(
-    screen: Screen,
-    files: o.Sources,
-    to: o.ToFormats = None,
-    flavour: o.For = "",
-    tia: o.Tia = "",
-    partial: o.Partial = False,
-    strict: o.Strict = False,
-    fresh: o.Fresh = False,
-    normalize: o.Normalize = False,
-    verify: o.ConvertVerify = True,
-    limit: o.ConvertLimit = "auto",
-    at_rest: o.ConvertAtRest = None,
-    as_tool: o.AsTool = False,
-    accept_errors: o.AcceptErrors = False,
-    accept_untested: o.AcceptUntested = False,
-    report: o.ConvertReport = None,
-    lang: o.PageLanguage = "en",
-    resume: o.Journal = None,
-) -> int:
+def _convert(screen: Screen, files: o.Sources, how: o.ConvertOptions) -> int:
     """Write files in another format and report every item."""
     from plcopen_sfc.cli.commands import convert
 
-    return convert.run(
-        screen,
-        files,
-        to=to,
-        report=report,
-        resume=resume,
-        verify=verify,
-        limit=limit,
-        at_rest=at_rest,
-        as_tool=as_tool,
-        accept_errors=accept_errors,
-        accept_untested=accept_untested,
-        lang=lang,
-        saving={
-            "flavour": flavour,
-            "tia": tia,
-            "partial": partial,
-            "strict": strict,
-            "fresh": fresh,
-            "normalize": normalize,
-        },
-    )
+    return convert.run(screen, files, how)
 
 
 @_command
-def _diff(
-    screen: Screen,
-    before: o.Before,
-    after: o.After,
-    layout: o.Layout = False,
-    prove: o.Prove = False,
-    limit: o.ProveLimit = "30s",
-    exit_code: o.ExitCode = False,
-    html: o.DiffHtml = None,
-    lang: o.PageLanguage = "en",
-    jobs: o.FileJobs = 1,
-) -> int:
+def _diff(screen: Screen, before: o.Before, after: o.After, how: o.DiffOptions) -> int:
     """Show what changed between two files, in the words of charts.
 
     Compares what they mean: the files may have different formats. Layout and ids do not count.
     """
     from plcopen_sfc.cli.commands import diff
 
-    return diff.run(screen, before, after, diff.DiffOptions(layout, prove, limit, exit_code, html, lang, jobs))
+    return diff.run(screen, before, after, how)
 
 
 @_command
@@ -332,122 +297,19 @@ def _apply(
 
 
 @_command
-def _simulate(
-    screen: Screen,
-    file: o.File,
-    pou: o.PouName = None,
-    inputs: o.Inputs = None,
-    seed: o.Seed = None,
-    system_inputs: o.SystemInputs = False,
-    scans: o.Scans = None,
-    scan_time: o.ScanTime = "10ms",
-    profile: o.Profile = None,
-    settings: o.Settings = None,
-    record: o.Record = None,
-    free: o.Free = None,
-    functions: o.Functions = None,
-    as_tool: o.AsTool = False,
-    csv: o.Csv = None,
-    vcd: o.Vcd = None,
-    svg: o.TraceSvg = None,
-    html: o.TraceHtml = None,
-    lang: o.PageLanguage = "en",
-) -> int:
+def _simulate(screen: Screen, file: o.File, how: o.SimulateOptions) -> int:
     """Run a chart or a program scan by scan and show what it does."""
     from plcopen_sfc.cli.commands import simulate
 
-    how = simulate.SimulateOptions(
-        pou=pou,
-        inputs=inputs,
-        seed=seed,
-        system_inputs=system_inputs,
-        scans=scans,
-        profile=profile,
-        scan_time=scan_time,
-        settings=settings,
-        record=record,
-        free=free,
-        functions=functions,
-        as_tool=as_tool,
-        csv=csv,
-        vcd=vcd,
-        svg=svg,
-        html=html,
-        lang=lang,
-    )
     return simulate.run(screen, file, how)
 
 
 @_command
-def _lower(
-    screen: Screen,
-    file: o.File,
-    to: o.To = "",
-    flavour: o.For = "",
-    target: o.Target = None,
-    pou: o.PouName = None,
-    construction: o.Construction = "auto",
-    style: o.Style = "exact",
-    language: o.Language = None,
-    profile: o.Profile = None,
-    init: o.Init = None,
-    no_init: o.NoInit = False,
-    stop: o.Stop = None,
-    reset_actions: o.ResetActions = False,
-    states: o.States = None,
-    actions: o.Actions = "inline",
-    flags: o.Flags = "local",
-    flag_names: o.FlagNames = "",
-    modes: o.Modes = None,
-    at_rest: o.AtRest = None,
-    free: o.Free = None,
-    functions: o.Functions = None,
-    lang: o.TextLanguage = "en",
-    verify: o.Verify = True,
-    accept_untested: o.AcceptUntested = False,
-    limit: o.Limit = None,
-    jobs: o.Jobs = 1,
-    skip_refused: o.SkipRefused = False,
-    partial: o.Partial = False,
-    tia: o.Tia = "",
-    accept_errors: o.AcceptErrors = False,
-) -> int:
+def _lower(screen: Screen, file: o.File, how: o.LowerOptions, target: o.Target = None) -> int:
     """Make program code of charts and prove that it does the same."""
     from plcopen_sfc.cli.commands import lower
 
-    return lower.run(
-        screen,
-        file,
-        target,
-        to=to,
-        flavour=flavour,
-        pou=pou,
-        construction=construction,
-        style=style,
-        language=language,
-        profile=profile,
-        init=init,
-        no_init=no_init,
-        stop=stop,
-        reset_actions=reset_actions,
-        states=states,
-        actions=actions,
-        flags=flags,
-        flag_names=flag_names,
-        modes=modes,
-        at_rest=at_rest,
-        free=free,
-        functions=functions,
-        lang=lang,
-        verify=verify,
-        accept_untested=accept_untested,
-        limit=limit,
-        jobs=jobs,
-        skip_refused=skip_refused,
-        partial=partial,
-        tia=tia,
-        accept_errors=accept_errors,
-    )
+    return lower.run(screen, file, target, **vars(how))
 
 
 @_command
@@ -471,21 +333,14 @@ def _draw(
 
 
 @_command
-def _page(
-    screen: Screen,
-    files: o.Sources,
-    lang: o.PageLanguage = "en",
-    against: o.Against = None,
-    pou: o.PouName = None,
-    limit: o.AgainstLimit = "30s",
-) -> int:
+def _page(screen: Screen, files: o.Sources, how: o.PageOptions) -> int:
     """Write a project as one HTML page: charts, texts, findings.
 
     The page needs no network: charts, declarations, cross references and the findings of `check` are in it.
     """
     from plcopen_sfc.cli.commands import drawings
 
-    return drawings.pages(screen, files, drawings.PageOptions(lang, against, pou, limit))
+    return drawings.pages(screen, files, how)
 
 
 @_command

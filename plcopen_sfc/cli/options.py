@@ -2,6 +2,7 @@
 
 # No `from __future__ import annotations`: typer reads the annotations at run time.
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -292,3 +293,117 @@ ConvertAtRest = Annotated[
 TextLanguage = Annotated[str, _option("--lang", "Write titles and comments in en or de.", "LANG")]
 Verify = Annotated[bool, _option("--verify/--no-verify", "Compare the code with the chart, or do not.")]
 SkipRefused = Annotated[bool, _option("--skip-refused", "Leave charts that cannot be lowered as they are.")]
+
+# -- the options of commands with many of them, in the order in which help lists them ---------------------------------
+
+
+@dataclass(frozen=True)
+class ConvertOptions:
+    """Options of `convert`; the first are those of `plcopen_sfc.save`."""
+
+    to: ToFormats = None
+    flavour: For = ""
+    tia: Tia = ""
+    partial: Partial = False
+    strict: Strict = False
+    fresh: Fresh = False
+    normalize: Normalize = False
+    verify: ConvertVerify = True
+    limit: ConvertLimit = "auto"
+    at_rest: ConvertAtRest = None
+    as_tool: AsTool = False
+    accept_errors: AcceptErrors = False
+    accept_untested: AcceptUntested = False
+    report: ConvertReport = None
+    lang: PageLanguage = "en"
+    resume: Journal = None
+
+    @property
+    def page(self) -> Path | None:
+        """The page that is asked for in place of a report in JSON."""
+        return self.report if self.report is not None and self.report.suffix.casefold() in {".html", ".htm"} else None
+
+
+@dataclass(frozen=True)
+class DiffOptions:
+    """Options of `diff`."""
+
+    layout: Layout = False
+    prove: Prove = False
+    limit: ProveLimit = "30s"
+    exit_code: ExitCode = False
+    html: DiffHtml = None
+    lang: PageLanguage = "en"
+    jobs: FileJobs = 1
+
+
+@dataclass(frozen=True)
+class PageOptions:
+    """Options of `page`: its language, and the file that the chart or program `pou` is compared with."""
+
+    lang: PageLanguage = "en"
+    against: Against = None
+    pou: PouName = None
+    limit: AgainstLimit = "30s"
+
+
+@dataclass(frozen=True)
+class SimulateOptions:
+    """Options of `simulate`. The last ones are the files to save the trace in, and the language of the page."""
+
+    pou: PouName = None
+    inputs: Inputs = None
+    seed: Seed = None
+    system_inputs: SystemInputs = False
+    scans: Scans = None
+    scan_time: ScanTime = "10ms"
+    profile: Profile = None
+    settings: Settings = None
+    record: Record = None
+    free: Free = None
+    functions: Functions = None
+    as_tool: AsTool = False
+    csv: Csv = None
+    vcd: Vcd = None
+    svg: TraceSvg = None
+    html: TraceHtml = None
+    lang: PageLanguage = "en"
+
+    @property
+    def written(self) -> list[Path]:
+        """The files that are asked for."""
+        return [path for path in (self.csv, self.vcd, self.svg, self.html) if path is not None]
+
+
+@dataclass(frozen=True)
+class LowerOptions:
+    """Options of `lower`."""
+
+    to: To = ""
+    flavour: For = ""
+    pou: PouName = None
+    construction: Construction = "auto"
+    style: Style = "exact"
+    language: Language = None
+    profile: Profile = None
+    init: Init = None
+    no_init: NoInit = False
+    stop: Stop = None
+    reset_actions: ResetActions = False
+    states: States = None
+    actions: Actions = "inline"
+    flags: Flags = "local"
+    flag_names: FlagNames = ""
+    modes: Modes = None
+    at_rest: AtRest = None
+    free: Free = None
+    functions: Functions = None
+    lang: TextLanguage = "en"
+    verify: Verify = True
+    accept_untested: AcceptUntested = False
+    limit: Limit = None
+    jobs: Jobs = 1
+    skip_refused: SkipRefused = False
+    partial: Partial = False
+    tia: Tia = ""
+    accept_errors: AcceptErrors = False

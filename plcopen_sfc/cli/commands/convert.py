@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import date
 from functools import partial
 from pathlib import Path
@@ -20,9 +20,9 @@ from plcopen_sfc.cli.command_files import (
     written_to_stdout,
 )
 from plcopen_sfc.cli.many_files import ManyFiles, for_each, targets
+from plcopen_sfc.cli.options import ConvertOptions
 from plcopen_sfc.cli.report_items import show_counts, show_items, show_not_executed
 from plcopen_sfc.cli.screen import INTERRUPTED, Screen
-from plcopen_sfc.documents.storage import SaveOptions
 from plcopen_sfc.errors import ComparisonInterrupt, InputError, Location, LossError
 from plcopen_sfc.files import folder_exists, refuse_empty, refuse_unwritable, write_atomic
 from plcopen_sfc.formats.format_interface import Format
@@ -34,86 +34,41 @@ from plcopen_sfc.whole_numbers import counted
 _FINDINGS = 1
 
 
-@dataclass(frozen=True)
-class ConvertOptions:
-    """Options of the command, with those of saving, the `format` to write among them.
-
-    `as_tool`: as its tool sees the source. A chart of which not all was reached when it was simulated for both is a
-    finding, unless `accept_untested`. `page`: the report as HTML with the charts of both, in the language `lang`.
-    """
-
-    saving: SaveOptions
-    as_tool: bool
-    accept_errors: bool
-    accept_untested: bool
-    page: Path | None
-    lang: str
-
-    @property
-    def format(self) -> str:
-        """The format to write, as it was named."""
-        return self.saving.get("format") or ""
-
-
-def run(
-    screen: Screen,
-    files: ManyFiles,
-    *,
-    to: list[str] | None,
-    report: Path | None,
-    resume: Path | None,
-    verify: bool,
-    limit: str,
-    at_rest: list[str] | None,
-    as_tool: bool,
-    accept_errors: bool,
-    accept_untested: bool,
-    lang: str,
-    saving: SaveOptions,
-) -> int:
+def run(screen: Screen, files: ManyFiles, how: ConvertOptions) -> int:
     """Convert files to the last one that is named (none: next to each, ``-``: standard output).
 
     From standard input (``-``) none is standard output. Several files are written into a folder, and so is a file in
     several formats, or one whose target is a folder: by the name of the source. Output without a name is a folder for
-    tools that import one object a file. `saving`: the options of saving but for those that are named here.
+    tools that import one object a file.
     """
-    page = report if report is not None and report.suffix.casefold() in {".html", ".htm"} else None
-    if page is not None:
+    if how.page is not None:
         screen.report = None  # that is a report in JSON
-        refuse_unwritable(page)
-    compared: SaveOptions = {"limit": limit if verify and limit.strip() != "0" else 0, "at_rest": names_in(at_rest)}
-    how = ConvertOptions({**saving, **compared}, as_tool, accept_errors, accept_untested, page, lang)
-    formats = names_in(to)
+        refuse_unwritable(how.page)
+    formats = names_in(how.to)
     if len(formats) < 2:
-        screen.result(_in_format(screen, files, how, "".join(formats), resume))
+        screen.result(_in_format(screen, files, how, "".join(formats)))
         return screen.exit_code
-    if resume is not None or how.page is not None or STANDARD_STREAM in files.named:
+    if how.resume is not None or how.page is not None or STANDARD_STREAM in files.named:
         hint = "Leave out --resume, --report FILE.html and -, or name one format."
         raise InputError("several formats are written of files, one after the other", hint=hint)
     kinds = {name: format_named(name)[0] for name in formats}
     results: dict[str, object] = {}
     for name, kind in kinds.items():
-        own = how if kind.name == TIA_FORMAT else replace(how, saving={**how.saving, "tia": ""})
+        own = how if kind.name == TIA_FORMAT else replace(how, tia="")
         if not screen.as_json and not screen.quiet:
             screen.line((f"{name}:", "bold"))
-        results[name] = _in_format(screen, files, own, name, None, is_one_of_several=True)
+        results[name] = _in_format(screen, files, own, name, is_one_of_several=True)
     screen.result({"formats": results})
     return screen.exit_code
 
 
 def _in_format(
-    screen: Screen,
-    files: ManyFiles,
-    how: ConvertOptions,
-    name: str,
-    journal: Path | None,
-    *,
-    is_one_of_several: bool = False,
+    screen: Screen, files: ManyFiles, how: ConvertOptions, name: str, *, is_one_of_several: bool = False
 ) -> dict[str, object]:
     """Convert files to one format; return the result. One of several has its name in those of the files."""
     sources, target = files.with_target()
-    name = format_of_target(name, target if sources.alone else None, how.saving["tia"])
-    how = replace(how, saving={**how.saving, "format": name})
+    name = format_of_target(name, target if sources.alone else None, how.tia)
+    how = replace(how, to=[name])
     kind = format_named(name)[0]
     extension = kind.extensions[0]
     for each in sources.named:
@@ -121,14 +76,14 @@ def _in_format(
 
     def inside(path: Path, inner: str) -> str:
         if is_one_of_several:
-            return _beside(Path(inner), how.format, kind)
+            return _beside(Path(inner), name, kind)
         return _folder(inner) if is_folder_in(kind, path) else str(Path(inner).with_suffix(extension))
 
-    if sources.alone and journal is None:
+    if sources.alone and how.resume is None:
         (source,) = sources.named
         if target is None:
             from_stdin = source == STANDARD_STREAM
-            target = STANDARD_STREAM if from_stdin else _beside(Path(source), how.format, kind)
+            target = STANDARD_STREAM if from_stdin else _beside(Path(source), name, kind)
         elif is_one_of_several or (source != STANDARD_STREAM and _is_folder_for_files(target, kind)):
             target = targets(sources, target, str, inside)[source]
             Path(target).parent.mkdir(parents=True, exist_ok=True)
@@ -143,9 +98,10 @@ def _in_format(
             return stop.report.as_dict()
     if how.page is not None:
         raise InputError("a report with charts is about one file", hint="Convert that file alone.")
-    made = targets(sources, target, lambda path: _beside(path, how.format, kind), inside)
+    made = targets(sources, target, lambda path: _beside(path, name, kind), inside)
     work = partial(_convert_one_of_many, how)
-    kept = (journal, ["convert", repr(how), target]) if journal is not None else None
+    asked = repr(replace(how, report=how.page, resume=None))  # not where a report and the journal are
+    kept = (how.resume, ["convert", asked, target]) if how.resume is not None else None
     outcomes = for_each(screen, made, work, "Converting", jobs=files.jobs, journal=kept)
     return {"files": [{"file": each.path, **each.as_dict()} for each in outcomes]}
 
@@ -177,9 +133,21 @@ def _convert(how: ConvertOptions, target: str, screen: Screen, source: str, plac
         screen.finding(finding, result=False)
     if how.accept_errors:
         project.accept_errors()
-    page, lang = how.page, how.lang
+    page, lang, limit = how.page, how.lang, how.limit if how.verify and how.limit.strip() != "0" else 0
     try:
-        report = save(project, place, **how.saving)
+        report = save(
+            project,
+            place,
+            format="".join(how.to or ()),
+            flavour=how.flavour,
+            tia=how.tia,
+            partial=how.partial,
+            strict=how.strict,
+            fresh=how.fresh,
+            normalize=how.normalize,
+            limit=limit,
+            at_rest=names_in(how.at_rest),
+        )
     except LossError as loss:
         _show(screen, loss.report)
         if page is not None:
@@ -194,7 +162,7 @@ def _convert(how: ConvertOptions, target: str, screen: Screen, source: str, plac
     _show(screen, report)
     if not screen.as_json and not screen.quiet and target != STANDARD_STREAM:
         _show_written(screen, target, report)
-    if not how.saving.get("limit") and not report.unchanged and not report.compared and any(project.charts()):
+    if not limit and not report.unchanged and not report.compared and any(project.charts()):
         screen.note("no chart was simulated for both tools (--no-verify): the report rests on what was written alone")
     if report.untested and not how.accept_untested:
         is_run = any(not report.compared[path].startswith("not compared") for path in report.untested)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from plcopen_sfc.cli.command_files import STANDARD_STREAM, load_input
 from plcopen_sfc.cli.many_files import for_each
+from plcopen_sfc.cli.options import DiffOptions
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.comparison import ChangeKind, ProjectDiff, diff
 from plcopen_sfc.diagnostics import Severity
@@ -24,19 +24,6 @@ _DIFFERENCES = 1
 _NO_FILE = frozenset({os.devnull, "/dev/null"})
 _STYLES = {ChangeKind.ADDED: "green", ChangeKind.REMOVED: "red", ChangeKind.LAYOUT: "dim"}
 _DIFF_STYLES = {"+": "green", "-": "red", "@": "cyan"}
-
-
-@dataclass(frozen=True)
-class DiffOptions:
-    """Options of the command."""
-
-    layout: bool
-    prove: bool
-    limit: str
-    exit_code: bool
-    html: Path | None
-    lang: str
-    jobs: int
 
 
 def run(screen: Screen, before: str, after: str, how: DiffOptions) -> int:

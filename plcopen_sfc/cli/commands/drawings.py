@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from plcopen_sfc.analysis.equivalence import equivalent
 from plcopen_sfc.analysis.verdict import Verdict
 from plcopen_sfc.cli.command_files import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
 from plcopen_sfc.cli.many_files import ManyFiles, for_each, targets
+from plcopen_sfc.cli.options import PageOptions
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.documents.picture_files import PICTURE_FORMATS, draw, drawn_bodies
 from plcopen_sfc.files import folder_exists, refuse_empty, write_atomic
@@ -64,16 +64,6 @@ def _draw(options: dict[str, Any], screen: Screen, source: str, target: str | No
                 screen.detail(f"  {path}")
     screen.exit_code = exit_code_for(screen, project.diagnostics)
     return {"file": source, "pictures": [{"chart": name, "file": path} for name, path in written]}
-
-
-@dataclass(frozen=True)
-class PageOptions:
-    """Options of `page`: its language, and the file that the chart or program `pou` is compared with."""
-
-    lang: str
-    against: str | None
-    pou: str | None
-    limit: str
 
 
 def pages(screen: Screen, files: ManyFiles, how: PageOptions) -> int:

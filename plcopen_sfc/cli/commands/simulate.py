@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 
 from plcopen_sfc.batch import functions_of
 from plcopen_sfc.cli.command_files import load_input
+from plcopen_sfc.cli.options import SimulateOptions
 from plcopen_sfc.cli.screen import Screen, Table
 from plcopen_sfc.errors import InputError, Location, SimulationError
 from plcopen_sfc.files import refuse_unwritable, write_atomic
@@ -19,34 +18,6 @@ from plcopen_sfc.semantics.trace import Trace
 
 _DEFAULT_SCANS = 100
 _FINDINGS = 1
-
-
-@dataclass(frozen=True)
-class SimulateOptions:
-    """Options of the command. The last ones are the files to save the trace in, and the language of the page."""
-
-    pou: str | None
-    inputs: str | None
-    seed: int | None
-    system_inputs: bool
-    scans: int | None
-    profile: str | None
-    scan_time: str
-    settings: Sequence[str] | None
-    record: Sequence[str] | None
-    free: Sequence[str] | None
-    functions: str | None
-    as_tool: bool
-    csv: Path | None
-    vcd: Path | None
-    svg: Path | None
-    html: Path | None
-    lang: str
-
-    @property
-    def written(self) -> list[Path]:
-        """The files that are asked for."""
-        return [path for path in (self.csv, self.vcd, self.svg, self.html) if path is not None]
 
 
 def run(screen: Screen, file: str, how: SimulateOptions) -> int:
