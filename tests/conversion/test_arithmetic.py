@@ -229,6 +229,68 @@ def test_times_that_may_be_below_zero_are_told(tool: str, target: str, statement
     assert told == [Outcome.APPROXIMATED] * is_told
 
 
+@pytest.mark.parametrize(
+    ("statement", "is_told"),
+    [
+        ("t := t + u;", True),
+        ("t := (u + T) - T#3s;", True),
+        ("t := ADD_TIME(u, t);", True),
+        ("t := 2 * t;", True),
+        ("t := u * z;", True),
+        ("t := u / r;", True),
+        ("t := REAL_TO_TIME(r);", True),
+        ("t := LINT_TO_TIME(l);", True),
+        ("t := u + T#3s; x := x + 1;", False),
+        ("t := u * 2 + T#3s;", False),
+        ("t := UINT_TO_TIME(z);", False),
+        ("t := t;", False),
+    ],
+)
+@pytest.mark.parametrize(
+    ("tool", "target", "end"),
+    [
+        ("codesys", "scl", "24 days in S7 and goes on below zero"),
+        ("codesys", "plcopen-2.01", "49 days in CODESYS and goes on from zero"),
+        ("iec", "codesys", "49 days in CODESYS and goes on from zero"),
+        ("iec", "simaticml", "24 days in S7 and goes on below zero"),
+        ("scl", "codesys", "24 days in S7 and goes on below zero"),
+        ("scl", "plcopen-2.01", "24 days in S7 and goes on below zero"),
+        ("iec", "plcopen-2.01", ""),
+    ],
+)
+def test_times_that_grow_beyond_those_of_a_tool_are_told(
+    tool: str, target: str, end: str, statement: str, is_told: bool
+) -> None:
+    project = source_of(tool, "INT", statement, more="z : UINT; l : LINT;")
+    _, report = sfc.convert(project, target, partial=True)
+    told = [item.outcome for item in report.losses if f"TIME ends after {end}" in item.why]
+    assert told == [Outcome.APPROXIMATED] * (is_told and bool(end))
+    assert all("TIME endet in" in german(item.why) for item in report.losses if "TIME ends" in item.why)
+
+
+@pytest.mark.parametrize(
+    ("tool", "target", "start", "is_same"),
+    [
+        ("codesys", "scl", "T#24d19h", True),
+        ("codesys", "scl", "T#24d20h", False),
+        ("iec", "scl", "T#24d20h", False),
+        ("scl", "codesys", "T#24d20h", False),
+        ("scl", "plcopen-2.01", "T#24d20h", False),
+        ("iec", "codesys", "T#24d20h", True),
+        ("iec", "codesys", "T#49d17h", False),
+        ("codesys", "plcopen-2.01", "T#49d17h", False),
+    ],
+)
+def test_times_that_grow_are_those_of_the_tool(tool: str, target: str, start: str, is_same: bool) -> None:
+    """Both run: an hour is added to a time shortly before the end of TIME."""
+    statement = f"t := {start}; t := t + T#1h; is_greater := t > T#1h;"
+    project = source_of(tool, "INT", statement)
+    result, report = converted(project, target, "")
+    both = [sfc.simulate(each, pou="Main", scans=1, record=["is_greater"]) for each in (project, result)]
+    assert (both[0]["is_greater"] == both[1]["is_greater"]) is is_same
+    assert "TIME ends after" in " ".join(item.why for item in report.losses)
+
+
 @pytest.mark.parametrize("target", ["codesys", "codesys23", "twincat", "codesys-export"])
 @pytest.mark.parametrize("tool", ["iec", "scl"])
 @pytest.mark.parametrize(

@@ -33,8 +33,9 @@ from plcopen_sfc.languages.expression_types import (
     operand_type,
 )
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import Expression, Node, Operator
-from plcopen_sfc.languages.st.walking import with_children
+from plcopen_sfc.languages.st.walking import walk, with_children
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.translation.call_translation import operator_of
 from plcopen_sfc.languages.translation.translation_context import TITLES, Notes, TranslationContext
@@ -47,6 +48,9 @@ _TIMES: dict[Operator | None, str] = {
     Operator.MULTIPLY: "a product",
     Operator.DIVIDE: "a quotient",
 }
+_END_OF_TIME = "TIME ends after {days} days in {tool} and goes on {beyond}: {what} may be longer in {other}"
+_ENDS_OF_TIME = {Dialect.SCL: (24, "below zero"), Dialect.CODESYS: (49, "from zero")}
+"""The days that a TIME of 32 bits can last, and what follows, by families, that with the shortest first."""
 _SIGN_OF_DIFFERENCE = "CODESYS does not document how it compares or divides a difference of {types} below zero"
 
 
@@ -79,6 +83,8 @@ class ArithmeticTranslator:
     def _node(self, node: Node) -> Node:
         match node:
             case n.Assignment(target, value) if not isinstance(value, n.AssignmentExpression):
+                if self.types.value(target).type == "TIME" and self._grows(target, value):
+                    self._note_end_of_time(node, "a sum that grows")
                 place, _ = self._fit(target, None)
                 new = self._stored(value, self.types.value(target).type)
                 return node if place is target and new is value else replace(node, target=place, value=new)
@@ -232,20 +238,46 @@ class ArithmeticTranslator:
             ]
         types = [self.types.value(each).type for each in operands]
         if value.type == "TIME" and not INSTANTS & {*types}:
-            self._note_sign_of_time(node, operator, operands)
+            self._doubt_time(node, operator, operands)
         if INSTANTS & {*types} and Dialect.SCL in (self._source, self._target) and self._source is not self._target:
             names = " and ".join(sorted({*types} - {""}))
             reason = f"S7 calculates with {names} by T_ADD, T_SUB and T_DIFF"
             self._notes.add(Severity.ERROR, f"{reason}; left unchanged", node)
         return self._with(node, pairs), value.type
 
-    def _note_sign_of_time(self, node: Node, operator: Operator | None, operands: Sequence[Expression]) -> None:
-        """Note a TIME that may be below zero; `operator` None: it is a number that was converted."""
+    def _doubt_time(self, node: Node, operator: Operator | None, operands: Sequence[Expression]) -> None:
+        """Note a TIME that may be below zero or too long; `operator` None: it is a number that was converted."""
         is_known = operator is Operator.SUBTRACT or any(map(self._may_be_negative, operands))
         if Dialect.CODESYS in (self._source, self._target) and is_known and operator in _TIMES:
             other = self._target if self._source is Dialect.CODESYS else self._source
             why = _SIGN_OF_TIME.format(what=_TIMES[operator], tool=_TOOLS.get(other, TITLES[other]))
             self._notes.add(Severity.WARNING, why, node)
+        numbers = [(self.types.value(each), n.bare(each)) for each in operands]
+        is_varied = any(value.type in REALS and not isinstance(each, n.Literal) for value, each in numbers)
+        if operator is Operator.MULTIPLY:
+            is_varied |= any(value.low < value.high for value, _ in numbers)
+        elif operator is None:
+            longest = 0x7FFF_FFFF if Dialect.SCL in (self._source, self._target) else 0xFFFF_FFFF
+            is_varied |= any(value.type == "LTIME" or value.high > longest for value, _ in numbers)
+        if is_varied:
+            self._note_end_of_time(node, _TIMES.get(operator, ""))
+
+    def _note_end_of_time(self, node: Node, what: str) -> None:
+        """Note a TIME that may be longer than the one of a tool, if the other tool has longer ones or no end."""
+        tools = {self._source, self._target}
+        short = next((each for each in _ENDS_OF_TIME if each in tools), None)
+        if what and short is not None and len(tools) > 1:
+            days, beyond = _ENDS_OF_TIME[short]
+            (other,) = tools - {short}
+            names = [_TOOLS.get(each, TITLES[each]) for each in (short, other)]
+            why = _END_OF_TIME.format(days=days, tool=names[0], beyond=beyond, what=what, other=names[1])
+            self._notes.add(Severity.WARNING, why, node)
+
+    def _grows(self, target: Expression, value: Expression) -> bool:
+        """True if a TIME is a sum or a product with what it was before."""
+        name = print_node(target).casefold()
+        sums = (node for node in walk(value) if isinstance(node, n.Operation | n.Call) and _is_sum(node))
+        return any(print_node(part).casefold() == name for each in sums for part in walk(each))
 
     def _may_be_negative(self, operand: Expression) -> bool:
         value = self.types.value(operand)
@@ -318,9 +350,9 @@ class ArithmeticTranslator:
         if name.casefold() in self._context.functions:
             pass  # nothing is known of its result
         elif found is not None and found["result"] == "TIME":
-            self._note_sign_of_time(call, None, operands)
+            self._doubt_time(call, None, operands)
         elif operator is not None and "TIME" in types and not INSTANTS & types:
-            self._note_sign_of_time(call, operator, operands)
+            self._doubt_time(call, operator, operands)
         for position, argument in enumerate(call.arguments):
             value = argument.value
             if value is None or argument.output:
@@ -340,6 +372,12 @@ class ArithmeticTranslator:
         callee = call.callee if isinstance(call.callee, n.Name) else cast("Expression", self._node(call.callee))
         same = callee is call.callee and all(a is b for a, b in zip(new, call.arguments, strict=True))
         return call if same else replace(call, callee=callee, arguments=tuple(new))
+
+
+def _is_sum(node: n.Operation | n.Call) -> bool:
+    if isinstance(node, n.Call):
+        return node.called.upper() in ("ADD", "ADD_TIME", "MUL", "MUL_TIME")
+    return node.operator in (Operator.ADD, Operator.MULTIPLY)
 
 
 def comparison_as_logic(operator: Operator, left: Expression, right: Expression) -> Expression:
