@@ -50,9 +50,10 @@ class FileHeader(Model):
         """True if Beremiz or OpenPLC Editor writes such a header.
 
         They name no tool: the header is the user's. Those of their examples name Beremiz as company or product; a
-        project without a name has the product ``Unnamed``, in the language of the editor, and the version 1.
+        project without a name has the product ``Unnamed``, in the language of the editor, and the version 1. Files
+        that this package writes for them have the release ``for Beremiz``.
         """
-        named = f"{self.company} {self.product}".casefold()
+        named = f"{self.company} {self.product} {self.release or ''}".casefold()
         return "beremiz" in named or "openplc" in named or (self.product.casefold() in _UNNAMED and self.version == "1")
 
 

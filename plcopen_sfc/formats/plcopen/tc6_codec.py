@@ -60,7 +60,7 @@ from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, line_of, parse_xml
 from plcopen_sfc.model.project import Configuration, Project, Scaling
 from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
-from plcopen_sfc.report import ConversionReport
+from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.whole_numbers import xml_number
 
 _PLAIN = ToolData()
@@ -346,6 +346,13 @@ class Tc6Codec(XmlCodec):
     def fit(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
         """Change `project`, a copy, into what Beremiz and OpenPLC execute."""
         fit_project(project, options, report, keeps_drawings=True)
+        if (
+            not project.header.is_of_beremiz
+        ):  # readers learn the tool from the header; its product stays (decision 0020)
+            project.header = project.header.model_copy(update={"release": "for Beremiz"})
+            report.add(
+                Outcome.TRANSLATED, "header", "", "its release is `for Beremiz`, so that runs obey the rules of that"
+            )
 
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
         if options.flavour == "beremiz":

@@ -7,6 +7,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.report import Outcome
+from plcopen_sfc.semantics.profile import default_profile
 from tests.conversion.features import FEATURES, feature_project
 
 TEXT = b"""PROGRAM Main
@@ -131,3 +132,34 @@ def test_values_of_strings_are_texts_in_files_of_beremiz(project: sfc.Project) -
     read.rename("Main", "Pump")
     lines, edited = data.splitlines(), sfc.dumps(read).splitlines()
     assert [line for line in edited if line not in lines and b"Pump" not in line] == []
+
+
+@pytest.mark.parametrize("source", ["codesys", "simaticml", "plcopen"])
+def test_a_written_file_runs_by_the_rules_of_beremiz(source: str) -> None:
+    """The action of a step that was left is executed once more by IEC 61131-3, and not by matiec."""
+    feature = next(each for each in FEATURES if each.name == "condition: step time")
+    data, report = sfc.convert(feature_project(feature, source), "plcopen", flavour="beremiz", partial=True)
+    for as_tool in (False, True):
+        read = sfc.loads(data, as_tool=as_tool)
+        assert default_profile(read).name == "beremiz"
+    assert [item.outcome for item in report.items if item.what == "header"] == [Outcome.TRANSLATED]
+    again, told = sfc.convert(read, "plcopen", flavour="beremiz", partial=True)
+    assert not [item for item in told.items if item.what == "header"]
+    assert default_profile(sfc.loads(again)).name == "beremiz"
+
+
+def test_a_simulation_of_a_written_file_does_what_the_comparison_of_the_conversion_did() -> None:
+    text = TEXT.replace(b"q(N); END_STEP\nSTEP S2: Count(N); q(N)", b"END_STEP\nSTEP S2: Count(N)").replace(
+        b"IF a", b"IF TRUE"
+    )
+    data, _ = sfc.convert(sfc.loads(text, format="iec-text"), "plcopen", flavour="beremiz", partial=True)
+    read = sfc.loads(data)
+
+    def pulse(scan: int, _: object) -> dict[str, bool]:
+        return {"a": scan == 0}
+
+    counts = [
+        sfc.simulate(read, pou="Main", scans=150, inputs=pulse, record=["n"], **given)["n"][-1]
+        for given in ({}, {"profile": "beremiz"}, {"profile": "iec"})
+    ]
+    assert counts[0] == counts[1] == counts[2] - 1
