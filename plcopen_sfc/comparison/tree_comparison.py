@@ -21,6 +21,7 @@ from plcopen_sfc.conversion.execution_differences import alike, ends, matched_ac
 from plcopen_sfc.conversion.meaning import Meaning, same
 from plcopen_sfc.model.sfc import Transition
 from plcopen_sfc.object_path import ObjectPath
+from plcopen_sfc.reachability import reached
 from plcopen_sfc.semantics.inputs import PARAMETER_NAMES
 
 _DERIVED = frozenset({PLAIN_VARIABLES, SHOWN_STATE, "order of transitions", "final scan"})
@@ -273,18 +274,12 @@ class _Flow:
         joined = {step for sources, _ in self.links if len(sources) > 1 for step in sources}
         found: set[frozenset[str]] = set()
         for _, targets in self.links:
-            branches = [self._branch(target, joined) for target in targets] if len(targets) > 1 else []
+            branches = [
+                reached([target], lambda each: () if each in joined else self.out_of.get(each, ()))
+                for target in (targets if len(targets) > 1 else ())
+            ]
             for one, other in combinations(branches, 2):
                 found |= {frozenset(pair) for pair in product(one - other, other - one)}
-        return found
-
-    def _branch(self, step: str, joined: set[str]) -> set[str]:
-        found, waiting = set[str](), [step]
-        while waiting:
-            each = waiting.pop()
-            if each not in found:
-                found.add(each)
-                waiting += () if each in joined else self.out_of.get(each, ())
         return found
 
     def place(self, step: str) -> str:

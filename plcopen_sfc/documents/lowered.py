@@ -54,6 +54,7 @@ from plcopen_sfc.model.project import PouInstance, Project
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.processes import results
+from plcopen_sfc.reachability import reached
 from plcopen_sfc.report import ARITHMETIC, FALLING_EDGE, ConversionReport, Outcome
 
 
@@ -345,11 +346,8 @@ def _needed(project: Project, pou: str) -> set[str]:
     things = [*project.pous, *project.data_types, *project.data_blocks, *variables]
     by_name = {each.name.replace('"', "").casefold(): each for each in things}
     dialect = dialect_of(project)
-    found: set[str] = set()
-    waiting = {pou.casefold()}
-    while waiting:
-        name = waiting.pop()
-        found.add(name)
-        named = {each.replace('"', "").casefold() for each in names_in(by_name[name], dialect)}
-        waiting |= (named & by_name.keys()) - found
-    return found
+
+    def named_in(name: str) -> set[str]:
+        return {each.replace('"', "").casefold() for each in names_in(by_name[name], dialect)} & by_name.keys()
+
+    return reached([pou.casefold()], named_in)

@@ -10,8 +10,8 @@ as well. Then the divergence looks at where its branches ended. A node that all 
 divergence; one that some neighbours wait for closes a nested divergence around these; one that lies further out is
 handed to the divergence outside; everything else becomes a jump. (After Ramsey: Beyond Relooper, ICFP 2022.)
 
-Charts nest as deep as they like: walks call each other as generators that `_run` drives, so that Python's stack stays
-flat.
+Charts nest as deep as they like: walks call each other as generators that `run_walk` drives, so that Python's stack
+stays flat.
 """
 
 from __future__ import annotations
@@ -165,7 +165,7 @@ class NestedDivergence:
     branches: list[ChartSegment] = field(default_factory=list)
 
 
-_Walk = Generator["_Walk", None, None]
+Walk = Generator["Walk", None, None]
 
 
 def nest(
@@ -201,7 +201,7 @@ class _Builder:
         for start in self.flow.edges.starts:
             segment = ChartSegment(0)
             segments.append(segment)
-            _run(self.walk(segment, start))
+            run_walk(self.walk(segment, start))
             self.give_up(segment)
         for node in sorted(self.flow.edges.rank, key=self.flow.edges.rank.__getitem__):
             if (
@@ -210,11 +210,11 @@ class _Builder:
                 segment = self.waiting[node][-1]
                 if segment.items and isinstance(segment.items[-1], NestedJump):
                     segment.items.pop()
-                _run(self.walk(segment, node))
+                run_walk(self.walk(segment, node))
                 self.give_up(segment)
         return segments
 
-    def walk(self, segment: ChartSegment, node: int, waiting: tuple[int, ...] = ()) -> _Walk:
+    def walk(self, segment: ChartSegment, node: int, waiting: tuple[int, ...] = ()) -> Walk:
         """Place `node` in `segment`, and the nodes below it."""
         flow = self.flow
         while True:
@@ -261,7 +261,7 @@ class _Builder:
                 joint.members.sort(key=lambda member: places[member.sources[0]])
         segment.items.append(NestedNode(node, loose))
 
-    def close(self, segment: ChartSegment, node: int, divergence: NestedDivergence) -> _Walk:
+    def close(self, segment: ChartSegment, node: int, divergence: NestedDivergence) -> Walk:
         """Decide how the branches of the divergence below `node` end, and where `segment` goes on."""
         inner = [target for target in self.flow.edges.merges.get(node, ()) if target not in self.placed]
         segment.end = None
@@ -327,7 +327,7 @@ class _Builder:
                 self.give_up(branch)
         return True
 
-    def wrap(self, divergence: NestedDivergence, group: list[int], target: int) -> _Walk:
+    def wrap(self, divergence: NestedDivergence, group: list[int], target: int) -> Walk:
         """Put neighbouring branches into a divergence of their own that ends before `target`."""
         nested = NestedDivergence(divergence.parallel, divergence.branches[group[0] : group[-1] + 1])
         branch = ChartSegment(nested.branches[0].depth, [nested])
@@ -438,7 +438,8 @@ def _lines_below(segment: ChartSegment) -> list[ChartSegment]:
     return found
 
 
-def _run(walk: _Walk) -> None:
+def run_walk(walk: Walk) -> None:
+    """Execute a walk and those that it calls."""
     stack = [walk]
     while stack:
         inner = next(stack[-1], None)

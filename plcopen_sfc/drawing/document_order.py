@@ -9,6 +9,7 @@ from plcopen_sfc.model.conditions import WiredCondition
 from plcopen_sfc.model.drawing import Symbol, SymbolKind
 from plcopen_sfc.model.network import Block, InputPin, Node, RightPowerRail
 from plcopen_sfc.model.sfc import Condition, SfcNetwork
+from plcopen_sfc.reachability import needed_first
 
 
 def input_pins_of(node: Node) -> Iterator[InputPin]:
@@ -26,21 +27,14 @@ def input_pins_of(node: Node) -> Iterator[InputPin]:
             yield pin
 
 
-def feeding(pins: Iterable[InputPin], nodes: dict[int, Node]) -> list[int]:
-    """Return the elements of logic that the `pins` depend on, producers first."""
-    found: list[int] = []
-    seen: set[int] = set()
-    stack = [(c.source, False) for pin in pins for c in reversed(pin.connections)]
-    while stack:
-        number, done = stack.pop()
-        if done:
-            found.append(number)
-        elif number in nodes and number not in seen:
-            seen.add(number)
-            stack.append((number, True))
-            for pin in input_pins_of(nodes[number]):
-                stack += [(c.source, False) for c in pin.connections]
-    return found
+def feeding(pin: InputPin, nodes: dict[int, Node]) -> list[int]:
+    """Return the elements of logic that a pin depends on, producers first."""
+
+    def before(number: int) -> Iterable[int]:
+        pins = input_pins_of(nodes[number])
+        return reversed([c.source for each in pins for c in each.connections if c.source in nodes])
+
+    return [*needed_first((c.source for c in pin.connections if c.source in nodes), before)]
 
 
 def logic_order(chart: SfcNetwork, symbols: list[Symbol]) -> list[int] | None:
@@ -53,7 +47,7 @@ def logic_order(chart: SfcNetwork, symbols: list[Symbol]) -> list[int] | None:
     for symbol in symbols:
         condition = conditions.get(symbol.id) if symbol.kind is SymbolKind.TRANSITION else None
         if isinstance(condition, WiredCondition):
-            order.update(dict.fromkeys(feeding([condition.input], nodes)))
+            order.update(dict.fromkeys(feeding(condition.input, nodes)))
         order[symbol.id] = None
     order.update(dict.fromkeys(nodes))
     return list(order)

@@ -28,7 +28,7 @@ from plcopen_sfc.drawing.drawing_style import (
 from plcopen_sfc.drawing.new_drawing import Pen, draw, highest_id, sketch
 from plcopen_sfc.drawing.symbol_layout import has_positions, layout, place_nearby
 from plcopen_sfc.grouping import Clusters
-from plcopen_sfc.model.drawing import BARS, CONVERGENCES, DIVERGENCES, STEPS, Drawing, Places, Symbol, SymbolKind
+from plcopen_sfc.model.drawing import BARS, DIVERGENCES, STEPS, Drawing, Places, Symbol, SymbolKind
 from plcopen_sfc.model.network import InputPin, OutputPin
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Body, BodyCondition, Condition, SfcBody, SfcNetwork
@@ -164,22 +164,14 @@ class _Roles:
 
     def reach(self, number: int, neighbours: Mapping[int, Iterable[int]]) -> frozenset[int]:
         """Return the steps and transitions next to a bar or jump in one direction; to jumps, what they lead to."""
-        found: set[int] = set()
-        seen = {number}
-        pending = [number]
-        while pending:
-            for other in neighbours.get(pending.pop(), ()):
-                symbol = self.symbols.get(other)
-                if symbol is None or other in seen:
-                    continue
-                seen.add(other)
-                if symbol.kind in DIVERGENCES or symbol.kind in CONVERGENCES:
-                    pending.append(other)
-                elif symbol.kind is SymbolKind.JUMP:
-                    found.add(-1 if symbol.target is None else symbol.target)
-                else:
-                    found.add(other)
-        return frozenset(found)
+
+        def beyond(other: int) -> Iterable[int]:
+            is_passed = other == number or self.symbols[other].kind in BARS
+            return (each for each in neighbours.get(other, ()) if each in self.symbols) if is_passed else ()
+
+        symbols = [self.symbols[other] for other in reached([number], beyond) if other != number]
+        ends = (-1 if each.target is None else each.target for each in symbols if each.kind is SymbolKind.JUMP)
+        return frozenset([*ends, *(each.id for each in symbols if each.kind not in BARS | {SymbolKind.JUMP})])
 
 
 _FLOW = BARS | {SymbolKind.JUMP}

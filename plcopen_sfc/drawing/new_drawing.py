@@ -7,7 +7,7 @@ of one kind share their bars.
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from plcopen_sfc.drawing.chart_nesting import (
@@ -16,8 +16,10 @@ from plcopen_sfc.drawing.chart_nesting import (
     NestedDivergence,
     NestedJump,
     NestedNode,
+    Walk,
     alike,
     nest,
+    run_walk,
 )
 from plcopen_sfc.drawing.document_order import logic_order
 from plcopen_sfc.drawing.drawing_style import DrawingStyle
@@ -205,9 +207,6 @@ class _Tail:
     bar: SymbolKind | None = None
 
 
-_Drawn = Generator["_Drawn", None, None]
-
-
 class _Sketch:
     """Draws segments. `tail` is the end of the segment that is being drawn."""
 
@@ -223,13 +222,7 @@ class _Sketch:
     def run(self, segments: Iterable[ChartSegment]) -> list[Symbol]:
         for segment in segments:
             self.tail = _Tail()
-            stack = [self.segment(segment)]
-            while stack:
-                inner = next(stack[-1], None)
-                if inner is None:
-                    stack.pop()
-                else:
-                    stack.append(inner)
+            run_walk(self.segment(segment))
         # at the end, as the steps of a loose transition may be drawn after it
         for symbol, transition in self.loose:
             outlets = [self.outlets[step] for step in self.flow.joints[transition].sources]
@@ -237,7 +230,7 @@ class _Sketch:
         self.pen.dress_divergences(self.symbols, {s.id for s in self.symbols}, consumers_of(self.symbols))
         return self.symbols
 
-    def segment(self, segment: ChartSegment) -> _Drawn:
+    def segment(self, segment: ChartSegment) -> Walk:
         for item in segment.items:
             if isinstance(item, NestedDivergence):
                 yield self.divergence(item)
@@ -278,7 +271,7 @@ class _Sketch:
             return [bar.id]
         return wires[:1]
 
-    def divergence(self, divergence: NestedDivergence) -> _Drawn:
+    def divergence(self, divergence: NestedDivergence) -> Walk:
         kind = _DIVERGENCE[divergence.parallel]
         above = self.tail
         if self.structured or above.bar is not kind:

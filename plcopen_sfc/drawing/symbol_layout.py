@@ -360,7 +360,7 @@ class _Layout:
                 continue
             drawn = [c.source for c in pin.connections if c.source in self.symbols and c.source not in taken]
             drawn = [i for i in drawn if self.symbols[i].kind is SymbolKind.EXPRESSION]
-            nodes = [i for i in feeding([pin], self.nodes) if i not in taken]
+            nodes = [i for i in feeding(pin, self.nodes) if i not in taken]
             self.expressions[symbol.id], self.logic[symbol.id] = drawn, nodes
             taken.update(drawn, nodes)
         self.taken = taken

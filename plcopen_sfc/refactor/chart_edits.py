@@ -13,7 +13,7 @@ from plcopen_sfc.languages.st import parse_condition
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.sfc import Condition, SfcNetwork, Step, Transition, by_priority
-from plcopen_sfc.reachability import reached
+from plcopen_sfc.reachability import needed_first, reached
 from plcopen_sfc.refactor.builder import append_branch
 from plcopen_sfc.refactor.journal import Journal
 from plcopen_sfc.refactor.queries import dialect_in, pou_of
@@ -344,22 +344,11 @@ def along_the_flow(chart: SfcNetwork) -> list[Step]:
     for step in chart.steps:
         after[step.id] = [i for each in chart.outgoing(step) for i in each.targets if i in steps]
     found: list[Step] = []
+    done: set[int] = set()
     for start in (*chart.initial_steps, *chart.steps):
-        found += _topological(start.id, after, steps)
+        below = [steps[i] for i in needed_first([start.id], lambda number: reversed(after[number]), done)]
+        found += reversed(below)
     return found
-
-
-def _topological(start: int, after: dict[int, list[int]], steps: dict[int, Step]) -> list[Step]:
-    """Return the steps below one, each behind all that lead to it but for jumps back; they are taken out of `after`."""
-    finished: list[Step] = []
-    waiting = [(start, False)]
-    while waiting:
-        number, done = waiting.pop()
-        if done:
-            finished.append(steps[number])
-        elif number in after:
-            waiting += [(number, True), *((each, False) for each in after.pop(number))]
-    return finished[::-1]
 
 
 def renumber(journal: Journal, chart: SfcNetwork, start: int, increment: int) -> dict[str, int]:

@@ -22,6 +22,7 @@ from plcopen_sfc.languages.st.nodes import Expression as Tree
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, conjunction, disjunction, negation, simplified
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step, Transition, by_priority
+from plcopen_sfc.reachability import reached
 from plcopen_sfc.semantics.charts.chart_actions import Owner
 from plcopen_sfc.semantics.charts.grafcet.partial_charts import Hierarchy, RuledChart
 from plcopen_sfc.semantics.net import Net, indexes
@@ -410,18 +411,12 @@ class Rules:
 
     def _ring(self, step: Step) -> set[int] | None:
         """Return the steps of which, with `step`, always exactly one is active; None: unknown."""
-        found, waiting = {step.id}, [step.id]
-        while waiting:
-            here = waiting.pop()
-            for transition in self._chart.transitions:
-                if here in transition.sources or here in transition.targets:
-                    if len(transition.sources) != 1 or len(transition.targets) != 1:
-                        return None
-                    for other in (*transition.sources, *transition.targets):
-                        if other not in found:
-                            found.add(other)
-                            waiting.append(other)
-        return found if sum(each.initial for each in self._chart.steps if each.id in found) == 1 else None
+        joined = [{*each.sources, *each.targets} for each in self._chart.transitions]
+        ring = reached([step.id], lambda here: (other for ids in joined if here in ids for other in ids))
+        for each in self._chart.transitions:
+            if not ring.isdisjoint((*each.sources, *each.targets)) and not len(each.sources) == len(each.targets) == 1:
+                return None
+        return ring if sum(each.initial for each in self._chart.steps if each.id in ring) == 1 else None
 
 
 def step_flag(step: Step) -> Tree:

@@ -58,6 +58,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.drawing import Symbol
 from plcopen_sfc.model.sfc import PermanentOperation, Sequence, SfcNetwork, Step, Supervised, Transition
 from plcopen_sfc.model.text import plain
+from plcopen_sfc.reachability import reached
 from plcopen_sfc.report import Outcome
 
 _WATCHED = "a network behind the sequence sets SFCError when a step is active longer than its maximum time"
@@ -230,15 +231,11 @@ class _ChartWriter:
             for one, other in pairwise(ends):
                 near[one].append(other)
                 near[other].append(one)
-        reached: dict[int, int] = {}
+        found: dict[int, int] = {}
         for index, sequence in enumerate(sequences):
-            waiting = [number for number in sequence.steps if number in near]
-            while waiting:
-                number = waiting.pop()
-                if number not in reached:
-                    reached[number] = index
-                    waiting += near[number]
-        return {number: reached.get(number, len(sequences) - 1) for number in near}
+            for number in reached((each for each in sequence.steps if each in near), near.__getitem__):
+                found.setdefault(number, index)
+        return {number: found.get(number, len(sequences) - 1) for number in near}
 
     def _sequence(self, parent: etree._Element, sequence: Sequence, transitions: list[Transition]) -> None:
         ctx = self.ctx

@@ -10,6 +10,7 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.networks.results import NetworkProblem
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model import network as net
+from plcopen_sfc.reachability import needed_first
 
 Source = tuple[int, str | None]
 """An output: the id of an element, and the name of the pin where the element is a block."""
@@ -172,13 +173,8 @@ class Graph:
         top to bottom and from left to right (in the order of the file where nothing has a place). An element that feeds
         another comes before it, but for feedback.
         """
-        done: set[int] = set()
-        for network in self.networks:
-            for root in sorted(network, key=_sort_key(network)):
-                if self._is_root(root):
-                    yield from self._with_feeding(root, done)
-            for node in network:
-                yield from self._with_feeding(node, done)
+        for_each = ((*filter(self._is_root, sorted(each, key=_sort_key(each))), *each) for each in self.networks)
+        return self._fed_first(node.id for nodes in for_each for node in nodes)
 
     def roots(self) -> Iterator[net.Node]:
         """Yield the elements that are executed when their turn comes, in the order of execution."""
@@ -187,10 +183,7 @@ class Graph:
 
     def execution_for(self, sources: Iterable[Source]) -> Iterator[net.Node]:
         """The elements that these outputs need, once each: what feeds an element comes before it, but for feedback."""
-        done: set[int] = set()
-        for number, _ in sources:
-            if number in self.nodes:
-                yield from self._with_feeding(self.nodes[number], done)
+        return self._fed_first(number for number, _ in sources if number in self.nodes)
 
     def _is_root(self, node: net.Node) -> bool:
         """True if it is executed when its turn comes, not only when something needs its value."""
@@ -208,17 +201,11 @@ class Graph:
             isinstance(node, net.InOutVariable) and is_fed(node.input)
         )
 
-    def _with_feeding(self, root: net.Node, done: set[int]) -> Iterator[net.Node]:
-        stack: list[tuple[int, bool]] = [(root.id, False)]
-        while stack:
-            number, fed = stack.pop()
-            if fed:
-                yield self.nodes[number]
-            elif number in self.nodes and number not in done:
-                done.add(number)
-                stack.append((number, True))
-                feeding = [source for sources in self._sources[number] for source, _ in sources]
-                stack.extend((source, False) for source in reversed(feeding))
+    def _fed_first(self, starts: Iterable[int]) -> Iterator[net.Node]:
+        def feeding(number: int) -> list[int]:
+            return [source for sources in self._sources[number] for source, _ in sources if source in self.nodes]
+
+        return (self.nodes[number] for number in needed_first(starts, feeding))
 
 
 def _pin_type(block: net.Block, pin: str | None) -> str | None:

@@ -14,6 +14,7 @@ from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.model.types import DerivedType, SimpleValue, Variable
 from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.reachability import reached
 
 
 class UntouchedVariables:
@@ -41,13 +42,7 @@ class UntouchedVariables:
 
     def called(self, name: str) -> set[str]:
         """Return the names in all that a call of this name executes in the POU."""
-        found: set[str] = set()
-        waiting = [name]
-        while waiting:
-            words = self._bodies.get(waiting.pop(), set()) - found
-            found |= words
-            waiting += words & self._bodies.keys()
-        return found
+        return reached(self._bodies.get(name, ()), lambda word: self._bodies.get(word, ()))
 
 
 _LOCAL = (SectionKind.LOCAL, SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.TEMP)

@@ -33,6 +33,7 @@ from plcopen_sfc.lowering.code.statement_lists import (
     with_bodies,
 )
 from plcopen_sfc.model.types import DerivedType, ElementaryType
+from plcopen_sfc.reachability import reached
 
 _FARTHEST = 12
 """Number of statements that may be between a helper and its reader: what is farther away is read better by its name."""
@@ -103,12 +104,9 @@ def remove_unread(code: LoweredCode, kept: Collection[Expression]) -> None:
     }
     unread -= set(names_in(*kept))
     written: dict[str, set[str]] = {name: set() for name in unread}
-    waiting = [name for network in code.networks for each in network.statements for name in _read(each, written)]
-    while waiting:
-        name = waiting.pop()
-        if name in unread:
-            unread.remove(name)
-            waiting += written[name]
+    read = [name for network in code.networks for each in network.statements for name in _read(each, written)]
+    needed = reached(read, lambda name: written.get(name, ()))
+    unread -= needed
     if unread:
         networks = (replace(each, statements=_without(each.statements, unread)) for each in code.networks)
         code.networks[:] = [each for each in networks if each.statements]
