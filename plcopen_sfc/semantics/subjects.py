@@ -17,7 +17,6 @@ from plcopen_sfc.languages.binding import uncalled_actions
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
-from plcopen_sfc.model.types import EnumType
 from plcopen_sfc.semantics.charts.chart_program import ChartProgram
 from plcopen_sfc.semantics.charts.running_chart import RunningChart
 from plcopen_sfc.semantics.programs.controller import Instance
@@ -31,7 +30,7 @@ from plcopen_sfc.semantics.programs.runtime_types import (
     ScalarType,
     Type,
 )
-from plcopen_sfc.semantics.signals import Signal, SignalKind
+from plcopen_sfc.semantics.signals import Signal
 
 _NOT_SHOWN = frozenset({"constant", "temp"})
 _NOT_COMPARED = frozenset({Direction.CONSTANT, Direction.TEMP, Direction.IN_OUT})
@@ -64,11 +63,11 @@ def watched(instance: Instance) -> dict[str, Watched]:
             continue
         if inputs.pop(path.casefold(), None) is not None and direction != "in_out":
             direction = "input"
-        _watch(found, instance, path, variable.type, direction)
+        _watch(found, path, variable.type, direction)
     for path, type_ in inputs.values():
         root = instance.unit.layout.find(re.split(r"[.\[]", path)[0])
         in_out = root is not None and root.direction is Direction.IN_OUT
-        _watch(found, instance, path, type_, "in_out" if in_out else "input")
+        _watch(found, path, type_, "in_out" if in_out else "input")
     return found
 
 
@@ -87,7 +86,7 @@ def watched_members(instance: Instance) -> tuple[dict[str, Watched], list[str]]:
             if isinstance(type_, ArrayOf):
                 large.append(path)
             elif path.casefold() not in inputs:
-                _watch(found, instance, path, type_, str(direction))
+                _watch(found, path, type_, str(direction))
     return found, large
 
 
@@ -123,22 +122,10 @@ def _inside(
         yield path, type_, direction
 
 
-def _watch(found: dict[str, Watched], instance: Instance, path: str, type_: Type, direction: str) -> None:
+def _watch(found: dict[str, Watched], path: str, type_: Type, direction: str) -> None:
     signal = signal_of(type_)
     if signal is not None:
-        if signal.kind is SignalKind.ENUMERATION:
-            signal = _as_declared(signal, instance.controller.project)
         found[path] = Watched(signal, direction)
-
-
-def _as_declared(signal: Signal, project: Project) -> Signal:
-    """Return an enumeration with its names as they are written in the project; programs know them in lower case."""
-    for declared in project.data_types:
-        if isinstance(declared.type, EnumType) and declared.name.casefold() == signal.type.casefold():
-            written = {value.name.casefold(): value.name for value in declared.type.values}
-            names = {number: written.get(name.casefold(), name) for number, name in signal.names.items()}
-            return Signal.enumeration(declared.name, names)
-    return signal
 
 
 def is_written(instance: Instance, path: str) -> bool:
@@ -201,7 +188,7 @@ def signal_of(type_: Type) -> Signal | None:
     if not isinstance(type_, ScalarType) or type_.family is Family.SPECIAL:
         return None
     if type_.names:
-        return Signal.enumeration(type_.name, {value: name for name, value in type_.names.items()})
+        return Signal.enumeration(type_.name, type_.spelled)
     plain = Signal.elementary("TIME" if type_.family is Family.DURATION else type_.name)
     least, greatest = type_.narrowed or (type_.least, type_.greatest)
     if not type_.is_ranged:

@@ -332,3 +332,37 @@ def test_types_that_contain_themselves_are_looked_through_once() -> None:
     for project in (source, in_s7):
         there = sfc.loads(convert(project, "codesys", partial=True)[0])
         assert {each.name for each in there.data_types} == {"A", "B"}
+
+
+@pytest.mark.parametrize(
+    ("value", "last"),
+    [
+        ("[(a := 3), (a := 3), 1((a := 5))]", 5),
+        ("[1((a := 1, b := TRUE)), (a := 2), 1((a := 4))]", 4),
+        ("[(a := 3), 1((b := TRUE)), (a := 6)]", 6),
+        ("[1((a := 3)), ()]", 0),
+        ("[2((a := 7)), (a := 7)]", 7),
+    ],
+)
+@pytest.mark.parametrize("target", ["simaticml", "scl", "codesys", "plcopen-2.01"])
+def test_elements_that_are_structures_start_with_their_values_however_they_are_repeated(
+    target: str, value: str, last: int
+) -> None:
+    source = sfc.loads(
+        f"""TYPE Pair : STRUCT a : INT; b : BOOL; END_STRUCT END_TYPE
+FUNCTION_BLOCK Main
+VAR x : ARRAY[1..3] OF Pair := {value}; END_VAR
+VAR_OUTPUT y, z : INT; END_VAR
+y := x[3].a; z := x[1].a;
+END_FUNCTION_BLOCK
+""".encode(),
+        format="iec-text",
+    )
+    data, report = convert(source, target)
+    assert report.losses == []
+    seen = sfc.loads(data, format=target, as_tool=True)
+    outputs = [sfc.simulate(each, pou="Main", scans=1, record=["y", "z"]) for each in (source, seen)]
+    assert [trace["y"][0] for trace in outputs] == [last] * 2
+    assert outputs[0]["z"] == outputs[1]["z"]
+    back = sfc.loads(data, format=target).pou("Main")
+    assert next(v.initial for v in back.variables() if v.name == "x") == source.pou("Main").variables()[0].initial

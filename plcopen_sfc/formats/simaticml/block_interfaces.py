@@ -340,7 +340,9 @@ def _write_start(
         # read, the values are those of its members, which are a part of its type
         return False, {"type", "initial"} if write_nested(element, type_, start, ctx.s7_types.declared) else set()
     if has_nested(element) or (start is not None and _is_nested(type_)):
-        return write_nested(element, type_, start, ctx.s7_types.declared), set()
+        if not write_nested(element, type_, start, ctx.s7_types.declared):
+            return False, set()
+        return (True, set()) if read_nested(element) == start else (False, {"initial"})  # as `2(x)` for `x, x`
     if isinstance(start, t.SimpleValue):
         marks = _marks(attributes_of(variable.extension_data), "StartValue")
         sub(element, "StartValue", marks).text = legal_text(start.text or "") or None

@@ -172,8 +172,9 @@ def write_nested(
         type_ = _type_of(element)
     try:
         entries = [] if value is None else list(apart(value, type_, types))
-        if value != assembled(entries, type_, types):  # what does not come back would be lost without a word
-            return False
+        again = assembled(entries, type_, types)
+        if again is not None and list(apart(again, type_, types)) != entries:
+            return False  # what does not come back would be lost without a word
         places = [_find(element, path, types) for path, _ in entries]
     except ValuePathError:
         return False

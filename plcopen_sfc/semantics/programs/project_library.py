@@ -160,15 +160,15 @@ class TypeReader:
         base = self.read(type_.base, scope) if type_.base is not None else t.INT
         if not isinstance(base, t.ScalarType):
             raise SimulationError(f"{name} is an enumeration of {base.name}")
-        names: dict[str, int] = {}
+        names, spelled = dict[str, int](), dict[int, str]()
         following = 0
         for value in type_.values:
             if value.value is not None and value.value.strip():
                 text = value.value.strip()
                 following = names[text.casefold()] if text.casefold() in names else _constant(scope, text)
-            names[value.name.casefold()] = following
+            names[value.name.casefold()], spelled[following] = following, value.name
             following += 1
-        return replace(base, name=name, names=names)
+        return replace(base, name=name, names=names, spelled=spelled)
 
 
 def _constant(scope: Scope, text: str) -> int:

@@ -52,7 +52,7 @@ class ScalarType(Type):
 
     `least` and `greatest` are the range of the type that values wrap in, `unit` the grain of durations and times in
     nanoseconds; `bits` the width. `length` is that of strings, in characters. `narrowed` are the bounds of a subrange;
-    `names` the values of an enumeration by their names in lower case.
+    `names` the values of an enumeration by their names in lower case, `spelled` its names as they are declared.
     """
 
     family: Family
@@ -63,6 +63,7 @@ class ScalarType(Type):
     length: int = 0
     narrowed: tuple[int, int] | None = None
     names: Mapping[str, int] = field(default_factory=dict, compare=False)
+    spelled: Mapping[int, str] = field(default_factory=dict, compare=False)
 
     @property
     def is_ranged(self) -> bool:

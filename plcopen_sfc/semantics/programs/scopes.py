@@ -353,6 +353,8 @@ class Scope:
                 found = self.around._local(key, "t")
                 if found is not None:
                     return found
+        if called and self.unit is not None and self.unit.method(name.identifier) is not None:
+            return Unknown(name.identifier)  # a method of its own hides what is global
         if name.quoting in (Quoting.LOCAL, Quoting.LOCAL_QUOTED):
             return Unknown(name.identifier)
         for level in self.outer():

@@ -401,6 +401,37 @@ def test_methods_are_called(variables: str, body: str, path: str, expected: int,
     assert main(variables, body, dialect, more=METHODS)[path] == expected
 
 
+HIDING = """CONFIGURATION c VAR_GLOBAL {name} : UDINT; END_VAR END_CONFIGURATION
+FUNCTION_BLOCK Base
+VAR n : INT; END_VAR
+METHOD Count : INT
+n := n + 1; Count := n;
+END_METHOD
+{body}
+END_FUNCTION_BLOCK
+FUNCTION Twice : INT VAR_INPUT x : INT; END_VAR Twice := 2 * x; END_FUNCTION
+"""
+
+
+@pytest.mark.parametrize("dialect", [Dialect.CODESYS, Dialect.IEC])
+@pytest.mark.parametrize("name", ["Count", "COUNT", "other"])
+@pytest.mark.parametrize(
+    ("body", "expected"), [("Count();", 1), ("n := Count() + 1;", 2), ("n := Twice(x := Count());", 2)]
+)
+def test_a_method_of_the_block_hides_a_global_variable_of_its_name(
+    body: str, expected: int, name: str, dialect: Dialect
+) -> None:
+    assert main("fb : Base;", "fb();", dialect, more=HIDING.format(name=name, body=body))["fb.n"] == expected
+
+
+def test_a_variable_of_the_block_is_still_no_method_of_it() -> None:
+    more = (
+        HIDING.format(name="Twice", body="n := 4;")
+        + "FUNCTION_BLOCK Own VAR Count : Base; END_VAR Count(); END_FUNCTION_BLOCK"
+    )
+    assert main("fb : Own;", "fb();", more=more)["fb.Count.n"] == 4
+
+
 @pytest.mark.parametrize("use", ["c := c + 1;", "s.a := 1;", "b.Reset();", "b(x := 1);", "a[1] := a[0];", "s := s;"])
 def test_an_in_out_that_a_call_leaves_out_is_an_error(use: str) -> None:
     more = f"""{METHODS} TYPE Pair : STRUCT a : INT; END_STRUCT; END_TYPE

@@ -88,6 +88,19 @@ def test_the_initial_value_of_an_enumeration_is_one_of_its_own_names() -> None:
     assert (instance["mode"], instance["n"], instance["own"]) == (10, 10, 3)
 
 
+def test_values_of_enumerations_are_shown_as_they_are_declared() -> None:
+    """Also those of members and elements, of a start value of their own, and of an enumeration in place."""
+    project = project_of(
+        "TYPE Mode : (Idle, Busy); Settings : STRUCT m, other : Mode; END_STRUCT; END_TYPE\nPROGRAM Main\n"
+        "VAR mode : Mode; s : Settings := (m := Busy); all : ARRAY[1..2] OF Mode; here : (One, Two); END_VAR\n"
+        "mode := Busy; here := Two;\nEND_PROGRAM"
+    )
+    names = ["mode", "s.m", "s.other", "all[2]", "here"]
+    trace = sfc.simulate(project, pou="Main", scans=1, record=names)
+    shown = str(trace).splitlines()[-1].split()
+    assert shown[-5:] == ["Busy", "Busy", "Idle", "Idle", "Two"]
+
+
 def test_enumerations_of_codesys_are_named_with_their_type() -> None:
     assert main("n : INT;", "n := Colour.Green;", Dialect.CODESYS, more=TYPES)["n"] == 5
 
