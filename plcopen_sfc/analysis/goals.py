@@ -243,7 +243,7 @@ class Goals:
         for number, (chart, _) in enumerate(self.charts):
             for step in chart.net.steps if chart in self._own else ():
                 at, model = (number, step.bit), step.step
-                names = [each for each in (model.entry_action, model.main_action, model.exit_action) if each]
+                names = [each for each in model.step_actions.values() if each]
                 names += [each.target for each in model.actions if each.target and each.qualifier not in _STORED]
                 owners = [f"{own}.{name}" for name in names if isinstance(name, str)]
                 for owner in (*owners, f"{own} / step {step.path}"):

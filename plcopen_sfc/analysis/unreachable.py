@@ -330,7 +330,7 @@ class Unreachable:
         for step in net.steps:
             own = step.step
             rows = [each for each in own.actions if each.qualifier in _WHILE_ACTIVE and not each.negated]
-            names = [each.target for each in rows] + [own.entry_action, own.main_action, own.exit_action]
+            names = [*(each.target for each in rows), *own.step_actions.values()]
             found |= {
                 name.casefold(): step
                 for name in names

@@ -477,11 +477,7 @@ def _bodies_in(step: Step) -> Iterator[Body]:
     if step.macro is not None and step.macro.body is not None:
         yield step.macro.body
     yield from (a.body for a in step.actions if a.body is not None)
-    yield from (a for a in _step_actions(step) if not isinstance(a, str))
-
-
-def _step_actions(step: Step) -> list[str | Body]:
-    return [action for action in (step.entry_action, step.main_action, step.exit_action) if action]
+    yield from (a for a in step.step_actions.values() if not isinstance(a, str))
 
 
 def _chart(name: str, pou_kind: str, chart: SfcNetwork) -> ChartSummary:
@@ -498,7 +494,7 @@ def _chart(name: str, pou_kind: str, chart: SfcNetwork) -> ChartSummary:
         simultaneous_branches=sum(len(transition.targets) > 1 for transition in chart.transitions),
         jumps=None if symbols is None else sum(symbol.kind is SymbolKind.JUMP for symbol in symbols),
         action_associations=sum(1 for _ in chart.associations()),
-        step_actions=sum(len(_step_actions(step)) for step in chart.steps),
+        step_actions=sum(1 for step in chart.steps for action in step.step_actions.values() if action),
         named_conditions=sum(isinstance(transition.condition, NamedCondition) for transition in chart.transitions),
         sequences=len(chart.sequences) or None,
         interlocks=sum(step.interlock is not None for step in chart.steps) if chart.sequences else None,

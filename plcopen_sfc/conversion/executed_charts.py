@@ -36,7 +36,7 @@ from plcopen_sfc.languages.networks import NetworkExpression, chart_statements, 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform
 from plcopen_sfc.model import sfc
-from plcopen_sfc.model.actions import ActionEvent, Qualifier
+from plcopen_sfc.model.actions import STEP_ACTIONS, ActionEvent, Qualifier
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.chart_settings import OPERATING_FLAGS, WATCHING_FLAGS, SfcFlag
@@ -612,10 +612,9 @@ def _executed_by(step: sfc.Step) -> Iterator[tuple[str, Qualifier]]:
     for row in step.actions:
         if row.value is None and isinstance(row.target, str):
             yield plain_name(row.target), row.qualifier
-    pairs = ((step.entry_action, Qualifier.P1), (step.main_action, Qualifier.N), (step.exit_action, Qualifier.P0))
-    for action, qualifier in pairs:
+    for kind, action in step.step_actions.items():
         if isinstance(action, str):
-            yield plain_name(action), qualifier
+            yield plain_name(action), STEP_ACTIONS[kind]
 
 
 def _same_name(argument: n.Argument) -> str:

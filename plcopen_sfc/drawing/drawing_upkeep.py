@@ -456,7 +456,7 @@ def _inner(chart: SfcNetwork) -> list[Body | SfcNetwork | None]:
     for step in chart.steps:
         if step.macro is not None:
             inner.append(step.macro.body)
-        inner += [a for a in (step.entry_action, step.main_action, step.exit_action) if not isinstance(a, str)]
+        inner += [a for a in step.step_actions.values() if not isinstance(a, str)]
         inner += [_body_of(part.condition) for part in (step.interlock, step.supervision) if part is not None]
         for association in step.actions:
             inner += [association.body, _body_of(association.condition)]

@@ -147,8 +147,7 @@ class Wording:
 
     def step_actions(self, step: Step) -> Iterator[tuple[ActionLine, str | Body]]:
         """Yield the entry, main and exit action of a step, each in words and as it is in the model."""
-        named = (("entry", step.entry_action), ("main", step.main_action), ("exit", step.exit_action))
-        for label, action in named:
+        for label, action in step.step_actions.items():
             if action:
                 words = action if isinstance(action, str) else body_words(action)
                 yield ActionLine(words, self.told(label)), action

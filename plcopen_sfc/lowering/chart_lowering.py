@@ -396,5 +396,5 @@ def next_chart(charts: Iterable[Chart]) -> str | None:
 def _actions_of(chart: Chart) -> Iterator[str]:
     """Yield the names of the actions that the steps of a chart use, but for its own."""
     for step in chart.chart.steps:
-        used = [*(each.target for each in step.actions), step.entry_action, step.main_action, step.exit_action]
+        used = [*(each.target for each in step.actions), *step.step_actions.values()]
         yield from (name for name in used if isinstance(name, str) and f"{chart.pou.name}.{name}" != chart.name)

@@ -55,6 +55,8 @@ class Qualifier(StrEnum):
         return self in _TIMED
 
 
+STEP_ACTIONS = {"entry": Qualifier.P1, "main": Qualifier.N, "exit": Qualifier.P0}
+"""Step actions of CODESYS, each with the qualifier of an association that is executed at the same time."""
 _TIMED = frozenset({Qualifier.L, Qualifier.D, Qualifier.SD, Qualifier.DS, Qualifier.SL, Qualifier.DL})
 
 

@@ -20,7 +20,15 @@ from pydantic import BeforeValidator, Field
 from plcopen_sfc.errors import ArgumentError, Location, ModelError, check_argument, nearest
 from plcopen_sfc.grouping import Clusters, grouped
 from plcopen_sfc.model import times
-from plcopen_sfc.model.actions import ActionEvent, ActionKind, ForcingOrder, Monitoring, Qualifier, SymbolAccess
+from plcopen_sfc.model.actions import (
+    STEP_ACTIONS,
+    ActionEvent,
+    ActionKind,
+    ForcingOrder,
+    Monitoring,
+    Qualifier,
+    SymbolAccess,
+)
 from plcopen_sfc.model.base import Element, ElementId, Model
 from plcopen_sfc.model.body import BodyBase, FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.chart_settings import NEED_ERROR, GraphSettings, SfcFlag, SfcSettings
@@ -183,6 +191,12 @@ class Step(OwnedName, Element):
 
     OWNS: ClassVar[tuple[str, ...]] = ("macro", "actions")
     TIMES: ClassVar[tuple[str, ...]] = ("min_time", "max_time", "warning_time")
+
+    @property
+    def step_actions(self) -> dict[str, str | Body]:
+        """The step actions that there are: by ``entry``, ``main`` and ``exit``, in this order."""
+        found = {kind: getattr(self, f"{kind}_action") for kind in STEP_ACTIONS}
+        return {kind: action for kind, action in found.items() if action is not None}
 
     def action_labels(self) -> list[str]:
         """Return a label for each action: its target, what it forces, or ``inline``; numbered where several have it."""

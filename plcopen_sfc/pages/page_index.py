@@ -171,7 +171,7 @@ class PageIndex:
                 )
             for step in part.chart.steps:
                 told = [each for row in step.actions for each in (row, row.condition, row.body)]
-                actions = (step.entry_action, step.main_action, step.exit_action)
+                actions = step.step_actions.values()
                 supervised = (each.condition for each in (step.interlock, step.supervision) if each is not None)
                 found[self.anchor(step)] = self._named(step) | self._names_in(step, *told, *actions, *supervised)
         return found

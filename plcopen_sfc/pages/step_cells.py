@@ -122,12 +122,10 @@ class StepCells:
         return joined(" ", element("em", self.words("excluded"))) if thing.exclude else Html("")
 
     def _actions(self, step: sfc.Step) -> Iterator[Html]:
-        named = {"entry": "entry_action", "main": "main_action", "exit": "exit_action"}
-        for label, key in named.items():
-            action = getattr(step, key)
+        for label, action in step.step_actions.items():
             if isinstance(action, str) and action:
-                text = self._text_of(action)
-                yield joined(element("b", self.words(label)), " ", self._index.linked(step, key), text)
+                text, linked = self._text_of(action), self._index.linked(step, f"{label}_action")
+                yield joined(element("b", self.words(label)), " ", linked, text)
             elif action:
                 yield joined(element("b", self.words(label)), " ", self._bodies.content(action))
         for association in step.actions:

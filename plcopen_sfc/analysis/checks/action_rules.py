@@ -214,11 +214,7 @@ def _step_actions(chart: CheckedChart) -> Iterator[Finding]:
         return
     known = {action.name.casefold() for action in chart.pou.actions} | {m.name.casefold() for m in chart.pou.methods}
     for sheet, step in chart.steps():
-        for kind, name in (
-            ("entry", step.entry_action),
-            ("main", step.main_action),
-            ("exit", step.exit_action),
-        ):
+        for kind, name in step.step_actions.items():
             if isinstance(name, str) and name.isidentifier() and name.casefold() not in known:
                 yield Finding(sheet.at(step), f"the POU has no action {name!r}, the {kind} action of the step")
 

@@ -696,7 +696,6 @@ def _charts_in(
 def _bodies_in(sheet: CheckedSheet) -> Iterator[tuple[FindingPlace, sfc.Body | str | None]]:
     """Return the bodies that steps have in place."""
     for step in sheet.steps:
-        actions = (step.entry_action, step.main_action, step.exit_action)
-        yield from ((sheet.at(step), action) for action in actions)
+        yield from ((sheet.at(step), action) for action in step.step_actions.values())
     for step, association in sheet.actions():
         yield sheet.at(step, association), association.body

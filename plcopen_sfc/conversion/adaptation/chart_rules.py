@@ -24,7 +24,7 @@ from plcopen_sfc.conversion.adaptation.operating_inputs import OperatingModes
 from plcopen_sfc.conversion.adaptation.passed_steps import SkipRewriter
 from plcopen_sfc.conversion.adaptation.sequence_loops import SequenceRewriter, steps_to_start, undrawable
 from plcopen_sfc.conversion.adaptation.sequencer_rewriting import PermanentRewriter, ShownState
-from plcopen_sfc.conversion.adaptation.special_rows import has_special_rows, shared_step_actions, stays_in_place
+from plcopen_sfc.conversion.adaptation.special_rows import is_special, shared_step_actions, stays_in_place
 from plcopen_sfc.conversion.adaptation.step_checks import ACKNOWLEDGING, StepChecks
 from plcopen_sfc.conversion.adaptation.step_rewriting import StepRewriter
 from plcopen_sfc.conversion.executed_parts import OPERATING_INPUT, told_flag
@@ -58,7 +58,9 @@ from plcopen_sfc.report import ORDER_OF_ACTIONS, ConversionReport, Outcome
 def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> bool:
     """True if `rewrite_charts` would change a chart, or report something of it."""
     chart = place.chart
-    if options.of_graph or chart.graph_settings is not None or has_special_rows(chart):
+    if options.of_graph or chart.graph_settings is not None:
+        return True
+    if any(is_special(row) for _, row in chart.associations()):
         return True
     if any(is_supervised(step) for step in chart.steps):
         return True

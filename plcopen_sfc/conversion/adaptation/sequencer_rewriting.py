@@ -265,7 +265,8 @@ class PermanentRewriter:
             if self._host.is_codesys:
                 return "the conditions read its results in the same scan, but the steps that follow act a scan later"
             return f"the conditions read its results in the next scan: {title} executes it after the transitions"
-        actions = self._step_actions() if self._host.is_codesys else self._rows(initial, before=True)
+        of_steps = (self._effects_of(each) for step in self._chart.steps for each in step.step_actions.values())
+        actions = of_steps if self._host.is_codesys else self._rows(initial, before=True)
         if self._interfere(own, actions) or self._interfere(Effects(writes=own.writes), self._operands()):
             return f"{title} may execute other actions of the chart before it, which have variables in common with it"
         return None
@@ -295,11 +296,6 @@ class PermanentRewriter:
             tree = parse_expression(text, self._host.dialect).tree if text is not None else None
             found |= effects([tree]).reads if tree is not None else set()
         return frozenset(found)
-
-    def _step_actions(self) -> Iterator[Effects]:
-        for step in self._chart.steps:
-            for action in (step.entry_action, step.main_action, step.exit_action):
-                yield self._effects_of(action)
 
     def _operands(self) -> Iterator[Effects]:
         """Yield the effects of rows that are a variable, which S7-GRAPH writes as their step ends too."""

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
 
 from plcopen_sfc.formats.format_interface import ChartHost
-from plcopen_sfc.languages.binding import Row
+from plcopen_sfc.languages.binding.shared_scans import step_action_rows
 from plcopen_sfc.model.actions import ActionKind, Qualifier
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcNetwork, Step
@@ -14,13 +13,6 @@ from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcNetwork, Step
 COILS = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.D, Qualifier.L})
 QUALIFIERS_OF_GRAPH = frozenset("CALL ON OFF CS CU CD CR TL TD TR TF".split())
 KINDS_OF_SFC = (None, ActionKind.CONTINUOUS, ActionKind.CONDITIONAL)
-PHASES = {"entry": Qualifier.P1, "main": Qualifier.N, "exit": Qualifier.P0}
-"""Step actions of CODESYS by the qualifiers of associations that are executed at the same time."""
-
-
-def has_special_rows(chart: SfcNetwork) -> bool:
-    """True if a row needs more than a qualifier and a time: an event, an interlock, a condition or a value."""
-    return any(is_special(row) for _, row in chart.associations())
 
 
 def stays_in_place(main: Body | str | None, step: Step, host: ChartHost) -> bool:
@@ -72,20 +64,10 @@ def overwritten_rows(step: Step) -> list[ActionAssociation]:
 
 
 def is_special(row: ActionAssociation) -> bool:
-    """True if a row needs more than a qualifier and a time."""
+    """True if a row needs more than a qualifier and a time: an event, an interlock, a condition or a value."""
     if row.event is not None or row.interlock or row.value is not None or row.condition is not None:
         return True
     return row.qualifier in QUALIFIERS_OF_GRAPH or row.forcing is not None or row.kind not in KINDS_OF_SFC
-
-
-def step_action_rows(chart: SfcNetwork) -> Iterator[Row]:
-    """Yield the entry, main and exit actions of the steps as associations."""
-    for step in chart.steps:
-        for kind, qualifier in PHASES.items():
-            code = getattr(step, f"{kind}_action")
-            if code is not None:
-                target, body = (code, None) if isinstance(code, str) else (None, code)
-                yield step, ActionAssociation(id=0, qualifier=qualifier, target=target, body=body)
 
 
 def is_coil(row: ActionAssociation) -> bool:

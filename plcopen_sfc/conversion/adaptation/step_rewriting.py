@@ -20,7 +20,6 @@ from plcopen_sfc.conversion.adaptation.s5_operands import TimerRows, counted
 from plcopen_sfc.conversion.adaptation.special_rows import (
     COILS,
     KINDS_OF_SFC,
-    PHASES,
     is_coil,
     is_special,
     mixed_operands,
@@ -28,14 +27,23 @@ from plcopen_sfc.conversion.adaptation.special_rows import (
     row_key,
     shared_step_actions,
     stays_in_place,
-    step_action_rows,
     timed_operands,
 )
 from plcopen_sfc.conversion.adaptation.step_checks import COMPUTED, StepChecks
 from plcopen_sfc.formats.plcopen.source_marks import STEP_FIELDS, added_part, changed_element, rewritten_step
 from plcopen_sfc.languages.binding import STORING, Row, SharedScans, told_orders
+from plcopen_sfc.languages.binding.shared_scans import step_action_rows
 from plcopen_sfc.languages.networks import shown_body
-from plcopen_sfc.model.actions import COUNTERS, NEED_EVENT, NEED_TIME, SWITCHES, TIMERS, ActionEvent, Qualifier
+from plcopen_sfc.model.actions import (
+    COUNTERS,
+    NEED_EVENT,
+    NEED_TIME,
+    STEP_ACTIONS,
+    SWITCHES,
+    TIMERS,
+    ActionEvent,
+    Qualifier,
+)
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.pou import Action
@@ -348,7 +356,7 @@ class StepRewriter:
         if kind == "main" and isinstance(action.body, SfcBody):
             return row
         setattr(step, f"{kind}_action", row.target)
-        self._moved[number] = PHASES[kind]
+        self._moved[number] = STEP_ACTIONS[kind]
         self._note_action(Outcome.TRANSLATED, step, row.target, f"`{_called(row)}` is the {kind} action of the step")
         return None
 

@@ -243,9 +243,7 @@ def _inner_bodies(step: Step, told: Told) -> Iterator[tuple[str, str, SfcBody]]:
     """Yield the charts inside a step: what they are, what their path has below that of the step, and their bodies."""
     bodies: list[tuple[str, str, str | Body | None]] = [
         (told("expansion"), "", step.macro.body if step.macro is not None else None),
-        (told("entry"), "", step.entry_action),
-        (told("main"), "", step.main_action),
-        (told("exit"), "", step.exit_action),
+        *((told(kind), "", action) for kind, action in step.step_actions.items()),
     ]
     for each in step.actions:
         what = told(KINDS[each.kind]) if each.kind is not None else each.qualifier.value

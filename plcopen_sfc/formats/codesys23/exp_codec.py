@@ -428,8 +428,7 @@ def _texts(body: Body) -> Iterator[StBody | IlBody | Expression]:
     if not isinstance(body, SfcBody):
         return
     for step in body.chart.steps:
-        inner = [step.entry_action, step.main_action, step.exit_action, *(each.body for each in step.actions)]
-        for action in inner:
+        for action in (*step.step_actions.values(), *(each.body for each in step.actions)):
             if action is not None and not isinstance(action, str):
                 yield from _texts(action)
     for transition in body.chart.transitions:

@@ -22,10 +22,9 @@ from plcopen_sfc.languages.declarations.kept_texts import wrapped
 from plcopen_sfc.languages.il import is_il
 from plcopen_sfc.languages.pragmas import Fields, PathError, RemainderEntry, StaleError, apply, format_path
 from plcopen_sfc.languages.st.lexer import Token
-from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.actions import STEP_ACTIONS, Qualifier
 from plcopen_sfc.whole_numbers import whole_number
 
-STEP_ACTIONS = ("entry", "main", "exit")
 _QUALIFIERS = {q.value.upper(): q.value for q in Qualifier if q is not Qualifier.NONE}
 _DURATION = re.compile(r"(?:L?TIME|L?T|S5T|S5TIME)#", re.IGNORECASE)
 _NEGATION = re.compile(r"NOT\s*\(\s*(.*?)\s*\)|NOT\s+([^\W\d]\w*)", re.IGNORECASE | re.DOTALL)

@@ -12,7 +12,6 @@ from itertools import count
 from pydantic import BaseModel
 
 from plcopen_sfc.formats.iectext.chart_text_reader import (
-    STEP_ACTIONS,
     association_fields,
     body_fields,
     ids_within,
@@ -50,7 +49,7 @@ from plcopen_sfc.languages.networks import shown_body, shown_condition, shown_na
 from plcopen_sfc.languages.pragmas import Fields, Numbered, RemainderEntry, Segment, changes, plain_fields
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.words import is_plain
-from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.actions import STEP_ACTIONS, Qualifier
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou, PouKind
@@ -163,11 +162,9 @@ class ChartTextWriter:
         inner = self.indent + INDENT
         near = self._near(read_back, intended, ("steps", Numbered(step.id)), path)
         lines = ""
-        for kind in STEP_ACTIONS:
-            value = getattr(step, f"{kind}_action")
-            if value is not None:
-                lines += self._step_action(kind, value, in_place, self.names[index], inner)
-                self.printer.note(Outcome.TRANSLATED, f"{kind} action", path, "an association with a pragma")
+        for kind, value in step.step_actions.items():
+            lines += self._step_action(kind, value, in_place, self.names[index], inner)
+            self.printer.note(Outcome.TRANSLATED, f"{kind} action", path, "an association with a pragma")
         for number, association in enumerate(step.actions):
             lines += self._association(association, number, in_place, index, path)
         keyword = "INITIAL_STEP" if step.initial else "STEP"
@@ -493,7 +490,7 @@ def _names(pou: Pou) -> list[str]:
             names += [step.name for step in body.chart.steps]
             names += [a.target for _, a in body.chart.associations() if a.target is not None]
             for step in body.chart.steps:
-                names += [a for a in (step.entry_action, step.main_action, step.exit_action) if isinstance(a, str)]
+                names += [a for a in step.step_actions.values() if isinstance(a, str)]
     return names
 
 

@@ -27,7 +27,6 @@ from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step
 from plcopen_sfc.model.types import SimpleValue
 from plcopen_sfc.report import Outcome
 
-STEP_ACTIONS = (("entry", Qualifier.P1), ("main", Qualifier.N), ("exit", Qualifier.P0))
 WHENEVER = frozenset({Qualifier.N, Qualifier.NONE})
 _RESETS = frozenset({Qualifier.R, Qualifier.R0})
 _RISING = frozenset({Qualifier.P, Qualifier.P1})

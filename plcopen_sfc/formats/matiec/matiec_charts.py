@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import count
 
-from plcopen_sfc.formats.matiec.matiec_actions import STEP_ACTIONS, WHENEVER, ActionFitter, StepFlagVariables
+from plcopen_sfc.formats.matiec.matiec_actions import WHENEVER, ActionFitter, StepFlagVariables
 from plcopen_sfc.formats.matiec.matiec_pou import FittedPou, is_taken, write_negations_out
 from plcopen_sfc.formats.matiec.matiec_statements import compilable_comments
 from plcopen_sfc.languages.networks import (
@@ -27,7 +27,7 @@ from plcopen_sfc.languages.networks import (
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.words import is_plain
-from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.actions import STEP_ACTIONS, Qualifier
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.network import Block
@@ -304,7 +304,7 @@ class ChartFitter:
         unit = self.unit
         path = f"{unit.path} / step {step.name}"
         lines: list[ActionAssociation] = []
-        for kind, qualifier in STEP_ACTIONS:
+        for kind, qualifier in STEP_ACTIONS.items():
             value = getattr(step, f"{kind}_action")
             setattr(step, f"{kind}_action", None)
             if value is not None:

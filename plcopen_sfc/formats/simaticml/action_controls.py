@@ -364,7 +364,7 @@ class ControlPlanner:
         rows = {_name(row) for _, row in self._chart.associations()}
         of_steps: dict[int, list[Body]] = {}
         for step in self._chart.steps:
-            for code in (step.entry_action, step.main_action, step.exit_action):
+            for code in step.step_actions.values():
                 name = code.translate(_NO_MARKS).casefold() if isinstance(code, str) else ""
                 body = bodies.get(name) if isinstance(code, str) else code
                 if body is not None and name not in rows:

@@ -462,7 +462,7 @@ class _Uses:
             if row.target is not None and not self._follow(row.target) and (path := _path(row.target)):
                 self.writes.add(path)
         for step in chart.steps:
-            for code in (step.entry_action, step.main_action, step.exit_action):
+            for code in step.step_actions.values():
                 if isinstance(code, str):
                     self._follow(code)
 

@@ -25,7 +25,7 @@ from plcopen_sfc.languages.memory_addresses import INTERNATIONAL
 from plcopen_sfc.languages.translation.literal_translation import translated_address
 from plcopen_sfc.languages.translation.translation_context import PartText
 from plcopen_sfc.model import times
-from plcopen_sfc.model.actions import ActionEvent, Qualifier
+from plcopen_sfc.model.actions import STEP_ACTIONS, ActionEvent, Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou, PouKind
@@ -48,7 +48,6 @@ SECTIONS = {
 """Words in the column Section."""
 MEMORY = ("constant", "retain", "persistent")
 """Words behind them: ``VAR RETAIN``."""
-STEP_ACTIONS = ("entry", "main", "exit")
 """Words in the column Qualifier for the step actions of CODESYS."""
 NOWHERE = "(end)"
 """Text in the column Next: no step follows."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import count, zip_longest
 
-from plcopen_sfc.formats.steplist.list_reader import COUNTED, KINDS, MEMORY, NOWHERE, SECTIONS, STEP_ACTIONS
+from plcopen_sfc.formats.steplist.list_reader import COUNTED, KINDS, MEMORY, NOWHERE, SECTIONS
 from plcopen_sfc.formats.steplist.list_tables import ListTable, TableKind, TableRow
 from plcopen_sfc.languages.declarations import write_type, write_value
 from plcopen_sfc.languages.networks.condition_reading import shown_condition
@@ -128,11 +128,10 @@ def _step(step: Step) -> dict[str, str]:
 
 def _actions(step: Step, pou: Pou, report: ConversionReport) -> Iterator[dict[str, str]]:
     path = f"{pou.report_path} / step {step.name}"
-    for word in STEP_ACTIONS:
-        action = getattr(step, f"{word}_action")
+    for word, action in step.step_actions.items():
         if isinstance(action, str | StBody):
             yield {"Qualifier": word, "Action": action.text if isinstance(action, StBody) else action}
-        elif action is not None:
+        else:
             report.add(Outcome.NOT_EXECUTED, f"{word} action", path, _NO_PLACE)
     for association in step.actions:
         if not is_listed(association):

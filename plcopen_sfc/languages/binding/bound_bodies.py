@@ -261,7 +261,7 @@ class ChartTexts:
 
     def _actions(self, chart: SfcNetwork) -> None:
         for step in chart.steps:
-            for action in (step.entry_action, step.main_action, step.exit_action):
+            for action in step.step_actions.values():
                 self._action(action)
             self._values(step.min_time, step.max_time, step.warning_time)
             if step.macro is not None and step.macro.body is not None and not isinstance(step.macro.body, SfcBody):

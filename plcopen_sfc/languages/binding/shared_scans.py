@@ -10,7 +10,7 @@ from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.binding.bound_bodies import actions_by_name, step_effects
 from plcopen_sfc.languages.effects import ANYTHING, Effects, may_change, path_of
 from plcopen_sfc.languages.st.parsing import parse_expression
-from plcopen_sfc.model.actions import SWITCHES, Qualifier
+from plcopen_sfc.model.actions import STEP_ACTIONS, SWITCHES, Qualifier
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step
@@ -275,7 +275,7 @@ def changed_places(
     `moved`: the new place of an action, None for one that keeps its own. `by_name`: a tool executes associations in the
     order of names, after all step actions (CODESYS), others in the order of their first use.
     """
-    early = list(_step_actions(chart))
+    early = [each for each in step_action_rows(chart) if not each[0].exclude]
     rows = list(chart.associations())
     phases = {id(row): _PHASES.index(row.qualifier) for _, row in early}
     mains = {id(row) for _, row in early if row.qualifier is Qualifier.N}
@@ -320,7 +320,7 @@ def told_step_actions(
     the order of actions in a tool that looks at their names only; others execute them in the order of their first use.
     `exits_first`: those of steps that were left come before all of active steps, as in S7-GRAPH.
     """
-    early = list(_step_actions(chart))
+    early = [each for each in step_action_rows(chart) if not each[0].exclude]
     if not early:
         return ""
     rows = [(step, row) for step, row in chart.associations() if not (step.exclude or row.exclude)]
@@ -371,15 +371,12 @@ _IN_STEP = (Qualifier.P1, None, Qualifier.N, Qualifier.P0)
 """The order in which a step is written in other tools: associations (None) among step actions."""
 
 
-def _step_actions(chart: SfcNetwork) -> Iterator[Row]:
-    """Yield the entry, main and exit actions of steps as associations."""
-    for step in (step for step in chart.steps if not step.exclude):
-        actions = ((Qualifier.P1, step.entry_action), (Qualifier.N, step.main_action), (Qualifier.P0, step.exit_action))
-        for qualifier, action in actions:
-            if isinstance(action, str):
-                yield step, ActionAssociation(id=0, qualifier=qualifier, target=action)
-            elif action is not None:
-                yield step, ActionAssociation(id=0, qualifier=qualifier, body=action)
+def step_action_rows(chart: SfcNetwork) -> Iterator[Row]:
+    """Yield the entry, main and exit actions of the steps as associations."""
+    for step in chart.steps:
+        for kind, action in step.step_actions.items():
+            target, body = (action, None) if isinstance(action, str) else (None, action)
+            yield step, ActionAssociation(id=0, qualifier=STEP_ACTIONS[kind], target=target, body=body)
 
 
 def _called(row: Row) -> str:

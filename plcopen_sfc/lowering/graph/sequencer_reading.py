@@ -216,7 +216,7 @@ class _Reader(TextReader):
 
     def _rows(self, step: NetStep) -> Iterator[ActionRow]:
         model = step.step
-        if model.entry_action or model.main_action or model.exit_action:
+        if any(model.step_actions.values()):
             self.refuse(
                 "S7-GRAPH has no entry, main and exit actions of steps",
                 f"step {step.path}",

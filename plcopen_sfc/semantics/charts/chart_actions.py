@@ -346,7 +346,7 @@ def check_step_actions(net: Net, profile: Profile, path: str) -> None:
     if profile.step_actions:
         return
     for step in net.steps:
-        if step.step.entry_action or step.step.main_action or step.step.exit_action:
+        if any(step.step.step_actions.values()):
             raise UnknownBehaviourError(
                 f"step {step.path} has entry, main or exit actions, which the profile {profile.name} does not have",
                 location=Location(path=f"{path} / step {step.path}"),
@@ -359,20 +359,15 @@ class StepActions:
     def __init__(self, net: Net, reached: Reached) -> None:
         self._net = net
         self._reached = reached
-        self._entry: dict[int, Run] = {}
-        self._main: dict[int, Run] = {}
-        self._exit: dict[int, Run] = {}
+        self._entry, self._main, self._exit = dict[int, Run](), dict[int, Run](), dict[int, Run]()
 
     def translate(self, scope: Scope, path: str) -> None:
         """Prepare the bodies."""
         for index, step in enumerate(s.step for s in self._net.steps):
             where = f"{path} / step {self._net.steps[index].path}"
-            for word, action, found in (
-                ("entry", step.entry_action, self._entry),
-                ("main", step.main_action, self._main),
-                ("exit", step.exit_action, self._exit),
-            ):
+            for word, action in step.step_actions.items():
                 if action:
+                    found = {"entry": self._entry, "main": self._main, "exit": self._exit}[word]
                     label = f"{self._net.steps[index].path}: {word} action"
                     bit = self._reached.action(label, [ActionOrigin(self._net.steps[index].bit, None)])
                     found[index] = self._noted(_run(action, scope, where), bit)
