@@ -53,6 +53,28 @@ def verdict_of(report: ConversionReport, path: str) -> ChartVerdict:
     return ChartVerdict.DELAYED if " later" in found.partition("(")[0] else ChartVerdict.SAME
 
 
+def pous_to_lower(report: ConversionReport) -> list[str]:
+    """Return the names of the POUs with charts that the target has no exact chart for, as far as they were compared.
+
+    Something of the chart is not executed, or it does something else in a run with the same inputs. Code may do it.
+    """
+    if not format_named(report.target_format)[0].tool:
+        return []
+    lost = [(ObjectPath.of(item.path), item.what) for item in report.with_outcome(Outcome.NOT_EXECUTED)]
+    found = [
+        path
+        for path in report.compared
+        if verdict_of(report, path) is ChartVerdict.DIFFERENT
+        or any(each.is_in(path) and _is_of_chart(each.inside(path), what) for each, what in lost)
+    ]
+    return list(dict.fromkeys(ObjectPath.of(path).owner.removeprefix("POU ") for path in found))
+
+
+def _is_of_chart(place: ObjectPath, what: str) -> bool:
+    """True for a place in a POU that is a step, a transition or an input of its chart, or the chart itself."""
+    return not place or place.startswith(("step ", "transition ")) or what in OPERATING_KINDS
+
+
 def verdicts(source: Project, report: ConversionReport, words: Words, charts: Mapping[str, str]) -> Html:
     """Return the table of the charts: the verdict, how many losses, and what was seen when both were simulated.
 
@@ -130,6 +152,9 @@ def tasks(
     if unseen or not report.compared:
         places = [part for path in unseen for part in (", ", link(charts.get(path, ""), words.place(path)))][1:]
         lines.append(_task(words("Test the charts that were not shown to do the same"), joined(*places)))
+    if lowered := pous_to_lower(report):
+        told = words("Or take code instead of the charts that are not the same (`plcopen-sfc lower --pou NAME`)")
+        lines.append(_task(told, ", ".join(lowered)))
     lines.append(_task(words("Test the machine")))
     return joined(element("h2", words("To do")), element("ul", *lines, class_="tasks"))
 

@@ -439,3 +439,40 @@ def test_the_extension_of_the_target_tells_the_format_and_else_it_is_to_be_named
         assert refused.code == 2
         assert message in refused.err
     assert "the format to write is not named" in cli("lower", BELT).err
+
+
+INEXACT = """PROGRAM Main
+VAR_INPUT a : BOOL; b : BOOL; END_VAR
+VAR_OUTPUT q : BOOL; END_VAR
+INITIAL_STEP Idle: END_STEP
+TRANSITION FROM Idle TO Work := a; END_TRANSITION
+STEP Work: q(N); END_STEP
+TRANSITION FROM Work TO Idle := b; END_TRANSITION
+END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize("negated", [True, False])
+def test_lower_is_offered_where_the_target_has_no_exact_chart(cli: Any, tmp_path: Path, negated: bool) -> None:
+    project = sfc.loads(INEXACT.encode(), format="iec-text")
+    project.pou("Main").chart.step("Work").actions[0].negated = negated
+    sfc.save(project, tmp_path / "in.xml", format="plcopen-2.01")
+    arguments = (
+        "convert",
+        tmp_path / "in.xml",
+        tmp_path / "out.xml",
+        "--to",
+        "codesys",
+        "--report",
+        tmp_path / "r.html",
+    )
+    outcome = cli(*arguments)
+    told = " ".join(f"{outcome.out} {outcome.err}".split())
+    command = "plcopen-sfc lower FILE DST --to codesys --pou Main"
+    assert (command in told) is negated
+    assert ("plcopen-sfc lower --pou NAME" in (tmp_path / "r.html").read_text()) is negated
+    assert json.loads(cli(*arguments[:-2], "--json").out)["to_lower"] == ["Main"] * negated
+    words = command.replace("FILE", str(tmp_path / "in.xml")).replace("DST", str(tmp_path / "code.xml")).split()[1:]
+    lowered = cli(*words)
+    assert lowered.code == 0
+    assert "equal (proof" in lowered.out

@@ -155,7 +155,7 @@ def _convert(how: ConvertOptions, target: str, screen: Screen, source: str, plac
         screen.exit_code = _FINDINGS
         is_listed = not screen.quiet and not screen.as_json
         screen.error(LossError(loss.summary, loss.report, hint=loss.hint) if is_listed else loss)
-        return loss.report.as_dict()
+        return _as_data(loss.report)
     report.written = [target] if target == STANDARD_STREAM else report.written
     if page is not None:
         _write_page(screen, page, project, report, load(place, as_tool=True), lang=lang)
@@ -174,7 +174,19 @@ def _convert(how: ConvertOptions, target: str, screen: Screen, source: str, plac
         screen.note(f"{told}: {longer}--accept-untested if you have looked")
         screen.exit_code = _FINDINGS
     screen.exit_code = exit_code_for(screen, project.diagnostics)
-    return report.as_dict()
+    return _as_data(report)
+
+
+def _as_data(report: ConversionReport) -> dict[str, object]:
+    return report.as_dict() | {"to_lower": _to_lower(report)}
+
+
+def _to_lower(report: ConversionReport) -> list[str]:
+    if not report.compared:
+        return []
+    from plcopen_sfc.pages.conversion_overview import pous_to_lower  # noqa: PLC0415  # brings the checks with it
+
+    return pous_to_lower(report)
 
 
 def _write_page(
@@ -260,6 +272,12 @@ def _show(screen: Screen, report: ConversionReport) -> None:
     if items:
         screen.line()
     show_counts(screen, report)
+    target = format_named(report.target_format)[0]
+    for name in _to_lower(report):
+        command = f"plcopen-sfc lower FILE DST --to {target.name} --pou {name}"
+        screen.note(
+            f"{name}: {target.tool} has no chart that does exactly the same; `{command}` makes proven code of it"
+        )
     for item in report.items:
         if item.what == SEQUENCE:
             screen.note(f"{item.path}: {item.why}")
