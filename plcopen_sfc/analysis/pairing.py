@@ -22,7 +22,7 @@ from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcBody
 from plcopen_sfc.model.types import Elementary, ElementaryType, SimpleValue, Variable
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection, sections_of
 from plcopen_sfc.semantics.charts.sfc_flags import COMMANDS, flags_in_use
 from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
@@ -390,10 +390,9 @@ def _flag(system: ProgramSystem, text: str) -> Observation:
 
 def _constants(pou: Pou) -> dict[str, str]:
     """Return the values of the constants of a POU as text, by their names in lower case."""
-    sections = pou.interface.sections if pou.interface is not None else []
     return {
         variable.name.casefold(): variable.initial.text
-        for section in sections
+        for section in sections_of(pou.interface)
         if section.constant or section.kind is SectionKind.CONSTANT
         for variable in section.variables
         if isinstance(variable.initial, SimpleValue) and variable.initial.text is not None

@@ -33,6 +33,7 @@ from plcopen_sfc.model.sfc import (
     Step,
     connected_parts,
 )
+from plcopen_sfc.model.variables import sections_of
 from plcopen_sfc.reachability import reached
 from plcopen_sfc.semantics.charts.graph.graph_parameters import ALL_INPUTS, ALL_OUTPUTS
 from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
@@ -180,7 +181,7 @@ def _check_places(instance: Instance) -> None:
     """Variables with addresses may lie over each other."""
     project = instance.controller.project
     interface = instance.unit.pou.interface
-    sections = [*project.global_variables, *(interface.sections if interface is not None else ())]
+    sections = [*project.global_variables, *sections_of(interface)]
     places = [v.address for section in sections for v in section.variables if v.address and "*" not in v.address]
     try:
         different = {address_of(each, by_bytes=False) for each in places}

@@ -33,7 +33,7 @@ from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.model.sfc import SfcBody, SfcNetwork, Step
 from plcopen_sfc.model.types import PointerType
-from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.model.variables import SectionKind, sections_of
 from plcopen_sfc.semantics.net import Competing, Net, NetStep, NetTransition, indexes
 from plcopen_sfc.semantics.profile import ActionControl, Evolution
 from plcopen_sfc.semantics.programs.marks import may_act
@@ -387,7 +387,7 @@ class Unreachable:
         if self._has_references():
             return set()
         interface = self._pou.interface
-        sections = interface.sections if interface is not None else []
+        sections = sections_of(interface)
         local = {
             v.name.casefold() for s in sections if s.kind is SectionKind.LOCAL for v in s.variables if not v.address
         }

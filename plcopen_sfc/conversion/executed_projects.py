@@ -66,7 +66,7 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, Step
 from plcopen_sfc.model.text import MultilingualText, Text
 from plcopen_sfc.model.text import plain as words_of
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection, sections_of
 from plcopen_sfc.semantics.charts.graph.graph_parameters import ALL_INPUTS
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.whole_numbers import whole_number
@@ -414,7 +414,7 @@ class _Reader:
                     self._variable(self.whole, "global variable", variable, section, section.name or "")
         self._typed = {}
         for block in self.project.data_blocks:
-            sections = block.interface.sections if block.interface is not None else []
+            sections = sections_of(block.interface)
             unread = kept(block.extension_data).get("unread")
             if unread is not None:
                 part = self.whole.add("start values", block.name, block.report_path)

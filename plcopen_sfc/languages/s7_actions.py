@@ -34,7 +34,7 @@ from plcopen_sfc.model.pou import Action, Method, Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, Step
 from plcopen_sfc.model.types import SimpleValue, Variable
-from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.model.variables import SectionKind, sections_of
 
 _MOST_CHARACTERS = 100_000
 _INDENT = "    "
@@ -169,7 +169,7 @@ class ActionCalls(MethodCalls):
         interface = owner.interface
         known = {
             v.name.casefold(): (section.kind, section.constant or section.kind is SectionKind.CONSTANT, v)
-            for section in (interface.sections if interface is not None else ())
+            for section in sections_of(interface)
             for v in section.variables
         }
         edits: list[Edit] = []

@@ -28,7 +28,7 @@ from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Body
-from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.model.variables import SectionKind, sections_of
 from plcopen_sfc.report import ConversionReport, Item, Outcome
 from plcopen_sfc.semantics.profile import ScanOrder
 from plcopen_sfc.semantics.subjects import Subject, resolve
@@ -88,8 +88,7 @@ def refuse_uncompiled(report: ConversionReport, seen: Project, lowered: LoweredP
     """
     for item in uncompiled(report, lowered):
         raise _not_compiled(item.why, item.path, lowered)
-    sections = lowered.pou.interface.sections if lowered.pou.interface is not None else []
-    inner = [each for each in sections if each.kind is not SectionKind.EXTERNAL]
+    inner = [each for each in sections_of(lowered.pou.interface) if each.kind is not SectionKind.EXTERNAL]
     # S7 has variables with addresses in its tables of tags
     own = {each.name.casefold() for section in inner for each in section.variables if not each.address}
     pou, given = resolve(seen, lowered.pou.name).pou, lowered.chart.pou.variables()

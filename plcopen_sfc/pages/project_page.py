@@ -20,7 +20,7 @@ from plcopen_sfc.model.project import Project, Task
 from plcopen_sfc.model.sfc import Body, SfcBody, Step
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.model.types import Variable
-from plcopen_sfc.model.variables import VariableSection
+from plcopen_sfc.model.variables import VariableSection, sections_of
 from plcopen_sfc.pages.html_text import Html, document, element, joined, link, picture_figure, with_code
 from plcopen_sfc.pages.page_index import DrawnPart, PageIndex, PlacedBody
 from plcopen_sfc.pages.page_words import Words
@@ -81,10 +81,9 @@ def project_table(project: Project) -> str:
 def pou_table(pou: Pou) -> str:
     """Return tables of the variables and the bodies of a POU, for notebooks."""
     dialect = pou.project.dialect if pou.project is not None else Dialect.IEC
-    sections = pou.interface.sections if pou.interface is not None else []
     variables = [
         (section.kind, each.name, write_type(each.type, dialect), each.address or "", plain(each.comment))
-        for section in sections
+        for section in sections_of(pou.interface)
         for each in section.variables
     ]
     bodies = [(each.name, each.body.language, _size_of([each.body])) for each in pou.named_bodies()]
@@ -235,7 +234,7 @@ class _ProjectContent:
             element("h2", element("small", kind), " ", pou.name),
             comment_lines(pou.title, pou.comment),
             self._findings_at(anchor),
-            self._declarations(pou.interface.sections if pou.interface is not None else []),
+            self._declarations(sections_of(pou.interface)),
             *(self._body(placed, is_own=placed.found.name == pou.name) for placed in self.index.bodies[id(pou)]),
             self._uses(anchor),
         ]
@@ -350,7 +349,7 @@ class _ProjectContent:
             text = element("pre", element("code", write_data_type(declaration, project.dialect)))
             yield self._other(declaration, declaration.name, joined(text, self._uses(index.anchor(declaration))))
         for block in project.data_blocks:
-            content = self._declarations(block.interface.sections if block.interface is not None else [])
+            content = self._declarations(sections_of(block.interface))
             kind = element("p", block.type_name) if block.type_name else Html("")
             yield self._other(block, block.name, joined(kind, content, self._uses(index.anchor(block))))
         for table in project.tag_tables:

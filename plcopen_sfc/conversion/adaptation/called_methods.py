@@ -44,7 +44,7 @@ from plcopen_sfc.model.pou import Method, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcBody
 from plcopen_sfc.model.types import Variable
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection, sections_of
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _KEPT_INSIDE = frozenset({"VAR_INST", "VAR_STAT"})
@@ -147,7 +147,7 @@ class _Functions:
         if isinstance(made, str):
             return made
         if path:
-            for section in owner.interface.sections if owner.interface is not None else ():
+            for section in sections_of(owner.interface):
                 names = {v.name.casefold() for v in section.variables} & set(map(str.casefold, made.call.around))
                 if section.kind is SectionKind.OUTPUT and (asked := names & made.written & self._outputs):
                     return f"it writes {' and '.join(sorted(asked))}, an output of {owner.name}, which others only read"
@@ -211,7 +211,7 @@ class _Functions:
         """Return the sections for the variables of a block that a method uses."""
         constants = VariableSection(kind=SectionKind.LOCAL, constant=True)
         in_outs, inputs = (VariableSection(kind=kind) for kind in (SectionKind.IN_OUT, SectionKind.INPUT))
-        for section in owner.interface.sections if owner.interface is not None else ():
+        for section in sections_of(owner.interface):
             for variable in section.variables:
                 name = variable.name.casefold()
                 if name not in used:

@@ -18,7 +18,7 @@ from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource
 from plcopen_sfc.model.types import DerivedType, Variable
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection, sections_of
 from plcopen_sfc.reachability import reached
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -107,8 +107,7 @@ def _named_outside(project: Project, program: Pou, key: str) -> tuple[set[str], 
 
 
 def _is_constant(program: Pou, name: str, reads: set[str]) -> bool:
-    sections = program.interface.sections if program.interface is not None else []
-    constant = (each for each in sections if each.constant or each.kind is SectionKind.CONSTANT)
+    constant = (each for each in sections_of(program.interface) if each.constant or each.kind is SectionKind.CONSTANT)
     return name.casefold() in reads and any(v.name == name for each in constant for v in each.variables)
 
 
@@ -120,7 +119,7 @@ def show_variables(program: Pou, reads: set[str], writes: set[str]) -> list[str]
     """
     shown: list[str] = []
     sections: list[VariableSection] = []
-    for number, section in enumerate(program.interface.sections if program.interface is not None else ()):
+    for number, section in enumerate(sections_of(program.interface)):
         parts: dict[SectionKind, list[Variable]] = {section.kind: []}
         for place, variable in enumerate(section.variables):
             key, kind = variable.name.casefold(), section.kind

@@ -43,7 +43,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, TagTable, Task, TaskSettings
 from plcopen_sfc.model.sfc import SfcBody
-from plcopen_sfc.model.variables import SectionKind, VariableSection
+from plcopen_sfc.model.variables import SectionKind, VariableSection, sections_of
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _OF_S7 = frozenset(
@@ -119,7 +119,7 @@ def report_types(project: Project, host: ChartHost, report: ConversionReport) ->
                 report.add(Outcome.NOT_EXECUTED, "data type", f"{path} / variable {variable.name}", why)
 
     for pou in project.pous:
-        for section in pou.interface.sections if pou.interface is not None else ():
+        for section in sections_of(pou.interface):
             if not is_void(section):  # those of S5 get others
                 plain = [v.model_copy(update={"type": plain_type(v.type)}) for v in section.variables]
                 look_at(plain, pou.report_path)
@@ -298,7 +298,7 @@ def _struct_value(members: Iterable[t.Variable]) -> t.StructValue | None:
 
 def _retained(block: DataBlock) -> list[bool]:
     """For each variable of a data block, whether it is retained."""
-    sections = block.interface.sections if block.interface is not None else []
+    sections = sections_of(block.interface)
     return [is_retained(section, variable) for section in sections for variable in section.variables]
 
 
@@ -429,7 +429,7 @@ class _Unqualifier:
 
 def _own_names(pou: Pou) -> Iterator[str]:
     external = SectionKind.EXTERNAL  # which names the global variable itself
-    sections = pou.interface.sections if pou.interface is not None else ()
+    sections = sections_of(pou.interface)
     yield from (variable.name for section in sections if section.kind is not external for variable in section.variables)
     yield from (action.name for action in pou.actions)
     yield from (transition.name for transition in pou.transitions)

@@ -25,7 +25,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import SfcNetwork, Step
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Variable
-from plcopen_sfc.model.variables import SectionKind, VariableSection
+from plcopen_sfc.model.variables import SectionKind, VariableSection, sections_of
 from plcopen_sfc.report import Outcome
 from plcopen_sfc.semantics.profile import Profile, ScanOrder
 
@@ -117,7 +117,7 @@ class GrafcetTexts:
         self._seen: dict[str, str] = {}
         self._inputs = {
             variable.name.casefold()
-            for section in (pou.interface.sections if pou.interface is not None else ())
+            for section in sections_of(pou.interface)
             for variable in section.variables
             if section.kind is SectionKind.INPUT or (variable.address or "").upper().startswith("%I")
         }

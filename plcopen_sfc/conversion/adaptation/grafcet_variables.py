@@ -19,7 +19,7 @@ from plcopen_sfc.lowering.code.lowered_code import names_of
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project, Tag, TagTable
-from plcopen_sfc.model.variables import SectionKind, VariableSection
+from plcopen_sfc.model.variables import SectionKind, VariableSection, sections_of
 from plcopen_sfc.refactor.rename import rename_many
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.profile import default_profile
@@ -83,7 +83,7 @@ def _legal_names(project: Project) -> Iterator[tuple[str, str]]:
 
 def _located(pou: Pou) -> Iterator[VariableSection]:
     """Yield the sections with inputs and outputs that have an address."""
-    for section in pou.interface.sections if pou.interface is not None else ():
+    for section in sections_of(pou.interface):
         if section.kind in _DRAWN and any(variable.address for variable in section.variables):
             yield section
 

@@ -51,7 +51,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import BodyCondition
 from plcopen_sfc.model.types import StructType
-from plcopen_sfc.model.variables import Interface, VariableSection
+from plcopen_sfc.model.variables import Interface, VariableSection, sections_of
 from plcopen_sfc.report import ConversionReport, Outcome
 
 
@@ -334,8 +334,7 @@ def _leave_out_system_data(pou: Pou, host: ChartHost, report: ConversionReport, 
 def _partly_retained(project: Project) -> Iterator[Interface]:
     """Yield the interfaces of blocks with members that TIA Portal retains one by one."""
     for pou in project.pous:
-        sections = pou.interface.sections if pou.interface is not None else ()
-        if any([*by_retention(section)] != [section] for section in sections):
+        if any([*by_retention(section)] != [section] for section in sections_of(pou.interface)):
             assert pou.interface is not None  # noqa: S101  # it has sections
             yield pou.interface
 

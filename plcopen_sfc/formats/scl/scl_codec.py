@@ -290,8 +290,7 @@ def _not_executed(pou: Pou, called: frozenset[int]) -> Iterator[tuple[str, str, 
 
 def _note_foreign(project: Project, pou: Pou, types: S7Types, tags: Container[str], report: ConversionReport) -> None:
     """Report the declarations of a block that are written although TIA Portal does not know them."""
-    sections = sections_of(pou.interface)
-    for section in (section for section in sections if section.kind is not SectionKind.EXTERNAL):
+    for section in (section for section in sections_of(pou.interface) if section.kind is not SectionKind.EXTERNAL):
         words = section_head(section, _SCL)[-1]
         if section.persistent:
             why = "its variables are kept when the power fails, and not when the block is loaded again"

@@ -29,7 +29,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, DataBlock, Method, NamedTransition, Pou
 from plcopen_sfc.model.project import Configuration, Project, Resource, TreeNode
 from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
-from plcopen_sfc.model.variables import PASSED, Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import PASSED, Interface, SectionKind, VariableSection, sections_of
 
 _T = TypeVar("_T")
 
@@ -251,7 +251,7 @@ class Scopes:
             yield from _steps(part.body, f"{pou.name}.{part.name}", pou)
 
     def _variables(self, interface: Interface | None, path: str, pou: Pou) -> Iterator[Declaration]:
-        for section in interface.sections if interface is not None else ():
+        for section in sections_of(interface):
             if section.kind is SectionKind.EXTERNAL:
                 self._externals.update(id(variable) for variable in section.variables)
         yield from variables_of(interface, path, pou)
@@ -313,8 +313,7 @@ def _chain(first: _T, base: Callable[[_T], _T | None]) -> list[_T]:
 
 def parameters_of(interface: Interface | None) -> list[t.Variable]:
     """Return the variables that a call passes, in their order."""
-    sections = interface.sections if interface is not None else []
-    return [variable for section in sections if section.kind in PASSED for variable in section.variables]
+    return [variable for section in sections_of(interface) if section.kind in PASSED for variable in section.variables]
 
 
 def given(call: n.Call, parameters: Iterable[str]) -> dict[str, n.Expression]:

@@ -13,7 +13,7 @@ from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.model.types import DerivedType, SimpleValue, Variable
-from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.model.variables import SectionKind, sections_of
 from plcopen_sfc.reachability import reached
 
 
@@ -24,7 +24,7 @@ class UntouchedVariables:
     """
 
     def __init__(self, source: ChartSource, own: Collection[str] = (), timers: Collection[Path] = ()) -> None:
-        sections = source.pou.interface.sections if source.pou.interface is not None else ()
+        sections = sections_of(source.pou.interface)
         local = (v.name.casefold() for each in sections if each.kind in _LOCAL for v in each.variables if not v.address)
         self.own = frozenset(own)
         self.private = {*own, *local}
@@ -101,7 +101,7 @@ class OwnVariables:
         for statement in (*steps, *source.logic, *before, *asked, *beside):
             self._others.add(0, Effect(scope, [statement]))
         self._variables: dict[Path, Variable] = {}
-        for section in source.pou.interface.sections if source.pou.interface is not None else ():
+        for section in sections_of(source.pou.interface):
             if (
                 section.kind in (SectionKind.LOCAL, SectionKind.OUTPUT)
                 and not section.retain

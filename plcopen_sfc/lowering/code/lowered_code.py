@@ -27,7 +27,7 @@ from plcopen_sfc.model.pou import DataBlock
 from plcopen_sfc.model.project import Chart, Configuration, Project, Tag, TagTable
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.text import MultilingualText, Text
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection, sections_of
 
 
 class Naming:
@@ -257,7 +257,7 @@ def _taken_bits(project: Project) -> Iterator[tuple[int, str]]:
     named = [(tag.address, tag.name) for table in project.tag_tables for tag in table.tags]
     sections = [*project.global_sections()]
     for pou in project.pous:
-        sections += pou.interface.sections if pou.interface is not None else []
+        sections += sections_of(pou.interface)
     named += [(variable.address, variable.name) for section in sections for variable in section.variables]
     for address, name in named:
         found = memory_address(address or "", by_bytes=in_bytes)

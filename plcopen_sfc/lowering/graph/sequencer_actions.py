@@ -29,7 +29,7 @@ from plcopen_sfc.lowering.code.lowered_code import INT, TIME, LoweredCode, StepV
 from plcopen_sfc.lowering.graph.sequencer_source import ActionRow, GraphSource, texts_of
 from plcopen_sfc.model.actions import COUNTERS, TIMERS, ActionEvent, Qualifier
 from plcopen_sfc.model.types import DerivedType
-from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.model.variables import SectionKind, sections_of
 from plcopen_sfc.semantics.net import NetStep
 
 _MODES = {Qualifier.TR: "0", Qualifier.TL: "1", Qualifier.TD: "2", Qualifier.TF: "3"}
@@ -241,7 +241,7 @@ def _only_written_by_coils(source: GraphSource) -> set[str]:
     interface = source.pou.interface
     own = {
         variable.name.casefold(): variable
-        for section in (interface.sections if interface is not None else [])
+        for section in sections_of(interface)
         if section.kind in (SectionKind.OUTPUT, SectionKind.LOCAL, SectionKind.TEMP)
         for variable in section.variables
     }

@@ -21,6 +21,7 @@ from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import COUNTING_BYTES
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import PouInstance, Project, Tag
+from plcopen_sfc.model.variables import sections_of
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs import matiec_runtime, runtime
 from plcopen_sfc.semantics.programs import runtime_types as t
@@ -472,7 +473,7 @@ class Library(TranslatedProject):
                 return found
         layout = Layout(block.name)
         layout.is_list = True
-        for section in block.interface.sections if block.interface is not None else ():
+        for section in sections_of(block.interface):
             for variable in section.variables:
                 made = layout.add(variable.name, self.read_type(variable.type, self.scope))
                 self.give_initial(made, variable.initial, self.scope)

@@ -21,7 +21,7 @@ from plcopen_sfc.model import types as m
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.declaration import Kind
 from plcopen_sfc.model.sfc import Body, Condition, SfcBody, SfcNetwork, Transition
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection, sections_of
 from plcopen_sfc.semantics.programs import runtime_types as t
 from plcopen_sfc.semantics.programs.code_generation import Writer
 from plcopen_sfc.semantics.programs.expressions import Translator
@@ -49,7 +49,7 @@ def declare(unit: TranslatedPou, compiler: ChartCompiler | None) -> None:
     _declare_interface(unit, unit.pou.interface)
     for method in unit.pou.methods:
         unit.methods[method.name.casefold()] = TranslatedMethod(unit, method)
-        for section in method.interface.sections if method.interface is not None else ():
+        for section in sections_of(method.interface):
             if kept(section.extension_data).get("keyword") == "VAR_INST":
                 unit.library.problems.append(SimulationError(f"VAR_INST of {method.name} does not keep its value"))
     for name, _, body in unit.pou.named_bodies():
