@@ -230,8 +230,8 @@ _ROUNDS = re.compile(r"REAL_TO_(?!L?REAL)|TO_U?[SDL]?INT\b|\bROUND\b", re.IGNORE
 
 def rename_pins(project: Project, target: Dialect) -> list[TranslatedText]:
     """Name inputs of flip-flops and counters as the target does: ``R`` of CTU is ``RESET`` in CODESYS."""
-    types = {text_site.text.upper() for text_site in text_sites(project) if text_site.key in ("name", "type_name")}
-    if types.isdisjoint(_OTHER_PINS):
+    sites = text_sites(project, {name.casefold() for name in _OTHER_PINS})
+    if not any(each.key in ("name", "type_name") and each.text.upper() in _OTHER_PINS for each in sites):
         return []
     tool = Tool.CODESYS if family(target) is Dialect.CODESYS else None
     names = Names(project)

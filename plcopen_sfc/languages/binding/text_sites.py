@@ -293,7 +293,7 @@ def text_sites(project: Project, words: Collection[str] = (), homes: Collection[
         project.read_all()
     at_home = frozenset(map(id, homes)) if homes is not None else None
     found: list[TextSite] = []
-    _collect_fields(project, _Where(Site(), "", "project", words=words, homes=at_home), found)
+    _collect(project, _Where(Site(), "", "project", words=words, homes=at_home), found)
     return found
 
 
@@ -307,14 +307,32 @@ def text_sites_in(thing: Model) -> list[TextSite]:
 def _collect(thing: Any, where: _Where, found: list[TextSite]) -> None:
     """Add the texts in an object to `found`: generators inside each other would take twice the time."""
     kind: type[Model] = type(thing)
-    if not _telling_fields(kind):
-        return
-    if where.words and _is_without(thing, where):
+    fields = _telling_fields(kind)
+    if not fields or (where.words and _is_without(thing, where)):
         return
     entering = _ENTERING.get(kind)
     if entering is not None:
         where = entering(thing, where)
-    _collect_fields(thing, where, found)
+    if isinstance(thing, LateElement):
+        thing.read()
+    content = thing.__dict__
+    for key, how in fields:
+        value = content.get(key)
+        if not value:
+            continue  # half of all fields; an object of the model is never false
+        if isinstance(value, str):
+            if how is not None and not (value == "*" and isinstance(thing, t.Dimension)):
+                _add_named(thing, key, how, where, found)
+        elif isinstance(value, list):
+            if isinstance(value[0], Model):
+                below = _below(thing, key, where)
+                for item in value:
+                    _collect(item, below, found)
+            elif how is not None:
+                for index in range(len(value)):
+                    _add_named(value, index, how, where, found)
+        elif isinstance(value, Model):
+            _collect(value, _below(thing, key, where), found)
 
 
 def _is_without(thing: Any, where: _Where) -> bool:
@@ -365,29 +383,6 @@ def _is_plain(annotation: Any) -> bool:
     return get_origin(annotation) is Literal or (
         parts != () and all(_is_plain(part) for part in parts if part is not Ellipsis)
     )
-
-
-def _collect_fields(thing: Model, where: _Where, found: list[TextSite]) -> None:
-    if isinstance(thing, LateElement):
-        thing.read()
-    content = thing.__dict__
-    for key, how in _telling_fields(type(thing)):
-        value = content.get(key)
-        if not value:
-            continue  # half of all fields; an object of the model is never false
-        if isinstance(value, str):
-            if how is not None and not (value == "*" and isinstance(thing, t.Dimension)):
-                _add_named(thing, key, how, where, found)
-        elif isinstance(value, Model):
-            _collect(value, _below(thing, key, where), found)
-        elif isinstance(value, list):
-            if isinstance(value[0], Model):
-                below = _below(thing, key, where)
-                for item in value:
-                    _collect(item, below, found)
-            elif how is not None:
-                for index in range(len(value)):
-                    _add_named(value, index, how, where, found)
 
 
 def _add_named(holder: Any, key: str | int, how: tuple[SiteKind, Role], where: _Where, found: list[TextSite]) -> None:

@@ -494,7 +494,7 @@ def _grammar(scl: bool, declares: bool) -> _Grammar:
     table = tables[starts[0]]  # all have the same states
     actions = {
         state: {
-            kind: arg if action is Shift else (len(arg.expansion), table.callbacks[arg], arg.origin.name)
+            str(kind): arg if action is Shift else (len(arg.expansion), table.callbacks[arg], str(arg.origin.name))
             for kind, (action, arg) in choices.items()
         }
         for state, choices in table.states.items()
