@@ -3,6 +3,10 @@
 The collector looks through new objects every 700 allocations and through older ones from time to time. While a file of
 4 MB is read, nearly all of them live on, and that takes as long as the reading itself. Switching it off would also keep
 the garbage of the other threads of a host; with the number of `_ALLOCATIONS` the reading takes the same time.
+
+When the thresholds are as they were, the collector would look through all that was made, and twice: a twelfth of the
+time of reading a chart. These objects become old ones at once instead, which takes no time, and count for when old ones
+are looked through, which Python does when a quarter of them is new.
 """
 
 from __future__ import annotations
@@ -10,9 +14,10 @@ from __future__ import annotations
 import gc
 from collections.abc import Iterator
 from contextlib import contextmanager
-from threading import Lock
+from threading import RLock
 
 _ALLOCATIONS = 200_000
+_MOST_UNSEEN = 500_000
 _YOUNGER = (100, 50)
 """Collections of a generation before the next older one is looked through."""
 
@@ -21,9 +26,10 @@ class _Thresholds:
     """The thresholds of the process, which is what Python has, and how many users want them high."""
 
     def __init__(self) -> None:
-        self._lock = Lock()
+        self._lock = RLock()  # the collector may run finalizers of a host, which may come here
         self._users = 0
         self._usual = gc.get_threshold()
+        self._unseen, self._most_unseen = 0, _MOST_UNSEEN
 
     def enter(self) -> None:
         """Raise the thresholds for the first user."""
@@ -39,7 +45,20 @@ class _Thresholds:
         with self._lock:
             self._users -= 1
             if not self._users:
+                if gc.isenabled() and self._usual[0] and not gc.get_freeze_count():  # else a host has its own ways
+                    self._make_old()
                 gc.set_threshold(*self._usual)
+
+    def _make_old(self) -> None:
+        """Put new objects among the old ones, and look through all when a quarter of them was not looked through."""
+        young, middle, _ = gc.get_count()
+        self._unseen += young + middle * _ALLOCATIONS
+        if is_due := self._unseen > self._most_unseen:
+            gc.collect()
+        gc.freeze()
+        if is_due:
+            self._unseen, self._most_unseen = 0, max(_MOST_UNSEEN, gc.get_freeze_count() // 4)
+        gc.unfreeze()
 
 
 _THRESHOLDS = _Thresholds()
