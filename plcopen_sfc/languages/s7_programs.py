@@ -20,6 +20,7 @@ from plcopen_sfc.languages.s7_globals import global_names, local_tags
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.task_schedules import FREEWHEELING, nanoseconds, schedule_of
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
+from plcopen_sfc.languages.words import take_name
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody, networks_of
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block, LogicNetwork
@@ -165,7 +166,7 @@ def s7_programs(project: Project) -> S7Programs:
         """Return the data block for one more call of a program."""
         blocks = found.instances.setdefault(program.name.casefold(), [])
         if not blocks or not shares:
-            name = _free(f"{program.name}_DB", taken)
+            name = take_name(f"{program.name}_DB", taken, first=1)
             blocks.append(DataBlock(name=name, kind=DataBlockKind.INSTANCE, type_name=program.name))
         return blocks[-1]
 
@@ -183,7 +184,7 @@ def s7_programs(project: Project) -> S7Programs:
         blocks = tuple((instance_of(program).name, program.name) for program in called)
         interface = Interface(sections=[VariableSection(kind=SectionKind.TEMP)])
         kind = PouKind.ORGANIZATION_BLOCK
-        block = Pou(name=_free(name, taken), number=number, kind=kind, interface=interface)
+        block = Pou(name=take_name(name, taken, first=1), number=number, kind=kind, interface=interface)
         found.callers.append(Caller(block, task, interval, blocks))
 
     for resource in project.resources():
@@ -280,12 +281,3 @@ def _cycle(task: Task) -> tuple[str, str]:
     if nanoseconds(schedule.interval) is None:
         return "", f"its interval is the variable {schedule.interval}"
     return schedule.interval, ""
-
-
-def _free(wish: str, taken: set[str]) -> str:
-    name, number = wish, 0
-    while name.casefold() in taken:
-        number += 1
-        name = f"{wish}_{number}"
-    taken.add(name.casefold())
-    return name

@@ -138,9 +138,9 @@ def folded(text: str) -> str:
     return "".join(part for pair in zip_longest(between, strings, fillvalue="") for part in pair)
 
 
-def free_name(wanted: str, taken: Container[str]) -> str:
-    """Return `wanted`, with a number behind it if it is one of the names in lower case that are `taken`."""
-    name, number = wanted, 2
+def free_name(wanted: str, taken: Container[str], first: int = 2) -> str:
+    """Return `wanted`, with a number from `first` on behind it if that is one of the names `taken`, in lower case."""
+    name, number = wanted, first
     while name.casefold() in taken:
         name, number = f"{wanted}_{number}", number + 1
     return name
@@ -154,8 +154,8 @@ def underscored_name(wanted: str, taken: set[str]) -> str:
     return wanted
 
 
-def take_name(wanted: str, taken: set[str]) -> str:
+def take_name(wanted: str, taken: set[str], first: int = 2) -> str:
     """Return what `free_name` gives; it is one of the names that are `taken` then."""
-    name = free_name(wanted, taken)
+    name = free_name(wanted, taken, first)
     taken.add(name.casefold())
     return name

@@ -147,8 +147,17 @@ def _results(this: ProjectAdaptation) -> None:
 
 
 def _system_data(this: ProjectAdaptation) -> None:
+    # other tools have data of steps of their own, and not these types
     for pou in _with_system_data(this.project):
-        _leave_out_system_data(pou, this.host, this.report, this.marks)
+        left_out: list[tuple[int, int, dict[str, object]]] = []
+        for number, section in enumerate(sections_of(pou.interface)):
+            for place, variable in enumerate(section.variables):
+                if is_system_data(variable):
+                    left_out.append((number, place, variable.model_dump(mode="json", exclude_none=True)))
+                    why = f"left out: {this.host.title} has data of steps of its own"
+                    this.report.add(Outcome.TRANSLATED, "variable", f"{pou.report_path} / {variable.name}", why)
+            section.variables = [variable for variable in section.variables if not is_system_data(variable)]
+        this.marks.setdefault(id(pou.interface), {})[SYSTEM_DATA_FIELD] = left_out
 
 
 def _retained(this: ProjectAdaptation) -> None:
@@ -315,20 +324,6 @@ def _with_system_data(project: Project) -> Iterator[Pou]:
     for pou in project.pous:
         if any(is_system_data(variable) for variable in pou.variables()):
             yield pou
-
-
-def _leave_out_system_data(pou: Pou, host: ChartHost, report: ConversionReport, marks: SourceMarks) -> None:
-    """Leave out the variables of TIA Portal: other tools have data of steps of their own, and not these types."""
-    left_out: list[tuple[int, int, dict[str, object]]] = []
-    assert pou.interface is not None  # noqa: S101  # it has variables
-    for number, section in enumerate(pou.interface.sections):
-        for place, variable in enumerate(section.variables):
-            if is_system_data(variable):
-                left_out.append((number, place, variable.model_dump(mode="json", exclude_none=True)))
-                why = f"left out: {host.title} has data of steps of its own"
-                report.add(Outcome.TRANSLATED, "variable", f"{pou.report_path} / {variable.name}", why)
-        section.variables = [variable for variable in section.variables if not is_system_data(variable)]
-    marks.setdefault(id(pou.interface), {})[SYSTEM_DATA_FIELD] = left_out
 
 
 def _partly_retained(project: Project) -> Iterator[Interface]:

@@ -32,6 +32,7 @@ from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.task_schedules import duration_literal, iec_form, nanoseconds, schedule_of
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
+from plcopen_sfc.languages.words import take_name
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
@@ -406,11 +407,7 @@ def _instances(configuration: Configuration) -> list[PouInstance]:
 
 def _free(name: str, used: set[str], path: str, report: ConversionReport) -> str:
     """Return a name that nothing else has: matiec and the converters before it take each of them once."""
-    new, number = name, 0
-    while new.casefold() in used:
-        number += 1
-        new = f"{name}_{number}"
-    used.add(new.casefold())
+    new = take_name(name, used, first=1)
     if new != name:
         report.add(Outcome.TRANSLATED, "name", path, f"renamed to {new}: matiec takes each name once")
     return new

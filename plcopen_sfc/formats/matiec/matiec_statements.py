@@ -13,6 +13,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 
 from plcopen_sfc.formats.matiec.matiec_library import in_milliseconds
 from plcopen_sfc.languages.binding.name_resolution import Resolver
@@ -30,6 +31,7 @@ from plcopen_sfc.languages.il import CALLS
 from plcopen_sfc.languages.st import names_of, parse_expression, parse_statements, print_node, render, transform, walk
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
+from plcopen_sfc.languages.st.walking import with_statements
 from plcopen_sfc.languages.text_edits import Edit, apply_edits, without
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
@@ -117,15 +119,10 @@ def without_for(text: str, dialect: Dialect) -> tuple[str, list[str]]:
             return (statement,)
         return _as_while(statement)
 
-    def change(node: n.Node) -> n.Node:
-        new: dict[str, tuple[n.Statement, ...]] = {}
-        for name in ("statements", "otherwise"):
-            found = getattr(node, name, None)
-            if isinstance(found, tuple) and any(isinstance(each, n.For) for each in found):
-                new[name] = tuple(one for each in found for one in unrolled(each))
-        return replace(node, **new) if new else node  # type: ignore[arg-type]  # fields of several kinds of nodes
+    def without(found: tuple[n.Statement, ...]) -> tuple[n.Statement, ...]:
+        return tuple(one for each in found for one in unrolled(each))
 
-    tree = transform(parsed.tree, change)
+    tree = transform(parsed.tree, partial(with_statements, change=without))
     return (render(parsed, tree) if tree is not parsed.tree else text), obstacles
 
 

@@ -76,7 +76,8 @@ class DrawnChart:
         for holder in (*self.symbols, *self.nodes):
             if id(holder) not in self.wires:
                 self.wires[id(holder)] = _sources(holder)
-        self._settle_references()
+        for thing in (*self.steps, *self.transitions):  # all ids are known now
+            thing["id"] = thing.pop("symbol_fields")["id"]
         self._resolve_conditions()
         self._resolve_blocks()
         self._resolve_jumps()
@@ -89,11 +90,6 @@ class DrawnChart:
         self.ctx.tool.finish_chart(self.ctx, {"transitions": self.transitions})
         self.chart.update(steps=self.steps, transitions=self.transitions, logic=self.nodes, drawing=drawing)
         return self.chart
-
-    def _settle_references(self) -> None:
-        """Give steps and transitions the ids of their symbols, now that all ids are known."""
-        for thing in (*self.steps, *self.transitions):
-            thing["id"] = thing.pop("symbol_fields")["id"]
 
     def _resolve_conditions(self) -> None:
         """Tell expressions that only feed one condition from graphical logic."""

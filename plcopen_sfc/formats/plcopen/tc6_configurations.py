@@ -28,7 +28,7 @@ from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, add_child, 
 from plcopen_sfc.formats.xml.extension_data import attributes
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.languages.task_schedules import SCHEDULE_FIELDS, clock_time, codesys_form, iec_form, schedule_fields
-from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Task
+from plcopen_sfc.model.project import Configuration, PouInstance, Resource, Task
 from plcopen_sfc.report import Outcome
 
 
@@ -154,7 +154,8 @@ def _read_task(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
 
 def _write_task(ctx: Tc6WriteContext, parent: etree._Element, task: Task) -> None:
     """Write ``task``. A schedule that is written otherwise than in the source is kept beside it."""
-    form = codesys_form(task) if ctx.dialect.tool is Tool.CODESYS else iec_form(task, _list_names(ctx.project))
+    lists = frozenset(section.name.casefold() for section in ctx.project.global_sections() if section.name)
+    form = codesys_form(task) if ctx.dialect.tool is Tool.CODESYS else iec_form(task, lists)
     if ctx.version.first_generation and form["interval"] is not None and not _is_time(form["interval"]):
         form["interval"] = clock_time(form["interval"])
     shown = task.model_copy(update=form)
@@ -202,8 +203,3 @@ def _write_instance(ctx: Tc6WriteContext, parent: etree._Element, instance: PouI
     element = add_child(ctx, parent, "pouInstance", {"name": name, type_attribute: type_name})
     ctx.keep("POU instance", instance.name)
     finish_element(ctx, element, instance, "pouInstance", frozenset({"name", "type_name"}), also=also)
-
-
-def _list_names(project: Project) -> frozenset[str]:
-    """Return the names of all lists of global variables, in lower case."""
-    return frozenset(section.name.casefold() for section in project.global_sections() if section.name)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import fields, replace
 from functools import partial
+from operator import is_not
 from typing import Any, TypeVar, cast
 
 from plcopen_sfc.languages.st.nodes import Name, Node, Parenthesized
@@ -77,6 +78,18 @@ def with_children(node: AnyNode, change: Callable[[Node], Node]) -> AnyNode:
             members = tuple(change(item) if isinstance(item, Node) else item for item in value)
             if any(a is not b for a, b in zip(members, value, strict=True)):
                 new[name] = members
+    return replace(node, **new) if new else node
+
+
+def with_statements(node: AnyNode, change: Callable[[tuple[Any, ...]], tuple[Any, ...]]) -> AnyNode:
+    """Return a node with `change` applied to the lists of statements in it; itself where none is another then."""
+    new: dict[str, Any] = {}
+    for name in ("statements", "otherwise"):
+        found = getattr(node, name, None)
+        if found:
+            changed = change(found)
+            if len(changed) != len(found) or any(map(is_not, changed, found)):
+                new[name] = changed
     return replace(node, **new) if new else node
 
 

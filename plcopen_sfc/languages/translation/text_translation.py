@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
 from plcopen_sfc.diagnostics import Severity
@@ -14,7 +14,7 @@ from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
 from plcopen_sfc.languages.st.nodes import Node, Operator, Statements
 from plcopen_sfc.languages.st.parsing import Parsed, parse_condition, parse_expression, parse_statements
 from plcopen_sfc.languages.st.printing import render, tree_edits
-from plcopen_sfc.languages.st.walking import transform, walk
+from plcopen_sfc.languages.st.walking import transform, walk, with_statements
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.arithmetic_translation import ArithmeticTranslator
 from plcopen_sfc.languages.translation.call_translation import is_called_otherwise
@@ -246,14 +246,7 @@ def _regions_fit(parsed: Parsed[Any], text: str, source: Dialect, target: Dialec
 
 def _without_chains(node: Node) -> Node:
     """Return a node whose statements hold no chains of assignments."""
-    new: dict[str, Any] = {}
-    for name in ("statements", "otherwise"):
-        statements = getattr(node, name, None)
-        if isinstance(statements, tuple) and any(isinstance(s, n.Assignment) for s in statements):
-            split = split_chains(statements)
-            if len(split) != len(statements):
-                new[name] = split
-    return replace(node, **new) if new else node
+    return with_statements(node, split_chains)
 
 
 def is_foreign(

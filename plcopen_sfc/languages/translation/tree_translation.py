@@ -287,7 +287,8 @@ class TreeTranslator:
 
     def _unary(self, node: n.Unary) -> Expression:
         inner = node.operand
-        if self._source is Dialect.SCL and self._target is not Dialect.SCL and _is_power(inner):
+        is_power = isinstance(inner, n.Operation) and inner.operator is Operator.POWER
+        if self._source is Dialect.SCL and self._target is not Dialect.SCL and is_power:
             return replace(node, operand=n.Parenthesized(inner, span=inner.span))
         return node
 
@@ -381,10 +382,6 @@ def _is_this(node: Expression) -> bool:
     """True for ``THIS^`` and ``THIS``: the instance that executes the text."""
     base = node.base if isinstance(node, n.Dereference) else node
     return isinstance(base, n.Name) and base.identifier.upper() == "THIS"
-
-
-def _is_power(node: Expression) -> bool:
-    return isinstance(node, n.Operation) and node.operator is Operator.POWER
 
 
 def _may_fail(node: Expression) -> bool:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
-from operator import is_not
-from typing import Any, TypeAlias, TypeVar
+from typing import TypeAlias, TypeVar
 
 from plcopen_sfc.languages.effects import Path, is_impure, may_change, reads, writes
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.nodes import Statement
+from plcopen_sfc.languages.st.walking import with_children, with_statements
 from plcopen_sfc.lowering.code.lowered_code import LoweredCode
 from plcopen_sfc.model.types import DerivedType
 
@@ -27,14 +27,11 @@ def timers_of(code: LoweredCode) -> set[Path]:
 
 def with_bodies(node: N, change: Callable[[Body], Body]) -> N:
     """Return a statement with `change` applied to all statements directly inside it; itself where none is another."""
-    new: dict[str, Any] = {}
-    for name in ("branches", "statements", "otherwise"):
-        value = getattr(node, name, None)
-        if value:
-            changed = tuple(with_bodies(each, change) for each in value) if name == "branches" else change(value)
-            if len(changed) != len(value) or any(map(is_not, changed, value)):
-                new[name] = changed
-    return replace(node, **new) if new else node
+
+    def in_branches(each: n.Node) -> n.Node:
+        return with_statements(each, change) if isinstance(each, n.Branch | n.CaseBranch) else each
+
+    return with_statements(with_children(node, in_branches), change)
 
 
 def does_something(statement: Statement) -> bool:

@@ -175,11 +175,6 @@ class _Part:
         return not self._complete or any(not active & ~marking for marking in self._with.get(first, ()))
 
 
-def leaving_and_entering(net: Net, step: int) -> tuple[list[NetTransition], list[NetTransition]]:
-    """Return the transitions that leave a step, and those that enter it."""
-    return [net.transitions[i] for i in net.leaving[step]], [net.transitions[i] for i in net.entering[step]]
-
-
 def _parts(net: Net) -> list[int]:
     """Return the steps of each part as bits."""
     parts = Clusters(range(len(net.steps)))

@@ -37,7 +37,7 @@ from plcopen_sfc.lowering.grafcet.grafcet_actions import (
     passed_steps,
     written_if,
 )
-from plcopen_sfc.lowering.grafcet.grafcet_evolutions import Concurrency, Stability, TermCode, leaving_and_entering
+from plcopen_sfc.lowering.grafcet.grafcet_evolutions import Concurrency, Stability, TermCode
 from plcopen_sfc.lowering.lowering_options import ActionPlace
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, GrafcetSource
 from plcopen_sfc.model.actions import ActionKind
@@ -201,7 +201,8 @@ class GrafcetScan:
         """Return an expression that is TRUE if transitions have left and entered a step at once: its time restarts."""
         if not self._encoding.profile.leaving_restarts_time:
             return FALSE
-        leaving, entering = leaving_and_entering(self._net, step)
+        net = self._net
+        leaving, entering = ([net.transitions[i] for i in ids[step]] for ids in (net.leaving, net.entering))
         fired = self._fired
         pairs = [(t, u) for t in leaving for u in entering if t is u or self._concurrency.both_fire(t, u)]
         return disjunction(conjunction([fired(t.index), fired(u.index)]) for t, u in pairs)

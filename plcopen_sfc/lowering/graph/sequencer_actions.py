@@ -106,18 +106,17 @@ class SequencerActions:
 
     def leaving(self) -> list[StepCode]:
         """Return the code of steps that were left."""
-        found: list[StepCode] = []
-        for step in self._source.net.steps:
-            rows = [row for row in self._executed(step) if row.event is ActionEvent.S0 or _falls_off(row)]
-            found.append(StepCode(step.index, step.path, self._step(step, rows, left=True)))
-        return [each for each in found if each.statements]
+        return self._steps(lambda row: row.event is ActionEvent.S0 or _falls_off(row), left=True)
 
     def acting(self) -> list[StepCode]:
         """Return the code of active steps."""
+        return self._steps(lambda row: row.event is not ActionEvent.S0)
+
+    def _steps(self, is_executed: Callable[[ActionRow], bool], *, left: bool = False) -> list[StepCode]:
         found: list[StepCode] = []
         for step in self._source.net.steps:
-            rows = [row for row in self._executed(step) if row.event is not ActionEvent.S0]
-            found.append(StepCode(step.index, step.path, self._step(step, rows)))
+            rows = [row for row in self._executed(step) if is_executed(row)]
+            found.append(StepCode(step.index, step.path, self._step(step, rows, left=left)))
         return [each for each in found if each.statements]
 
     def add_timers(self) -> None:
