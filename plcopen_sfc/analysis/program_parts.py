@@ -22,6 +22,7 @@ from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.model.actions import COUNTERS, SWITCHES, TIMERS, Qualifier
 from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.chart_settings import GRAPH_INPUTS, GRAPH_OUTPUTS
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import (
     ActionAssociation,
@@ -35,7 +36,6 @@ from plcopen_sfc.model.sfc import (
 )
 from plcopen_sfc.model.variables import sections_of
 from plcopen_sfc.reachability import reached
-from plcopen_sfc.semantics.charts.graph.graph_parameters import ALL_INPUTS, ALL_OUTPUTS
 from plcopen_sfc.semantics.charts.graph.graph_program import GraphProgram
 from plcopen_sfc.semantics.charts.graph.interlock_conditions import programmed
 from plcopen_sfc.semantics.charts.running_chart import RunningChart
@@ -363,8 +363,8 @@ class ChartParts:
     def _operation(self) -> ProgramPart:
         """Return the parameters of a block of S7-GRAPH, and its transitions: all tell of the whole sequencer."""
         names = [transition.name for transition in self._chart.transitions if transition.name]
-        written = {name.casefold() for name in (*ALL_OUTPUTS, *names)}
-        return ProgramPart(frozenset(name.casefold() for name in ALL_INPUTS), frozenset(written))
+        written = {name.casefold() for name in (*GRAPH_OUTPUTS, *names)}
+        return ProgramPart(frozenset(name.casefold() for name in GRAPH_INPUTS), frozenset(written))
 
     def _name(self, step: Step) -> frozenset[str]:
         return frozenset({step.name.casefold()})

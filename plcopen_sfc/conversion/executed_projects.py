@@ -57,7 +57,7 @@ from plcopen_sfc.languages.translation.call_translation import has_function
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.base import Element, ForeignData
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
-from plcopen_sfc.model.chart_settings import SfcFlag
+from plcopen_sfc.model.chart_settings import GRAPH_INPUTS, SfcFlag
 from plcopen_sfc.model.declaration import NamedObject
 from plcopen_sfc.model.dialect import STRING_LENGTHS, Dialect
 from plcopen_sfc.model.network import Block, CommentBox, VendorElement
@@ -67,7 +67,6 @@ from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, Step
 from plcopen_sfc.model.text import MultilingualText, Text
 from plcopen_sfc.model.text import plain as words_of
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection, sections_of
-from plcopen_sfc.semantics.charts.graph.graph_parameters import ALL_INPUTS
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.whole_numbers import whole_number
 
@@ -386,7 +385,7 @@ class _Reader:
     @cached_property
     def _named_inputs(self) -> frozenset[str]:
         """The inputs of sequencers that the project names, in lower case; looked for once, as it takes long."""
-        return frozenset(each.reference.name.casefold() for each in self.names.occurrences(*ALL_INPUTS))
+        return frozenset(each.reference.name.casefold() for each in self.names.occurrences(*GRAPH_INPUTS))
 
     @cached_property
     def _named_flags(self) -> frozenset[str]:

@@ -83,6 +83,21 @@ class SfcSettings(Model):
     use_defaults: bool | None = None
 
 
+GRAPH_INPUTS = (
+    *"OFF_SQ INIT_SQ ACK_EF REG_EF REG_S S_ON S_OFF T_PUSH S_PREV S_NEXT SW_AUTO SW_MAN SW_TAP SW_TOP S_SEL".split(),
+    *"ACK_S HALT_SQ HALT_TM ZERO_OP EN_IL EN_SV EN_ACKREQ EN_SSKIP DISP_SACT DISP_SEF DISP_SALL".split(),
+    *"S_SELOK T_PREV T_NEXT".split(),
+)
+"""All inputs that operate a sequencer, those of the maximum parameter set included (S7-GRAPH V6)."""
+GRAPH_OUTPUTS = (
+    *"S_NO S_MORE S_ACTIVE ERR_FLT AUTO_ON MAN_ON TAP_ON TOP_ON".split(),
+    *"S_TIME S_TIMEOK S_CRITLOC S_CRITLOCERR S_CRITSUP S_STATE T_NO T_MORE T_CRIT T_CRITOLD T_CRITFLT".split(),
+    *"ERROR FAULT SQ_ISOFF SQ_HALTED TM_HALTED OP_ZEROED IL_ENABLED SV_ENABLED ACKREQ_ENABLED".split(),
+    *"SSKIP_ENABLED SACT_DISP SEF_DISP SALL_DISP".split(),
+)
+"""All outputs by which a sequencer tells its state, those of the maximum parameter set included (S7-GRAPH V6)."""
+
+
 class AlarmCategory(Model):
     """An alarm category of an S7-GRAPH block: `name` as in the file, its id, display class and text."""
 

@@ -26,12 +26,13 @@ from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.languages.words import needs_quotes
 from plcopen_sfc.model.base import Model
-from plcopen_sfc.model.chart_settings import SfcFlag
+from plcopen_sfc.model.chart_settings import GRAPH_INPUTS, GRAPH_OUTPUTS, SfcFlag
 from plcopen_sfc.model.declaration import Declaration, Kind, check_kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
+from plcopen_sfc.model.variables import SectionKind, sections_of
 from plcopen_sfc.refactor.journal import EDITS, Journal
 from plcopen_sfc.report import RenameResult, Undecided, Use
 
@@ -315,14 +316,22 @@ def _check_name(names: Names, declaration: Declaration, new: str) -> None:
     problem = names.objection_to(declaration, new)
     if problem:
         raise ModelError(f"{new!r} cannot be a name: {problem}", location=Location(path=str(declaration)))
-    if declaration.kind in (Kind.VARIABLE, Kind.STEP) and names.project.dialect in (Dialect.CODESYS, Dialect.TWINCAT):
-        _refuse(declaration, new, _flags(declaration.name, new))
+    if declaration.kind in (Kind.VARIABLE, Kind.STEP):
+        _refuse(declaration, new, _known_to_charts(declaration, (declaration.name, new), names.project.dialect))
 
 
-def _flags(*names: str) -> Iterator[str]:
-    """Yield the names that charts of CODESYS and TwinCAT know their flags by: with another they are flags no more."""
-    flags = {flag.variable.casefold() for flag in SfcFlag}
-    yield from (f"charts know {name} as their flag" for name in names if name.casefold() in flags)
+def _known_to_charts(declaration: Declaration, names: Iterable[str], dialect: Dialect) -> Iterator[str]:
+    """Yield names that charts know: flags of CODESYS and TwinCAT, parameters of S7-GRAPH. With others they are none."""
+    known: tuple[str, ...] = ()
+    if dialect in (Dialect.CODESYS, Dialect.TWINCAT):
+        known = tuple(flag.variable for flag in SfcFlag)
+    elif dialect is Dialect.SCL and declaration.pou is not None and declaration.pou.chart is not None:
+        sections = sections_of(declaration.pou.interface)
+        kinds = {section.kind for section in sections if any(each is declaration.holder for each in section.variables)}
+        known = GRAPH_INPUTS * (SectionKind.INPUT in kinds) + GRAPH_OUTPUTS * (SectionKind.OUTPUT in kinds)
+    kind = "parameter" if dialect is Dialect.SCL else "flag"
+    folded = {name.casefold() for name in known}
+    yield from (f"charts know {name} as their {kind}" for name in names if name.casefold() in folded)
 
 
 def _refuse(declaration: Declaration, new: str, reasons: Iterable[str]) -> None:

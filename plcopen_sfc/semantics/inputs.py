@@ -15,17 +15,17 @@ from typing import Protocol, TypeAlias, TypeVar, runtime_checkable
 
 from plcopen_sfc.errors import InputError, Location, ModelError
 from plcopen_sfc.files import read_bytes
-from plcopen_sfc.model.chart_settings import SfcFlag
+from plcopen_sfc.model.chart_settings import GRAPH_INPUTS, GRAPH_OUTPUTS, SfcFlag
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.variables import SectionKind
-from plcopen_sfc.semantics.charts.graph.graph_parameters import ALL_INPUTS, ALL_OUTPUTS, PARAMETERS
+from plcopen_sfc.semantics.charts.graph.graph_parameters import PARAMETERS
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.trace import ACTIVE_COLUMN, SCAN_COLUMN, TIME_COLUMN, Trace
 
 _FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
-_SEQUENCER = frozenset(name.casefold() for name in ALL_INPUTS)
-OUTPUT_NAMES = frozenset(name.casefold() for name in ALL_OUTPUTS)
+_SEQUENCER = frozenset(name.casefold() for name in GRAPH_INPUTS)
+OUTPUT_NAMES = frozenset(name.casefold() for name in GRAPH_OUTPUTS)
 """Casefolded names of the outputs by which S7-GRAPH tells the state of a sequence."""
 PARAMETER_NAMES = _SEQUENCER | OUTPUT_NAMES
 """Casefolded names of the inputs and outputs by which S7-GRAPH is told what to do with a sequence, and tells its state.

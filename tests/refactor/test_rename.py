@@ -487,6 +487,20 @@ def test_flags_of_charts_keep_their_names_in_codesys() -> None:
         made.rename(f"PLC_PRG.{variables[1].name}", "SFCPause")
 
 
+@pytest.mark.parametrize(
+    ("name", "new", "known"), [("OFF_SQ", "Off", "OFF_SQ"), ("S_NO", "Number", "S_NO"), ("B1", "HALT_SQ", "HALT_SQ")]
+)
+def test_parameters_that_every_block_of_graph_has_keep_their_names(name: str, new: str, known: str) -> None:
+    made = plcopen_sfc.load(FIXTURES / "simaticml-training-chain" / "Ablauf.xml")
+    before = plcopen_sfc.dumps(made)
+    with pytest.raises(ModelError, match=f"charts know {known} as their parameter"):
+        made.rename(f"Ablauf.{name}", new)
+    assert plcopen_sfc.dumps(made) == before
+    made.rename("Ablauf.S2", "Fault")  # the maximum parameter set has such an output, but a step is none
+    made.rename("Ablauf.Fault", "S2")
+    assert plcopen_sfc.dumps(made) == before
+
+
 # -- what extends something -------------------------------------------------------------------------------------------
 
 EXTENDING = b"""{plcopen_sfc format := 1}

@@ -7,7 +7,7 @@ from enum import IntEnum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from plcopen_sfc.errors import ModelError, listed_names
-from plcopen_sfc.model.chart_settings import OPERATING_FLAGS
+from plcopen_sfc.model.chart_settings import GRAPH_INPUTS, OPERATING_FLAGS
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.runtime_types import BOOL, ELEMENTARY, Frame
@@ -38,37 +38,22 @@ _COMMANDS = "OFF_SQ INIT_SQ ACK_EF REG_EF REG_S S_ON S_OFF T_PUSH S_PREV S_NEXT"
 _OUTPUTS = ("S_NO", "S_MORE", "S_ACTIVE", "ERR_FLT")
 OPERATING = (*_COMMANDS, *MODES)
 """The inputs of which a rising edge does something."""
-ALL_INPUTS = (
-    *OPERATING,
-    "S_SEL",
-    *"ACK_S HALT_SQ HALT_TM ZERO_OP EN_IL EN_SV EN_ACKREQ EN_SSKIP DISP_SACT DISP_SEF DISP_SALL".split(),
-    *"S_SELOK T_PREV T_NEXT".split(),
-)
-"""All inputs that operate a sequencer, those of the maximum parameter set included (S7-GRAPH V6)."""
-ALL_OUTPUTS = (
-    *_OUTPUTS,
-    *(lamp for _, lamp in MODES.values()),
-    *"S_TIME S_TIMEOK S_CRITLOC S_CRITLOCERR S_CRITSUP S_STATE T_NO T_MORE T_CRIT T_CRITOLD T_CRITFLT".split(),
-    *"ERROR FAULT SQ_ISOFF SQ_HALTED TM_HALTED OP_ZEROED IL_ENABLED SV_ENABLED ACKREQ_ENABLED".split(),
-    *"SSKIP_ENABLED SACT_DISP SEF_DISP SALL_DISP".split(),
-)
-"""All outputs by which a sequencer tells its state, those of the maximum parameter set included (S7-GRAPH V6)."""
 PARAMETERS = (*_COMMANDS, *MODES, "S_SEL", *_OUTPUTS, *(lamp for _, lamp in MODES.values()))
 """All parameters that are known."""
 
 
 def operating_inputs(wanted: Iterable[str]) -> frozenset[str]:
-    """Return the inputs that `wanted` names, in upper case; ``all`` are all of `ALL_INPUTS` and the SFC flags.
+    """Return the inputs that `wanted` names, in upper case; ``all`` are all of `GRAPH_INPUTS` and the SFC flags.
 
     Raises `ModelError` for a name that no such input has.
     """
     names = {name.upper() for name in listed_names(wanted, "inputs at rest are named by texts")}
     flags = [flag.variable.upper() for flag in sorted(OPERATING_FLAGS)]
-    unknown = sorted(names - {*ALL_INPUTS, *flags, "ALL"})
+    unknown = sorted(names - {*GRAPH_INPUTS, *flags, "ALL"})
     if unknown:
-        hint = f"These do: {', '.join(ALL_INPUTS)}, and the SFC flags of CODESYS."
+        hint = f"These do: {', '.join(GRAPH_INPUTS)}, and the SFC flags of CODESYS."
         raise ModelError(f"{unknown[0]} does not operate sequencers, so it cannot be an inactive input", hint=hint)
-    return frozenset((*ALL_INPUTS, *flags) if "ALL" in names else names)
+    return frozenset((*GRAPH_INPUTS, *flags) if "ALL" in names else names)
 
 
 class Commands(NamedTuple):
