@@ -8,8 +8,9 @@ from typing import Any
 
 from plcopen_sfc.errors import Location, ModelError
 from plcopen_sfc.languages.networks import wired_steps
+from plcopen_sfc.languages.st import bare_condition, parse_condition
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_condition
+from plcopen_sfc.languages.translation.text_translation import with_block_comments
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.sfc import Condition, SfcNetwork, Step, Transition, by_priority
@@ -166,7 +167,8 @@ def joined(what: str, conditions: Sequence[Condition], operator: str, dialect: D
     for each in conditions:
         if not isinstance(each, Expression):
             raise refused(what, "a condition is no expression", "Inline named conditions first.")
-        text, tree = each.text.strip().removesuffix(";"), parse_condition(each.text, dialect).tree
+        tree = parse_condition(each.text, dialect).tree
+        text = with_block_comments(bare_condition(each.text, dialect), dialect)
         if isinstance(tree, n.Literal) and tree.text.upper() == "TRUE" and operator == "AND" and not each.negated:
             continue
         plain = isinstance(tree, n.Name | n.Member | n.Literal | n.Call | n.Parenthesized | n.Index | n.Address)

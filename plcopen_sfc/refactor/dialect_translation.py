@@ -20,6 +20,7 @@ from plcopen_sfc.languages.s7_globals import local_tags, names_from_s7, names_in
 from plcopen_sfc.languages.s7_programs import names_of_programs
 from plcopen_sfc.languages.s7_types import S7Types, s7_types
 from plcopen_sfc.languages.st import (
+    bare_condition,
     parse_body,
     parse_condition,
     parse_expression,
@@ -185,6 +186,9 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
     of_codesys = project.header.product.casefold().startswith(("codesys", "twincat"))
     every = text_sites(project)
     for text_site in [each for each in every if each.is_program_text and not _names_a_step(each)]:
+        if family(target) is Dialect.CODESYS and text_site.text.lstrip().startswith(":="):  # it compiles an expression
+            text_site.put(bare_condition(text_site.text, project.dialect))
+            found.append(TranslatedText(text_site.report_path, changed=True, notes=()))
         if family(target) is Dialect.IEC:
             found += _only_of_codesys(text_site, project.dialect, resolver)
         is_statements = text_site.reading is SiteKind.STATEMENTS

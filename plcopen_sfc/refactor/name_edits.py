@@ -16,8 +16,8 @@ from plcopen_sfc.languages.binding.text_sites import Role, Site, SiteKind, TextS
 from plcopen_sfc.languages.declarations import write_type
 from plcopen_sfc.languages.executed_names import sharing
 from plcopen_sfc.languages.networks import condition_reader
+from plcopen_sfc.languages.st import bare_condition, parse_condition, parse_statements
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_condition, parse_statements
 from plcopen_sfc.languages.st.layout import layout_edits
 from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
@@ -308,7 +308,7 @@ def inline_condition(journal: Journal, chart: sfc.SfcNetwork, link: sfc.Transiti
 def _value(text: str, name: str, dialect: Dialect) -> str | None:
     """Return the expression that the body of a named transition is: alone, or assigned to its name."""
     if not parse_condition(text, dialect).problems:
-        return text.strip().removesuffix(";").rstrip()
+        return bare_condition(text, dialect)
     parsed = parse_statements(text, dialect)
     match parsed.tree.statements:
         case [n.Assignment(target=n.Name(identifier=target), value=value)] if value.span is not None:

@@ -395,6 +395,41 @@ def test_split_and_join_are_inverse() -> None:
     assert labels(project) == WHOLE
 
 
+COMMENTED = b"""{plcopen_sfc format := 1}
+{plcopen_sfc project.dialect := 'codesys'}
+PROGRAM Main
+VAR a, b : BOOL; END_VAR
+INITIAL_STEP Wait: END_STEP
+STEP Fill: END_STEP
+TRANSITION FROM Wait TO Fill := a = TRUE // (* a
+; END_TRANSITION
+TRANSITION FROM Fill TO Wait := b (* b *); END_TRANSITION
+END_PROGRAM
+"""
+
+
+def test_comments_of_conditions_end_before_what_is_joined_behind_them() -> None:
+    project = sfc.loads(COMMENTED, format="iec-text")
+    project.edit().delete_step("Main.Fill", keep="both")
+    project.edit().extract_condition(link(project, "Wait -> Wait"), "Both")
+    assert project.pou("Main").transitions[0].body.text == "(a = TRUE (* ( * a *)) AND b (* b *)"  # type: ignore[union-attr]
+    assert sfc.check_syntax(project) == []
+
+
+@pytest.mark.parametrize("text", [":= Start AND NOT Stop;", "Start AND NOT Stop;", " :=Start AND NOT Stop"])
+def test_a_condition_in_its_place_is_an_expression(text: str) -> None:
+    project = plant()
+    pou = project.pou("Main")
+    project.edit().extract_condition(link(project, "Wait -> Fill"), "Go")
+    pou.transitions[-1].body.text = text  # type: ignore[union-attr]  # as tools that follow IEC 61131-3 write it
+    for format in ("codesys", "codesys-export"):
+        converted = sfc.loads(sfc.dumps(project, format=format, partial=True))
+        assert ":=" not in converted.pou("Main").transitions[-1].body.text  # type: ignore[union-attr]  # not compiled there
+        assert equal(project, converted)
+    project.edit().inline_condition(link(project, "Wait -> Fill"))
+    assert link(project, "Wait -> Fill").condition == sfc.Expression(text="Start AND NOT Stop")
+
+
 def test_priorities_stay_in_order_when_a_transition_is_split() -> None:
     project = plant()
     chart = project.pou("Main").chart

@@ -56,7 +56,7 @@ from plcopen_sfc.languages.st.lexer import CommentKind, Token, tokenize
 from plcopen_sfc.languages.st.printing import render
 from plcopen_sfc.languages.text_edits import Edit, apply_edits, without
 from plcopen_sfc.languages.translation.call_translation import is_mixed
-from plcopen_sfc.languages.translation.text_translation import CONDITIONAL_PRAGMA
+from plcopen_sfc.languages.translation.text_translation import CONDITIONAL_PRAGMA, with_block_comments
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import Expression
@@ -258,7 +258,7 @@ def _objects(project: Project, report: ConversionReport) -> Iterator[WrittenBloc
 def _data_type(declaration: t.DataTypeDeclaration) -> WrittenBlock:
     texts = kept(declaration.extension_data)
     initial = write_value(declaration.initial, _DIALECT) if declaration.initial is not None else ""
-    type_ = _bare_lists(_block_comments(write_type(declaration.type, _DIALECT)))
+    type_ = _bare_lists(with_block_comments(write_type(declaration.type, _DIALECT), _DIALECT))
     is_struct = isinstance(declaration.type, t.StructType)
     lines = [_comments(declaration.comment)] if plain(declaration.comment) else []
     lines += [f"TYPE {declaration.name} :", type_] if is_struct else [f"TYPE {declaration.name} : {type_}"]
@@ -358,7 +358,7 @@ def _each_text(block: WrittenBlock) -> WrittenBlock:
     It has no attributes before declarations: a comment keeps them with all else that the text does not express.
     """
     lines = [line for line in block.text.split("\n") if pragma_attributes(line) is None]
-    text = _bare_lists(_block_comments("\n".join(lines)))
+    text = _bare_lists(with_block_comments("\n".join(lines), _DIALECT))
     if block.key[0] in ("head", "end"):
         text = "\n".join(line.lstrip() for line in text.split("\n"))
     else:
@@ -410,11 +410,11 @@ def _comments(text: Text | None) -> str:
 
 
 def replace_line_comments(project: Project, report: ConversionReport) -> None:
-    """Write the comments up to the end of a line in program text of `project` as others: `_block_comments`."""
+    """Write the comments up to the end of a line in program text of `project` as others, which CoDeSys 2.3 has."""
     for name, pou, body in project.bodies():
         before = len(report.items)
         for text in _texts(body):
-            replaced = _block_comments(text.text)
+            replaced = with_block_comments(text.text, _DIALECT)
             if replaced != text.text:
                 text.text = replaced
                 if len(report.items) == before:
@@ -436,13 +436,6 @@ def _texts(body: Body) -> Iterator[StBody | IlBody | Expression]:
             yield transition.condition
         elif isinstance(transition.condition, BodyCondition):
             yield from _texts(transition.condition.body)
-
-
-def _block_comments(text: str) -> str:
-    """Return `text` with its comments up to the end of a line in the form that CoDeSys 2.3 has for all."""
-    found = tokenize(text, _DIALECT).comments if "//" in text else []
-    lines = [each for each in found if each.kind is CommentKind.LINE]
-    return apply_edits(text, [Edit(*each.span, f"(* {_inside(each.text[2:].strip())} *)") for each in lines])
 
 
 def _inside(text: str) -> str:

@@ -9,6 +9,7 @@ makes `nodes` and `declaration_nodes` of. `walking` goes through trees, `printin
 
 from plcopen_sfc.languages.st.parsing import (
     Parsed as Parsed,
+    bare_condition as bare_condition,
     parse_body as parse_body,
     parse_condition as parse_condition,
     parse_declarations as parse_declarations,

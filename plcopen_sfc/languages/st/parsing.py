@@ -393,6 +393,12 @@ def parse_condition(text: str, dialect: Dialect = Dialect.IEC) -> Parsed[n.Expre
     return _parse(text, Dialect(dialect), "condition")
 
 
+def bare_condition(text: str, dialect: Dialect = Dialect.IEC) -> str:
+    """Return a condition without what `parse_condition` takes around it, ``:=`` and a semicolon. Comments stay."""
+    _, end = parse_condition(text, dialect).tree.span or (0, 0)
+    return (text[:end] + text[end:].replace(";", "", 1)).strip().removeprefix(":=").strip()
+
+
 def parse_body(text: str, dialect: Dialect = Dialect.IEC) -> Parsed[Any]:
     """Return the statements of a body, or the condition alone that the body of a transition may be. Never raises."""
     statements = parse_statements(text, dialect)

@@ -80,6 +80,13 @@ def _harmless(text: str) -> str:
     return text.replace("(*", "( *").replace("*)", "* )")
 
 
+def with_block_comments(text: str, dialect: Dialect) -> str:
+    """Return a text with ``(* *)`` for its comments up to the end of a line, so that text can follow them."""
+    found = tokenize(text, dialect).comments if "//" in text else []
+    lines = [each for each in found if each.kind is CommentKind.LINE]
+    return apply_edits(text, [Edit(*each.span, f"(* {_harmless(each.text[2:].strip())} *)") for each in lines])
+
+
 def with_translated_comments(text: str, source: Dialect, target: Dialect, *, regions: bool) -> str:
     """Return a text whose program is in the target dialect already, with its comments and pragmas so too."""
     if not any(mark in text for mark in _MARKS):  # to look at every word takes a twentieth of a translation
