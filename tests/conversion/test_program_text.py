@@ -228,7 +228,7 @@ def test_ways_that_leave_a_result_for_what_follows_are_statements(target: str) -
 @pytest.mark.parametrize(
     ("statement", "written"),
     [
-        ("t := ADD_TIME(t, T#1s);", "t := t + T#1s;"),
+        ("t := ADD_TIME(T#2s, T#1s);", "t := T#2s + T#1s;"),
         ("s := CONCAT(s, u, s);", "s := CONCAT(CONCAT(s, u), s);"),
         ("s := MID(IN := s, L := 2, P := 3);", "s := MID(s, 2, 3);"),
         ("i := TRUNC(r);", "i := TRUNC_INT(r);"),
