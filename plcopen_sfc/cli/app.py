@@ -309,7 +309,7 @@ def _lower(screen: Screen, file: o.File, how: o.LowerOptions, target: o.Target =
     """Make program code of charts and prove that it does the same."""
     from plcopen_sfc.cli.commands import lower
 
-    return lower.run(screen, file, target, **vars(how))
+    return lower.run(screen, file, target, how)
 
 
 @_command

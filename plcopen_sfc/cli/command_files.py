@@ -72,7 +72,7 @@ def written_to_stdout(screen: Screen, target: str, extension: str) -> Iterator[s
 
 
 def exit_code_for(screen: Screen, findings: Sequence[Diagnostic]) -> int:
-    """The exit code so far, worsened by findings that are errors."""
+    """Return the exit code so far, worsened by findings that are errors."""
     return max(screen.exit_code, _FINDINGS if any(f.severity is Severity.ERROR for f in findings) else 0)
 
 

@@ -216,17 +216,17 @@ class Screen:
     # -- messages -----------------------------------------------------------------------------------------------------
 
     def note(self, text: str) -> None:
-        """A message that --quiet suppresses."""
+        """Print a message that --quiet suppresses."""
         if not self.quiet:
             self._write(sys.stderr, [(text, "")])
 
     def detail(self, text: str) -> None:
-        """A message that only --verbose brings."""
+        """Print a message that only --verbose brings."""
         if self.verbose:
             self._write(sys.stderr, [(text, "dim")])
 
     def complain(self, text: str) -> None:
-        """An error message."""
+        """Print an error message."""
         self._write(sys.stderr, [("error: ", "bold red"), (text, "")])
 
     def advise(self, text: str) -> None:
@@ -234,7 +234,7 @@ class Screen:
         self._write(sys.stderr, [(f"  {text}", "dim")])
 
     def error(self, error: SfcError) -> None:
-        """An error of the library: place, message, hint."""
+        """Print an error of the library: place, message, hint."""
         place = str(error.location)
         self.complain(f"{place}: {error.message}" if place else error.message)
         if error.hint:

@@ -19,6 +19,7 @@ from plcopen_sfc.cli.command_files import (
     names_in,
     written_to_stdout,
 )
+from plcopen_sfc.cli.options import LowerOptions
 from plcopen_sfc.cli.report_items import show_items
 from plcopen_sfc.cli.screen import INTERRUPTED, UNREADABLE, Screen
 from plcopen_sfc.documents.lowered import LoweredFile, lower_to_file
@@ -29,58 +30,39 @@ from plcopen_sfc.lowering import LoweredPou
 from plcopen_sfc.report import ConversionReport
 
 _FINDINGS = 1
+_NOT_OF_THE_LIBRARY = frozenset({"to", "no_init", "free", "functions", "accept_errors"})
+"""Options that `lower_to_file` has by other names or in other forms, or not at all."""
 
 
-def run(
-    screen: Screen,
-    file: str,
-    target: str | None,
-    *,
-    to: str,
-    tia: str,
-    init: str | None,
-    no_init: bool,
-    modes: list[str] | None,
-    at_rest: list[str] | None,
-    free: list[str] | None,
-    functions: str | None,
-    limit: str | None,
-    skip_refused: bool,
-    accept_errors: bool,
-    **options: Any,
-) -> int:
+def run(screen: Screen, file: str, target: str | None, how: LowerOptions) -> int:
     """Lower the charts of `file`, or one of them, into `target` (None: a file next to it), and show what was made.
 
-    ``-`` is standard input and standard output. `options` are further ones of `lower_to_file`.
+    ``-`` is standard input and standard output.
     """
-    if no_init and init is not None:
+    if how.no_init and how.init is not None:
         raise InputError("--init and --no-init exclude each other")
-    seconds(limit)  # a wrong one is a mistake of the command line, not of a chart
-    to = format_of_target(to, target, tia)
+    seconds(how.limit)  # a wrong one is a mistake of the command line, not of a chart
+    to = format_of_target(how.to, target, how.tia)
     if target is None:
         target = STANDARD_STREAM if file == STANDARD_STREAM else _beside(Path(file), to)
     project = load_input(screen, file)
     for finding in project.diagnostics:
         screen.finding(finding, result=False)
-    if accept_errors:
+    if how.accept_errors:
         project.accept_errors()
     extension = format_named(to)[0].extensions[0]
+    options: dict[str, Any] = vars(how) | {"modes": how.modes or (), "at_rest": names_in(how.at_rest)}
+    options |= {"init": ""} if how.no_init else {}
     with written_to_stdout(screen, target, extension) as place, screen.searching() as progress:
         try:
             made = lower_to_file(
                 project,
                 place,
                 format=to,
-                tia=tia,
-                init="" if no_init else init,
-                modes=modes or (),
-                at_rest=names_in(at_rest),
-                free_inputs=free or (),
-                functions=functions_of(functions) if functions is not None else {},
-                limit=limit,
-                skip_refused=skip_refused,
+                free_inputs=how.free or (),
+                functions=functions_of(how.functions) if how.functions is not None else {},
                 progress=progress,
-                **options,
+                **{name: value for name, value in options.items() if name not in _NOT_OF_THE_LIBRARY},
             )
         except LossError as loss:
             if not screen.as_json and not screen.quiet:
@@ -102,7 +84,7 @@ def run(
     charts = len(made.pous) + len(made.refused)
     if made.path is None:
         screen.complain(f"nothing is written: {len(made.refused)} of {charts} charts are refused")
-        if made.pous and not skip_refused:
+        if made.pous and not how.skip_refused:
             screen.advise("--skip-refused leaves them as they are and lowers the others.")
         if any(isinstance(each, UntestedError) and each.verdict.interrupted for each in made.refused.values()):
             return INTERRUPTED
