@@ -144,7 +144,7 @@ class NamedEffects:
         return frozenset(found)
 
     def of_all(self, nodes: Iterable[n.Statement | n.Expression]) -> ProgramPart:
-        """Several together."""
+        """Return several parts as one."""
         found = NOTHING
         for node in nodes:
             found |= self.of(node)

@@ -291,7 +291,7 @@ class Unreachable:
         return step.model_copy(update={"actions": [each for each in step.actions if each not in idle]})
 
     def _always_said(self) -> set[str]:
-        """The names in what every scan may execute: permanent instructions, and conditions that do something."""
+        """Return the names in what every scan may execute: permanent instructions, and conditions that do something."""
         chart = self._pou.chart
         owners: list[Model] = [*chart.permanent_pre, *chart.permanent_post] if chart is not None else []
         for net in self._nets.values():

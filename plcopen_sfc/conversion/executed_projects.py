@@ -451,7 +451,7 @@ class _Reader:
             part.tell("variables", Meaning.of(frozenset(names)))
 
     def _local(self, part: Part, pou: Pou, kind: str, variable: t.Variable, section: VariableSection) -> None:
-        """A variable of a POU; one that is a tag in S7 is global wherever it is."""
+        """Note a variable of a POU; one that is a tag in S7 is global wherever it is."""
         tag = self.tags.get(pou.name.casefold(), {}).get(variable.name.casefold())
         if tag is None:
             self._variable(part, kind, variable, section, "")

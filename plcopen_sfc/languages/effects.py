@@ -76,7 +76,7 @@ class Effects:
 
     @classmethod
     def all(cls, found: Iterable[Effects]) -> Effects:
-        """Several effects together."""
+        """Return several effects as one."""
         reading, writing, calling = set[Path](), set[Path](), set[Path]()
         for each in found:
             reading |= each.reads

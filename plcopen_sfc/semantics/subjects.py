@@ -276,7 +276,7 @@ def _only(project: Project) -> Subject:
 
 
 def _of_body(project: Project, name: str, owner: Pou, body: Body) -> Subject:
-    """An action runs as the body of a POU that is like its own in everything else."""
+    """Return an action as the body of a POU that is like its own in everything else."""
     if any(body is each for each in owner.bodies):
         return Subject(project, owner, owner.name)
     return Subject(project, owner.model_copy(update={"bodies": [body]}), name)

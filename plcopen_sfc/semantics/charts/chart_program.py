@@ -180,7 +180,7 @@ class ChartProgram(RunningChart):
         v[self._started] = False
 
     def execute(self, frame: Frame) -> None:
-        """One scan."""
+        """Execute one scan."""
         if self._refused is not None:
             fail(self._refused)
         now = self._clock.now
@@ -298,7 +298,7 @@ class ChartProgram(RunningChart):
         return self._choose(frame, moves)
 
     def _move_on(self, frame: Frame, now: int, situation: int, cleared: Cleared) -> int:
-        """The next situation. A step that is left and entered at once stays active; its time may start again."""
+        """Return the next situation. A step that is left and entered at once stays active; its time may start again."""
         after: int = situation & ~cleared.left | cleared.entered
         if self._grafcet is not None:
             after = self._grafcet.rule(situation, after)
@@ -314,7 +314,7 @@ class ChartProgram(RunningChart):
         return after
 
     def _execute(self, frame: Frame, now: int, plan: Plan, change: SituationChange) -> None:
-        """The actions of a situation."""
+        """Execute the actions of a situation."""
         situation = frame.v[self._shown]
         if self._has_flags:
             self._flags.put(SfcFlag.CURRENT_STEP, frame, plan.current)

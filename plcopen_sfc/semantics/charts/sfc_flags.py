@@ -136,7 +136,7 @@ class Flags:
         return SfcFlag.ENABLE_LIMIT not in self.used or self.is_on(SfcFlag.ENABLE_LIMIT, frame)
 
     def time_out(self, frame: Frame, step: str, reasons: list[Reason]) -> None:
-        """A step is active too long."""
+        """Report a step that is active too long."""
         self.put(SfcFlag.ERROR, frame, True)
         self.put(SfcFlag.ERROR_STEP, frame, step)
         self.put(SfcFlag.ERROR_POU, frame, self._scope.path.partition(".")[0])

@@ -28,7 +28,7 @@ class Writer:
         self._temporaries = 0
 
     def write(self, line: str) -> None:
-        """One line."""
+        """Write a line."""
         self.lines.append(INDENT * self._depth + line)
         self.origins.append(self.origin)
 

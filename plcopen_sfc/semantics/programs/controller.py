@@ -128,7 +128,7 @@ class _SnapshotWriter:
             self._add(f"*{values}", f"{values} = s{self.depth}[{self.size}:{self.size + len(slots)}]", len(slots))
 
     def _value(self, place: str, type_: Type) -> None:
-        """A value that is no plain one."""
+        """Write a value that is no plain one."""
         at = f"s{self.depth}[{self.size}]"
         if isinstance(type_, t.StructureType):
             self._frame(f"{place}.v", type_.layout)

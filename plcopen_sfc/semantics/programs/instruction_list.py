@@ -225,7 +225,7 @@ class InstructionTranslator:
             write()
 
     def _function(self, name: str, trees: list[n.Expression]) -> None:
-        """A function: the current result is its first argument."""
+        """Call a function: the current result is its first argument."""
         current = self._current()
         held = self._translator.hold(current)
         arguments = tuple(n.Argument(tree) for tree in (held, *trees))

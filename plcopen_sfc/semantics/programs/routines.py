@@ -308,7 +308,7 @@ class Routines:
 
     @contextmanager
     def _written(self, path: str) -> Iterator[Writer]:
-        """The source of a function. What cannot be translated in the `with` is an error where it is reached."""
+        """Write the source of a function. What cannot be translated in the `with` is an error where it is reached."""
         writer = Writer()
         writer.write("v = f.v")
         if self._scope.around is not None:

@@ -74,7 +74,7 @@ UNREAD = Unread()
 
 
 def endless() -> None:
-    """A scan has done more than it may."""
+    """Refuse a scan that has done more than it may."""
     raise SimulationError(
         "the scan does not end: a loop, or functions that call each other, go on and on",
         hint="Controller(max_steps=..) allows more",

@@ -417,7 +417,7 @@ class CompiledChart(Protocol):
         """Bring a new frame of the POU into the initial situation."""
 
     def execute(self, frame: Frame) -> None:
-        """One call of the body."""
+        """Execute the body once."""
 
 
 ChartCompiler = Callable[[SfcNetwork, Scope, str], CompiledChart]

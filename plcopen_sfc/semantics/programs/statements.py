@@ -190,7 +190,7 @@ class StatementTranslator:
         self._guards = Guards(translator, wanted=self._marks is not None)
 
     def body(self, statements: Sequence[Statement]) -> None:
-        """A whole body: labels may be between its statements."""
+        """Translate a whole body: labels may be between its statements."""
         if statements:
             self.enter("")
         labels = [s.label.identifier for s in statements if isinstance(s, n.LabelStatement)]
@@ -225,7 +225,7 @@ class StatementTranslator:
             self._guards.pass_by(statement)
 
     def one(self, statement: Statement) -> None:
-        """One statement."""
+        """Translate a statement."""
         if self._lines is not None and statement.span is not None:
             self._writer.origin = self._lines.place(statement.span[0])[0]
         mark = self._writer.mark()

@@ -29,7 +29,7 @@ class UnknownCalls:
         self.log: list[tuple[str, str]] = []
 
     def begin(self) -> None:
-        """A scan begins."""
+        """Begin a scan."""
         self.log.clear()
 
     def value(self, name: str, arguments: Any, type_: ScalarType | OpaqueType) -> Any:

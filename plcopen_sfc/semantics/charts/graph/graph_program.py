@@ -442,7 +442,7 @@ class GraphProgram(RunningChart):
                 v[slot].v[step_data.TNO] = transition.transition.number or 0
 
     def execute(self, frame: Frame) -> None:
-        """One cycle."""
+        """Execute one cycle."""
         if self._refused is not None:
             fail(self._refused)
         now = self._clock.now
