@@ -128,11 +128,7 @@ class ChartReader:
         left, unknown = read_attributes(segment, SEGMENT)
         if left or unknown:
             self._ctx.error("TWC102", "a segment has a name or a comment, or is excluded: not understood", segment)
-        held = member(segment, "ElementList")
-        if held is None or member(held, "InnerList") is None:
-            self._ctx.error("TWC101", "a segment has no list of elements", segment)
-            return above
-        for element in items(held, "InnerList"):
+        for element in self._elements(segment, "a segment"):
             kind = type_of(element)
             if kind == BRANCH:
                 above = self._branch(element, above)
@@ -145,6 +141,14 @@ class ChartReader:
             else:
                 self._ctx.error("TWC102", f"an element of the type {kind or 'nothing'} is not understood", element)
         return above
+
+    def _elements(self, holder: etree._Element, what: str) -> list[etree._Element]:
+        """Return what is in a segment, a branch or a step; reports one without a list for it."""
+        held = member(holder, "ElementList")
+        if held is None or member(held, "InnerList") is None:
+            self._ctx.error("TWC101", f"{what} has no list of elements", holder)
+            return []
+        return items(held, "InnerList")
 
     def _refuse(self, element: etree._Element, kind: str, unknown: list[etree._Element]) -> None:
         """Report the content of an element that is not understood, and that the tool may execute."""
@@ -181,8 +185,7 @@ class ChartReader:
         number: int = symbol["id"]
         step: Fields = {"name": "", "actions": [], **fields, "symbol_fields": symbol}
         self._drawn.steps.append(step)
-        held = member(element, "ElementList")
-        lines = [self._association(each) for each in items(held, "InnerList")] if held is not None else []
+        lines = [self._association(each) for each in self._elements(element, f"the step {step['name']}")]
         if lines:
             symbol["action_output"] = {"name": "x"}
             block = self._symbol(element, SymbolKind.ACTION_BLOCK, number, own=False)
@@ -190,6 +193,9 @@ class ChartReader:
         return number
 
     def _association(self, element: etree._Element) -> Line:
+        if type_of(element) != ASSOCIATION:
+            kind = type_of(element) or "nothing"
+            self._ctx.error("TWC102", f"an association of the type {kind} is not understood", element)
         fields, unknown = read_attributes(element, ASSOCIATION)
         self._refuse(element, ASSOCIATION, unknown)
         association: Fields = {"target": fields.pop("name", "")}
@@ -235,8 +241,7 @@ class ChartReader:
         divergence, convergence = _BARS[fields.pop("parallel", False)]
         bar = self._symbol(element, divergence, above)
         bar.update(fields)
-        held = member(element, "ElementList")
-        segments = items(held, "InnerList") if held is not None else []
+        segments = self._elements(element, "a branch")
         bar["outputs"] = [{"name": _FLOW_PIN} for _ in segments]
         ends = [self._segment(segment, bar["id"]) for segment in segments]
         closing = self._symbol(element, convergence, None, own=False)
@@ -253,7 +258,7 @@ class ChartReader:
             self._ctx.error("TWC102", "a macro is excluded, which is not understood", element)
         inside = member(element, "Segment")
         held = member(inside, "ElementList") if inside is not None else None
-        found = items(held, "InnerList") if held is not None else []
+        found = items(held, "InnerList") if held is not None else []  # `_segment` reports one without
         if inside is None or not found:
             self._ctx.error("TWC102", "a macro has nothing in it", element)
             return above
@@ -284,13 +289,20 @@ def read_settings(ctx: Tc6ReadContext, settings: etree._Element) -> Fields | Non
     if any(value is not None for value in library.values()):
         fields["library"] = {name: value or "" for name, value in library.items()}
     for name, title in SWITCHES.items():
-        text = text_of(member(settings, title))
-        if text in ("true", "false"):
-            fields[name] = text == "true"
+        if text_of(member(settings, title)) is not None:
+            fields[name] = _truth(ctx, settings, title, title)
     for flag, data in entries(settings, "Flags"):
-        use = {name: text_of(member(data, name.capitalize())) == "true" for name in ("use", "declare")}
+        use = {name: _truth(ctx, data, name.capitalize(), f"the flag {flag}") for name in ("use", "declare")}
         fields["flags" if flag in _FLAGS else "other_flags"][flag] = use
     return fields
+
+
+def _truth(ctx: Tc6ReadContext, holder: etree._Element, name: str, what: str) -> bool:
+    """Return a member that is ``true`` or ``false``; reports one that is neither, and is taken for FALSE."""
+    text = text_of(member(holder, name))
+    if text not in ("true", "false"):
+        ctx.error("TWC102", f"{what}: {name} is {text or 'without a value'}, and neither true nor false", holder)
+    return text == "true"
 
 
 LIBRARY = {"title": "Title", "company": "Company", "version": "Version", "namespace": "Namespace"}

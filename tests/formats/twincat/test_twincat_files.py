@@ -353,6 +353,22 @@ DAMAGED = {
     ),
     "a list without the type of its attributes": (b' cet="SFCAttribute"', b"", "TWC102", "type of its items"),
     "a list without the type of its elements": (b' cet="SFCSegment"', b"", "TWC102", "type nothing"),
+    "a list without the type of its associations": (b' cet="SFCActionAssociation"', b"", "TWC102", "type nothing"),
+    "associations of another type": (b'cet="SFCActionAssociation"', b'cet="SFCStep"', "TWC102", "of the type SFCStep"),
+    "a step without a list": (
+        b'<l2 n="InnerList" cet="SFCActionAssociation">',
+        b'<l2 n="InnerLst" cet="SFCActionAssociation">',
+        "TWC101",
+        "the step Bereitschaft has no list",
+    ),
+    "a branch without a list": (
+        b'<l2 n="InnerList" cet="SFCSegment">',
+        b'<l2 n="Inner">',
+        "TWC101",
+        "a branch has no list",
+    ),
+    "a flag that is neither used nor unused": (b'<v n="Use">true</v>', b'<v n="Use">ture</v>', "TWC102", "Use is ture"),
+    "a flag without a word on its use": (b'<v n="Use">true</v>', b"", "TWC102", "Use is without a value"),
     "a truth that is none": (b'<v n="Value">"TRUE"</v>', b'<v n="Value">"JA"</v>', "TWC102", "cannot be JA"),
     "a truth of another type": (
         b't="BoolValue"',
