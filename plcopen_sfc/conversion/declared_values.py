@@ -254,8 +254,7 @@ def tell_type(part: Part, kind: t.DataType, declaration: t.DataTypeDeclaration |
 
 
 def _has_union(kind: t.DataType) -> bool:
-    while isinstance(kind, t.ArrayType):
-        kind = kind.base
+    kind = t.element_type(kind)
     if not isinstance(kind, t.StructType):
         return False
     return "union" in kept(kind.extension_data) or any(_has_union(member.type) for member in kind.members)

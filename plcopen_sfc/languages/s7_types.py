@@ -246,7 +246,6 @@ _LONGEST_TEXTS = {False: 254, True: 16382}
 
 def is_too_long(type_: t.DataType) -> bool:
     """True for strings longer than S7 has: 254 characters, of WSTRING 16382 (TIA Portal help, "STRING", "WSTRING")."""
-    while isinstance(type_, t.ArrayType):
-        type_ = type_.base
+    type_ = t.element_type(type_)
     length = whole_number(type_.length or "") if isinstance(type_, t.StringType) else None
     return isinstance(type_, t.StringType) and length is not None and length > _LONGEST_TEXTS[type_.wide]

@@ -224,6 +224,13 @@ class Variable(OwnedName, Element):
     OWNS: ClassVar[tuple[str, ...]] = ("type",)
 
 
+def element_type(kind: DataType) -> DataType:
+    """Return the type of the elements of an array, also of arrays; any other type as it is."""
+    while isinstance(kind, ArrayType):
+        kind = kind.base
+    return kind
+
+
 def used_types(kind: DataType) -> list[str]:
     """Return the names of the types that a type names."""
     if isinstance(kind, DerivedType):

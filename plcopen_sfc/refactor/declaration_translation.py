@@ -205,9 +205,7 @@ def _say_starts(project: Project, source: Dialect, target: Dialect) -> Iterator[
     if (source is Dialect.SCL) is (target is Dialect.SCL):
         return
     for path, variable in _kept_variables(project):
-        type_, start = variable.type, variable.initial
-        while isinstance(type_, t.ArrayType):
-            type_ = type_.base
+        type_, start = t.element_type(variable.type), variable.initial
         name = type_.name.value if isinstance(type_, t.ElementaryType) else ""
         why, severity = "", Severity.INFO
         if name in _FIRST_DAYS and start is None:

@@ -308,9 +308,8 @@ def _note_foreign(project: Project, pou: Pou, types: S7Types, tags: Container[st
             elif (variable.address or "").startswith("%") and variable.name.casefold() not in tags:
                 why = f"variables of blocks have no address in S7: it is not connected to {variable.address}"
                 report.add(Outcome.NOT_EXECUTED, "address", path, why)
-            whole = inner = types.type(variable.type)
-            while isinstance(inner, t.ArrayType):
-                inner = inner.base
+            whole = types.type(variable.type)
+            inner = t.element_type(whole)
             if isinstance(inner, t.PointerType):
                 report.add(Outcome.NOT_EXECUTED, "type", path, f"TIA Portal has no type {write_type(inner, _SCL)}")
             elif is_too_long(whole) or (isinstance(whole, t.ArrayType) and isinstance(whole.base, t.ArrayType)):

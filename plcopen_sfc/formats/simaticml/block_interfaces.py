@@ -372,9 +372,7 @@ def _reports_type(ctx: DocumentWriting, variable: t.Variable, type_: t.DataType,
 
 def _is_nested(type_: t.DataType) -> bool:
     """True if members have the start values of a type: it is a PLC data type, or an array of structures."""
-    base = type_
-    while isinstance(base, t.ArrayType):
-        base = base.base
+    base = t.element_type(type_)
     return isinstance(base, t.DerivedType) or (isinstance(base, t.StructType) and base is not type_)
 
 

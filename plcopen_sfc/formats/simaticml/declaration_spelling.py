@@ -106,8 +106,7 @@ def version_of(type: t.DataType) -> str | None:
 
 def struct_of(type: t.DataType) -> t.StructType | None:
     """Return the structure whose members a declaration of this type lists."""
-    while isinstance(type, t.ArrayType):
-        type = type.base
+    type = t.element_type(type)
     return type if isinstance(type, t.StructType) else None
 
 

@@ -207,9 +207,7 @@ def _find(element: etree._Element, path: Path, types: Mapping[str, t.DataType]) 
 
 def _add_members(element: etree._Element, types: Mapping[str, t.DataType]) -> None:
     """List the members of the PLC data type of a member."""
-    type_: t.DataType = _TYPES.validate_python(read_type(element.get("Datatype", "")))
-    while isinstance(type_, t.ArrayType):
-        type_ = type_.base
+    type_ = t.element_type(_TYPES.validate_python(read_type(element.get("Datatype", ""))))
     struct = types.get(type_.name.casefold()) if isinstance(type_, t.DerivedType) else None
     if any(True for _ in _inner(element)) or not isinstance(struct, t.StructType):
         raise ValuePathError("its type is not known")
@@ -219,8 +217,6 @@ def _add_members(element: etree._Element, types: Mapping[str, t.DataType]) -> No
 def _list_members(parent: etree._Element, struct: t.StructType) -> None:
     for member in struct.members:
         inner = sub(parent, "Member", {"Name": member.name, "Datatype": write_type(member.type)})
-        base = member.type
-        while isinstance(base, t.ArrayType):
-            base = base.base
+        base = t.element_type(member.type)
         if isinstance(base, t.StructType):
             _list_members(inner, base)
