@@ -3,6 +3,7 @@
 * `matiec_project`: `fit_project` changes a copy of a project, with its configuration and tasks; `pous_in_order`.
 * `matiec_pou`: one POU while it is adapted, its bodies and its drawn logic.
 * `matiec_charts`, `matiec_actions`: the chart of a POU, and the actions that it executes.
+* `action_charts`: charts in actions as function blocks.
 * `matiec_statements`: texts of statements and instructions.
 * `matiec_functions`: global variables as parameters of functions.
 * `matiec_library`: calls of standard functions that its library has otherwise.

@@ -6,6 +6,7 @@ import re
 from graphlib import CycleError, TopologicalSorter
 
 from plcopen_sfc.formats.format_interface import WriteOptions
+from plcopen_sfc.formats.matiec.action_charts import make_blocks
 from plcopen_sfc.formats.matiec.matiec_charts import ChartFitter
 from plcopen_sfc.formats.matiec.matiec_declarations import (
     TypeFitter,
@@ -75,6 +76,7 @@ def fit_project(
     types = TypeFitter(project.data_types, report, own=own)
     constants = types.sections(project.global_sections(), "", {})
     lists = frozenset(section.name.casefold() for section in project.global_sections() if section.name)
+    make_blocks(project, report, of_codesys=options.of_codesys)
     declare_globals(project, report)
     for declaration in project.data_types:
         types.declaration(declaration)
