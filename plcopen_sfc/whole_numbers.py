@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 
 _CANONICAL = re.compile(r"0|[1-9][0-9]{0,17}")
 
@@ -15,6 +16,7 @@ def whole_number(text: str | None) -> int | None:
     return int(text) if text is not None and len(text) <= 18 and text.isascii() and text.isdigit() else None
 
 
+@lru_cache(maxsize=4096)  # a chart has each of its ids several times
 def xml_number(text: str | None) -> int | None:
     """Return a number as `whole_number` does; white space around it does not count, as in types of XML Schema."""
     if text is None or not text.isdigit():  # most numbers have no white space around them

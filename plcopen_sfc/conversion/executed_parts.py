@@ -10,6 +10,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
+from functools import lru_cache
 from typing import NamedTuple
 
 from plcopen_sfc.conversion.meaning import Meaning, literal_meaning
@@ -143,6 +144,7 @@ class Part:
         return part
 
 
+@lru_cache(maxsize=16384)  # several passes over a chart ask for the same names
 def plain_name(name: str) -> str:
     """Return a name to compare, as all tools could spell it: they know different quotes and signs in names."""
     return shown_name(name).casefold()

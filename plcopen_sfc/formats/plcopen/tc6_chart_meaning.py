@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from itertools import chain
 from typing import Any
 
 from lxml import etree
@@ -95,10 +97,7 @@ class DrawnChart:
         """Tell expressions that only feed one condition from graphical logic."""
         if not any(t.get("condition", _NOTHING).get("kind") == "wired" for t in self.transitions):
             return
-        consumers: dict[int, int] = {}
-        for holder in (*self.symbols, *self.nodes):
-            for source in self.wires[id(holder)]:
-                consumers[source] = consumers.get(source, 0) + 1
+        consumers = Counter(chain.from_iterable(self.wires.values()))
         wired: list[tuple[Fields, Fields, int]] = []
         symbol_of = {symbol["id"]: symbol for symbol in self.symbols}
         for transition in self.transitions:
@@ -107,7 +106,7 @@ class DrawnChart:
                 continue
             connections = condition["input"].get("connections", ())
             for connection in connections:
-                consumers[connection["source"]] = consumers.get(connection["source"], 0) + 1
+                consumers[connection["source"]] += 1
             if len(connections) == 1:
                 wired.append((transition, symbol_of[transition["id"]], connections[0]["source"]))
         expressions = {node["id"]: node for node in self.nodes if _is_plain_expression(node)}
@@ -241,7 +240,8 @@ class DrawnChart:
 
     def _check(self) -> None:
         known = self.ids.used
-        for holder in (*self.symbols, *self.nodes):
+        leads_on = known.issuperset(chain.from_iterable(self.wires.values()))
+        for holder in () if leads_on else (*self.symbols, *self.nodes):
             for source in self.wires[id(holder)]:
                 if source not in known:
                     self._leads_to_nothing("a connection", source, holder)

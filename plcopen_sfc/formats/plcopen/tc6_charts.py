@@ -262,7 +262,8 @@ class Tc6ChartReader:
         indicator = left.pop("indicator", None)
         if indicator:
             association["indicator"] = indicator
-        read_geometry(ctx, element, left, entry)
+        if left:
+            read_geometry(ctx, element, left, entry)
         for child in element:
             local = ctx.tags.get(child.tag)
             if local == "reference":

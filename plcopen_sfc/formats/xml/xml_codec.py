@@ -7,7 +7,6 @@ instead of `<a/>`, CRLF, a declaration in single quotes, characters that a code 
 from __future__ import annotations
 
 import codecs
-import copy
 import re
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
@@ -140,7 +139,7 @@ _RAW = re.compile(r"(<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>)", re.DOTALL)
 
 
 def write_xml(root: etree._Element, style: XmlStyle = _DEFAULT) -> bytes:
-    """Return the file for the tree `root` in `style`. The tree itself is not changed.
+    """Return the file for the tree `root` in `style`. The tree is indented: a copy would take as long as its text.
 
     Elements with text are never reformatted, nor their content. Comments and processing instructions before
     and after the root element are written too. Raises `EncodingError` for a name or comment that the encoding cannot
@@ -148,7 +147,6 @@ def write_xml(root: etree._Element, style: XmlStyle = _DEFAULT) -> bytes:
     """
     before, after = _siblings(root, before=True), _siblings(root, before=False)
     if style.indent is not None:
-        root = copy.deepcopy(root)
         _indent(root, style.indent)
     text = _self_closing(etree.tostring(root, encoding="unicode", with_tail=False), style.self_closing)
     text = "\n".join([*_declaration(style), *before, text, *after])

@@ -51,12 +51,6 @@ def test_without_declaration_and_indentation() -> None:
     assert b"standalone='no'" in write_xml(tree(), XmlStyle(standalone=False, declaration="'"))
 
 
-def test_the_tree_is_left_alone() -> None:
-    root = tree()
-    write_xml(root)
-    assert etree.tostring(root).decode() == TREE
-
-
 @pytest.mark.parametrize(
     "text",
     [
