@@ -234,14 +234,19 @@ def find_end(text: str, start: int, limit: int, word: str) -> Span | None:
 
 
 def is_in_comment(text: str, start: int, end: int) -> bool:
-    """True if a comment that begins behind `start` is open at `end`. Comments nest."""
-    depth = 0
+    """True if a comment that begins behind `start` is open at `end`."""
+    return open_comment(text, start, end) is not None
+
+
+def open_comment(text: str, start: int, end: int) -> int | None:
+    """Return where the outermost comment begins that is open at `end`; None without one. Comments nest."""
+    opened: list[int] = []
     for mark in _MARKS.finditer(text, start, end):
         if mark.group() == "(*":
-            depth += 1
+            opened.append(mark.start())
         elif mark.group() == "*)":
-            depth = max(0, depth - 1)
-    return depth > 0
+            del opened[-1:]
+    return next(iter(opened), None)
 
 
 def after_comments(text: str, position: int, limit: int) -> int:

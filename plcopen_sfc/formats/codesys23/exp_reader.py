@@ -29,7 +29,7 @@ from plcopen_sfc.formats.codesys23.exp_outline import (
     Span,
     after_comments,
     core,
-    is_in_comment,
+    open_comment,
     outline_of,
 )
 from plcopen_sfc.formats.remainder_comments import DAMAGED, OUTDATED, Entry, put_back, read_entries
@@ -288,7 +288,11 @@ class _Reader:
             message = f"a section that begins with {one.name[:30]} is not known; it is kept as it is"
             self._note("EXP107", Severity.WARNING, message, one.span[0])
         solid = after_comments(self.text, max(one.header[1], one.span[0]), one.span[1])
-        if one.kind == OTHER and not word and solid < one.span[1]:
+        if one.kind == OTHER and not word and (opener := open_comment(self.text, *one.span)) is not None:
+            self._note(
+                "EXP101", Severity.ERROR, "this comment has no end, so that what follows it is a part of it", opener
+            )
+        elif one.kind == OTHER and not word and solid < one.span[1]:
             line = self.text[solid : one.span[1]].split("\n", 1)[0].strip()[:30]
             self._note("EXP107", Severity.WARNING, f"{line} begins no object; it is kept as it is", solid)
         text = plain_lines(self.text[one.span[0] : one.span[1]])
@@ -341,8 +345,8 @@ class _Reader:
 
     def _tell_cut(self, start: int, end: int) -> None:
         """Report the end of a file that was cut off between two objects: a comment or pragmas with nothing behind."""
-        opener = self.text.rfind("(*", start, end)
-        if is_in_comment(self.text, start, end):
+        opener = open_comment(self.text, start, end)
+        if opener is not None:
             self._note("EXP101", Severity.ERROR, "the file ends too early: this comment has no end", opener)
         elif (header := PRAGMA.search(self.text, start, end)) is not None:
             message = "the file ends too early: the object is missing that these pragmas begin"

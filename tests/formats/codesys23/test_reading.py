@@ -165,6 +165,21 @@ def test_a_file_that_ends_too_early_and_one_with_an_unknown_section() -> None:
 
 
 @pytest.mark.parametrize(
+    ("line", "lost"), [("(* @OBJECTFLAGS := '0, 8' *)", "Auftrag"), ("(* @SYMFILEFLAGS := '2048' *)", "Ablauf")]
+)
+def test_a_comment_without_end_is_told_where_it_begins(line: str, lost: str) -> None:
+    text = BELT.read_bytes().decode("cp1252")
+    cut = sfc.loads(text.replace(line, line[: len(line) // 2], 1).encode("cp1252"))
+    assert lost not in {each.name for each in (*cut.pous, *cut.data_types)}
+    assert {"PLC_PRG", "Meldung"} < {each.name for each in cut.pous}
+    [found] = [each for each in cut.diagnostics if each.code == "EXP101"]
+    assert (found.location.line, found.message[:26]) == (
+        text[: text.index(line)].count("\n") + 1,
+        "this comment has no end, s",
+    )
+
+
+@pytest.mark.parametrize(
     ("section", "outcome"),
     [
         ("TASK_CONFIGURATION\r\nMain\r\n", "not executed"),
