@@ -40,6 +40,14 @@ def load_input(screen: Screen, name: str, *, as_tool: bool = False) -> Project:
     return load(name, progress=lambda files: screen.progress(files, "Loading", len(files)), as_tool=as_tool)
 
 
+def load_and_tell(screen: Screen, name: str, *, as_tool: bool = False) -> Project:
+    """Load as `load_input` does, and print what reading found beside the result of the command."""
+    project = load_input(screen, name, as_tool=as_tool)
+    for finding in project.diagnostics:
+        screen.finding(finding, result=False)
+    return project
+
+
 def format_of_target(named: str, target: str | None, tia: str = "") -> str:
     """Return the format to write: the one that is `named`, or else that of the extension of `target`."""
     if named or tia:

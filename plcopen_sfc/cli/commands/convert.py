@@ -15,7 +15,7 @@ from plcopen_sfc.cli.command_files import (
     STANDARD_STREAM,
     exit_code_for,
     format_of_target,
-    load_input,
+    load_and_tell,
     names_in,
     written_to_stdout,
 )
@@ -128,9 +128,7 @@ def _convert_one_of_many(how: ConvertOptions, screen: Screen, source: str, targe
 
 def _convert(how: ConvertOptions, target: str, screen: Screen, source: str, place: str) -> dict[str, object]:
     """Convert one file to `target`, in place of which `place` is written; return the report."""
-    project = load_input(screen, source, as_tool=how.as_tool)
-    for finding in project.diagnostics:
-        screen.finding(finding, result=False)
+    project = load_and_tell(screen, source, as_tool=how.as_tool)
     if how.accept_errors:
         project.accept_errors()
     page, lang, limit = how.page, how.lang, how.limit if how.verify and how.limit.strip() != "0" else 0

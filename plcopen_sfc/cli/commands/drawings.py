@@ -8,7 +8,7 @@ from typing import Any
 
 from plcopen_sfc.analysis.equivalence import equivalent
 from plcopen_sfc.analysis.verdict import Verdict
-from plcopen_sfc.cli.command_files import STANDARD_STREAM, exit_code_for, load_input, written_to_stdout
+from plcopen_sfc.cli.command_files import STANDARD_STREAM, exit_code_for, load_and_tell, load_input, written_to_stdout
 from plcopen_sfc.cli.many_files import ManyFiles, for_each, targets
 from plcopen_sfc.cli.options import PageOptions
 from plcopen_sfc.cli.screen import Screen
@@ -35,9 +35,7 @@ def pictures(screen: Screen, files: ManyFiles, *, to: str | None, **options: Any
 
 def _draw(options: dict[str, Any], screen: Screen, source: str, target: str | None) -> dict[str, Any]:
     extension = PICTURE_FORMATS.get((options["format"] or "svg").lower(), "")
-    project = load_input(screen, source)
-    for finding in project.diagnostics:
-        screen.finding(finding, result=False)
+    project = load_and_tell(screen, source)
     if target is None and source == STANDARD_STREAM:
         target = STANDARD_STREAM
     elif target is None:
@@ -81,9 +79,7 @@ def pages(screen: Screen, files: ManyFiles, how: PageOptions) -> int:
 def _write_page(how: PageOptions, screen: Screen, source: str, target: str | None) -> dict[str, Any]:
     from plcopen_sfc.pages import page  # noqa: PLC0415  # brings the checks with it
 
-    project = load_input(screen, source)
-    for finding in project.diagnostics:
-        screen.finding(finding, result=False)
+    project = load_and_tell(screen, source)
     if target is None:
         target = STANDARD_STREAM if source == STANDARD_STREAM else str(_page_beside(Path(source)))
     refuse_empty(target)

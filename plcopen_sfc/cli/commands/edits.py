@@ -16,7 +16,7 @@ from typing import Any
 
 from plcopen_sfc.api import save
 from plcopen_sfc.batch import AppliedFile, FileChange, apply, difference, documents_in, patch_of, script_edit
-from plcopen_sfc.cli.command_files import STANDARD_STREAM, load_input, read_input, written_to_stdout
+from plcopen_sfc.cli.command_files import STANDARD_STREAM, load_and_tell, load_input, read_input, written_to_stdout
 from plcopen_sfc.cli.many_files import ManyFiles, PrintedLine, RecordedScreen, for_each, replay, show_counts
 from plcopen_sfc.cli.screen import UNREADABLE, Screen, Table
 from plcopen_sfc.documents.folder_projects import edited_files
@@ -151,9 +151,7 @@ class _Merge(_Edit):
     source: str
 
     def on(self, screen: Screen, project: Project) -> dict[str, Any]:
-        edited = load_input(screen, self.source)
-        for finding in edited.diagnostics:
-            screen.finding(finding, result=False)
+        edited = load_and_tell(screen, self.source)
         changes = merge_list(project, edited)
         for change in changes or ["the list changes nothing"]:
             screen.line(change)

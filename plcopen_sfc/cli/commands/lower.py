@@ -15,7 +15,7 @@ from plcopen_sfc.cli.command_files import (
     error_data,
     exit_code_for,
     format_of_target,
-    load_input,
+    load_and_tell,
     names_in,
     written_to_stdout,
 )
@@ -45,9 +45,7 @@ def run(screen: Screen, file: str, target: str | None, how: LowerOptions) -> int
     to = format_of_target(how.to, target, how.tia)
     if target is None:
         target = STANDARD_STREAM if file == STANDARD_STREAM else _beside(Path(file), to)
-    project = load_input(screen, file)
-    for finding in project.diagnostics:
-        screen.finding(finding, result=False)
+    project = load_and_tell(screen, file)
     if how.accept_errors:
         project.accept_errors()
     extension = format_named(to)[0].extensions[0]
