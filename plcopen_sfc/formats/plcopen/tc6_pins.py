@@ -54,12 +54,12 @@ def write_connection(ctx: Tc6WriteContext, parent: etree._Element, connection: C
         finish_element(ctx, element, connection, "connection", _CONNECTION, documents=False)
 
 
-def read_input(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
-    """Read ``connectionPointIn``."""
+def _read_pin(ctx: Tc6ReadContext, element: etree._Element, local_name: str) -> Fields:
+    """Read what is in an input or an output; only an input has connections."""
     fields: Fields = {}
     for child in element:
         local = ctx.tags.get(child.tag)
-        if local == "connection":
+        if local == "connection" and local_name == "connectionPointIn":
             connection = read_connection(ctx, child)
             if connection is None:
                 keep_element(ctx, fields, child)
@@ -72,9 +72,15 @@ def read_input(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
         elif local == "expression":
             fields["expression"] = child.text or ""
         elif local == "addData":
-            read_foreign_data(ctx, fields, child, "connectionPointIn")
+            read_foreign_data(ctx, fields, child, local_name)
         else:
             keep_element(ctx, fields, child)
+    return fields
+
+
+def read_input(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
+    """Read ``connectionPointIn``."""
+    fields = _read_pin(ctx, element, "connectionPointIn")
     if element.attrib:
         keep_attributes(fields, attributes(element))
     return fields
@@ -95,17 +101,7 @@ def write_input(ctx: Tc6WriteContext, parent: etree._Element, pin: InputPin) -> 
 
 def read_output(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
     """Read ``connectionPointOut`` or ``connectionPointOutAction``."""
-    fields: Fields = {}
-    for child in element:
-        local = ctx.tags.get(child.tag)
-        if local == "relPosition":
-            fields["position"] = read_point(child)
-        elif local == "expression":
-            fields["expression"] = child.text or ""
-        elif local == "addData":
-            read_foreign_data(ctx, fields, child, "connectionPointOut")
-        else:
-            keep_element(ctx, fields, child)
+    fields = _read_pin(ctx, element, "connectionPointOut")
     left = attributes(element)
     if left:
         fields["name"] = left.pop("formalParameter", None)
