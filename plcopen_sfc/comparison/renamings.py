@@ -17,6 +17,7 @@ from plcopen_sfc.conversion.executed_parts import STORED, Key, Part
 from plcopen_sfc.conversion.execution_differences import ends
 from plcopen_sfc.conversion.meaning import Meaning
 from plcopen_sfc.languages.binding import Names
+from plcopen_sfc.model.pou import NamedTransition
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.object_path import ObjectPath
 
@@ -90,15 +91,25 @@ def renamed_members(projects: tuple[Project, Project], left: Part, right: Part) 
 
 
 def _uses(project: Project) -> dict[int, Counter[str]]:
-    """Return the places where each thing is used, by the id of its object; those of actions by their steps."""
+    """Return the places where each thing is used, by the id of its object; those of actions by their steps.
+
+    What a named transition uses is used where that is named: it may have been extracted, or put in its place.
+    """
     found: dict[int, Counter[str]] = {}
+    inside: list[tuple[int, int, str]] = []
     for occurrence in Names(project).everything:
         declaration = occurrence.meaning.declaration
         path = ObjectPath.of(occurrence.text_site.report_path).parts
         # what a step does has the name of what is renamed in its path
         end = next((number for number, part in enumerate(path, start=1) if part.startswith("step ")), len(path))
+        place, named = ObjectPath(*path[:end]).casefold(), occurrence.text_site.site.transition
         for holder in declaration.holders if declaration is not None else ():
-            found.setdefault(id(holder), Counter())[ObjectPath(*path[:end]).casefold()] += 1
+            if isinstance(named, NamedTransition):
+                inside.append((id(holder), id(named), place))
+            else:
+                found.setdefault(id(holder), Counter())[place] += 1
+    for holder_id, named_id, place in inside:
+        found.setdefault(holder_id, Counter()).update(found.get(named_id) or {place: 1})
     return found
 
 

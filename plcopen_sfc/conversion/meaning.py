@@ -180,7 +180,10 @@ def _common_form(tree: N, named: Renaming) -> N:
 
     def common(node: n.Node) -> n.Node:
         node = named(node)
-        return replace(node, identifier=node.identifier.casefold()) if isinstance(node, n.Name) else node
+        if not isinstance(node, n.Name):
+            return node
+        quoting = n.Quoting.LOCAL if node.quoting is n.Quoting.LOCAL_QUOTED else node.quoting  # #"a" is #a
+        return replace(node, identifier=node.identifier.casefold(), quoting=quoting)
 
     tree = normal_form(tree)
     inner = transform(tree, _with_inner_negations)

@@ -935,3 +935,47 @@ END_FUNCTION_BLOCK
     assert not sfc.diff(
         old, sfc.loads(text.replace("Level := _x", "Level  :=  _x").encode(), format="iec-text")
     ).changes
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "is_equal"),
+    [
+        ('#"S2".U > T#5s AND #B1', '#S2.U > T#5s AND #"b1"', True),
+        ('#"S2".U > "DB".limit', '#S2.U > "DB".limit', True),
+        ("#S2.X AND #B1", '#S2.X AND "B1"', False),  # a tag, and no parameter
+    ],
+)
+def test_quotes_that_a_local_name_does_not_need_are_no_difference(one: str, other: str, is_equal: bool) -> None:
+    projects = [sfc.load(FIXTURES / "simaticml-training-chain" / "Ablauf.xml") for _ in range(2)]
+    for project, text in zip(projects, (one, other), strict=True):
+        chart = project.pou("Ablauf").chart
+        assert chart is not None
+        chart.transitions[0].condition = sfc.Expression(text=text)
+    assert sfc.diff(*projects).equal is is_equal
+
+
+SWITCHED = b"""{plcopen_sfc format := 1}
+{plcopen_sfc project.dialect := 'codesys'}
+PROGRAM Main
+VAR Start, Stop : BOOL; END_VAR
+INITIAL_STEP Wait: END_STEP
+STEP Run: END_STEP
+TRANSITION FROM Wait TO Run := Start; END_TRANSITION
+TRANSITION FROM Run TO Wait := Stop; END_TRANSITION
+END_PROGRAM
+"""
+
+
+def test_a_variable_is_recognised_where_its_condition_got_a_name_too() -> None:
+    project = sfc.loads(SWITCHED, format="iec-text")
+    chart = project.pou("Main").chart
+    assert chart is not None
+    with project.edit(prove=True, limit=5) as edit:  # it would be another free input of the chart
+        edit.extract_condition(chart.transition("Run -> Wait"), "Ready")
+        edit.rename("Main.Stop", "Enough")
+    diff = sfc.diff(sfc.loads(SWITCHED, format="iec-text"), project)
+    assert [str(change) for change in diff.changes] == [
+        "POU Main / variable Enough: renamed, was Stop",
+        "POU Main / transition Run -> Wait: condition Enough -> Ready",
+        "POU Main / named transition Ready: added",
+    ]
