@@ -34,8 +34,9 @@ from plcopen_sfc.analysis.pairing import (
     step_observations,
     with_commands,
 )
-from plcopen_sfc.analysis.product import BOTH_FAIL, Explored, Search, search
+from plcopen_sfc.analysis.product import BOTH_FAIL, Explored, Search, ended, search
 from plcopen_sfc.analysis.search_limits import INTERRUPTED, SearchProgress, SearchWatch, seconds, spent
+from plcopen_sfc.analysis.sequences import Side, run_in_turn
 from plcopen_sfc.analysis.stimuli import stimuli
 from plcopen_sfc.analysis.system_comparison import Comparison, filled, operating_names
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
@@ -96,6 +97,9 @@ _MOST_RUN_ALONE = 20_000
 
 _QUICK_RUNS, _QUICK_SCANS = 12, 60
 """Scans that each of several delays is tried for, before a search."""
+
+_SCANS_IN_TURN = 16
+"""Scans that a state takes, more or less, where sides run until both rest: so many states fewer are searched."""
 
 
 class Searching(TypedDict, total=False):
@@ -396,12 +400,14 @@ class _Compared:
             self._kept[retiming] = self._systems(retiming=retiming)
         return self._kept[retiming]
 
-    def _systems(self, *, retiming: bool) -> tuple[ProgramSystem, ProgramSystem]:
-        """Translate both sides."""
+    def _systems(self, *, retiming: bool, held: bool = False) -> tuple[ProgramSystem, ProgramSystem]:
+        """Translate both sides; `held`: no transition is tested in the first scan."""
         start = spent()
         profiles = [retimed(each) if retiming else each for each in self.profiles]
         if self.passes_start and profiles[1].order is ScanOrder.TRANSITIONS_FIRST:
             profiles[0] = replace(profiles[0], initial_situation_held=True)
+        if held:
+            profiles = [replace(each, initial_situation_held=True) for each in profiles]
 
         def system(side: int, told: Mapping[str, Type], written: Iterable[str] = ()) -> ProgramSystem:
             return ProgramSystem(
@@ -474,7 +480,10 @@ class _Compared:
 
     def prepared(self, delay: Delay, *, briefly: bool = False) -> tuple[Comparison, dict[str, Signal]]:
         """Both sides with a delay, and their inputs; `briefly`: not to be used behind the next call."""
-        left, right = (self._built if briefly else self._systems)(retiming=delay.retimed)
+        if delay.in_sequence:
+            left, right = self._systems(retiming=False, held=True)
+        else:
+            left, right = (self._built if briefly else self._systems)(retiming=delay.retimed)
         self._delay(left, right, delay)
         return Comparison(left, right, self.outputs, self.step_flags, delay, names=self.inputs), self.connected(
             left, right
@@ -489,10 +498,16 @@ class _Compared:
         comparison, signals = self.prepared(delay, briefly=True)
         watch = SearchWatch(tries.limit, None, lambda: (0, 0), tries.whole)
         domains = {name: Domain(name, signal) for name, signal in signals.items()}
-        rows = stimuli(signals, domains, self.clock, seed=tries.seed, runs=_QUICK_RUNS, scans=_QUICK_SCANS)
+        rows = self.quick_runs(signals, domains, tries)
         found = (comparison.first_difference(each, look=watch.look) for each in rows if not watch.look(0))
         lengths = [length for length in found if length is not None]
         return min(lengths, default=None)
+
+    def quick_runs(
+        self, signals: Mapping[str, Signal], domains: Mapping[str, Domain], tries: _Tries
+    ) -> Iterator[list[dict[str, Value]]]:
+        """Yield the inputs of a few directed runs."""
+        return stimuli(signals, domains, self.clock, seed=tries.seed, runs=_QUICK_RUNS, scans=_QUICK_SCANS)
 
     def limits(self, signals: Mapping[str, Signal]) -> Iterator[str]:
         """Yield what "all inputs" does not mean."""
@@ -538,18 +553,20 @@ class _Attempt:
         if found.inputs is not None and self._comparison.unknown:
             found = self._comparison.without_impossible(found, filled(found.inputs, self._signals))
         if found.inputs is not None:
-            return self._verdict(
-                found, _Runs(self._comparison.show(found.inputs, self._signals, shortest=found.shortest))
-            )
+            show = self._comparison.show_in_sequence if self._delay.in_sequence else self._comparison.show
+            return self._verdict(found, _Runs(show(found.inputs, self._signals, shortest=found.shortest)))
         if found.complete or found.reason == INTERRUPTED:
             return self._verdict(found, _Runs())
-        return self._verdict_of_runs(found)
+        return self._verdict(found, self._run_in_turn()) if self._delay.in_sequence else self._verdict_of_runs(found)
 
     def _search(self) -> Explored:
         """Try every value of every input, in the whole and in parts."""
         left, right, look = self._left, self._right, self._watch.look
         found = Explored(0, 0, complete=False, reason=self._clock.reason)
         try:
+            if self._delay.in_sequence and not self._clock.reason:
+                sides = Side(left), Side(right)
+                return ended(search(*sides, self._domains, self._tries.cap // _SCANS_IN_TURN, scan=run_in_turn), look)
             for number, cap in enumerate(searches(left, right, self._tries.cap) if not self._clock.reason else ()):
                 whole = search(left, right, self._domains, cap)
                 found = race(whole, left.size + right.size, partial(self._divided, cap), self._accepted, look)
@@ -560,6 +577,27 @@ class _Attempt:
         except KeyboardInterrupt:
             found = Explored(self._watch.states, 0, complete=False, reason=INTERRUPTED)
         return found
+
+    def _run_in_turn(self) -> _Runs:
+        """Run both with inputs that do not follow from what they do, each until both rest; see `run_in_turn`."""
+        sides, signals = (Side(self._left), Side(self._right)), self._signals
+        rows = self._compared.quick_runs(signals, self._domains, self._tries)
+        made = scans = 0
+        for given in rows:
+            for side in sides:
+                side.reset()
+            for place, row in enumerate(given):
+                if stopped := self._watch.look(scans):
+                    return _Runs(None, made, scans, stopped)
+                scans += 1
+                ends = run_in_turn(*sides, row.__getitem__, first=not place)
+                if ends.is_different:
+                    shown = self._comparison.show_in_sequence(given[: place + 1], signals, shortest=False)
+                    return _Runs(shown, made + 1, scans)
+                if ends.failure is not None:
+                    break
+            made += 1
+        return _Runs(None, made, scans)
 
     def _divided(self, cap: int) -> Search | None:
         comparison = self._comparison
@@ -635,8 +673,8 @@ class _Attempt:
             if failed and not found.complete:
                 reason = "; ".join(dict.fromkeys(filter(None, (reason, failed))))
             elif found.complete:
-                ended = failed or ("; ".join(found.notes) if found.dead else "")
-                reason = f"all inputs were tried, but {ended}" if ended else f"{', '.join(frozen)} kept their values"
+                why = failed or ("; ".join(found.notes) if found.dead else "")
+                reason = f"all inputs were tried, but {why}" if why else f"{', '.join(frozen)} kept their values"
         # outputs that could not be compared may differ, however equal all others are
         if comparison.gap:
             equal = VerdictKind.UNTESTED

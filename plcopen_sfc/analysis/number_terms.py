@@ -239,7 +239,7 @@ def explore_terms(
     calls = (left.unknown_calls, right.unknown_calls)
     for each in calls:
         each.number = number
-    found = ended(search(sides[0], sides[1], domains, min(cap, MOST_STATES), follow), look)
+    found = ended(search(sides[0], sides[1], domains, min(cap, MOST_STATES), follow=follow), look)
     for each in calls:
         each.number = None
     if found.complete and not found.notes:

@@ -46,12 +46,15 @@ class Delay:
             first scan.
         operated_later: inputs that operate a chart come a scan later on the side whose scans are not cut, but for
             `ASKED_FOR`: the other side computes in its actions what its transitions then ask for.
+        in_sequence: compared are the values that each takes one after another, and not the scans in which it does; see
+            `plcopen_sfc.analysis.sequences`.
     """
 
     scans: int = 0
     late_start: bool = False
     retimed: bool = False
     operated_later: bool = False
+    in_sequence: bool = False
 
     @property
     def queued(self) -> int:
@@ -88,6 +91,8 @@ class Delay:
                 late = ", ".join(each for each in operated if each not in ASKED_FOR)
                 cut.append(f"the {other} gets {late} 1 scan later")
             return (start, *cut)
+        if self.in_sequence:
+            return ("scans of a side that is ahead of the other wait, and so do inputs until both rest",)
         if not self.scans:
             return ()
         scans = "scan" if count == 1 else f"{count} scans"

@@ -195,18 +195,21 @@ def search(
     right: System,
     domains: Mapping[str, Domain],
     cap: int,
+    *,
     follow: Callable[[Branching], None] | None = None,
+    scan: Callable[..., ScanEnd] | None = None,
 ) -> Search:
     """Search the product of two systems, state by state: up to `cap` states, and four scans for each of them.
 
     The domains grow by the constants that are found. Meanwhile nothing else may use the systems. `follow` is told what
-    tries the inputs of all scans, where something else must be tried too.
+    tries the inputs of all scans, where something else must be tried too. `scan`: what is run and compared with each
+    combination of values, where that is not one scan of both.
     """
     split = {name for name, domain in domains.items() if domain.is_number}
     try:
         while True:
             try:
-                return (yield from _search(left, right, domains, split, cap, follow=follow))
+                return (yield from _search(left, right, domains, split, cap, follow=follow, scan=scan or _scan))
             except KeptError as kept:
                 # a term for a number holds in one scan only; of one that is kept the values have to be tried one by one
                 split.remove(kept.name)
@@ -225,6 +228,7 @@ def _search(
     cap: int,
     *,
     follow: Callable[[Branching], None] | None,
+    scan: Callable[..., ScanEnd],
 ) -> Search:
     # comparisons divide the numbers of `split` as they come: of these no value can have been missing
     tried = [domain for name, domain in domains.items() if name not in split]
@@ -262,13 +266,13 @@ def _search(
                 return _stopped(len(seen), depths[number], too_many)
             left.restore(before_left)
             right.restore(before_right)
-            ended, note, failure = _scan(left, right, branching.read, first=number == 0)
-            if ended is _DIFFERENT:
+            ended = scan(left, right, branching.read, first=number == 0)
+            if ended.is_different:
                 _check_domains(tried)  # a shorter trace may need a value that was not known yet
                 inputs = [*_inputs(origins, number), {name: plain(value) for name, value in values.items()}]
                 return Explored(len(seen), depths[number], complete=False, inputs=inputs)
-            if failure is not None and ended is _FAILED:
-                notes[note] = failure
+            if ended.failure is not None:
+                notes[ended.note] = ended.failure
                 continue
             after = (left.snapshot(), right.snapshot())
             code = frozen(after) if probing else after
@@ -300,19 +304,27 @@ def _check_domains(domains: Iterable[Domain]) -> None:
         raise _Regrown
 
 
-_SAME, _DIFFERENT, _FAILED = range(3)
+class ScanEnd(NamedTuple):
+    """End of one step of a search: both sides are the same, or not, or `failure` is why they are not followed.
+
+    `note` tells of the failure what a proof then leaves out.
+    """
+
+    is_different: bool = False
+    note: str = ""
+    failure: SfcError | None = None
+
+
 NEVER_STABLE = "situations that never become stable are left out"
 """What a proof rests on where a chart fires transitions for ever with some inputs."""
 
 
-def _scan(left: System, right: System, read: InputReader, *, first: bool) -> tuple[int, str, SfcError | None]:
+def _scan(left: System, right: System, read: InputReader, *, first: bool) -> ScanEnd:
     failures = [failure_of(system, read, first=first) for system in (left, right)]
     ended = end_of(failures)
     if ended is not None:
-        return _FAILED, *ended
-    if any(failures) or compare(left.observed(), right.observed()):
-        return _DIFFERENT, "", None
-    return _SAME, "", None
+        return ScanEnd(False, *ended)
+    return ScanEnd(any(failures) or bool(compare(left.observed(), right.observed())))
 
 
 def end_of(failures: Sequence[SfcError | None]) -> tuple[str, SfcError] | None:

@@ -9,7 +9,8 @@ from typing import Any
 
 from plcopen_sfc.analysis.domains import plain
 from plcopen_sfc.analysis.pairing import Delay, output_pairs, step_observations, unpaired
-from plcopen_sfc.analysis.product import Explored, compare, end_of, failure_of
+from plcopen_sfc.analysis.product import Explored, ScanEnd, compare, end_of, failure_of
+from plcopen_sfc.analysis.sequences import Side, run_in_turn
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.analysis.verdict import Counterexample, Difference
 from plcopen_sfc.errors import ModelError, SfcError
@@ -230,9 +231,7 @@ class Comparison:
     ) -> Counterexample:
         """Return the run of both with these inputs; those that are not given stay as they are."""
         rows = filled(inputs, signals)
-        read = {name for row in inputs for name in row}
-        compared = {name.casefold() for name in self.names}  # ``Fill.x`` may be an input of one and a step of the other
-        shown = [name for name in signals if name in read and name.casefold() not in compared]
+        shown = self._shown(inputs, signals)
         traces = [self._trace(system, shown, signals) for system in (self.left, self.right)]
         differences: list[Difference] = []
         before: list[tuple[tuple[Value, ...], int]] = [((), 0), ((), 0)]
@@ -252,18 +251,47 @@ class Comparison:
                 continue
             values = self.left.observed(), self.right.observed()
             if values[0] is not None and values[1] is not None:
-                differences = [
-                    Difference(
-                        *(self.names[i], plain(values[0][i]), plain(values[1][i])),
-                        delay=self._delay.queued,
-                        signal=traces[0][self.names[i]].signal if self.names[i] in traces[0] else None,
-                    )
-                    for i in compare(*values)
-                ]
+                differences = [self._difference(i, values[0][i], values[1][i], traces[0]) for i in compare(*values)]
         given_rows = [{name: row[name] for name in shown} for row in rows]
         counts = [1 + count for count in skipped] if skipped is not None else [1] * len(rows)
         held = tuple(chain.from_iterable(map(repeat, given_rows, counts)))
         return Counterexample(held, tuple(differences), traces[0], traces[1], shortest)
+
+    def show_in_sequence(
+        self, inputs: Sequence[Mapping[str, Value]], signals: Mapping[str, Signal], *, shortest: bool
+    ) -> Counterexample:
+        """Return the run of both side by side, in which the side that is ahead waits; see `run_in_turn`."""
+        shown = self._shown(inputs, signals)
+        sides = Side(self.left), Side(self.right)
+        traces = [self._trace(system, shown, signals) for system in (self.left, self.right)]
+        given: list[dict[str, Value]] = []
+        ends: ScanEnd | None = None
+
+        def look() -> None:
+            given.append({name: row[name] for name in shown})
+            for system, trace in zip((self.left, self.right), traces, strict=True):
+                now = tuple(map(plain, system.observed_now()))
+                trace.record((*given[-1].values(), *now), system.marking() if trace.steps else 0)
+
+        for side in sides:
+            side.reset()
+        for place, row in enumerate(filled(inputs, signals)):
+            ends = run_in_turn(*sides, row.__getitem__, first=not place, look=look)
+        assert ends is not None and ends.is_different  # noqa: S101,PT018  # the search has found it so
+        ahead = sorted({*sides[0].ahead, *sides[1].ahead})
+        differences = [self._difference(i, sides[0].next_of(i), sides[1].next_of(i), traces[0]) for i in ahead]
+        return Counterexample(tuple(given), tuple(differences), traces[0], traces[1], shortest)
+
+    def _shown(self, inputs: Sequence[Mapping[str, Value]], signals: Mapping[str, Signal]) -> list[str]:
+        """Return the inputs that a table shows: those that were read, and are not what is compared as well."""
+        read = {name for row in inputs for name in row}
+        compared = {name.casefold() for name in self.names}  # ``Fill.x`` may be an input of one and a step of the other
+        return [name for name in signals if name in read and name.casefold() not in compared]
+
+    def _difference(self, place: int, left: Any, right: Any, trace: Trace) -> Difference:
+        name, delay = self.names[place], 0 if self._delay.in_sequence else self._delay.queued
+        signal = trace[name].signal if name in trace else None
+        return Difference(name, plain(left), plain(right), delay=delay, signal=signal)
 
     def _trace(self, system: ProgramSystem, shown: Iterable[str], signals: Mapping[str, Signal]) -> Trace:
         columns = [Column(name, signals[name], "input") for name in shown]

@@ -62,7 +62,7 @@ _LEAST_LIMIT, _LIMIT_OF_STEP = 5.0, 0.1
 """Seconds for which charts are simulated if no limit is given: 300 steps are entered and compared in 20."""
 
 _IN_IT = "what the report names as approximated is in it"
-SHIFTED = "the same but for the inputs that actions see, and the first scan"
+SHIFTED = "the same but for the inputs and times that actions see, and the first scan"
 """Part of the verdict on a chart that does the same in both tools if its actions get the same inputs."""
 
 _APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, FIRST_SCAN, CHART_OF_ACTION, ORDER_OF_ACTIONS, FALLING_EDGE}
@@ -287,8 +287,12 @@ class _ComparedChart(NamedTuple):
             is_cut = verdict.delay.retimed and verdict.equal
             other = self.profiles[0].order is not self.profiles[1].order
             reads = other and reads_inputs(self.chart, self.source, verdict.inputs)
-            is_cut = is_cut and (is_begun_for_good(self.chart) or reads)
-            as_run = compared(delay=Delay(verdict.delay.scans), limit=limit) if is_cut else verdict
+            as_run, plain = verdict, Delay(verdict.delay.scans)
+            if is_cut and (is_begun_for_good(self.chart) or reads):
+                as_run = compared(delay=plain, limit=limit)
+            elif is_cut and other:
+                in_sequence = compared(delay=replace(plain, in_sequence=True), limit=limit)
+                as_run = in_sequence if in_sequence.different else verdict
         except SfcError as error:
             self.note_untested(f"not run: {error.message}")
             return None

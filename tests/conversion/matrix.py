@@ -192,10 +192,11 @@ def same_behaviour(
         verdict = compared(profiles, delay="auto")
         if not verdict.equal or not verdict.delay.retimed or later_inputs:
             return verdict
-        # the machine gives both the same inputs at one time, which matters where actions read some
-        if profiles[0].order is profiles[1].order or not reads_inputs(chart, source, verdict.inputs):
+        if profiles[0].order is profiles[1].order:
             return verdict
-        strict = compared(profiles, delay=Delay(verdict.delay.scans))
+        # the machine gives both the same inputs at one time, which matters where actions read some, and the same times
+        is_read = reads_inputs(chart, source, verdict.inputs)
+        strict = compared(profiles, delay=Delay(verdict.delay.scans, in_sequence=not is_read))
         return strict if strict.different else verdict
     except sfc.SfcError:
         return None

@@ -105,7 +105,7 @@ def test_tia_portal_writes_the_variable_of_an_action_behind_step_actions_that_do
     data, report = sfc.convert(sfc.loads(sfc.dumps(project, format="codesys")), "simaticml", limit=5)
     assert not [item for item in report.items if item.what == "Boolean actions"]
     verdict = report.compared["POU Main"]
-    assert "the same but for the inputs that actions see, and the first scan\nbut for these: equal" in verdict
+    assert "the same but for the inputs and times that actions see, and the first scan\nbut for these: equal" in verdict
     back, report = sfc.convert(sfc.loads(data), "codesys")
     assert report.losses == []
     rows = [row for _, row in sfc.loads(back).pou("Main").sfc.associations() if row.target == "r"]

@@ -168,6 +168,56 @@ def test_inputs_of_the_entry_and_of_the_first_scan_are_no_constant_delay(
     assert german(item.why).startswith("es tut nach ")
 
 
+RACING = "IF S1.T >= T#20ms THEN m := m + 1; END_IF;"
+
+
+@pytest.mark.parametrize("target", ["codesys", "twincat"])
+@pytest.mark.parametrize(
+    ("first", "body", "differs"),
+    [
+        ("q(DS, T#20ms);", "", True),
+        ("q(D, T#20ms);", "", True),
+        ("Run(N);", RACING, True),
+        ("Run(N);", "m := m + 1;", True),  # as often as the step has scans
+        ("q(DS, T#10ms);", "", False),
+        ("q(DS, T#30ms);", "", False),
+        ("q(L, T#20ms);", "", False),
+        ("q(N);", "", False),
+    ],
+    ids=["DS", "D", "an action that asks for the time", "an action that counts", "earlier", "later", "L", "N"],
+)
+def test_what_waits_for_the_same_time_as_a_transition_is_told(
+    first: str, body: str, target: str, *, differs: bool
+) -> None:
+    """It was equal: by the delay, actions see the times of the scan before. Where nothing races, it is still."""
+    text = CHART.format(
+        first=first, second="", initial="", edge="", actions=f"ACTION Run: {body} END_ACTION" * (body != "")
+    )
+    text = text.replace("S1 TO S2 := b", "S1 TO S2 := S1.T >= T#20ms")
+    report = saved(sfc.loads(text.encode(), format="iec-text"), target)
+    seen = report.compared["POU Main"].splitlines()[0]
+    items = [item for item in report.losses if item.what == "chart"]
+    if not differs:
+        assert seen.startswith("equal, second 1 scan later (proof: ")
+        assert not items
+        return
+    assert seen.startswith("different after ")
+    assert seen.endswith(SHIFTED)
+    (item,) = items
+    assert item.outcome is Outcome.APPROXIMATED
+    assert "executes the actions before the transitions" in item.why
+
+
+@pytest.mark.parametrize("target", ["simaticml", "plcopen-2.01"])
+def test_a_pause_that_comes_with_a_condition_is_told(target: str) -> None:
+    """CODESYS tests no condition in that scan; the target stored that it was TRUE and fired behind the pause."""
+    text = CHART.format(first="q(N);", second="", initial="", edge="", actions="").replace("a, b :", "a, b, SFCPause :")
+    drawn = sfc.dumps(sfc.loads(text.encode(), format="iec-text"), format="codesys")
+    report = saved(sfc.loads(drawn, as_tool=True), target)
+    assert report.compared["POU Main"].splitlines()[0].endswith(SHIFTED)
+    assert [item.outcome for item in report.losses if item.what == "chart"] == [Outcome.APPROXIMATED]
+
+
 @pytest.mark.parametrize(
     ("initial", "condition", "why"),
     [

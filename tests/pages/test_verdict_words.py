@@ -41,7 +41,7 @@ LINES = (
     "different after 2 scans (shortest input trace, scan time T#250ms)",
     "different after 2 scans (an input trace, compared with the first 1 scan later, scan time T#250ms)",
     "what the report names as approximated is in it",
-    "different after 2 scans; the same but for the inputs that actions see, and the first scan",
+    "different after 2 scans; the same but for the inputs and times that actions see, and the first scan",
     "but for these: equal, second 1 scan later (proof: 5 states, all inputs)",
     "not reached: step Release: needs `xQuit or b and c; d`, never reached",
     "not reached: steps A, B and 3 more: no transition leads to it from what was reached",
