@@ -135,6 +135,8 @@ class _Listed:
             return True
         if kind in (UNDECLARED, UNDECLARED_TYPE) and name.casefold() in self.words:
             return True
+        if kind == UNDECLARED and difference.left == "" and (place, "condition") in self.lost:  # it was not translated
+            return True
         if kind == UNDECLARED and _STAND_IN.match(name) and ObjectPath.of(place).owner in self.losing:
             return True
         if kind == "action" and (

@@ -10,7 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from plcopen_sfc.conversion.assumed_types import assumed_types, with_inputs, with_types
-from plcopen_sfc.conversion.causes import concerns, differing_rules, held_inputs, told_apart, told_difference
+from plcopen_sfc.conversion.causes import ToolRule, concerns, differing_rules, held_inputs, told_apart, told_difference
 from plcopen_sfc.conversion.executed_parts import (
     BOOLEAN_ACTIONS,
     FIRST_SCAN,
@@ -386,7 +386,9 @@ def _told_alike(compared: Callable[..., Verdict], run: _Run, losses: Sequence[It
     if profiles[0].evolution is Evolution.UNTIL_STABLE is not evolution:
         once = run_under(lambda: replace(profiles[0], evolution=evolution))
         if once is not None and once.equal:
-            return _Alike([f"without its search for stability: {once.summary}"])
+            words = "the source fires transitions until none can fire, and passes steps"
+            cause = ToolRule(lambda: profiles[0], STABILITY, words).told(losses, run.chart)
+            return _Alike([f"without its search for stability: {once.summary}"], [cause])
         no_causes = frozenset({STABILITY} if once is not None and _is_same(once.counterexample, example) else ())
         found = run_under(lambda: replace(profiles[0], max_evolutions=2))
         if found is None or found.counterexample is not None or not found.states:  # it passes one in its first scan

@@ -153,6 +153,49 @@ def test_what_is_left_without_the_search_for_stability_is_told(form: str) -> Non
     assert "(proof" in found.partition("\nwithout")[2]
 
 
+WATCHED_MACRO = """GRAFCET Main
+INPUTS
+    a
+    b
+    c
+    k : INT
+OUTPUTS
+    p
+CHART G1
+    INITIAL STEP 1
+    1 -> M4 : a
+    MACRO M4
+    M4 -> 1 : b
+CHART G2
+    INITIAL STEP 10
+    10 -> 11 : ↑XM4
+    STEP 11
+        p
+    11 -> 10 : {condition}
+EXPANSION M4 FROM E4 TO S4
+    STEP E4
+    E4 -> S4 : c
+    STEP S4
+"""
+
+
+@pytest.mark.parametrize("form", ["codesys", "simaticml"])
+def test_the_search_for_stability_is_the_one_cause_where_both_do_the_same_without_it(form: str) -> None:
+    """The start of several sequences and the first scan of S7-GRAPH were causes, too."""
+    project = sfc.loads(WATCHED_MACRO.format(condition="c").encode())
+    report = sfc.save(project, io.BytesIO(), format=form, limit=20)
+    assert "\nwithout its search for stability: equal" in report.compared["POU Main"]
+    (item,) = [item for item in report.losses if item.what == "chart"]
+    assert item.why.endswith("; a cause is the search for stability, which the report names")
+
+
+def test_the_flag_of_a_macro_step_in_a_condition_that_is_refused_is_no_undeclared_name() -> None:
+    project = sfc.loads(WATCHED_MACRO.format(condition="↓XM4 + NOT (k>3 + c)").encode())
+    found = losses(sfc.convert(project, "codesys", partial=True)[1])
+    assert "write [..] around a comparison" in found["condition"]
+    assert "undeclared name" not in found
+
+
 @pytest.mark.parametrize("form", ["codesys", "simaticml", "plcopen-2.01"])
 def test_a_ruled_chart_is_compared_where_it_passes_no_step(form: str) -> None:
     """In a GRAFCET what an order ruled goes on in the next evolution: no verdict told more than `different`."""
