@@ -45,6 +45,8 @@ ARITHMETIC = "arithmetic"
 INPUTS_OF_ACTIONS = "inputs of actions"
 """Subject of items on actions that read inputs, and see others where the target executes them in another order with
 transitions; see `CHART_OF_ACTION`."""
+INPUTS_TOGETHER = "simultaneous inputs"
+"""Subject of items on inputs that come in one scan with a flag that operates a chart; see `CHART_OF_ACTION`."""
 START_OF_CHART = "start of the chart"
 """Subject of items on initial steps that do something for good, where tools differ in their first scan."""
 SEQUENCE = "sequence"

@@ -40,6 +40,7 @@ from plcopen_sfc.report import (
     COUNTER,
     FALLING_EDGE,
     INPUTS_OF_ACTIONS,
+    INPUTS_TOGETHER,
     ORDER_OF_ACTIONS,
     START_OF_CHART,
     ConversionReport,
@@ -69,6 +70,7 @@ _APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, FIRST_SCAN, CHART_OF_
 _APART |= {
     SELECTION,
     INPUTS_OF_ACTIONS,
+    INPUTS_TOGETHER,
     START_OF_CHART,
     ARITHMETIC,
     COUNTER,
@@ -483,7 +485,17 @@ def _report_run(report: ConversionReport, run: _Run, losses: Sequence[Item], rul
             why = "; ".join(run.told(example, (), told_apart(example, run.chart, run.profiles, run.tool)))
             # The first scan is in every example, but where that tells how it differs, no action has seen another input.
             report.items = [each for each in report.items if not _is_told(each, path, why)]
-        report.add(Outcome.APPROXIMATED, "chart", path, why)
+        if example is None or not _is_operated(example, report, path):
+            report.add(Outcome.APPROXIMATED, "chart", path, why)
+
+
+def _is_operated(example: Counterexample, report: ConversionReport, path: str) -> bool:
+    """True if flags operate a chart in a run, and an item tells what differs where other inputs come with them."""
+    flags = {flag.variable.upper() for flag in SfcFlag}
+    given = {name.upper() for row in example.inputs for name, value in row.items() if value is True}
+    return not flags.isdisjoint(given) and any(
+        (each.what, each.path) == (INPUTS_TOGETHER, path) for each in report.items
+    )
 
 
 def _is_told(item: Item, path: str, why: str) -> bool:

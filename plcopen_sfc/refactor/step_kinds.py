@@ -28,7 +28,7 @@ from plcopen_sfc.languages.networks import shown_body
 from plcopen_sfc.languages.st import parse_statements, print_node
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.words import free_name
-from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.actions import SWITCHES, Qualifier
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.declaration import Kind
 from plcopen_sfc.model.dialect import Dialect
@@ -292,6 +292,9 @@ def write_notation(project: Project, asked: Iterable[Step], journal: Journal, *,
 
 
 def _is_text(occurrence: Occurrence) -> bool:
+    holder = occurrence.text_site.holder
+    if isinstance(holder, ActionAssociation) and holder.qualifier in SWITCHES:
+        return occurrence.text_site.key != "target"  # which names the step to switch, and asks for nothing
     return occurrence.text_site.is_program_text or occurrence.text_site.reading is SiteKind.INSTRUCTIONS
 
 

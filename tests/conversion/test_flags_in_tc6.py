@@ -12,7 +12,7 @@ from plcopen_sfc.pages.page_words import Words
 from plcopen_sfc.report import ConversionReport, Outcome
 from tests.conversion.features import feature_project
 from tests.conversion.pairs import named
-from tests.conversion.test_flags_in_tia import BRANCHES, FLAGS, chart_with, losses
+from tests.conversion.test_flags_in_tia import BRANCHES, FLAGS, beside, chart_with, losses
 
 LONG_BRANCHES = """
 INITIAL_STEP Idle: END_STEP
@@ -51,8 +51,9 @@ def compared(source: m.Project, *, flavour: str = "") -> tuple[bytes, Conversion
 )
 @pytest.mark.parametrize("flavour", ["", pytest.param("beremiz", marks=pytest.mark.slow)])
 def test_flags_are_obeyed(flags: tuple[str, ...], fields: dict[str, str], flavour: str) -> None:
-    data, report = compared(chart_with(*flags, **fields), flavour=flavour)
-    assert losses(report) == []
+    source = chart_with(*flags, **fields)
+    data, report = compared(source, flavour=flavour)
+    assert losses(report) == beside(source)
     assert ["equal" in verdict and "proof:" in verdict for verdict in report.compared.values()] == [True], (
         report.compared
     )
@@ -65,7 +66,7 @@ def test_no_flag_waits_for_a_minimum_time(flavour: str) -> None:
     source = chart_with("SFCReset", "SFCPause")
     source.pou("Main").chart.step("Work").min_time = "T#40ms"
     data, report = compared(source, flavour=flavour)
-    assert losses(report) == []
+    assert losses(report) == beside(source)
     assert all("equal" in verdict and "proof:" in verdict for verdict in report.compared.values()), report.compared
     assert b"T#40ms" in data
 
@@ -74,7 +75,7 @@ def test_no_flag_waits_for_a_minimum_time(flavour: str) -> None:
 def test_statements_run_no_more_where_a_flag_ends_their_step(qualifier: str) -> None:
     source = chart_with(*FLAGS, work=f"Count({qualifier});", actions=COUNT)
     data, report = compared(source)
-    assert losses(report) == []
+    assert losses(report) == beside(source)
     assert all("equal" in verdict for verdict in report.compared.values()), report.compared
     seen = sfc.loads(data, format="plcopen-2.01", as_tool=True).pou("Main")
     is_guarded = seen.actions[0].body.text.startswith("IF (NOT SFCPause OR SFCReset) AND (")
@@ -112,8 +113,10 @@ def test_statements_report_on_the_chart(flag: str, flavour: str) -> None:
     ],
 )
 def test_what_differs_is_told(flag: str, fields: dict[str, str], path: str) -> None:
-    report = sfc.convert(chart_with(flag, **fields), "plcopen-2.01", partial=True)[1]
-    assert [(item.outcome, item.path) for item in report.losses] == [(Outcome.APPROXIMATED, path)]
+    source = chart_with(flag, **fields)
+    report = sfc.convert(source, "plcopen-2.01", partial=True)[1]
+    found = [(item.outcome, item.path) for item in report.losses]
+    assert found == [*((Outcome(outcome), where) for outcome, _, where in beside(source)), (Outcome.APPROXIMATED, path)]
 
 
 def test_no_transition_leaves_a_situation_that_is_part_of_another() -> None:
@@ -173,7 +176,9 @@ def test_the_step_of_sfcreset_does_what_the_initial_step_does(flags: tuple[str, 
 def test_what_goes_on_during_a_pause_is_one_item_of_the_chart() -> None:
     source = chart_with("SFCPause", idle="r(L, T#1s);", work="q(D, T#1s);")
     report = sfc.convert(source, "plcopen-2.01", partial=True)[1]
-    (item,) = report.losses
+    together, item = report.losses
+    assert together.why.endswith("; CODESYS tests none in that scan")
+    assert Words("de").message(together.why).endswith("; CODESYS prüft in diesem Zyklus keine")
     assert (item.outcome, item.path) == (Outcome.APPROXIMATED, "POU Main")
     assert item.why.startswith("the times of r, q go on during SFCPause; ")
     assert Words("de").message(item.why).startswith("die Zeiten von r, q laufen während SFCPause weiter; ")

@@ -35,7 +35,7 @@ from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.project import Chart
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, Step, Transition
 from plcopen_sfc.model.types import Elementary, ElementaryType
-from plcopen_sfc.report import Outcome
+from plcopen_sfc.report import INPUTS_TOGETHER, Outcome
 
 _LASTING = frozenset({Qualifier.S, Qualifier.R, Qualifier.R0, Qualifier.N, Qualifier.NONE})
 """Qualifiers of actions on operands that are the same in each scan of a step."""
@@ -102,9 +102,20 @@ class FlagRewriter(ABC):
         if executed:
             stopping = [f"{self.prefix}{flag.variable}" for flag in executed if flag in _STOPPING]
             self._pause = f"({' OR '.join(stopping)})" if len(stopping) > 1 else "".join(stopping)
+            self._report_together_with(executed)
             self._execute(executed)
             self._guard(executed)
         return frozenset(executed)
+
+    def _report_together_with(self, flags: Collection[SfcFlag]) -> None:
+        """Report what comes in one scan with a flag: CODESYS acts on a transition a scan later than the target."""
+        stopping, ending = (" and ".join(each.variable for each in sorted(of & {*flags})) for of in (_STOPPING, ENDING))
+        if stopping:
+            why = f"a condition that is TRUE only in the scan in which {stopping} comes fires its transition behind it"
+            self._note(Outcome.APPROXIMATED, INPUTS_TOGETHER, "", f"{why}; CODESYS tests none in that scan")
+        if ending and SfcFlag.TIP in flags:
+            why = f"a push of {SfcFlag.TIP.variable} that comes in one scan with {ending} fires no transition"
+            self._note(Outcome.APPROXIMATED, INPUTS_TOGETHER, "", f"{why}; in CODESYS one fires behind it")
 
     # -- what the target has
 
