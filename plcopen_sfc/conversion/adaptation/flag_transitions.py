@@ -109,7 +109,7 @@ class FlagRewriter(ABC):
 
     def _report_together_with(self, flags: Collection[SfcFlag]) -> None:
         """Report what comes in one scan with a flag: CODESYS acts on a transition a scan later than the target."""
-        stopping, ending = (" and ".join(each.variable for each in sorted(of & {*flags})) for of in (_STOPPING, ENDING))
+        stopping, ending = (", ".join(each.variable for each in sorted(of & {*flags})) for of in (_STOPPING, ENDING))
         if stopping:
             why = f"a condition that is TRUE only in the scan in which {stopping} comes fires its transition behind it"
             self._note(Outcome.APPROXIMATED, INPUTS_TOGETHER, "", f"{why}; CODESYS tests none in that scan")

@@ -9,6 +9,9 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.report import Outcome
+from tests.conversion.features import feature_project
+from tests.conversion.pairs import named
 from tests.formats.codesys23.test_reading import BELT
 
 AT_PLACE_3 = 10
@@ -154,3 +157,12 @@ def test_the_time_of_a_simple_step_is_not_executed(association: str) -> None:
     # an IEC step has one
     other = sfc.loads(text.replace(" {plcopen_sfc step_action := 'main'}", "").encode(), format="iec-text")
     assert not [item for item in sfc.convert(other, "codesys23", partial=True).report.items if item.what == "step time"]
+
+
+def test_a_step_that_another_switches_on_keeps_its_name() -> None:
+    """Its name was taken for its flag, and became that of a member: `ON Side.x`, of which there is no step."""
+    source = feature_project(named("ON"), "simaticml")
+    data, report = sfc.convert(source, "codesys23", limit=20)
+    assert not report.with_outcome(Outcome.NOT_EXECUTED)
+    assert report.compared["POU Main"].startswith("equal, second 1 scan later (proof")
+    assert b"Side.x" not in data
