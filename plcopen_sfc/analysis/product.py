@@ -307,7 +307,7 @@ def _check_domains(domains: Iterable[Domain]) -> None:
 class ScanEnd(NamedTuple):
     """End of one step of a search: both sides are the same, or not, or `failure` is why they are not followed.
 
-    `note` tells of the failure what a proof then leaves out.
+    `note` tells of the failure what a proof then leaves out, or which side alone ends with it.
     """
 
     is_different: bool = False

@@ -102,8 +102,11 @@ def run_in_turn(
             left.begin()
             right.begin()
             continue
+        for side, failure in zip(("first", "second"), failures, strict=True):
+            if failure is not None:
+                return ScanEnd(True, f"only the {side} fails: {failure}", failure)
         is_changed = bool(left.ahead or right.ahead)
-        if any(failures) or not _taken(left, right):
+        if not _taken(left, right):
             return ScanEnd(is_different=True)
         behind = behind + 1 if left.ahead or right.ahead else 0
         if behind > _BEHIND:

@@ -280,6 +280,8 @@ class Comparison:
         assert ends is not None and ends.is_different  # noqa: S101,PT018  # the search has found it so
         ahead = sorted({*sides[0].ahead, *sides[1].ahead})
         differences = [self._difference(i, sides[0].next_of(i), sides[1].next_of(i), traces[0]) for i in ahead]
+        if ends.failure is not None:
+            differences = [Difference("", None, None, ends.note)]
         return Counterexample(tuple(given), tuple(differences), traces[0], traces[1], shortest)
 
     def _shown(self, inputs: Sequence[Mapping[str, Value]], signals: Mapping[str, Signal]) -> list[str]:

@@ -277,3 +277,25 @@ def test_only_a_step_that_leads_to_the_initial_step_may_pass_first(*, entered: s
     verdict = equivalent(plain, later, "iec", outputs={"q": "q"})
     assert verdict.equal is passes, verdict
     assert ("the first begins when" in str(verdict)) is passes
+
+
+FAILING = """
+FUNCTION_BLOCK Main
+VAR_INPUT a : BOOL; END_VAR
+VAR_OUTPUT n : INT := 2; END_VAR
+INITIAL_STEP S0: END_STEP
+TRANSITION FROM S0 TO S1 := a; END_TRANSITION
+STEP S1: Run(N); END_STEP
+TRANSITION FROM S1 TO S0 := S1.T >= T#20ms; END_TRANSITION
+ACTION Run: IF S1.X AND S1.T >= T#20ms THEN n := 1 / (n - n); END_IF; END_ACTION
+END_FUNCTION_BLOCK
+"""
+
+
+def test_an_error_that_only_one_side_comes_to_is_a_difference_in_sequence() -> None:
+    """CODESYS executes the action once more before it tests the transition."""
+    pou = sfc.loads(FAILING.encode(), format="iec-text").pou("Main")
+    assert equivalent(pou, pou, ("iec", "codesys"), delay=Delay(1, retimed=True)).equal
+    verdict = equivalent(pou, pou, ("iec", "codesys"), delay=Delay(1, in_sequence=True))
+    assert verdict.counterexample is not None
+    assert str(verdict.counterexample.differences[0]).startswith("only the second fails: ")
