@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal, TypeAlias
 
 from plcopen_sfc.diagnostics import Severity
@@ -215,7 +216,7 @@ def translate(parsed: Parsed[Any], target: Dialect, context: TranslationContext 
     text = with_translated_comments(text, source, into, regions=regions)
     result = _parse(parsed, text, target)
     if into is Dialect.IEC and source is not into and not result.problems:
-        text = render(result, transform(result.tree, _without_chains))
+        text = render(result, transform(result.tree, partial(with_statements, change=split_chains)))
         result = _parse(parsed, text, target)
     if result.problems and not notes.has_errors:
         why = result.problems[0].message
@@ -249,11 +250,6 @@ def _regions_fit(parsed: Parsed[Any], text: str, source: Dialect, target: Dialec
     plain = with_translated_comments(text, source, target, regions=False)
     marked = with_translated_comments(text, source, target, regions=True)
     return not parse_statements(marked, target).problems or bool(parse_statements(plain, target).problems)
-
-
-def _without_chains(node: Node) -> Node:
-    """Return a node whose statements hold no chains of assignments."""
-    return with_statements(node, split_chains)
 
 
 def is_foreign(
