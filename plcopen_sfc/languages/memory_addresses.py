@@ -14,22 +14,23 @@ INTERNATIONAL = {"E": "I", "A": "Q"}
 
 
 class MemoryAddress(NamedTuple):
-    """Bits of a memory area: the first one, and how many. `by_bytes`: the tool numbers its words as bytes."""
+    """Bits of a memory area: the first one, and how many."""
 
     area: str
     start: int
     width: int
-    by_bytes: bool = False
 
     def overlaps(self, other: MemoryAddress) -> bool:
         """True if the two have bits in common, and are not the same."""
-        same = (self.area, self.start, self.width) == (other.area, other.start, other.width)
         within = self.start < other.start + other.width and other.start < self.start + self.width
-        return self.area == other.area and within and not same
+        return self.area == other.area and within and self != other
 
 
 def memory_address(text: str, *, by_bytes: bool) -> MemoryAddress | None:
-    """Return the bits that an address names; None for a text that is no address."""
+    """Return the bits that an address names; None for a text that is no address.
+
+    `by_bytes`: the tool numbers its words as bytes.
+    """
     found = _ADDRESS.fullmatch(text.strip())
     if found is None:
         return None
@@ -43,4 +44,4 @@ def memory_address(text: str, *, by_bytes: bool) -> MemoryAddress | None:
         head = area + "".join(f".{part}" for part in numbers[:-2])
         return MemoryAddress(head, numbers[-2] * 8 + numbers[-1], 1)
     head = area + "".join(f".{part}" for part in numbers[:-1])
-    return MemoryAddress(head, numbers[-1] * (8 if by_bytes else width), width, by_bytes and width > 8)
+    return MemoryAddress(head, numbers[-1] * (8 if by_bytes else width), width)

@@ -9,6 +9,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import Verdict, VerdictKind
+from plcopen_sfc.documents.lowered import lower_to_file
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering import LoweredPou, lower
 from plcopen_sfc.lowering.other_bodies import with_actions_inside
@@ -246,3 +247,32 @@ def test_code_that_another_tool_calculates_otherwise_is_refused_with_the_cause(t
     (made,) = sfc.lower_to_file(mended, file, format=target).pous
     assert made.proof is not None
     assert made.proof.equal
+
+
+ADDRESSED = """{plcopen_sfc format := 1}
+{plcopen_sfc project.dialect := 'codesys'}
+{plcopen_sfc name := 'GVL_IO'}
+VAR_GLOBAL
+    raw AT %IW2 : INT;
+    wide AT %ID4 : DINT;
+    go AT %IX0.0 : BOOL;
+END_VAR
+PROGRAM Main
+VAR
+    q : BOOL;
+END_VAR
+INITIAL_STEP One: END_STEP
+TRANSITION FROM One TO Two := GVL_IO.raw > 500; END_TRANSITION
+STEP Two: q(N); END_STEP
+TRANSITION FROM Two TO One := GVL_IO.go OR GVL_IO.wide < 0; END_TRANSITION
+END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize("target", ["simaticml", "codesys", "twincat"])
+def test_words_at_addresses_are_the_same_inputs_however_the_tool_numbers_them(target: str, tmp_path: Path) -> None:
+    """%IW2 of CODESYS is the tag raw at %IW4 in TIA Portal and %IW4 in TwinCAT."""
+    project = sfc.loads(sfc.dumps(sfc.loads(ADDRESSED.encode(), format="iec-text"), format="codesys"))
+    place = tmp_path / "code.xml" if target == "codesys" else f"{tmp_path}/code/"
+    made = lower_to_file(project, place, "case", format=target)
+    assert [each.proof.kind for each in made.pous if each.proof is not None] == [VerdictKind.PROVEN]
