@@ -454,6 +454,11 @@ def copy_pou(journal: Journal, project: Project, name: str, target: Project, nam
     what = f"{name!r} cannot be copied"
     if dialect_of(project) is not dialect_of(target):
         raise refused(what, "the projects are in different dialects", "Convert the source first.")
+    known = [each.tool_format.startswith("grafcet") for each in (project, target) if each.tool_format]
+    if len(set(known)) > 1:  # a dot is AND in one of them, and all transitions that can fire do
+        raise refused(
+            what, "only one of the projects is of GRAFCETs", "Convert the source, and load that with as_tool=True."
+        )
     copy = project.model_copy(deep=True)
     source = Names(copy)
     table = {source.resolver.original(unique_declaration(source, path)): new for path, new in names.items()}

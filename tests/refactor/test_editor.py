@@ -827,6 +827,18 @@ def test_a_pou_is_copied_into_another_project() -> None:
     assert edit.copy_pou(source, "Main", {"Light": "Lamp2"}).chart is not None
 
 
+def test_charts_of_grafcets_are_copied_between_grafcets_alone() -> None:
+    belt, grafcet = (sfc.load(FIXTURES / each) for each in ("codesys/sorting_conveyor.xml", "grafcet/selection.gct"))
+    for source, name, target in ((belt, "FB_Pusher", grafcet), (grafcet, "Auswahl", belt)):
+        before = sfc.dumps(target)
+        with pytest.raises(ModelError, match="only one of the projects is of GRAFCETs"):
+            target.edit().copy_pou(source, name)
+        assert sfc.dumps(target) == before
+    converted = sfc.loads(sfc.dumps(belt, format="grafcet-text", partial=True), format="grafcet-text", as_tool=True)
+    assert grafcet.edit().copy_pou(converted, "FB_Pusher").name == "FB_Pusher"
+    assert sfc.Project().edit().copy_pou(grafcet, "Auswahl").name == "Auswahl"  # of no file yet
+
+
 @pytest.mark.parametrize(
     ("file", "name"),
     [
