@@ -12,6 +12,7 @@ from plcopen_sfc.report import CHART_OF_ACTION, Outcome
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.judges.matiec import require_matiec
 
+FIXTURES = Path(__file__).parents[2] / "fixtures"
 TEXT = """{{plcopen_sfc format := 1}}
 {{plcopen_sfc project.dialect := '{dialect}'}}
 VAR_GLOBAL
@@ -131,3 +132,12 @@ def test_matiec_compiles_the_blocks_and_runs_them_as_they_are_read(changed: dict
     assert [[row[name] for name in names] for row in compiled] == [
         [trace[name][scan] for name in names] for scan in range(60)
     ]
+
+
+def test_the_conveyor_is_executed_whole_for_beremiz() -> None:
+    source = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
+    data, report = sfc.convert(source, "plcopen-2.01", flavour="beremiz", limit=0)
+    assert not report.with_outcome(Outcome.NOT_EXECUTED)
+    read = sfc.loads(data, as_tool=True)
+    assert read.pou("PLC_PRG_ACT_Home").chart is not None
+    assert "ACT_Home_chart.Clear_ACT_Home_X" in data.decode()

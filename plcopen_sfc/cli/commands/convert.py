@@ -274,7 +274,7 @@ def _show(screen: Screen, report: ConversionReport) -> None:
     for name in _to_lower(report):
         command = f"plcopen-sfc lower FILE DST --to {target.name} --pou {name}"
         screen.note(
-            f"{name}: {target.tool} has no chart that does exactly the same; `{command}` makes proven code of it"
+            f"{name}: {target.tool} has no chart that does exactly the same; `{command}` makes code, and proves it"
         )
     for item in report.items:
         if item.what == SEQUENCE:
