@@ -28,7 +28,7 @@ from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.refactor.dialect_translation import translate_project
+from plcopen_sfc.refactor.dialect_translation import rename_pins, translate_project
 from plcopen_sfc.refactor.rename import rename_many
 from plcopen_sfc.semantics.profile import default_profile
 from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
@@ -71,6 +71,9 @@ class _Comparison:
         if Dialect.SCL in (a.dialect, b.dialect) and not self.is_written:
             self.left = a.model_copy(deep=True)
             translate_project(self.left, b.dialect, addresses=b.address_dialect)
+        elif not self.is_written:
+            self.left = a.model_copy(deep=True)
+            rename_pins(self.left, b.dialect)
         self.detail = Detail.WRITTEN if self.is_written else Detail.MEANT
         left = self._listing()
         self.listed = left, executed(b, compared_with=None if self.is_written else left, detail=self.detail)

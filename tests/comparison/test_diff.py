@@ -979,3 +979,27 @@ def test_a_variable_is_recognised_where_its_condition_got_a_name_too() -> None:
         "POU Main / transition Run -> Wait: condition Enough -> Ready",
         "POU Main / named transition Ready: added",
     ]
+
+
+COUNTING = """{{plcopen_sfc format := 1}}
+{{plcopen_sfc project.dialect := '{dialect}'}}
+PROGRAM Main
+VAR Parts : CTU; Latch : SR; Part, Full, Quit : BOOL; END_VAR
+Parts(CU := Part, {reset} := Quit, PV := {most});
+Latch({set} := Parts.Q, {latch_reset} := Quit);
+Full := Latch.Q1;
+END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize(("most", "shown"), [(5, ["POU Main: code"]), (3, [])])
+def test_pins_that_tools_name_otherwise_are_no_difference(most: int, shown: list[str]) -> None:
+    iec = COUNTING.format(dialect="iec", reset="R", set="S1", latch_reset="R", most=3)
+    codesys = COUNTING.format(dialect="codesys", reset="RESET", set="SET1", latch_reset="RESET", most=most)
+    projects = [sfc.loads(text.encode(), format="iec-text") for text in (iec, codesys)]
+    for pair in (projects, projects[::-1]):
+        diff = sfc.diff(*pair)
+        assert [str(change).splitlines()[0] for change in diff.changes] == shown
+        changed = [line for change in diff.changes for line in change.lines if line[:1] in "+-"]
+        assert len(changed) == 2 * len(shown)
+    assert b"CU := Part, R := Quit" in sfc.dumps(projects[0], format="iec-text")  # not the compared one
