@@ -6,6 +6,7 @@ belongs to the pin that it is wired to.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, nullcontext
 from typing import Any
@@ -25,6 +26,7 @@ from plcopen_sfc.model.numbering import number_in_order, numbered_in_order
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.text import MarkupText, MultilingualText, plain
 from plcopen_sfc.report import FIELD, ConversionReport, Outcome
+from plcopen_sfc.whole_numbers import counted
 
 
 @contextmanager
@@ -100,14 +102,26 @@ def _report_differences(project: Project, kind: Format, back: Project, report: C
     if kind.used_first:
         project = in_order_of(project, back)
     _order_ends(project, back)
+    drawn: dict[str, int] = {}
     for difference in differences(project, back, ignore=frozenset({"drawing"})):
+        if inside := _NETWORK.match(difference.path):  # ids of elements, and what has a place in one drawing only
+            drawn[inside[1]] = drawn.get(inside[1], 0) + 1
+            continue
         if difference.left in (None, []):
             why = f"the written file has {_short(difference.right)}, and the source nothing"
             report.add(Outcome.TRANSLATED, FIELD, difference.path, why)
             continue
         left, right = _short(difference.left), _short(difference.right)
-        why = f"{left} comes back as {right}" if right != _NOTHING else f"{left} is not in the written file"
+        why = f"{left} comes back as {right if right != left else 'plain text'}"  # without its languages or its markup
+        if right == _NOTHING:
+            why = f"{left} is not in the written file"
         report.add(Outcome.DROPPED, FIELD, difference.path, why)
+    for path, count in drawn.items():
+        report.add(Outcome.DROPPED, FIELD, path, f"it is drawn otherwise: {counted(count, 'difference')}")
+
+
+_NETWORK = re.compile(r"(.* / network \d+) / ")
+"""A path in a network. What it means is compared as what is executed."""
 
 
 def _order_ends(project: Project, back: Project) -> None:

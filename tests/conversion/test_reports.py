@@ -221,7 +221,7 @@ def test_items_are_grouped_by_their_reason_whatever_it_names() -> None:
 
 
 def test_a_name_in_place_of_what_matiec_lacks_is_no_item_of_its_own() -> None:
-    source = sfc.load(FIXTURES / "codesys/sorting_conveyor.xml")
+    source = sfc.load(FIXTURES / "codesys23/distribution_belt.EXP")
     data, report = sfc.convert(source, "iec-text", flavour="matiec", partial=True)
     assert b"NOT_EXECUTED_" in data
     assert [item.path for item in report.losses if "NOT_EXECUTED" in item.why] == []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -15,6 +16,7 @@ from plcopen_sfc.formats.plcopen.tc6_versions import validate_tc6
 from plcopen_sfc.model import FbdBody, LdBody, Project, Qualifier, SfcNetwork
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.drawing import SymbolKind
+from plcopen_sfc.pages.report_words import german
 from plcopen_sfc.report import Outcome
 from tests.corpus import corpus_files, require_corpus
 from tests.samples import accepting
@@ -301,3 +303,22 @@ def test_what_a_conversion_gives_an_id_or_what_the_source_lacks_is_not_called_dr
     assert "Drill_actions" in lines["actions"].why
     assert lines["steps"].outcome == "dropped"  # those of one name are not compared where there are more
     assert lines["title"].outcome == "dropped"
+
+
+def test_a_network_that_is_drawn_otherwise_is_one_line() -> None:
+    """Each id of an element was one: `4 comes back as 5`."""
+    source = sfc.load(FIXTURES / "plcopen" / "filling_station_2.01.xml")
+    _, report = sfc.convert(source, "simaticml", partial=True)
+    fields = [item for item in report.items if item.what == "field"]
+    assert not [item for item in fields if " / node " in item.path]
+    (drawn,) = [item for item in fields if item.path == "POU DripValve / network 1"]
+    assert re.fullmatch("it is drawn otherwise: [0-9]+ differences", drawn.why)
+    assert german(drawn.why).startswith("es ist anders gezeichnet: ")
+
+
+def test_a_text_that_loses_its_languages_is_not_told_as_itself() -> None:
+    source = sfc.load(FIXTURES / "simaticml-training-chain" / "classic_flip-flops.xml")
+    _, report = sfc.convert(source, "twincat", partial=True)
+    whys = [item.why for item in report.items if item.what == "field"]
+    assert "'Sensor 1' comes back as plain text" in whys
+    assert not [why for why in whys for left, _, right in [why.partition(" comes back as ")] if left == right]
