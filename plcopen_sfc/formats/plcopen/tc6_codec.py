@@ -58,6 +58,7 @@ from plcopen_sfc.formats.plcopen.tc6_writing import (
 from plcopen_sfc.formats.xml.extension_data import attributes, extension_data, misfit
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, line_of, parse_xml
+from plcopen_sfc.model.drawing import SymbolKind
 from plcopen_sfc.model.project import Configuration, Project, Scaling
 from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -356,6 +357,8 @@ class Tc6Codec(XmlCodec):
 
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
         if options.flavour == "beremiz":
+            for place in project.charts():
+                _wire_convergences_to_steps(place.chart)
             return write_project(project, BEREMIZ, report, options)
         version = version_named(options.version) or V2_01
         return write_project(project, Tc6Dialect(version), report, options)
@@ -369,6 +372,24 @@ class Tc6Codec(XmlCodec):
 
     def validate(self, content: bytes, *, file: str | None = None) -> list[Diagnostic]:
         return validate_tc6(content, file=file)
+
+
+def _wire_convergences_to_steps(chart: SfcNetwork) -> None:
+    """Let simultaneous convergences begin at steps, also at such with other transitions.
+
+    The converter of Beremiz takes what a convergence is wired to for a step: a divergence between them ends it with an
+    error (tried with the one of OpenPLC).
+    """
+    if chart.drawing is None:
+        return
+    symbols = chart.drawing.symbols
+    divergences = {each.id: each for each in symbols if each.kind is SymbolKind.SELECTION_DIVERGENCE}
+    for bar in (each for each in symbols if each.kind is SymbolKind.SIMULTANEOUS_CONVERGENCE):
+        for wire in (wire for pin in bar.inputs for wire in pin.connections):
+            while wire.source in divergences:
+                wire.source = divergences[wire.source].inputs[0].connections[0].source
+    led = {wire.source for each in symbols for pin in each.inputs for wire in pin.connections}
+    chart.drawing.symbols = [each for each in symbols if each.id not in divergences or each.id in led]
 
 
 CODEC = Tc6Codec()

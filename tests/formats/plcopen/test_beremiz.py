@@ -6,8 +6,9 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.analysis import equivalent
 from plcopen_sfc.report import Outcome
-from plcopen_sfc.semantics.profile import default_profile
+from plcopen_sfc.semantics.profile import PROFILES, default_profile
 from tests.conversion.features import FEATURES, feature_project
 
 TEXT = b"""PROGRAM Main
@@ -163,3 +164,34 @@ def test_a_simulation_of_a_written_file_does_what_the_comparison_of_the_conversi
         for given in ({}, {"profile": "beremiz"}, {"profile": "iec"})
     ]
     assert counts[0] == counts[1] == counts[2] - 1
+
+
+LEFT_APART = b"""PROGRAM Main
+VAR_INPUT a : BOOL; b : BOOL; c : BOOL; r : BOOL; END_VAR
+VAR_OUTPUT q : BOOL; END_VAR
+INITIAL_STEP S0: END_STEP
+TRANSITION FROM S0 TO (S1, S2) := a; END_TRANSITION
+STEP S1: END_STEP
+STEP S2: q(N); END_STEP
+STEP S3: END_STEP
+TRANSITION FROM (S1, S2) TO S0 := r; END_TRANSITION
+TRANSITION FROM S1 TO S3 := b; END_TRANSITION
+TRANSITION FROM (S3, S2) TO S0 := c; END_TRANSITION
+END_PROGRAM
+"""
+
+
+def test_simultaneous_convergences_begin_at_steps_that_have_other_transitions() -> None:
+    """The converter takes what a convergence is wired to for a step, and ends with an error at a divergence."""
+    source = sfc.loads(LEFT_APART, format="iec-text")
+    data, report = sfc.convert(source, "plcopen", flavour="beremiz")
+    assert report.losses == []
+    read = sfc.loads(data, as_tool=True)
+    symbols = {symbol.id: symbol for symbol in read.pou("Main").sfc.drawing.symbols}
+    bars = [each for each in symbols.values() if each.kind is m.SymbolKind.SIMULTANEOUS_CONVERGENCE]
+    above = [symbols[wire.source].kind for bar in bars for pin in bar.inputs for wire in pin.connections]
+    assert above == [m.SymbolKind.STEP] * 4
+    wired = {wire.source for symbol in symbols.values() for pin in symbol.inputs for wire in pin.connections}
+    assert {each.id for each in symbols.values() if each.kind is m.SymbolKind.SELECTION_DIVERGENCE} <= wired
+    rules = (PROFILES["iec"], PROFILES["iec"])
+    assert equivalent(source.pou("Main"), read.pou("Main"), rules, outputs=["q"]).proven
