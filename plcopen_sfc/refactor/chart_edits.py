@@ -194,6 +194,14 @@ def _take_out(journal: Journal, chart: SfcNetwork, steps: Sequence[Step], transi
             journal.put(sequence, "steps", [each for each in sequence.steps if each not in ids])
 
 
+def check_number(step: Step, number: int | None) -> None:
+    """Raise `ModelError` where another step of the chart has this number: tools know steps by them."""
+    others = [each for each in step.chart.steps if each is not step] if step.chart is not None else []
+    taken = next((each for each in others if number is not None and each.number == number), None)
+    if taken is not None:
+        raise refused(f"the step {step.name!r} cannot have the number {number}", f"the step {taken.name!r} has it")
+
+
 # -- transitions
 
 

@@ -183,12 +183,15 @@ class Editor:
                 continue
             if isinstance(each, Step):
                 self._step(each)
+                chart_edits.check_number(each, fields.get("number"))
             elif isinstance(each, Transition):
                 self._chart_of(each)
             for name, value in fields.items():
                 if name not in type(each).model_fields:
                     setattr(each, name, value)  # raises the error for it
                 self._journal.put(each, name, value)
+            if isinstance(each, Transition) and "condition" in fields:
+                runs_of_steps.check_conditions(self._chart_of(each), [each])
 
     @_edit
     def insert_step(
@@ -441,14 +444,20 @@ class Editor:
 
     @contextmanager
     def _adding(self, chart: SfcNetwork) -> Iterator[None]:
-        """Refuse new steps of a chart whose names are taken, or would mean something else in the texts of the POU."""
+        """Refuse new steps of a chart whose names are taken, or would mean something else in the texts of the POU.
+
+        Refuse transitions with new conditions that cannot be read, too.
+        """
         pou = pou_of(chart)
+        conditions = [transition.condition for transition in chart.transitions]
         known = {step.id for step in chart.steps}
         texts = {(id(each.holder), each.key): each.text for each in text_sites_in(pou)} if pou is not None else {}
         yield
         if pou is not None:
             made = [step for step in chart.steps if step.id not in known]
             name_edits.check_new_steps(Names(self.project), pou, made, texts)
+        kept = {id(condition) for condition in conditions}
+        runs_of_steps.check_conditions(chart, (each for each in chart.transitions if id(each.condition) not in kept))
 
     @contextmanager
     def _removing(self, steps: Sequence[Step]) -> Iterator[None]:

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import count
 
 from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
 from plcopen_sfc.languages.binding.name_uses import Names
 from plcopen_sfc.languages.binding.text_sites import Site
+from plcopen_sfc.languages.grafcet_conditions import condition_problem
 from plcopen_sfc.languages.networks import wired_steps
+from plcopen_sfc.languages.st import parse_condition
+from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.sfc import Macro, PartialChart, PartialChartKind, SfcBody, SfcNetwork, Step, Transition
 from plcopen_sfc.refactor.chart_edits import refused
 from plcopen_sfc.refactor.journal import Journal
-from plcopen_sfc.refactor.queries import owners
+from plcopen_sfc.refactor.queries import dialect_in, owners
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,6 +183,18 @@ def grafcet_of(chart: SfcNetwork) -> SfcNetwork | None:
     project, pou = owners(chart)
     whole = next((body.chart for body in pou.bodies if isinstance(body, SfcBody)), chart)
     return whole if Names(project).is_in_grafcet(Site(pou, charts=(whole,))) else None
+
+
+def check_conditions(chart: SfcNetwork, links: Iterable[Transition]) -> None:
+    """Raise `ModelError` where the condition of a transition is an expression that cannot be read."""
+    for link in links:
+        if not isinstance(link.condition, Expression) or not link.condition.text.strip():
+            continue
+        text, dialect = link.condition.text, dialect_in(chart)
+        found = parse_condition(text, dialect).problems
+        problem = found[0] if found and grafcet_of(chart) is None else found and condition_problem(text, dialect)
+        if problem:
+            raise refused(f"the condition of {chart.label(link)} cannot be {text!r}", problem.message)
 
 
 def _expansion(whole: SfcNetwork, name: str | None) -> PartialChart | None:

@@ -827,6 +827,43 @@ def test_a_pou_is_copied_into_another_project() -> None:
     assert edit.copy_pou(source, "Main", {"Light": "Lamp2"}).chart is not None
 
 
+@pytest.mark.parametrize(
+    "do",
+    [
+        lambda e, p: e.set(link(p, "Wait -> Fill"), condition="Start AND"),
+        lambda e, p: e.insert_step("Rest", link(p, "Wait -> Fill"), "Start AND"),
+        lambda e, p: e.add_branch("Main.Wait", "Start AND", jump("Fill")),
+    ],
+    ids=["set", "step", "branch"],
+)
+def test_conditions_that_cannot_be_read_are_refused(do: Callable[[sfc.Editor, sfc.Project], object]) -> None:
+    project = plant()
+    before = project.model_dump()
+    with pytest.raises(ModelError, match="cannot be 'Start AND': found the end of the text"):
+        do(project.edit(), project)
+    assert project.model_dump() == before
+
+
+def test_conditions_of_grafcets_are_read_as_such() -> None:
+    project = sfc.load(FIXTURES / "grafcet" / "selection.gct")
+    chart = project.pou("Auswahl").chart
+    assert chart is not None
+    project.edit().set(chart.transitions[0], condition="/I1 * 2s/X2")
+    with pytest.raises(ModelError, match="the condition of 1 -> 2 cannot be"):
+        project.edit().set(chart.transitions[0], condition="/I1 *")
+    assert chart.transitions[0].condition == sfc.Expression(text="/I1 * 2s/X2")
+
+
+def test_two_steps_of_a_chart_get_no_common_number() -> None:
+    project = sfc.load(FIXTURES / "simaticml-training-chain" / "Ablauf.xml")
+    before = sfc.dumps(project)
+    with pytest.raises(ModelError, match="the step 'S2' cannot have the number 1: the step 'S1' has it"):
+        project.edit().set("Ablauf.S2", number=1)
+    assert sfc.dumps(project) == before
+    project.edit().set("Ablauf.S2", number=12)
+    assert sfc.loads(sfc.dumps(project)).pou("Ablauf").chart.step("S2").number == 12  # type: ignore[union-attr]
+
+
 def test_charts_of_grafcets_are_copied_between_grafcets_alone() -> None:
     belt, grafcet = (sfc.load(FIXTURES / each) for each in ("codesys/sorting_conveyor.xml", "grafcet/selection.gct"))
     for source, name, target in ((belt, "FB_Pusher", grafcet), (grafcet, "Auswahl", belt)):
