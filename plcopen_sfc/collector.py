@@ -5,8 +5,8 @@ The collector looks through new objects every 700 allocations and through older 
 the garbage of the other threads of a host; with the number of `_ALLOCATIONS` the reading takes the same time.
 
 When the thresholds are as they were, the collector would look through all that was made, and twice: a twelfth of the
-time of reading a chart. These objects become old ones at once instead, which takes no time, and count for when old ones
-are looked through, which Python does when a quarter of them is new.
+time of reading a chart. These objects become old ones at once instead, which takes no time. All are looked through
+when the next ones are to be made, if half of them were not before: what the last file was read into is garbage by then.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from threading import RLock
 
 _ALLOCATIONS = 200_000
-_MOST_UNSEEN = 500_000
+_MOST_UNSEEN = 1_000_000
 _YOUNGER = (100, 50)
 """Collections of a generation before the next older one is looked through."""
 
@@ -35,6 +35,8 @@ class _Thresholds:
         """Raise the thresholds for the first user."""
         with self._lock:
             if not self._users:
+                if self._is_plain() and self._unseen > self._most_unseen:
+                    self._look_through_all()
                 self._usual = gc.get_threshold()
                 if 0 < self._usual[0] < _ALLOCATIONS:  # 0: a host has switched the collector off
                     gc.set_threshold(_ALLOCATIONS, *_YOUNGER)
@@ -45,20 +47,23 @@ class _Thresholds:
         with self._lock:
             self._users -= 1
             if not self._users:
-                if gc.isenabled() and self._usual[0] and not gc.get_freeze_count():  # else a host has its own ways
-                    self._make_old()
+                if self._usual[0] and self._is_plain():
+                    young, middle, _ = gc.get_count()
+                    self._unseen += young + middle * _ALLOCATIONS
+                    gc.freeze()
+                    gc.unfreeze()
                 gc.set_threshold(*self._usual)
 
-    def _make_old(self) -> None:
-        """Put new objects among the old ones, and look through all when a quarter of them was not looked through."""
-        young, middle, _ = gc.get_count()
-        self._unseen += young + middle * _ALLOCATIONS
-        if is_due := self._unseen > self._most_unseen:
-            gc.collect()
+    def _look_through_all(self) -> None:
+        gc.collect()
         gc.freeze()
-        if is_due:
-            self._unseen, self._most_unseen = 0, max(_MOST_UNSEEN, gc.get_freeze_count() // 4)
+        self._unseen, self._most_unseen = 0, max(_MOST_UNSEEN, gc.get_freeze_count())
         gc.unfreeze()
+
+    @staticmethod
+    def _is_plain() -> bool:
+        """False where a host has its own ways with the collector: it is off, or objects are frozen."""
+        return gc.isenabled() and not gc.get_freeze_count()
 
 
 _THRESHOLDS = _Thresholds()
