@@ -180,6 +180,9 @@ class Editor:
             each = self._step(thing)[0] if isinstance(thing, str) else thing
             if isinstance(each, ActionAssociation):
                 name_edits.change_association(self._journal, each, fields)
+                charts = (c for c in charts_of(self.project) if any(own is each for _, own in c.associations()))
+                for chart in charts if "condition" in fields else ():
+                    runs_of_steps.check_condition(chart, f"the condition of {each.text!r}", each.condition)
                 continue
             if isinstance(each, Step):
                 self._step(each)
@@ -192,6 +195,12 @@ class Editor:
                 self._journal.put(each, name, value)
             if isinstance(each, Transition) and "condition" in fields:
                 runs_of_steps.check_conditions(self._chart_of(each), [each])
+            elif isinstance(each, Step):
+                chart = self._step(each)[1]
+                for name in sorted(_SUPERVISED & fields.keys()):
+                    held = getattr(each, name)
+                    condition = held.condition if held is not None else None
+                    runs_of_steps.check_condition(chart, f"the {name} of {each.name}", condition)
 
     @_edit
     def insert_step(
@@ -494,6 +503,8 @@ def _name(form: str, number: int, name: str) -> str:
 
 _DIGITS = 3
 """Digits of a width in a form of names: a name has fewer than 1,000 characters."""
+_SUPERVISED = {"interlock", "supervision"}
+"""Fields of a step with conditions."""
 _STRUCTURE = {
     "name": "rename",
     "id": "no other: ids are the affair of the chart",

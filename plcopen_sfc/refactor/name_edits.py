@@ -399,6 +399,8 @@ def inline_action(journal: Journal, project: Project, action: Action) -> None:
 def change_association(journal: Journal, association: sfc.ActionAssociation, fields: Mapping[str, Any]) -> None:
     """Give an association another qualifier, duration, target ..; a timed qualifier needs a duration."""
     for name, value in fields.items():
+        if name not in type(association).model_fields:
+            setattr(association, name, value)  # raises the error for it
         journal.put(association, name, value)
     qualifier = Qualifier(association.qualifier)
     if qualifier.needs_duration and not association.duration and association.kind is None:

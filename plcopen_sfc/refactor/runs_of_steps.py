@@ -13,7 +13,16 @@ from plcopen_sfc.languages.grafcet_conditions import condition_problem
 from plcopen_sfc.languages.networks import wired_steps
 from plcopen_sfc.languages.st import parse_condition
 from plcopen_sfc.model.conditions import Expression
-from plcopen_sfc.model.sfc import Macro, PartialChart, PartialChartKind, SfcBody, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import (
+    Condition,
+    Macro,
+    PartialChart,
+    PartialChartKind,
+    SfcBody,
+    SfcNetwork,
+    Step,
+    Transition,
+)
 from plcopen_sfc.refactor.chart_edits import refused
 from plcopen_sfc.refactor.journal import Journal
 from plcopen_sfc.refactor.queries import dialect_in, owners
@@ -188,13 +197,19 @@ def grafcet_of(chart: SfcNetwork) -> SfcNetwork | None:
 def check_conditions(chart: SfcNetwork, links: Iterable[Transition]) -> None:
     """Raise `ModelError` where the condition of a transition is an expression that cannot be read."""
     for link in links:
-        if not isinstance(link.condition, Expression) or not link.condition.text.strip():
-            continue
-        text, dialect = link.condition.text, dialect_in(chart)
-        found = parse_condition(text, dialect).problems
-        problem = found[0] if found and grafcet_of(chart) is None else found and condition_problem(text, dialect)
-        if problem:
-            raise refused(f"the condition of {chart.label(link)} cannot be {text!r}", problem.message)
+        if isinstance(link.condition, Expression):
+            check_condition(chart, f"the condition of {chart.label(link)}", link.condition)
+
+
+def check_condition(chart: SfcNetwork, what: str, condition: Condition | None) -> None:
+    """Raise `ModelError` where a condition of something in a chart is an expression that cannot be read."""
+    if not isinstance(condition, Expression) or not condition.text.strip():
+        return
+    text, dialect = condition.text, dialect_in(chart)
+    found = parse_condition(text, dialect).problems
+    problem = found[0] if found and grafcet_of(chart) is None else found and condition_problem(text, dialect)
+    if problem:
+        raise refused(f"{what} cannot be {text!r}", problem.message)
 
 
 def _expansion(whole: SfcNetwork, name: str | None) -> PartialChart | None:

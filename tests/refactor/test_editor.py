@@ -844,6 +844,26 @@ def test_conditions_that_cannot_be_read_are_refused(do: Callable[[sfc.Editor, sf
     assert project.model_dump() == before
 
 
+@pytest.mark.parametrize("name", ["interlock", "supervision"])
+def test_interlocks_and_supervisions_that_cannot_be_read_are_refused(name: str) -> None:
+    project = sfc.load(FIXTURES / "simaticml-training-chain" / "Ablauf.xml")
+    before = sfc.dumps(project)
+    with pytest.raises(ModelError, match=f"the {name} of S2 cannot be '#B1 AND'"):
+        project.edit().set("Ablauf.S2", **{name: "#B1 AND"})
+    assert sfc.dumps(project) == before
+    project.edit().set("Ablauf.S2", **{name: None})
+
+
+def test_fields_of_actions_are_checked_as_those_of_steps() -> None:
+    project = plant()
+    action = find(project, "Fill").actions[0]
+    for fields, message in (({"condition": "Start OR"}, "cannot be 'Start OR'"), ({"speed": 5}, "no field 'speed'")):
+        before = project.model_dump()
+        with pytest.raises(ModelError, match=message):
+            project.edit().set(action, **fields)
+        assert project.model_dump() == before
+
+
 def test_conditions_of_grafcets_are_read_as_such() -> None:
     project = sfc.load(FIXTURES / "grafcet" / "selection.gct")
     chart = project.pou("Auswahl").chart
