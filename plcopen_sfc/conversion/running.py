@@ -29,6 +29,7 @@ from plcopen_sfc.conversion.scan_order import chart_pairs, is_begun_for_good, re
 from plcopen_sfc.errors import ComparisonInterrupt, SfcError
 from plcopen_sfc.languages.binding import names_in
 from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
+from plcopen_sfc.languages.task_schedules import nanoseconds, schedule_of
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.types import ElementaryType, used_types
@@ -58,6 +59,9 @@ if TYPE_CHECKING:
 
 _CAP, _RUNS, _MOST_RUNS, _SCANS = 2_000, 10, 100, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
+
+_SCAN_TIME = 10_000_000
+"""Nanoseconds of a scan where no task of the source declares its interval."""
 
 _LEAST_LIMIT, _LIMIT_OF_STEP = 5.0, 0.1
 """Seconds for which charts are simulated if no limit is given: 300 steps are entered and compared in 20."""
@@ -155,7 +159,7 @@ def report_running(
                 continue
             chart.note(*run.seen)
             given: list[str] = []
-            if commands := _asked_in_vain(there, source, run.verdict):
+            if commands := _asked_in_vain(there, source, run.as_run):
                 renamed = [new for new, old in _renamed_variables(here, called).items() if old in commands]
                 compared = partial(compared, free_inputs=(ALL_FREE, *commands, *renamed))
                 outside = f"{', '.join(f'`{name}`' for name in commands)} written from outside as well"
@@ -164,7 +168,7 @@ def report_running(
                     continue
                 run, given = again, [f"given: {outside}"]
             alike = _note_verdict(chart, run, compared, losses if named else None, end)
-            chart.note_more(*given, *_never_entered(run.verdict), *alike)
+            chart.note_more(*given, *_never_entered(run.as_run), *alike)
             if run.as_run.unknown and there.report_path not in report.untested:  # whose lines tell it already
                 chart.note_more(f"unknown, taken as functions of what they are given: {', '.join(run.as_run.unknown)}")
             if any(name.casefold() == declaration.name.casefold() for name in types for declaration in assumed):
@@ -292,13 +296,29 @@ class _ComparedChart(NamedTuple):
             as_run, plain = verdict, Delay(verdict.delay.scans)
             if is_cut and (is_begun_for_good(self.chart) or reads):
                 as_run = compared(delay=plain, limit=limit)
-            elif is_cut and other:
-                in_sequence = compared(delay=replace(plain, in_sequence=True), limit=limit)
-                as_run = in_sequence if in_sequence.different else verdict
+            elif other and verdict.delay.retimed and not verdict.different:
+                as_run = self._in_sequence(compared, verdict, limit) or verdict
+                verdict = verdict if verdict.equal else as_run
         except SfcError as error:
             self.note_untested(f"not run: {error.message}")
             return None
         return _Run(self.chart, verdict, as_run, self.profiles, self.tool)
+
+    def _in_sequence(self, compared: Callable[..., Verdict], verdict: Verdict, limit: float) -> Verdict | None:
+        """Return a difference of what comes one after another, at the scan time of a verdict or a usual one.
+
+        With longer scans times that are not the same may end in one.
+        """
+        tasks = [task for each in self.source.configurations for resource in each.resources for task in resource.tasks]
+        declared = {nanoseconds(schedule_of(task).interval) for task in tasks}
+        times = {time for time in declared if time is not None} or {_SCAN_TIME}
+        longer = sorted(time for time in times if verdict.timed and time > verdict.scan_time)
+        for scan_time in (verdict.scan_time, *longer):
+            delay = replace(verdict.delay, retimed=False, operated_later=False, in_sequence=True)
+            found = compared(delay=delay, scan_time=scan_time, limit=limit)
+            if found.different:
+                return found
+        return None
 
     def run_from_outside(
         self, compared: Callable[..., Verdict], first: _Run, outside: str, limit: float

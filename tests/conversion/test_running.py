@@ -208,6 +208,41 @@ def test_what_waits_for_the_same_time_as_a_transition_is_told(
     assert "executes the actions before the transitions" in item.why
 
 
+BETWEEN = """INITIAL_STEP S0: END_STEP
+TRANSITION FROM S0 TO S1 := a; END_TRANSITION
+STEP S1: q(D, T#20ms); END_STEP
+TRANSITION FROM S1 TO S2 := q; END_TRANSITION
+TRANSITION FROM S1 TO S3 := S1.T >= T#20ms; END_TRANSITION
+STEP S2: r(S); END_STEP
+STEP S3: END_STEP
+TRANSITION FROM S2 TO S0 := NOT a; END_TRANSITION
+TRANSITION FROM S3 TO S0 := NOT a; END_TRANSITION
+"""
+
+
+def test_a_step_that_only_the_target_enters_is_told() -> None:
+    """`S2: never reached (proven)` was true of the source, and by the delay: only CODESYS executes `q` before it."""
+    text = (
+        f"FUNCTION_BLOCK Main VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT q, r : BOOL; END_VAR {BETWEEN}END_FUNCTION_BLOCK"
+    )
+    report = saved(sfc.loads(text.encode(), format="iec-text"), "codesys")
+    assert report.compared["POU Main"].startswith("different after ")
+    assert "never reached" not in report.compared["POU Main"]
+    assert [item.what for item in report.losses] == ["chart"]
+
+
+@pytest.mark.parametrize(("interval", "differs"), [("T#5ms", False), ("T#10ms", True), ("", True)])
+def test_times_that_end_in_one_scan_of_the_task_are_told(interval: str, *, differs: bool) -> None:
+    """20 and 15 ms were compared with scans of 2.5 ms: with those of the task they end in one."""
+    text = CHART.format(first="q(DS, T#20ms);", second="", initial="", edge="", actions="")
+    text = text.replace("S1 TO S2 := b", "S1 TO S2 := S1.T >= T#15ms").replace("FUNCTION_BLOCK", "PROGRAM")
+    task = f"TASK Fast(INTERVAL := {interval}, PRIORITY := 1); PROGRAM M WITH Fast : Main;"
+    around = f"CONFIGURATION C RESOURCE R ON PLC {task} END_RESOURCE END_CONFIGURATION" if interval else ""
+    report = saved(sfc.loads(f"{text}{around}".encode(), format="iec-text"), "codesys")
+    assert report.compared["POU Main"].startswith("different after " if differs else "equal, second 1 scan later")
+    assert bool([item for item in report.losses if item.what == "chart"]) is differs
+
+
 @pytest.mark.parametrize("target", ["simaticml", "plcopen-2.01"])
 def test_a_pause_that_comes_with_a_condition_is_told(target: str) -> None:
     """CODESYS tests no condition in that scan; the target stored that it was TRUE and fired behind the pause."""
