@@ -15,6 +15,7 @@ from plcopen_sfc.errors import FormatError
 from plcopen_sfc.languages.binding import Declaration, Kind, Names
 from plcopen_sfc.languages.binding.text_sites import NAMELESS, NAMING
 from plcopen_sfc.model.base import Model
+from plcopen_sfc.model.chart_settings import GRAPH_INPUTS, GRAPH_OUTPUTS
 from plcopen_sfc.refactor.rename import rename
 from plcopen_sfc.report import RenameResult
 from tests.corpus import corpus_files
@@ -43,8 +44,11 @@ def sample(made: m.Project, number: int, kinds: Sequence[Kind]) -> list[int]:
 
 
 def allowed(names: Names, what: Declaration) -> bool:
-    """True if it is no flag of charts, and nothing beside it has its name: then it cannot be said which is meant."""
-    if what.name in {flag.variable for flag in m.SfcFlag}:
+    """True if charts do not know it by its name, and nothing beside it has this: else it is not said which is meant."""
+    of_graph = what.pou is not None and what.pou.chart is not None and names.project.dialect is m.Dialect.SCL
+    if what.name in {flag.variable for flag in m.SfcFlag} or (
+        of_graph and what.name in {*GRAPH_INPUTS, *GRAPH_OUTPUTS}
+    ):
         return False
     for level in names.levels():
         if what in level:
