@@ -98,7 +98,7 @@ _MOST_RUN_ALONE = 20_000
 _QUICK_RUNS, _QUICK_SCANS = 12, 60
 """Scans that each of several delays is tried for, before a search."""
 
-_SCANS_IN_TURN = 16
+_SCANS_IN_TURN = 2
 """Scans that a state takes, more or less, where sides run until both rest: so many states fewer are searched."""
 
 
@@ -449,10 +449,15 @@ class _Compared:
     def _delay(self, left: ProgramSystem, right: ProgramSystem, delay: Delay) -> None:
         """Have both sides begin and be compared as a delay has it."""
         # without retiming, a first that tests no transition in its first scan is in step already
-        is_late = delay.retimed or not self.profiles[0].initial_situation_held
+        is_late = delay.retimed or delay.in_sequence or not self.profiles[0].initial_situation_held
         later_start = int(is_late and self.passes_start and right.profile.order is not ScanOrder.TRANSITIONS_FIRST)
         earlier, later = (left, right) if delay.queued > 0 else (right, left)
         count = abs(delay.queued)
+        if delay.in_sequence:  # all have executed their initial steps once before a transition is tested
+            for system, begins in ((left, later_start), (right, 0)):
+                acts_first = int(system.profile.order is ScanOrder.ACTIONS_FIRST)
+                system.delay(begins=begins + acts_first, alone=1 - acts_first, at_rest=self._operated(system))
+            return
         if delay.retimed:
             for system, begins in ((left, later_start), (right, 0)):
                 operated = self._operated(system)

@@ -60,9 +60,14 @@ class Delay:
     def queued(self) -> int:
         """The scans that observations of the earlier side wait for those of the later one; less than 0: of the first.
 
-        Retimed sides are in step with the other side already.
+        Retimed sides are in step with the other side already, and those that wait for each other have none.
         """
-        return 0 if self.retimed else self.scans
+        return 0 if self.retimed or self.in_sequence else self.scans
+
+    @property
+    def is_apart(self) -> bool:
+        """True if both sides are compared in different scans."""
+        return self.queued != 0 or self.in_sequence
 
     def __str__(self) -> str:
         """The delay, as ``second 1 scan later``; empty: there is none."""

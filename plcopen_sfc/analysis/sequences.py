@@ -15,20 +15,20 @@ from typing import Any
 
 from plcopen_sfc.analysis.product import (
     InputReader,
-    LeftOutError,
     ScanEnd,
     System,
     compare,
     end_of,
     failure_of,
 )
+from plcopen_sfc.errors import SimulationError
 
 _BEHIND = 4
 """Scans that a side may need to take the values that the other one has taken."""
-_AT_REST = 2
+AT_REST = 2
 """Scans without a change for which both are at rest: what a timer does in the next one comes before new inputs."""
-_MOST_SCANS = 100
-_RESTLESS = "what never rests with inputs that stay"
+_MOST_SCANS = 1000
+RESTLESS = "what never rests with inputs that stay"
 
 
 class Side:
@@ -43,10 +43,6 @@ class Side:
     def reset(self) -> None:
         """Go to the state before the first scan."""
         self.system.reset()
-        self.begin()
-
-    def begin(self) -> None:
-        """Forget what was observed."""
         self.ahead, self.seen = {}, None
 
     def snapshot(self) -> Any:
@@ -98,9 +94,7 @@ def run_in_turn(
         ended = end_of(failures)
         if ended is not None:
             return ScanEnd(False, *ended)
-        if not any(failures) and None in (left.seen, right.seen):  # what one has done has no counterpart
-            left.begin()
-            right.begin()
+        if not any(failures) and None in (left.seen, right.seen):  # one of them begins later
             continue
         for side, failure in zip(("first", "second"), failures, strict=True):
             if failure is not None:
@@ -114,11 +108,11 @@ def run_in_turn(
         quiet = 0 if is_changed else quiet + 1
         if quiet == 1:
             rest = left.snapshot(), right.snapshot()
-        if quiet > _AT_REST and rest is not None:
+        if quiet > AT_REST and rest is not None:
             left.restore(rest[0])
             right.restore(rest[1])
             return ScanEnd()
-    return ScanEnd(False, f"{_RESTLESS} is left out", LeftOutError(_RESTLESS))
+    return ScanEnd(False, f"{RESTLESS} is left out", SimulationError(RESTLESS))
 
 
 def _taken(left: Side, right: Side) -> bool:

@@ -10,7 +10,7 @@ from typing import Any
 from plcopen_sfc.analysis.domains import plain
 from plcopen_sfc.analysis.pairing import Delay, output_pairs, step_observations, unpaired
 from plcopen_sfc.analysis.product import Explored, ScanEnd, compare, end_of, failure_of
-from plcopen_sfc.analysis.sequences import Side, run_in_turn
+from plcopen_sfc.analysis.sequences import AT_REST, Side, run_in_turn
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.analysis.verdict import Counterexample, Difference
 from plcopen_sfc.errors import ModelError, SfcError
@@ -80,7 +80,7 @@ class Comparison:
         if outputs is not None:
             pairs = _named_pairs(left, right, outputs)
         else:
-            pairs = output_pairs(left, right, names, delayed=delay.queued != 0)
+            pairs = output_pairs(left, right, names, delayed=delay.is_apart)
             own = _names_of_one_tool(left, right)
             pairs = [each for each in pairs if each[0].upper().rpartition(".")[2] not in own]
         steps = step_observations(left, right, step_flags)
@@ -100,7 +100,7 @@ class Comparison:
             left.observe_calls()
             right.observe_calls()
         for system in (left, right):
-            system.unknown_calls.is_delayed = delay.queued != 0
+            system.unknown_calls.is_delayed = delay.is_apart
         self.unknown = tuple(dict.fromkeys([*left.unknown, *right.unknown]))
         left.observe([own for own, _ in self.pairs])
         right.observe([other for _, other in self.pairs])
@@ -264,25 +264,31 @@ class Comparison:
         shown = self._shown(inputs, signals)
         sides = Side(self.left), Side(self.right)
         traces = [self._trace(system, shown, signals) for system in (self.left, self.right)]
-        given: list[dict[str, Value]] = []
+        seen: list[tuple[dict[str, Value], list[tuple[tuple[Value, ...], int]]]] = []
         ends: ScanEnd | None = None
 
         def look() -> None:
-            given.append({name: row[name] for name in shown})
-            for system, trace in zip((self.left, self.right), traces, strict=True):
-                now = tuple(map(plain, system.observed_now()))
-                trace.record((*given[-1].values(), *now), system.marking() if trace.steps else 0)
+            pairs = zip((self.left, self.right), traces, strict=True)
+            now = [
+                (tuple(map(plain, each.observed_now())), each.marking() if trace.steps else 0) for each, trace in pairs
+            ]
+            seen.append(({name: row[name] for name in shown}, now))
 
         for side in sides:
             side.reset()
         for place, row in enumerate(filled(inputs, signals)):
             ends = run_in_turn(*sides, row.__getitem__, first=not place, look=look)
+            if not ends.is_different:
+                del seen[-AT_REST:]  # which were only looked at
+        for held, now in seen:
+            for (values, marking), trace in zip(now, traces, strict=True):
+                trace.record((*held.values(), *values), marking)
         assert ends is not None and ends.is_different  # noqa: S101,PT018  # the search has found it so
         ahead = sorted({*sides[0].ahead, *sides[1].ahead})
         differences = [self._difference(i, sides[0].next_of(i), sides[1].next_of(i), traces[0]) for i in ahead]
         if ends.failure is not None:
             differences = [Difference("", None, None, ends.note)]
-        return Counterexample(tuple(given), tuple(differences), traces[0], traces[1], shortest)
+        return Counterexample(tuple(held for held, _ in seen), tuple(differences), traces[0], traces[1], shortest)
 
     def _shown(self, inputs: Sequence[Mapping[str, Value]], signals: Mapping[str, Signal]) -> list[str]:
         """Return the inputs that a table shows: those that were read, and are not what is compared as well."""
@@ -291,7 +297,7 @@ class Comparison:
         return [name for name in signals if name in read and name.casefold() not in compared]
 
     def _difference(self, place: int, left: Any, right: Any, trace: Trace) -> Difference:
-        name, delay = self.names[place], 0 if self._delay.in_sequence else self._delay.queued
+        name, delay = self.names[place], self._delay.queued
         signal = trace[name].signal if name in trace else None
         return Difference(name, plain(left), plain(right), delay=delay, signal=signal)
 

@@ -44,12 +44,17 @@ def told_difference(
     `losses` on that; one of the other `losses`; when variables are written; else the parts of the chart that determine
     what differs.
     """
-    scans = counted(len(example.inputs), "scan")
-    shown = str(example.differences[0]).replace("in the first", "in the source").replace("in the second", f"in {tool}")
     more = [each.name.removesuffix(".X") for each in example.differences[1:] if not each.error]
     others = [f"{_listed(more)} {'differs' if len(more) == 1 else 'differ'}, too"] if more else []
     causes = rules or _causes(example, chart, losses, profiles, tool)
-    return [f"it does something else after {scans}: {shown}", *others, *causes]
+    return [told_example(example, tool), *others, *causes]
+
+
+def told_example(example: Counterexample, tool: str) -> str:
+    """Return the first difference of a run of the source and of what `tool` reads."""
+    scans = counted(len(example.inputs), "scan")
+    shown = str(example.differences[0]).replace("in the first", "in the source").replace("in the second", f"in {tool}")
+    return f"it does something else after {scans}: {shown}"
 
 
 def _written_at(chart: Chart, profiles: tuple[Profile, Profile], tool: str) -> Mapping[str, str]:

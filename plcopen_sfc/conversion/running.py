@@ -10,6 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from plcopen_sfc.conversion.assumed_types import assumed_types, with_inputs, with_types
+from plcopen_sfc.conversion.callers import report_callers
 from plcopen_sfc.conversion.causes import ToolRule, concerns, differing_rules, held_inputs, told_apart, told_difference
 from plcopen_sfc.conversion.executed_parts import (
     BOOLEAN_ACTIONS,
@@ -25,7 +26,7 @@ from plcopen_sfc.conversion.executed_parts import (
     UNDECLARED_TYPE,
 )
 from plcopen_sfc.conversion.reporting import in_the_source
-from plcopen_sfc.conversion.scan_order import chart_pairs, is_begun_for_good, reads_inputs
+from plcopen_sfc.conversion.scan_order import chart_pairs, is_begun_for_good, may_race, reads_inputs
 from plcopen_sfc.errors import ComparisonInterrupt, SfcError
 from plcopen_sfc.languages.binding import names_in
 from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
@@ -115,6 +116,7 @@ def report_running(
     Raises `ComparisonInterrupt` with the report so far.
     """
     from plcopen_sfc.analysis.equivalence import equivalent  # noqa: PLC0415  # most conversions run nothing
+    from plcopen_sfc.analysis.pairing import Delay, in_retiming  # noqa: PLC0415
 
     profiles = default_profile(source), target or default_profile(result)
     end_of_all = time.thread_time() + limit
@@ -127,6 +129,7 @@ def report_running(
     asked = with_inputs(result, _kept_inside(pairs, called))
     listed = _listed_variables(source, result)
     running = [with_types(project, assumed) if assumed else project for project in (source, asked)]
+    options = partial(equivalent, profile=profiles, free_inputs=ALL_FREE, cap=cap, runs=_RUNS, most_runs=_MOST_RUNS)
     with _told_when_interrupted(report, [there for there, _ in pairs]):
         for number, (there, here) in enumerate(pairs):
             named = {item.outcome for item in losses if concerns(item, there.report_path)}
@@ -142,16 +145,11 @@ def report_running(
             chart = _ComparedChart(report, there, source, profiles, tool)
             compared = partial(
                 chart.ask,
-                equivalent,
+                options,
                 resolve(running[0], there.name),
                 resolve(running[1], here.name),
-                profile=profiles,
                 step_flags=_step_flags(there, here, called, _hidden_flags(report, there)),
                 inputs=listed | _renamed_variables(here, called) | _executed_inputs(report, there),
-                free_inputs=ALL_FREE,
-                cap=cap,
-                runs=_RUNS,
-                most_runs=_MOST_RUNS,
                 scans=_SCANS,
             )
             run = chart.run(compared, left)
@@ -173,6 +171,15 @@ def report_running(
                 chart.note_more(f"unknown, taken as functions of what they are given: {', '.join(run.as_run.unknown)}")
             if any(name.casefold() == declaration.name.casefold() for name in types for declaration in assumed):
                 chart.note_more("types that nothing declares have the members that are used of them")
+        if all(text.startswith("equal") for text in report.compared.values()):  # else the charts differ already
+            delay = Delay(in_retiming(profiles) or 0, in_sequence=True)
+            report_callers(
+                *(report, (running[0], running[1]), called),
+                lambda one, other, left: options(one, other, inputs=listed, delay=delay, limit=left),
+                profiles=profiles,
+                tool=tool,
+                left=lambda: end_of_all - time.thread_time(),
+            )
 
 
 @contextmanager
@@ -284,6 +291,7 @@ class _ComparedChart(NamedTuple):
     def run(self, compared: Callable[..., Verdict], limit: float) -> _Run | None:
         """Run the chart for at most `limit` seconds; None, and in the report why, where it cannot be run."""
         from plcopen_sfc.analysis.pairing import Delay  # noqa: PLC0415  # most conversions run nothing
+        from plcopen_sfc.analysis.sequences import RESTLESS  # noqa: PLC0415
 
         if limit <= 0:
             self.note_untested("not run: the time limit was reached")
@@ -293,32 +301,37 @@ class _ComparedChart(NamedTuple):
             is_cut = verdict.delay.retimed and verdict.equal
             other = self.profiles[0].order is not self.profiles[1].order
             reads = other and reads_inputs(self.chart, self.source, verdict.inputs)
-            as_run, plain = verdict, Delay(verdict.delay.scans)
+            as_run, plain, unseen = verdict, Delay(verdict.delay.scans), ""
             if is_cut and (is_begun_for_good(self.chart) or reads):
                 as_run = compared(delay=plain, limit=limit)
-            elif other and verdict.delay.retimed and not verdict.different:
-                as_run = self._in_sequence(compared, verdict, limit) or verdict
-                verdict = verdict if verdict.equal else as_run
+            elif other and verdict.delay.retimed and not verdict.different and may_race(self.chart, verdict.inputs):
+                in_sequence = self._in_sequence(compared, verdict, limit)
+                if in_sequence.different:
+                    as_run = in_sequence
+                    verdict = verdict if verdict.equal else as_run
+                elif not in_sequence.proven or any(RESTLESS in each for each in in_sequence.notes):
+                    unseen = "times that actions and transitions wait for were not compared in all situations"
         except SfcError as error:
             self.note_untested(f"not run: {error.message}")
             return None
-        return _Run(self.chart, verdict, as_run, self.profiles, self.tool)
+        return _Run(self.chart, verdict, as_run, self.profiles, self.tool, unseen)
 
-    def _in_sequence(self, compared: Callable[..., Verdict], verdict: Verdict, limit: float) -> Verdict | None:
-        """Return a difference of what comes one after another, at the scan time of a verdict or a usual one.
+    def _in_sequence(self, compared: Callable[..., Verdict], verdict: Verdict, limit: float) -> Verdict:
+        """Compare what comes one after another, at the scan time of a verdict, or a usual one: the first difference.
 
         With longer scans times that are not the same may end in one.
         """
         tasks = [task for each in self.source.configurations for resource in each.resources for task in resource.tasks]
         declared = {nanoseconds(schedule_of(task).interval) for task in tasks}
-        times = {time for time in declared if time is not None} or {_SCAN_TIME}
-        longer = sorted(time for time in times if verdict.timed and time > verdict.scan_time)
-        for scan_time in (verdict.scan_time, *longer):
+        times = {each for each in declared if each is not None} or {_SCAN_TIME}
+        longer = sorted(each for each in times if verdict.timed and each > verdict.scan_time)
+        end = time.thread_time() + limit
+        for scan_time in (*reversed(longer), verdict.scan_time):
             delay = replace(verdict.delay, retimed=False, operated_later=False, in_sequence=True)
-            found = compared(delay=delay, scan_time=scan_time, limit=limit)
+            found = compared(delay=delay, scan_time=scan_time, limit=max(end - time.thread_time(), 0))
             if found.different:
-                return found
-        return None
+                break
+        return found
 
     def run_from_outside(
         self, compared: Callable[..., Verdict], first: _Run, outside: str, limit: float
@@ -444,7 +457,8 @@ def _is_same(one: Counterexample | None, other: Counterexample | None) -> bool:
 class _Run(NamedTuple):
     """A chart of the source that was run against its result.
 
-    `verdict`: what was found; `as_run`: the same with a constant delay only, where that is another question.
+    `verdict`: what was found; `as_run`: the same with a constant delay only, where that is another question. `unseen`:
+    what was not run as it is, in words.
     """
 
     chart: Chart
@@ -452,13 +466,15 @@ class _Run(NamedTuple):
     as_run: Verdict
     profiles: tuple[Profile, Profile]
     tool: str
+    unseen: str = ""
 
     @property
     def seen(self) -> list[str]:
         """The verdict in one short line, and what it rests on."""
         example = self.as_run.counterexample
         if example is None or not self.verdict.equal:
-            return [self.as_run.summary, *self.as_run.premises]
+            given = [f"given: {self.unseen}"] if self.unseen else []
+            return [self.as_run.summary, *self.as_run.premises, *given]
         head = f"different after {counted(len(example.inputs), 'scan')}; {SHIFTED}"
         return [head, f"but for these: {self.verdict.summary}", *self.verdict.premises]
 

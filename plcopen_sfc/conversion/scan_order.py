@@ -140,6 +140,29 @@ def is_begun_for_good(chart: Chart) -> bool:
     )
 
 
+def may_race(chart: Chart, inputs: Iterable[str]) -> bool:
+    """True if a chart can do something else for good where its actions see other times than its transitions.
+
+    That are actions with times and statements, and steps that others are active beside: each timed one lasts a scan
+    longer; or `inputs` operate the chart. A Boolean follows its step.
+    """
+    bodies = {action.name.casefold() for action in chart.pou.actions}
+
+    def acts(row: ActionAssociation) -> bool:
+        return bool(row.duration or row.body or row.value) or (row.target or "").casefold() in bodies
+
+    if chart.chart.partial_charts:
+        return True
+    for inner in with_inner_charts(chart.chart):
+        if inner.permanent_pre or inner.permanent_post or len(inner.initial_steps) > 1:
+            return True
+        if any(len(each.targets) > 1 for each in inner.transitions):
+            return True
+        if any(s.entry_action or s.main_action or s.exit_action or any(map(acts, s.actions)) for s in inner.steps):
+            return True
+    return not _OPERATING.isdisjoint(name.casefold() for name in inputs)
+
+
 def _initial(chart: Chart) -> Iterator[Step]:
     return (step for inner in with_inner_charts(chart.chart) for step in inner.initial_steps)
 

@@ -214,7 +214,7 @@ class Profile:
 
     initial_situation_held: bool = False
     """True if the transitions are not yet tested in the scan that activates the initial steps. GRAPH: the first call
-    and INIT_SQ activate them without looking at conditions."""
+    and INIT_SQ activate them without looking at conditions. Without effect where actions come first."""
 
     initial_steps_entered: bool = True
     """True if the start counts as an activation of the initial steps (pulses, entry actions, stored actions). matiec:

@@ -231,6 +231,58 @@ def test_a_step_that_only_the_target_enters_is_told() -> None:
     assert [item.what for item in report.losses] == ["chart"]
 
 
+LATE = {
+    "a long wait": "STEP S1: r(N); END_STEP TRANSITION FROM S1 TO S2 := S1.T >= T#2s; END_TRANSITION",
+    "what never rests": (
+        "STEP S1: r(N); END_STEP TRANSITION FROM S1 TO R1 := m < 40; END_TRANSITION "
+        "STEP R1: Count(P1); END_STEP TRANSITION FROM R1 TO S1 := R1.T >= T#20ms; END_TRANSITION "
+        "TRANSITION FROM S1 TO S2 := m >= 40; END_TRANSITION ACTION Count: m := m + 1; END_ACTION"
+    ),
+}
+
+
+@pytest.mark.parametrize("first", [pytest.param(each, id=name) for name, each in LATE.items()])
+def test_a_race_behind_many_scans_is_told(first: str) -> None:
+    """The run ended after 100 scans, or as many states, and nothing said so."""
+    text = f"""FUNCTION_BLOCK Main VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT q, r : BOOL; m : INT; END_VAR
+    INITIAL_STEP S0: END_STEP TRANSITION FROM S0 TO S1 := a; END_TRANSITION {first}
+    STEP S2: q(DS, T#20ms); END_STEP TRANSITION FROM S2 TO S3 := S2.T >= T#20ms; END_TRANSITION
+    STEP S3: END_STEP TRANSITION FROM S3 TO S0 := FALSE; END_TRANSITION END_FUNCTION_BLOCK"""
+    report = saved(sfc.loads(text.encode(), format="iec-text"), "codesys")
+    assert report.compared["POU Main"].startswith("different after ")
+    assert "q is FALSE in the source and TRUE in CODESYS" in "".join(item.why for item in report.losses)
+
+
+WITH_OUTPUT = """INITIAL_STEP S0: END_STEP TRANSITION FROM S0 TO S1 := a; END_TRANSITION
+STEP S1: x(N); END_STEP TRANSITION FROM S1 TO S0 := NOT a; END_TRANSITION
+"""
+
+
+@pytest.mark.parametrize(
+    ("reading", "differs"), [("p := m.x;", False), ("IF a AND NOT m.x THEN p := TRUE; END_IF;", True)]
+)
+def test_a_caller_that_sees_its_chart_late_is_told(reading: str, *, differs: bool) -> None:
+    """The chart was proven, and nothing was said of the program that reads its output together with an input."""
+    text = f"""FUNCTION_BLOCK A VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT x : BOOL; END_VAR {WITH_OUTPUT}
+    END_FUNCTION_BLOCK PROGRAM Main VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT p : BOOL; END_VAR VAR m : A; END_VAR
+    m(a := a); {reading} END_PROGRAM"""
+    report = saved(sfc.loads(text.encode(), format="iec-text"), "codesys")
+    assert report.compared["POU A"].startswith("equal, second 1 scan later (proof")
+    found = [(item.outcome, item.path) for item in report.losses if item.what == "calls of charts"]
+    assert found == [(Outcome.APPROXIMATED, "POU Main")] * differs
+    assert all("in CODESYS sieht er" in german(item.why) for item in report.losses)
+
+
+def test_programs_of_a_task_that_share_a_variable_are_run_together() -> None:
+    text = f"""PROGRAM One VAR_EXTERNAL a, x : BOOL; END_VAR {WITH_OUTPUT} END_PROGRAM
+    PROGRAM Two VAR_EXTERNAL a, x : BOOL; END_VAR VAR_OUTPUT p : BOOL; END_VAR
+    IF a AND NOT x THEN p := TRUE; END_IF; END_PROGRAM
+    CONFIGURATION C VAR_GLOBAL a, x : BOOL; END_VAR RESOURCE R ON PLC TASK Fast(INTERVAL := T#10ms, PRIORITY := 1);
+    PROGRAM I1 WITH Fast : One; PROGRAM I2 WITH Fast : Two; END_RESOURCE END_CONFIGURATION"""
+    report = saved(sfc.loads(text.encode(), format="iec-text"), "codesys")
+    assert [item.path for item in report.losses if item.what == "calls of charts"] == ["task Fast"]
+
+
 @pytest.mark.parametrize(("interval", "differs"), [("T#5ms", False), ("T#10ms", True), ("", True)])
 def test_times_that_end_in_one_scan_of_the_task_are_told(interval: str, *, differs: bool) -> None:
     """20 and 15 ms were compared with scans of 2.5 ms: with those of the task they end in one."""

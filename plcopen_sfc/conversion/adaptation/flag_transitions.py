@@ -109,12 +109,11 @@ class FlagRewriter(ABC):
 
     def _report_together_with(self, flags: Collection[SfcFlag]) -> None:
         """Report what comes in one scan with a flag: CODESYS acts on a transition a scan later than the target."""
-        stopping, ending = (", ".join(each.variable for each in sorted(of & {*flags})) for of in (_STOPPING, ENDING))
-        if stopping:
+        if stopping := ", ".join(each.variable for each in sorted(_STOPPING & {*flags})):
             why = f"a condition that is TRUE only in the scan in which {stopping} comes fires its transition behind it"
             self._note(Outcome.APPROXIMATED, INPUTS_TOGETHER, "", f"{why}; CODESYS tests none in that scan")
-        if ending and SfcFlag.TIP in flags:
-            why = f"a push of {SfcFlag.TIP.variable} that comes in one scan with {ending} fires no transition"
+        if {SfcFlag.TIP, SfcFlag.INIT} <= {*flags}:
+            why = "a push of SFCTip that comes in one scan with SFCInit fires no transition"
             self._note(Outcome.APPROXIMATED, INPUTS_TOGETHER, "", f"{why}; in CODESYS one fires behind it")
 
     # -- what the target has

@@ -198,9 +198,8 @@ class ChartProgram(RunningChart):
             case ScanOrder.TRANSITIONS_FIRST:
                 self._announce(frame, self._transitions_then_actions(frame, now))
             case ScanOrder.ACTIONS_FIRST:
-                is_held = self._profile.initial_situation_held and not frame.v[self._started]
                 self._act(frame, now)
-                self._announce(frame, not is_held and self._evolve(frame))
+                self._announce(frame, self._evolve(frame))
             case ScanOrder.RETIMED:
                 self._act(frame, now)
                 frame.v[self._pending] = True
