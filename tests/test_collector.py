@@ -4,23 +4,12 @@ from __future__ import annotations
 
 import gc
 import threading
-import weakref
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.collector import collecting_rarely
-
-
-class Ring:
-    """An object that only the collector can free."""
-
-    def __init__(self) -> None:
-        self.me = self
-        self.parts = [[] for _ in range(1000)]
-
 
 FIXTURES = Path(__file__).resolve().parents[1] / "fixtures"
 
@@ -64,38 +53,3 @@ def test_a_collector_that_the_host_has_switched_off_stays_off():
         assert gc.get_threshold()[0] == 0
     finally:
         gc.set_threshold(*before)
-
-
-@pytest.fixture
-def plain_collector() -> Iterator[None]:
-    """The collector as a program starts with it: the tests have frozen what they begin with."""
-    frozen, before = gc.get_freeze_count(), gc.get_threshold()
-    gc.unfreeze()
-    gc.set_threshold(700, 10, 10)
-    yield
-    gc.set_threshold(*before)
-    if frozen:
-        gc.freeze()
-
-
-@pytest.mark.usefixtures("plain_collector")
-def test_what_was_made_becomes_old_and_garbage_in_it_is_found():
-    gc.collect()
-    rings = []
-    for _ in range(2000):
-        with collecting_rarely():
-            rings.append(weakref.ref(Ring()))
-        assert gc.get_count()[0] < 500
-    assert sum(ring() is not None for ring in rings) < 1500
-    gc.collect()
-    assert not any(ring() is not None for ring in rings)
-
-
-@pytest.mark.usefixtures("plain_collector")
-def test_objects_that_the_host_has_frozen_stay_so():
-    gc.freeze()
-    frozen = gc.get_freeze_count()
-    with collecting_rarely():
-        made = [[] for _ in range(2000)]
-    assert gc.get_freeze_count() > frozen // 2  # some are freed meanwhile
-    assert len(made) == 2000

@@ -18,10 +18,12 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from plcopen_sfc.analysis.equivalence import Searching, equivalent
+    from plcopen_sfc.analysis.pairing import Delay
     from plcopen_sfc.analysis.verdict import Counterexample, Difference, Verdict, VerdictKind
 
 _HOMES = {
     "Counterexample": "verdict",
+    "Delay": "pairing",
     "Difference": "verdict",
     "Searching": "equivalence",
     "Verdict": "verdict",
@@ -29,7 +31,7 @@ _HOMES = {
     "equivalent": "equivalence",
 }
 
-__all__ = ["Counterexample", "Difference", "Searching", "Verdict", "VerdictKind", "equivalent"]
+__all__ = ["Counterexample", "Delay", "Difference", "Searching", "Verdict", "VerdictKind", "equivalent"]
 
 
 def __getattr__(name: str) -> Any:
