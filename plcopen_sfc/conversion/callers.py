@@ -6,7 +6,8 @@ times or other charts may see them in another order.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from typing import TYPE_CHECKING
 
@@ -80,29 +81,37 @@ def _subjects(one: Project, other: Project, called: Mapping[str, str]) -> Iterat
 
 def report_callers(
     report: ConversionReport,
-    running: tuple[Project, Project],
+    running: Sequence[Project],
     called: Mapping[str, str],
-    compared: Callable[[Subject, Subject, float], Verdict],
+    compared: Callable[..., Verdict],
     *,
     profiles: tuple[Profile, Profile],
     tool: str,
-    left: Callable[[], float],
+    end: float,
 ) -> None:
     """Run what calls charts in both projects of `running`, and report what sees them in another order.
 
-    `compared` compares two subjects, for a number of seconds; `left` tells how many there are. What cannot be run is
-    no item: the verdicts are on charts.
-    """
-    from plcopen_sfc.analysis.pairing import in_retiming  # noqa: PLC0415  # most conversions run nothing
+    `compared` compares two subjects; it ends when the thread has used `end` seconds of processor time. What cannot be
+    run is no item: the verdicts are on charts.
 
-    delay = in_retiming(profiles)
-    for path, *subjects in _subjects(*running, called) if delay else ():
+    Raises `KeyboardInterrupt`.
+    """
+    from plcopen_sfc.analysis.pairing import Delay, in_retiming  # noqa: PLC0415  # most conversions run nothing
+
+    one, other = running
+    scans = in_retiming(profiles)
+    for path, *subjects in _subjects(one, other, called) if scans else ():
+        left = end - time.thread_time()
+        if left <= 0:
+            return
         try:
-            verdict = compared(subjects[0], subjects[1], left()) if left() > 0 else None
+            verdict = compared(*subjects, delay=Delay(scans or 0, in_sequence=True), limit=left)
         except SfcError:
             continue
-        if verdict is not None and verdict.counterexample is not None:
-            late, other = (tool, "the source") if delay == 1 else ("the source", tool)
-            why = f"in {late} it sees what the charts that it calls do a scan later than in {other}"
+        if verdict.interrupted:
+            raise KeyboardInterrupt
+        if verdict.counterexample is not None:
+            late, early = (tool, "the source") if scans == 1 else ("the source", tool)
+            why = f"in {late} it sees what the charts that it calls do a scan later than in {early}"
             told = told_example(verdict.counterexample, tool)
             report.add(Outcome.APPROXIMATED, "calls of charts", path, f"{told}; {why}")

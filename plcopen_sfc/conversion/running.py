@@ -116,7 +116,6 @@ def report_running(
     Raises `ComparisonInterrupt` with the report so far.
     """
     from plcopen_sfc.analysis.equivalence import equivalent  # noqa: PLC0415  # most conversions run nothing
-    from plcopen_sfc.analysis.pairing import Delay, in_retiming  # noqa: PLC0415
 
     profiles = default_profile(source), target or default_profile(result)
     end_of_all = time.thread_time() + limit
@@ -172,14 +171,8 @@ def report_running(
             if any(name.casefold() == declaration.name.casefold() for name in types for declaration in assumed):
                 chart.note_more("types that nothing declares have the members that are used of them")
         if all(text.startswith("equal") for text in report.compared.values()):  # else the charts differ already
-            delay = Delay(in_retiming(profiles) or 0, in_sequence=True)
-            report_callers(
-                *(report, (running[0], running[1]), called),
-                lambda one, other, left: options(one, other, inputs=listed, delay=delay, limit=left),
-                profiles=profiles,
-                tool=tool,
-                left=lambda: end_of_all - time.thread_time(),
-            )
+            compared = partial(options, inputs=listed)
+            report_callers(report, running, called, compared, profiles=profiles, tool=tool, end=end_of_all)
 
 
 @contextmanager
