@@ -113,8 +113,8 @@ class FlagRewriter(ABC):
             why = f"a condition that is TRUE only in the scan in which {stopping} comes fires its transition behind it"
             self._note(Outcome.APPROXIMATED, INPUTS_TOGETHER, "", f"{why}; CODESYS tests none in that scan")
         if {SfcFlag.TIP, SfcFlag.INIT} <= {*flags}:
-            why = "a push of SFCTip that comes in one scan with SFCInit fires no transition"
-            self._note(Outcome.APPROXIMATED, INPUTS_TOGETHER, "", f"{why}; in CODESYS one fires behind it")
+            told = "a push of SFCTip that comes in one scan with SFCInit fires no transition"
+            self._note(Outcome.APPROXIMATED, INPUTS_TOGETHER, "", f"{told}; in CODESYS one fires behind it")
 
     # -- what the target has
 
