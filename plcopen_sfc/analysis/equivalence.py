@@ -99,7 +99,7 @@ _QUICK_RUNS, _QUICK_SCANS = 12, 60
 """Scans that each of several delays is tried for, before a search."""
 
 _SCANS_IN_TURN = 2
-"""Scans that a state takes, more or less, where sides run until both rest: so many states fewer are searched."""
+"""So many times fewer states are searched where sides run until both rest: each takes several scans."""
 
 
 class Searching(TypedDict, total=False):
@@ -401,7 +401,7 @@ class _Compared:
         return self._kept[retiming]
 
     def _systems(self, *, retiming: bool, held: bool = False) -> tuple[ProgramSystem, ProgramSystem]:
-        """Translate both sides; `held`: no transition is tested in the first scan."""
+        """Translate both sides; `held`: one that tests transitions first does not in its first scan."""
         start = spent()
         profiles = [retimed(each) if retiming else each for each in self.profiles]
         if self.passes_start and profiles[1].order is ScanOrder.TRANSITIONS_FIRST:

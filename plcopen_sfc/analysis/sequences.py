@@ -28,6 +28,7 @@ _BEHIND = 4
 AT_REST = 2
 """Scans without a change for which both are at rest: what a timer does in the next one comes before new inputs."""
 _MOST_SCANS = 1000
+"""Scans for which two sides that never rest are followed."""
 RESTLESS = "what never rests with inputs that stay"
 
 

@@ -46,13 +46,11 @@ def _tasks(project: Project) -> Iterator[tuple[str, list[str]]]:
     """Yield the tasks that execute several programs, and charts with them: names, and those of the programs."""
     programs = {pou.name.casefold() for pou in project.pous if pou.kind is PouKind.PROGRAM}
     charts = {each.name.casefold() for each in (*callers(project), *(chart.pou for chart in project.charts()))}
-    for configuration in project.configurations:
-        for resource in configuration.resources:
-            for task in resource.tasks:
-                names = list(dict.fromkeys(each.type_name or each.name for each in task.instances))
-                known = {name.casefold() for name in names}
-                if len(known) > 1 and known <= programs and not known.isdisjoint(charts):
-                    yield task.name, names
+    for task in project.tasks():
+        names = list(dict.fromkeys(each.type_name or each.name for each in task.instances))
+        known = {name.casefold() for name in names}
+        if len(known) > 1 and known <= programs and not known.isdisjoint(charts):
+            yield task.name, names
 
 
 def _calling(project: Project, programs: Iterable[str]) -> Subject:

@@ -30,6 +30,7 @@ from plcopen_sfc.conversion.scan_order import chart_pairs, is_begun_for_good, ma
 from plcopen_sfc.errors import ComparisonInterrupt, SfcError
 from plcopen_sfc.languages.binding import names_in
 from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
+from plcopen_sfc.languages.st.literals import time_literal
 from plcopen_sfc.languages.task_schedules import nanoseconds, schedule_of
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.project import Chart, Project
@@ -298,31 +299,31 @@ class _ComparedChart(NamedTuple):
             if is_cut and (is_begun_for_good(self.chart) or reads):
                 as_run = compared(delay=plain, limit=limit)
             elif other and verdict.delay.retimed and not verdict.different and may_race(self.chart, verdict.inputs):
-                in_sequence = self._in_sequence(compared, verdict, limit)
-                if in_sequence.different:
-                    as_run = in_sequence
+                *before, last = self._in_sequence(compared, verdict, limit)
+                if last.different:
+                    as_run = last
                     verdict = verdict if verdict.equal else as_run
-                elif not in_sequence.proven or any(RESTLESS in each for each in in_sequence.notes):
+                elif any(not each.proven or any(RESTLESS in note for note in each.notes) for each in (*before, last)):
                     unseen = "times that actions and transitions wait for were not compared in all situations"
         except SfcError as error:
             self.note_untested(f"not run: {error.message}")
             return None
         return _Run(self.chart, verdict, as_run, self.profiles, self.tool, unseen)
 
-    def _in_sequence(self, compared: Callable[..., Verdict], verdict: Verdict, limit: float) -> Verdict:
-        """Compare what comes one after another, at the scan time of a verdict, or a usual one: the first difference.
+    def _in_sequence(self, compared: Callable[..., Verdict], verdict: Verdict, limit: float) -> list[Verdict]:
+        """Compare what comes one after another, at the scan time of a verdict and of tasks, up to a difference.
 
         With longer scans times that are not the same may end in one.
         """
-        tasks = [task for each in self.source.configurations for resource in each.resources for task in resource.tasks]
-        declared = {nanoseconds(schedule_of(task).interval) for task in tasks}
+        declared = {nanoseconds(schedule_of(task).interval) for task in self.source.tasks()}
         times = {each for each in declared if each is not None} or {_SCAN_TIME}
         longer = sorted(each for each in times if verdict.timed and each > verdict.scan_time)
+        delay = replace(verdict.delay, retimed=False, operated_later=False, in_sequence=True)
         end = time.thread_time() + limit
+        found: list[Verdict] = []
         for scan_time in (*reversed(longer), verdict.scan_time):
-            delay = replace(verdict.delay, retimed=False, operated_later=False, in_sequence=True)
-            found = compared(delay=delay, scan_time=scan_time, limit=max(end - time.thread_time(), 0))
-            if found.different:
+            found.append(compared(delay=delay, scan_time=scan_time, limit=max(end - time.thread_time(), 0)))
+            if found[-1].different:
                 break
         return found
 
@@ -469,7 +470,9 @@ class _Run(NamedTuple):
             given = [f"given: {self.unseen}"] if self.unseen else []
             return [self.as_run.summary, *self.as_run.premises, *given]
         head = f"different after {counted(len(example.inputs), 'scan')}; {SHIFTED}"
-        return [head, f"but for these: {self.verdict.summary}", *self.verdict.premises]
+        other = self.as_run.scan_time != self.verdict.scan_time
+        given = [f"given: for the difference scans of {time_literal(self.as_run.scan_time)}"] if other else []
+        return [head, f"but for these: {self.verdict.summary}", *self.verdict.premises, *given]
 
     def told_with(self, losses: Sequence[Item], rules: Sequence[str]) -> list[str]:
         """Return the verdict on a chart in which the report names something as approximated; see `_told_while_held`."""

@@ -488,6 +488,10 @@ class Project(Owned, Element):
         for configuration in self.configurations:
             yield from configuration.resources
 
+    def tasks(self) -> list[Task]:
+        """Return the tasks of all resources."""
+        return [task for resource in self.resources() for task in resource.tasks]
+
     def global_sections(self) -> Iterator[VariableSection]:
         """Yield every list of global variables: of the project, its resources and its configurations."""
         yield from self.global_variables

@@ -212,8 +212,7 @@ class _ProjectContent:
             (words("Transitions"), str(sum(len(chart.transitions) for chart in charts))),
         ]
         rows = [element("tr", element("th", name), element("td", text)) for name, text in facts if text.strip()]
-        all_tasks = [task for resource in project.resources() for task in resource.tasks]
-        tasks = [self._task(task, number) for number, task in enumerate(all_tasks)]
+        tasks = [self._task(task, number) for number, task in enumerate(project.tasks())]
         if tasks:
             listed = element("ul", *tasks)
             rows.append(element("tr", element("th", words("Tasks")), element("td", listed)))

@@ -283,15 +283,23 @@ def test_programs_of_a_task_that_share_a_variable_are_run_together() -> None:
     assert [item.path for item in report.losses if item.what == "calls of charts"] == ["task Fast"]
 
 
+@pytest.mark.parametrize("target", ["codesys", "plcopen-2.01"])
 @pytest.mark.parametrize(("interval", "differs"), [("T#5ms", False), ("T#10ms", True), ("", True)])
-def test_times_that_end_in_one_scan_of_the_task_are_told(interval: str, *, differs: bool) -> None:
+def test_times_that_end_in_one_scan_of_the_task_are_told(interval: str, target: str, *, differs: bool) -> None:
     """20 and 15 ms were compared with scans of 2.5 ms: with those of the task they end in one."""
     text = CHART.format(first="q(DS, T#20ms);", second="", initial="", edge="", actions="")
     text = text.replace("S1 TO S2 := b", "S1 TO S2 := S1.T >= T#15ms").replace("FUNCTION_BLOCK", "PROGRAM")
     task = f"TASK Fast(INTERVAL := {interval}, PRIORITY := 1); PROGRAM M WITH Fast : Main;"
     around = f"CONFIGURATION C RESOURCE R ON PLC {task} END_RESOURCE END_CONFIGURATION" if interval else ""
-    report = saved(sfc.loads(f"{text}{around}".encode(), format="iec-text"), "codesys")
-    assert report.compared["POU Main"].startswith("different after " if differs else "equal, second 1 scan later")
+    source = sfc.loads(f"{text}{around}".encode(), format="iec-text")
+    if target != "codesys":  # whose tasks are those of an application, in no configuration
+        source = sfc.loads(sfc.dumps(source, format="codesys"), as_tool=True)
+        source.applications = list(source.resources())
+        source.configurations = []
+    report = saved(source, target)
+    assert ("given: for the difference scans of T#10ms" in report.compared["POU Main"]) is differs
+    late = "second" if target == "codesys" else "first"
+    assert report.compared["POU Main"].startswith("different after " if differs else f"equal, {late} 1 scan later")
     assert bool([item for item in report.losses if item.what == "chart"]) is differs
 
 

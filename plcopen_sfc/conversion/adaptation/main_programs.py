@@ -80,7 +80,7 @@ def add_main(project: Project, names: Sequence[str], report: ConversionReport, m
 
 
 def _tasks(project: Project) -> list[Task]:
-    return [task for resource in project.resources() for task in resource.tasks if task.instances]
+    return [task for task in project.tasks() if task.instances]
 
 
 def _programs(project: Project) -> dict[str, str]:

@@ -157,7 +157,7 @@ class ExportCodec(XmlCodec):
         """Take out of `project`, a copy, what a new file does not hold."""
         if options.same:
             return
-        for task in (task for resource in project.resources() for task in resource.tasks):
+        for task in project.tasks():
             why = "the task configuration belongs to the device: make it in CODESYS"
             report.add(Outcome.NOT_EXECUTED, "task", f"task {task.name}", why)
         take_out_others(project)

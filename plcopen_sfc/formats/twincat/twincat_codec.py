@@ -253,7 +253,7 @@ class TwincatCodec(FolderCodec):
         """Take out of `project`, a copy, what files of objects do not hold, such as how the project is filed."""
         if options.same:
             return
-        tasks = [adapted_task(task, report) for resource in project.resources() for task in resource.tasks]
+        tasks = [adapted_task(task, report) for task in project.tasks()]
         take_out_others(project)
         project.applications = task_document(*(task for task in tasks if task is not None)).applications
 
