@@ -453,10 +453,10 @@ class _Compared:
         later_start = int(is_late and self.passes_start and right.profile.order is not ScanOrder.TRANSITIONS_FIRST)
         earlier, later = (left, right) if delay.queued > 0 else (right, left)
         count = abs(delay.queued)
-        if delay.in_sequence:  # all have executed their initial steps once before a transition is tested
-            for system, begins in ((left, later_start), (right, 0)):
-                acts_first = int(system.profile.order is ScanOrder.ACTIONS_FIRST)
-                system.delay(begins=begins + acts_first, alone=1 - acts_first, at_rest=self._operated(system))
+        if delay.in_sequence:  # all have executed their initial steps once before a transition of these is tested
+            for system, passes in ((left, False), (right, later_start > 0)):
+                begins = int(system.profile.order is ScanOrder.ACTIONS_FIRST and not passes)
+                system.delay(begins=begins, alone=1 - begins, at_rest=self._operated(system), unseen=passes)
             return
         if delay.retimed:
             for system, begins in ((left, later_start), (right, 0)):

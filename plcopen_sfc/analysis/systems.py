@@ -198,6 +198,7 @@ class ProgramSystem:
         structures = [each for f in frames for each in f.v if isinstance(each, Frame)]
         self._elapsed = [(f.v, x.slot) for f in structures for x in f.layout.fields if x.type is ELAPSED]
         self._begins = self._kept = self._alone = self._waiting = 0
+        self._unseen = False
         self._at_rest: Mapping[str, Value] = _NONE
         self._resting: Mapping[str, Value] = _NONE
         self._late: Mapping[str, Value] = _NONE
@@ -409,7 +410,8 @@ class ProgramSystem:
     def part(self, pou: Pou, observations: Sequence[Observation]) -> ProgramSystem:
         """Return a system of a part of its POU, at the same times, in which some of the same things are observed."""
         made = ProgramSystem(replace(self.subject, pou=pou), self.profile, self.clock, **self._options)
-        made.delay(begins=self._begins, kept=self._kept, alone=self._alone, at_rest=self._at_rest, late=self._late)
+        own = {"begins": self._begins, "kept": self._kept, "alone": self._alone}
+        made.delay(**own, at_rest=self._at_rest, late=self._late, unseen=self._unseen)
         made.also_counted = self.also_counted
         made.is_unanswered = self.is_unanswered
         for name, kind in self.not_followed.items():
@@ -426,13 +428,16 @@ class ProgramSystem:
         alone: int = 0,
         at_rest: Mapping[str, Value] = _NONE,
         late: Mapping[str, Value] = _NONE,
+        unseen: bool = False,
     ) -> None:
         """Begin some scans later, or be compared with what the other side does some scans later.
 
         In the first `alone` scans, before the other side begins or tests transitions, the inputs `at_rest` have these
-        values; the inputs `late` have those of the scan before, these at first. They are named in lower case.
+        values; the inputs `late` have those of the scan before, these at first. They are named in lower case. `unseen`:
+        what it does in the `alone` scans has no counterpart.
         """
-        self._begins, self._kept, self._alone, self._at_rest = begins, kept, alone if at_rest else 0, at_rest
+        self._begins, self._kept, self._alone = begins, kept, alone if at_rest or unseen else 0
+        self._at_rest, self._unseen = at_rest, unseen
         self.is_delayed = bool(begins or kept or self._alone or late)
         self._resting = _NONE
         self._late, self._held = late, dict(late)
@@ -492,6 +497,7 @@ class ProgramSystem:
             self._scan(read, first=first)
             return
         self._seen = None
+        is_unseen = self._unseen and self._waiting > 0
         if self._waiting:
             self._waiting -= 1
             if self._begins:
@@ -501,7 +507,7 @@ class ProgramSystem:
             self._resting = _NONE
         if not self._kept:
             self._scan(read, first=first)
-            self._seen = self.observed_now()
+            self._seen = None if is_unseen else self.observed_now()
             return
         self._seen = self._in_turn(read, first=first)
 

@@ -292,13 +292,12 @@ class _ComparedChart(NamedTuple):
             return None
         try:
             verdict = compared(delay="auto", limit=limit)
-            is_cut = verdict.delay.retimed and verdict.equal
+            as_run, unseen, is_cut = verdict, "", verdict.delay.retimed and not verdict.different
             other = self.profiles[0].order is not self.profiles[1].order
             reads = other and reads_inputs(self.chart, self.source, verdict.inputs)
-            as_run, plain, unseen = verdict, Delay(verdict.delay.scans), ""
-            if is_cut and (is_begun_for_good(self.chart) or reads):
-                as_run = compared(delay=plain, limit=limit)
-            elif other and verdict.delay.retimed and not verdict.different and may_race(self.chart, verdict.inputs):
+            if is_cut and (is_begun_for_good(self.chart) or reads):  # which the report names where it is not proven
+                as_run = compared(delay=Delay(verdict.delay.scans), limit=limit) if verdict.equal else verdict
+            elif is_cut and other and may_race(self.chart, verdict.inputs):
                 *before, last = self._in_sequence(compared, verdict, limit)
                 if last.different:
                     as_run = last
