@@ -55,11 +55,33 @@ FIELD = "field"
 """Subject of items about a part of an object that no machine executes, found as the result is read again."""
 
 
+class CauseKind(StrEnum):
+    """Causes of losses that others follow from, or that follow from others."""
+
+    PLACEHOLDER = "placeholder"
+    """An undeclared name is in its place, so that the target refuses what would be wrong."""
+    LACKING = "lacking"
+    """The target has no function, block or type of a name."""
+    AS_IT_IS = "as it is"
+    """It is written as another tool has it. What changed the chart before may have told more of the same place."""
+    GRAFCET_TEXT = "notation of GRAFCETs"
+    """As `AS_IT_IS`, of a text that no other tool can read."""
+
+
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """Cause of a loss. `name`: the undeclared name in its place, or that which the target lacks."""
+
+    kind: CauseKind
+    name: str = ""
+
+
 @dataclass(frozen=True, slots=True)
 class Item:
     """One item of the source: what kind of thing, where, what became of it and why.
 
-    `line` is that in the source, `file` the document that it is in, where the source may have several.
+    `line` is that in the source, `file` the document that it is in, where the source may have several. `text_line` is
+    that in the program text at `path`; `why` begins with it. `cause`: what other items may depend on.
     """
 
     outcome: Outcome
@@ -68,6 +90,13 @@ class Item:
     why: str = ""
     line: int | None = None
     file: str | None = None
+    text_line: int | None = None
+    cause: Cause | None = None
+
+    @property
+    def reason(self) -> str:
+        """Why, without the line of the program text."""
+        return self.why if self.text_line is None else self.why.removeprefix(f"line {self.text_line}: ")
 
     @property
     def place(self) -> str:
@@ -101,9 +130,9 @@ class ConversionReport:
         found = "unchanged" if self.unchanged else ", ".join(counts) or "no items"
         return f"ConversionReport({source}{self.target_format}: {found})"
 
-    def add(self, outcome: Outcome, what: str, path: str, why: str = "") -> None:
+    def add(self, outcome: Outcome, what: str, path: str, why: str = "", cause: Cause | None = None) -> None:
         """Note the outcome of an item."""
-        self.items.append(Item(outcome, what, path, why))
+        self.items.append(Item(outcome, what, path, why, cause=cause))
 
     def with_outcome(self, *outcomes: Outcome) -> list[Item]:
         """Return the items with one of these outcomes."""
@@ -170,14 +199,14 @@ def grouped(items: Iterable[Item], message: Callable[[str], str] = str) -> list[
     """
     found: dict[tuple[str, str, str], list[Item]] = {}
     for item in items:
-        pattern = _QUOTED.sub(_ELLIPSIS, _without_own_name(item, _LINE.sub("", item.why)))
+        pattern = _QUOTED.sub(_ELLIPSIS, _without_own_name(item, item.reason))
         found.setdefault((item.outcome, item.what, pattern), []).append(item)
     return [_group(those, message) for those in found.values()]
 
 
 def _group(items: list[Item], message: Callable[[str], str]) -> ItemGroup:
-    lines = [int(found[1]) if (found := _LINE.match(item.why)) else None for item in items]
-    reasons = [message(_LINE.sub("", item.why)) for item in items]
+    lines = [item.text_line for item in items]
+    reasons = [message(item.reason) for item in items]
     names = [_QUOTED.findall(reason) for reason in reasons]
     differ = [len(set(those)) > 1 for those in zip(*names, strict=False)]
     turns = iter(differ)
@@ -196,7 +225,7 @@ def _without_own_name(item: Item, text: str) -> str:
 
 _ELLIPSIS = "\u2026"
 _QUOTED = re.compile(r"`[^`]*`")
-_LINE = re.compile(r"line (\d+): ")
+"""Names and program text in a reason: the markup that pages show as code."""
 
 
 class Converted(NamedTuple):

@@ -27,6 +27,7 @@ from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.report import (
     LOSSES,
+    CauseKind,
     ConversionReport,
     Item,
     Outcome,
@@ -76,7 +77,10 @@ def report_execution(
     for difference in found:
         what = difference.aspect or difference.kind
         place = difference.path
-        names = {(_unnumbered(place), each) for each in (what, *_ALSO_CALLED.get(_NUMBERED.sub("code", what), ()))}
+        names = {
+            (_unnumbered(place), each)
+            for each in (what, *_ALSO_CALLED.get("code" if what.startswith("code ") else what, ()))
+        }
         names |= {(_unnumbered(place), each) for each in OPERATING_KINDS if what in OPERATING_KINDS}
         if difference.kind == "method":
             names.add((ObjectPath.of(place).around, "methods"))
@@ -115,12 +119,14 @@ class _Listed:
     @classmethod
     def of(cls, report: ConversionReport, refused: set[str]) -> _Listed:
         losses = report.losses
+        told = [(item.cause, item.path) for item in losses if item.cause is not None]
+        instead = [each for each in told if each[0].kind is CauseKind.PLACEHOLDER]
         return cls(
             refused,
             {(item.path, item.what) for item in losses},
-            {name for item in losses for name in _IN_PLACE.findall(item.why)},
-            {_bare(item.path) for item in losses if _IN_PLACE.search(item.why)},
-            {word.casefold() for item in losses for found in _LACKED.findall(item.why) for word in found},
+            {cause.name for cause, _ in instead},
+            {_bare(path) for _, path in instead},
+            {cause.name.casefold() for cause, _ in told if cause.kind is CauseKind.LACKING},
             {ObjectPath.of(item.path).owner for item in report.with_outcome(Outcome.NOT_EXECUTED)},
         )
 
@@ -137,7 +143,7 @@ class _Listed:
             return True
         if kind == UNDECLARED and difference.left == "" and (place, "condition") in self.lost:  # it was not translated
             return True
-        if kind == UNDECLARED and _STAND_IN.match(name) and ObjectPath.of(place).owner in self.losing:
+        if kind == UNDECLARED and name.startswith(_PLACEHOLDERS) and ObjectPath.of(place).owner in self.losing:
             return True
         if kind == "action" and (
             self.lost & {(place, "action"), (place, "condition")} or _bare(place) in self.replaced
@@ -169,19 +175,19 @@ _NUMBER = re.compile(r"(?<= -> )(?P<steps>[^/]+) \(\d+\)$")
 def _is_of_refused(item: Item, refused: Iterable[str]) -> bool:
     """True for a loss that is that of the whole chart of a GRAFCET, whose hierarchy the target cannot have."""
     of_chart = item.what in _OF_PARTIAL_CHARTS and item.path in refused
-    as_it_stands = item.what == "text" and "notation of GRAFCETs" in item.why
+    is_own_text = item.cause is not None and item.cause.kind is CauseKind.GRAFCET_TEXT
     return item.outcome in LOSSES and (
-        of_chart or (as_it_stands and any(item.path.startswith(f"{path} / ") for path in refused))
+        of_chart or (is_own_text and any(item.path.startswith(f"{path} / ") for path in refused))
     )
 
 
 def _follows(item: Item) -> bool:
-    """True for what a writer tells of an action or a text that it finds as another tool has it: that it stays so."""
-    return item.outcome is Outcome.NOT_EXECUTED and _AS_IT_IS.match(item.why) is not None
+    """True for what a writer tells of an action or a text that it finds as another tool has it: that it stays so.
 
-
-_AS_IT_IS = re.compile(r"`[^`]*` is not executed|(?:line \d+: )?left unchanged")
-"""Beginning of such reasons. Where the rules for a GRAFCET could not rewrite something, they have given their own."""
+    Where the rules for a GRAFCET could not rewrite something, they have given their own reason.
+    """
+    kinds = (CauseKind.AS_IT_IS, CauseKind.GRAFCET_TEXT)
+    return item.outcome is Outcome.NOT_EXECUTED and item.cause is not None and item.cause.kind in kinds
 
 
 _OF_PARTIAL_CHARTS = ("partial charts", "chart partial charts", "chart")
@@ -206,14 +212,8 @@ def _name_of(path: str) -> str:
 
 _WRITTEN_OTHERWISE = ("condition", "interlock", "supervision", "code")
 """Aspects in whose place writers put an undeclared name."""
-_IN_PLACE = re.compile(r"undeclared name (\w+)")
-"""Form in which writers tell the name that they put in place of what the target cannot say."""
-_STAND_IN = re.compile(r"NOT_(?:EXECUTED|TRANSLATED)_")
-"""Beginning of such names: the loss in the same POU tells it, even where its words do not have the name."""
-_LACKED = re.compile(
-    r"(?:has no (?:counterpart of|function block|function|type) |declares `)([\w.]+)|(\w+) is no standard function"
-)
-"""Form in which they tell the name of a function or a type that the target lacks."""
+_PLACEHOLDERS = ("NOT_EXECUTED_", "NOT_TRANSLATED_")
+"""Beginnings of such names: the loss in the same POU tells it, even where its cause does not have the name."""
 
 
 def _rewritten_steps(differences: Iterable[ExecutionDifference], settled: Counter[tuple[str, str]]) -> set[str]:
@@ -288,7 +288,6 @@ def _is_superseded(item: Item, told: set[tuple[str, str]]) -> bool:
     return any(what == item.what and ObjectPath.of(path).is_in(item.path) for path, what in told)
 
 
-_NUMBERED = re.compile(r"^code \d+$")
 _ALSO_CALLED = {
     "step": ("exclude",),
     "transition": ("exclude",),

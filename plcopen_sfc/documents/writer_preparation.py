@@ -28,7 +28,7 @@ from plcopen_sfc.model.dialect import COUNTING_BYTES, Dialect, address_dialect
 from plcopen_sfc.model.network import BlockCall
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.text import is_direct
-from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.report import ConversionReport, Item, Outcome
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import (
     PROFILES,
@@ -440,8 +440,9 @@ def _note_texts(texts: Iterable[TranslatedText], report: ConversionReport) -> No
     for text in texts:
         for note in text.notes:
             outcome = _OUTCOMES[note.severity]
-            line = f"line {note.line}: " if text.what == "text" else ""
-            report.add(outcome, text.what, text.path, f"{line}{note.reason}")
+            line = note.line if text.what == "text" else None
+            why = note.reason if line is None else f"line {line}: {note.reason}"
+            report.items.append(Item(outcome, text.what, text.path, why, text_line=line, cause=note.cause))
 
 
 _OUTCOMES = {

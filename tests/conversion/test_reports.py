@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.pages.report_words import german
-from plcopen_sfc.report import Item, Outcome, grouped
+from plcopen_sfc.report import Cause, CauseKind, Item, Outcome, grouped
 from tests.conversion.features import drawn
 from tests.samples import FIXTURES
 
@@ -201,13 +202,13 @@ def test_a_body_that_cannot_be_written_is_one_item(tmp_path: Path) -> None:
 
 
 def test_items_are_grouped_by_their_reason_whatever_it_names() -> None:
-    def item(path: str, why: str) -> Item:
-        return Item(Outcome.NOT_EXECUTED, "text", path, why)
+    def item(path: str, why: str, line: int | None = None) -> Item:
+        return Item(Outcome.NOT_EXECUTED, "text", path, why, text_line=line)
 
     items = [
-        item("POU A / action X", "line 3: no counterpart of `ADR`"),
+        item("POU A / action X", "line 3: no counterpart of `ADR`", 3),
         item("POU A / q", "q has no place"),
-        item("POU A / action X", "line 7: no counterpart of `SIZEOF`"),
+        item("POU A / action X", "line 7: no counterpart of `SIZEOF`", 7),
         item("POU B / r", "r has no place"),
         item("POU B", "no counterpart of `ADR`"),
     ]
@@ -225,6 +226,17 @@ def test_a_name_in_place_of_what_matiec_lacks_is_no_item_of_its_own() -> None:
     data, report = sfc.convert(source, "iec-text", flavour="matiec", partial=True)
     assert b"NOT_EXECUTED_" in data
     assert [item.path for item in report.losses if "NOT_EXECUTED" in item.why] == []
+
+
+def test_an_item_names_what_the_target_lacks_and_where_that_is_in_the_text() -> None:
+    source = project(PAIR.format(condition="a", actions="Act(N);"))
+    source.dialect = m.Dialect.CODESYS
+    source.pou("Main").actions.append(m.Action(name="Act", body=m.StBody(text="n := 1;\nn := SIZEOF(n);")))
+    report = sfc.convert(source, "plcopen-2.01", partial=True)[1]
+    (item,) = (item for item in report.losses if item.what == "text")
+    assert (item.text_line, item.cause) == (2, Cause(CauseKind.LACKING, "SIZEOF"))
+    (data,) = (each for each in report.as_dict()["items"] if each.get("why") == item.why)
+    assert json.loads(json.dumps(data["cause"])) == {"kind": "lacking", "name": "SIZEOF"}
 
 
 @pytest.mark.parametrize("target", ["codesys", "codesys-export", "codesys23", "iec-text", "plcopen-1.01", "simaticml"])

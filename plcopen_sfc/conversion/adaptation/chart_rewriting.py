@@ -28,7 +28,7 @@ from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import BodyCondition, Condition, SfcNetwork, Step, Transition
 from plcopen_sfc.model.types import DataType, DerivedType, Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
-from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.report import Cause, ConversionReport, Outcome
 
 GRAPH_CHARTS = ChartHost("S7-GRAPH", is_s7=True)
 """Charts of TIA Portal, whose texts are in SCL."""
@@ -59,10 +59,10 @@ class ChartRewriting:
         )
         """Reads a condition as an expression and the statements before it."""
 
-    def note(self, outcome: Outcome, what: str, place: str, why: str) -> None:
+    def note(self, outcome: Outcome, what: str, place: str, why: str, cause: Cause | None = None) -> None:
         """Report the outcome of something at `place` in the chart."""
         path = self.chart.report_path
-        self.report.add(outcome, what, f"{path} / {place}" if place else path, why)
+        self.report.add(outcome, what, f"{path} / {place}" if place else path, why, cause)
 
     def text(self, condition: Condition | None) -> str | None:
         """Return the text of a condition; None where it cannot be one expression, as with a timer."""

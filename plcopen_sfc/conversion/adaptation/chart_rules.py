@@ -52,7 +52,7 @@ from plcopen_sfc.model.conditions import Expression, WiredCondition
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import BodyCondition, Condition, Step, Transition, by_priority
-from plcopen_sfc.report import ORDER_OF_ACTIONS, ConversionReport, Outcome
+from plcopen_sfc.report import ORDER_OF_ACTIONS, Cause, CauseKind, ConversionReport, Outcome
 
 
 def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> bool:
@@ -276,9 +276,8 @@ class _ChartRewriter:
             # An undeclared name stops the compiler of the target. TRUE or FALSE in its place would run, and be wrong.
             text = self._rewriting.new_name(f"Condition_of_{self._chart.label(transition)}_is_missing")
             why = f"it cannot be written as an expression; the undeclared name {text} is in its place"
-            self._note(
-                Outcome.NOT_EXECUTED, "condition", label, f"{why}, so that {self._host.title} does not compile it"
-            )
+            told = f"{why}, so that {self._host.title} does not compile it"
+            self._note(Outcome.NOT_EXECUTED, "condition", label, told, Cause(CauseKind.PLACEHOLDER, text))
         elif foreign:
             what = "a network" if is_network(condition) else "logic drawn in the chart"
             if not is_network(condition) and not isinstance(condition, WiredCondition):

@@ -44,7 +44,7 @@ from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, TagTable, Task, TaskSettings
 from plcopen_sfc.model.sfc import SfcBody
 from plcopen_sfc.model.variables import SectionKind, VariableSection, sections_of
-from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.report import Cause, CauseKind, ConversionReport, Outcome
 
 _OF_S7 = frozenset(
     """TIMER COUNTER S5TIME DTL IEC_TIMER IEC_LTIMER IEC_COUNTER IEC_SCOUNTER IEC_DCOUNTER IEC_UCOUNTER IEC_USCOUNTER
@@ -116,7 +116,8 @@ def report_types(project: Project, host: ChartHost, report: ConversionReport) ->
             foreign = is_foreign_type(variable.type, host)
             if foreign is not None and foreign.casefold() not in declared:
                 why = f"{host.title} has no type {foreign}: the declaration does not compile"
-                report.add(Outcome.NOT_EXECUTED, "data type", f"{path} / variable {variable.name}", why)
+                lacking = Cause(CauseKind.LACKING, foreign)
+                report.add(Outcome.NOT_EXECUTED, "data type", f"{path} / variable {variable.name}", why, lacking)
 
     for pou in project.pous:
         for section in sections_of(pou.interface):
@@ -197,7 +198,8 @@ class _Globals:
             place = "" if is_operand else tag.address or ""  # timers and counters of S5 are in no memory of others
             address = translated_address(place, Dialect.SCL, self.host.addresses)
             if kind is None or is_foreign_type(kind, self.host):
-                self.report.add(Outcome.NOT_EXECUTED, "tag", path, f"{self.host.title} has no type {tag.type}")
+                why, lacking = f"{self.host.title} has no type {tag.type}", Cause(CauseKind.LACKING, tag.type)
+                self.report.add(Outcome.NOT_EXECUTED, "tag", path, why, lacking)
                 continue
             if place and address.severity is Severity.ERROR:
                 self.report.add(Outcome.NOT_EXECUTED, "address", path, f"{address.reason}: the tag is left out")
@@ -281,7 +283,8 @@ class _Globals:
         foreign = is_foreign_type(kind, self.host)
         if foreign is not None:
             why = f"{self.host.title} has no type {foreign}: it does not compile"
-            self.report.add(Outcome.NOT_EXECUTED, "data type", f"{path} / variable {variable.name}", why)
+            lacking = Cause(CauseKind.LACKING, foreign)
+            self.report.add(Outcome.NOT_EXECUTED, "data type", f"{path} / variable {variable.name}", why, lacking)
         name = self.names.new_name(NameScope.MEMBER, variable.name) or identifier(variable.name)
         if isinstance(kind, t.StructType):
             kind = t.StructType(members=[self._member(member, path) for member in kind.members])

@@ -48,7 +48,7 @@ from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.pou import Action
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, Step
-from plcopen_sfc.report import ORDER_OF_ACTIONS, Outcome
+from plcopen_sfc.report import ORDER_OF_ACTIONS, Cause, CauseKind, Outcome
 
 _STORING = {Qualifier.S: "TRUE", Qualifier.R: "FALSE"}
 _PULSES = {ActionEvent.S1: Qualifier.P1, ActionEvent.S0: Qualifier.P0}
@@ -271,9 +271,9 @@ class StepRewriter:
     def _note(self, outcome: Outcome, what: str, step: Step, why: str) -> None:
         self._rewriting.note(outcome, what, f"step {step.name}", why)
 
-    def _note_action(self, outcome: Outcome, step: Step, action: object, why: str) -> None:
+    def _note_action(self, outcome: Outcome, step: Step, action: object, why: str, cause: Cause | None = None) -> None:
         name = action if isinstance(action, str) else "in place"
-        self._rewriting.note(outcome, "action", f"step {step.name} / action {name}", why)
+        self._rewriting.note(outcome, "action", f"step {step.name} / action {name}", why, cause)
 
     def _action(self, wish: str, body: Body, uses: list[str]) -> str:
         """Add an action to the POU; return its name."""
@@ -688,7 +688,7 @@ class StepRewriter:
     def _leave_out(self, step: Step, row: ActionAssociation, why: str) -> None:
         event = f" (event {row.event})" if row.event is not None else ""
         text = f"`{_called(row)}`{event} is not executed in {self._host.title}: {why}"
-        self._note_action(Outcome.NOT_EXECUTED, step, row.target, text)
+        self._note_action(Outcome.NOT_EXECUTED, step, row.target, text, Cause(CauseKind.AS_IT_IS))
 
 
 def _plain_statements(row: ActionAssociation) -> list[str]:

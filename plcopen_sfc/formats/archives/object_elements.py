@@ -39,7 +39,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
-from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.report import Cause, CauseKind, ConversionReport, Outcome
 
 KINDS = ("POU", "GVL", "DUT", "Itf")
 """The elements that are objects."""
@@ -407,12 +407,11 @@ class _PouWriter:
         elif isinstance(body, FbdBody | LdBody):
             text = shown_body(body, Dialect.CODESYS)
         if text is None:
-            why = (
-                f"a body in {body.language} cannot be written, and is not executed: the undeclared name "
-                "body_is_not_written is in its place"
-            )
-            self._report.add(Outcome.NOT_EXECUTED, "body", path, why)
-            text = "body_is_not_written" if isinstance(part, NamedTransition) else "body_is_not_written := TRUE;"
+            name = "body_is_not_written"
+            instead = f"the undeclared name {name} is in its place"
+            why = f"a body in {body.language} cannot be written, and is not executed: {instead}"
+            self._report.add(Outcome.NOT_EXECUTED, "body", path, why, Cause(CauseKind.PLACEHOLDER, name))
+            text = name if isinstance(part, NamedTransition) else f"{name} := TRUE;"
         else:
             self._report.add(Outcome.TRANSLATED, "body", path, f"from {body.language} into structured text")
         add_code(held, "ST", text)

@@ -42,7 +42,7 @@ from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.text import plain
-from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.report import Cause, CauseKind, ConversionReport, Outcome
 from plcopen_sfc.whole_numbers import whole_number
 
 SOURCE = EXPORTS
@@ -409,7 +409,7 @@ class ChartNames:
         """Return a condition that does not compile: an empty one might be always true."""
         name = re.sub(r"\W+", "_", f"NOT_EXECUTED_{what}").strip("_")
         why = f"no text expresses it; the undeclared name {name} is in its place, so that the text does not compile"
-        self._report.add(Outcome.NOT_EXECUTED, "condition", path, why)
+        self._report.add(Outcome.NOT_EXECUTED, "condition", path, why, Cause(CauseKind.PLACEHOLDER, name))
         return name
 
 

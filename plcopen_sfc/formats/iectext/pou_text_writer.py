@@ -29,7 +29,6 @@ from plcopen_sfc.formats.iectext.text_printing import (
     is_text_body,
     missing,
     note_changes,
-    nothing_right,
     pragma,
     pragmas,
     split,
@@ -240,7 +239,7 @@ class ChartTextWriter:
         elif beyond:
             wanted["target"] = missing(self.printer, association.target or name)
             for key in beyond:
-                self.printer.note(Outcome.NOT_EXECUTED, key, place, nothing_right(wanted["target"]))
+                self.printer.note_placeholder(key, place, wanted["target"])
         shown, read_back = self._call(wanted)
         if guarded is not None:
             read_back["body"] = {"body_of": read_back.pop("target")}
@@ -404,7 +403,7 @@ class ChartTextWriter:
         """Return a condition that does not compile: without one the transition would be always true."""
         text = missing(self.printer, self.labels[transition.id])
         path = f"{self.path} / transition {self.labels[transition.id]}"
-        self.printer.note(Outcome.NOT_EXECUTED, "condition", path, nothing_right(text))
+        self.printer.note_placeholder("condition", path, text)
         return f"{inner}:= {text};\n", {"condition": {"kind": "expression", "text": text}}
 
 
@@ -594,7 +593,7 @@ class _Unit:
             name = ""
         else:
             name = missing(self.printer, self.thing.name)
-            self.printer.note(Outcome.NOT_EXECUTED, "body", self.path, nothing_right(name))
+            self.printer.note_placeholder("body", self.path, name)
         lines = shown or TextBlock(name if self.keyword == "TRANSITION" else f"{name} := TRUE;")
         self.late += drawn_changes(plain_fields(body), lines.text, ())
         pieces = self._statements(lines, intended, read_back)

@@ -32,7 +32,7 @@ from plcopen_sfc.languages.words import take_name
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.sfc import SfcBody
-from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.report import Cause, CauseKind, ConversionReport, Outcome
 
 DRAWN = "drawn"
 _SHOWN = "shown"
@@ -88,6 +88,11 @@ class TextPrinter:
     def note(self, outcome: Outcome, what: str, path: str, why: str = "") -> None:
         """Note the outcome of an item."""
         self.report.add(outcome, what, path, why)
+
+    def note_placeholder(self, what: str, path: str, name: str) -> None:
+        """Note that an object is not executed, which the undeclared `name` replaces."""
+        why = f"no text expresses it; the undeclared name {name} is in its place, so that the text does not compile"
+        self.report.add(Outcome.NOT_EXECUTED, what, path, why, Cause(CauseKind.PLACEHOLDER, name))
 
     def is_name(self, name: str) -> bool:
         """True if `name` can be written as a name: one word that is no keyword."""
@@ -146,11 +151,6 @@ class TextPrinter:
 def missing(printer: TextPrinter, what: str) -> str:
     """Name that is declared nowhere: other tools refuse the text, as there is no correct one for this place."""
     return printer.new_name(f"NOT_EXECUTED_{what}")
-
-
-def nothing_right(name: str) -> str:
-    """Return the reason why an object is not executed that the undeclared `name` replaces."""
-    return f"no text expresses it; the undeclared name {name} is in its place, so that the text does not compile"
 
 
 EXECUTED = frozenset(

@@ -31,7 +31,7 @@ from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Configuration, Project, Resource
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
-from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.report import Cause, CauseKind, ConversionReport, Outcome
 
 _NAME = re.compile(r"(?!.*__)(?!.*_$)[A-Za-z_][A-Za-z0-9_]*")
 _KEYWORDS = IEC_KEYWORDS | EDGES | {"ON", "EN", "ENO"}
@@ -152,7 +152,8 @@ def note_undeclared(project: Project, report: ConversionReport) -> None:
         if not name.upper().startswith(UNDECLARED_PREFIX):
             found.setdefault(name.casefold(), (name, path))
     for name, path in found.values():
-        report.add(Outcome.NOT_EXECUTED, "undeclared name", path, f"nothing in the project declares `{name}`")
+        why = f"nothing in the project declares `{name}`"
+        report.add(Outcome.NOT_EXECUTED, "undeclared name", path, why, Cause(CauseKind.LACKING, name))
 
 
 def _types(project: Project) -> Iterator[tuple[str, str]]:

@@ -69,7 +69,7 @@ from plcopen_sfc.model.sfc import SfcBody
 from plcopen_sfc.model.text import Text, plain
 from plcopen_sfc.model.variables import SectionKind, VariableSection, sections_of
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.report import Cause, CauseKind, ConversionReport, Outcome
 
 _SCL = Dialect.SCL
 _INDENT = indent_of(_SCL)
@@ -310,10 +310,11 @@ def _note_foreign(project: Project, pou: Pou, types: S7Types, tags: Container[st
                 report.add(Outcome.NOT_EXECUTED, "address", path, why)
             whole = types.type(variable.type)
             inner = t.element_type(whole)
-            if isinstance(inner, t.PointerType):
-                report.add(Outcome.NOT_EXECUTED, "type", path, f"TIA Portal has no type {write_type(inner, _SCL)}")
-            elif is_too_long(whole) or (isinstance(whole, t.ArrayType) and isinstance(whole.base, t.ArrayType)):
-                report.add(Outcome.NOT_EXECUTED, "type", path, f"TIA Portal has no type {write_type(whole, _SCL)}")
+            is_foreign = is_too_long(whole) or (isinstance(whole, t.ArrayType) and isinstance(whole.base, t.ArrayType))
+            if isinstance(inner, t.PointerType) or is_foreign:
+                lacking = write_type(inner if isinstance(inner, t.PointerType) else whole, _SCL)
+                why = f"TIA Portal has no type {lacking}"
+                report.add(Outcome.NOT_EXECUTED, "type", path, why, Cause(CauseKind.LACKING, lacking))
 
 
 _FOREIGN_SECTIONS = frozenset({SectionKind.GLOBAL, SectionKind.ACCESS})

@@ -39,7 +39,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, SfcNetwork, Step
 from plcopen_sfc.model.types import DerivedType, StructType, Variable
-from plcopen_sfc.report import Outcome
+from plcopen_sfc.report import Cause, CauseKind, Outcome
 
 _OTHER = re.compile(r'["#.]+')
 _ONCE = frozenset({Qualifier.P, Qualifier.P1, Qualifier.P0})
@@ -407,7 +407,7 @@ class RowsWriter:
             self.ctx.actions_reported.add(shown.strip("`").casefold())
         lost = planned.outcome is Outcome.NOT_EXECUTED
         why = f"{shown} is not executed: {planned.why}" if lost else planned.why
-        self.ctx.note(planned.outcome, what, name, why)
+        self.ctx.note(planned.outcome, what, name, why, Cause(CauseKind.AS_IT_IS) if lost else None)
 
     def _action(self, parent: etree._Element, action: ActionAssociation, step: Step) -> bool:
         """Write the rows of an association. Returns True if they express it in another way."""

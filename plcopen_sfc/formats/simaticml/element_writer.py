@@ -30,7 +30,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project, Tag
 from plcopen_sfc.model.text import MultilingualText, Text, plain
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.report import Cause, ConversionReport, Outcome
 
 ID = "ID"
 """Written empty first: ids are running numbers, which the whole document gets at the end."""
@@ -102,9 +102,9 @@ class DocumentWriting:
         """Statements in place of the calls of actions."""
         return ActionCalls(self.project)
 
-    def note(self, outcome: Outcome, what: str, name: str = "", why: str = "") -> None:
+    def note(self, outcome: Outcome, what: str, name: str = "", why: str = "", cause: Cause | None = None) -> None:
         """Put the outcome of an item into the report."""
-        self.report.add(outcome, what, ObjectPath(*self.place, name), why)
+        self.report.add(outcome, what, ObjectPath(*self.place, name), why, cause)
 
     def keep(self, what: str, name: str = "") -> None:
         """Put an item into the report that is written as it is."""

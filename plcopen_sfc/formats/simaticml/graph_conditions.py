@@ -32,7 +32,7 @@ from plcopen_sfc.model.body import FbdBody, LdBody, OpaqueBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.sfc import Body, BodyCondition, Condition
-from plcopen_sfc.report import Outcome
+from plcopen_sfc.report import Cause, CauseKind, Outcome
 
 _LOGIC = frozenset({n.Operator.AND, n.Operator.OR})
 NOT_TRANSLATED = "NOT_TRANSLATED"
@@ -163,7 +163,7 @@ class ConditionWriter:
                 body = untranslated_body(result, label)
                 name = untranslated_name(label)
                 why = f"the undeclared name {name} is in its place, and the block does not compile: {drawn}"
-                self.ctx.note(Outcome.NOT_EXECUTED, what, why=why)
+                self.ctx.note(Outcome.NOT_EXECUTED, what, why=why, cause=Cause(CauseKind.PLACEHOLDER, name))
             else:
                 body = drawn
                 for network in drawn.networks:

@@ -28,7 +28,7 @@ from plcopen_sfc.languages.translation.literal_translation import translated_add
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project, Tag, TagTable
 from plcopen_sfc.model.text import MultilingualText, plain
-from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.report import Cause, CauseKind, ConversionReport, Outcome
 
 _GERMAN = {"I": "E", "Q": "A", "C": "Z"}
 _INTERNATIONAL = {german: area for area, german in _GERMAN.items()}
@@ -227,17 +227,17 @@ class _Writer:
         address = operand(tag.address or "", german=self._german)
         word = tag.type.strip('"').upper()
         known = self._written.get(tag.name.casefold())
-        why = ""
+        why, cause = "", None
         if address is None:
             why = f"{tag.address or 'no address'} is no address of a symbol in STEP 7 V5"
         elif word not in _TYPES:
-            why = f"STEP 7 V5 has no type {tag.type}"
+            why, cause = f"STEP 7 V5 has no type {tag.type}", Cause(CauseKind.LACKING, tag.type)
         elif _not_in_code_page(tag.name):
             why = f"the code page of STEP 7 V5 has no {_not_in_code_page(tag.name)}"
         elif known not in (None, address):
             why = f"the symbol {tag.name} is {known} already"
         if why:
-            self._lost("tag", path, why)
+            self._lost("tag", path, why, cause)
         if address is None or why or known is not None:
             return None
         self._written[tag.name.casefold()] = address
@@ -255,8 +255,8 @@ class _Writer:
         cells = (tag.name, address, word, comment.replace('"', "'"))
         return ",".join(f'"{cell:<{width}}"' for cell, width in zip(cells, _WIDTHS, strict=True))
 
-    def _lost(self, what: str, path: str, why: str) -> None:
-        self._report.add(Outcome.NOT_EXECUTED, what, path, why)
+    def _lost(self, what: str, path: str, why: str, cause: Cause | None = None) -> None:
+        self._report.add(Outcome.NOT_EXECUTED, what, path, why, cause)
 
 
 def _others(comment: MultilingualText, language: str) -> Iterator[str]:

@@ -229,7 +229,7 @@ class CallTranslator:
             return self._callee(callee)
         if is_lacking(block.name, self._target):
             reason = f"SCL has no function block {block.name}: LAD and FBD have it as a box with an operand"
-            self._notes.add(Severity.ERROR, f"{reason}; left unchanged", callee)
+            self._notes.add_lacking(reason, block.name, callee)
         elif block.name in S7_TIMERS_AND_COUNTERS and self._is_global(callee):
             return n.Member(self._callee(callee), n.Name(block.name), span=callee.span)
         return self._callee(callee)
@@ -329,7 +329,7 @@ class CallTranslator:
         if name == "MOVE" and self._target is Dialect.SCL and values is not None and len(values) == 1:
             return values[0]
         if operator is not None or is_lacking(name, self._target) or (name == "MOVE" and self._target is Dialect.SCL):
-            self._notes.add(Severity.ERROR, f"{TITLES[self._target]} has no function {name}; left unchanged", callee)
+            self._notes.add_lacking(f"{TITLES[self._target]} has no function {name}", name, callee)
             return self._with(node, callee, arguments)
         if name == "CONCAT" and self._target is not Dialect.IEC and values is not None and len(values) > 2:
             return self._nested(node, callee, block, values)
@@ -402,12 +402,12 @@ class CallTranslator:
                 self._notes.add(severity, reason, node)
                 return self._with(node, self._named(callee, f"{type}_TO_DINT" if type else "TO_DINT"), arguments)
         if self._source is not Dialect.SCL:
-            self._notes.add(Severity.ERROR, f"{target} has no counterpart of {name}; left unchanged", callee)
+            reason = f"{target} has no counterpart of {name}"
+        elif _OF_S5.fullmatch(name):
+            reason = f"{name} is no standard function of {target}, which has no timers and counters of S5"
         else:
             reason = f"{name} is no standard function of {target}, which needs one of this name"
-            if _OF_S5.fullmatch(name):
-                reason = f"{name} is no standard function of {target}, which has no timers and counters of S5"
-            self._notes.add(Severity.ERROR, f"{reason}; left unchanged", callee)
+        self._notes.add_lacking(reason, name, callee)
         return self._with(node, callee, arguments)
 
     def _square(self, node: n.Call, value: Expression) -> Expression:

@@ -30,6 +30,7 @@ from plcopen_sfc.languages.translation.translation_context import (
 )
 from plcopen_sfc.languages.translation.tree_translation import TreeTranslator, split_chains
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.report import Cause, CauseKind
 
 _CARRIED = re.compile(r"\(\*pragma (\{[^}]*\})\*\)")
 _REGION = re.compile(r"""\{\s*region\s*(?:\(?\s*(?:'([^\r\n]*)'|"([^\r\n]*)")\s*\)?\s*)?\}""", re.IGNORECASE)
@@ -193,10 +194,12 @@ def translate(parsed: Parsed[Any], target: Dialect, context: TranslationContext 
     notes = Notes(parsed.text)
     if parsed.problems:
         if not isinstance(parsed.tree, Statements) and condition_problem(parsed.text, parsed.dialect) is None:
-            notes.add(Severity.ERROR, "left unchanged: it is in the notation of GRAFCETs", (0, len(parsed.text)))
+            reason, cause = "left unchanged: it is in the notation of GRAFCETs", Cause(CauseKind.GRAFCET_TEXT)
+            notes.add(Severity.ERROR, reason, (0, len(parsed.text)), cause)
             return Translated(parsed.text, parsed, notes.in_order())
         for problem in parsed.problems:
-            notes.add(Severity.ERROR, f"left unchanged, because it cannot be read: {problem.message}", problem.span)
+            reason = f"left unchanged, because it cannot be read: {problem.message}"
+            notes.add(Severity.ERROR, reason, problem.span, Cause(CauseKind.AS_IT_IS))
         return Translated(parsed.text, parsed, notes.in_order())
     if source is into and context.steps is None:
         return Translated(parsed.text, parsed if parsed.dialect is target else _parse(parsed, parsed.text, target), ())

@@ -12,6 +12,7 @@ from plcopen_sfc.languages.s7_types import S7Types
 from plcopen_sfc.languages.st.nodes import Call, Expression, Node, Span
 from plcopen_sfc.languages.translation.renames import Renames
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.report import Cause, CauseKind
 
 
 class StepNotation(StrEnum):
@@ -104,7 +105,7 @@ class Note:
 
     `severity`: ERROR: it has no counterpart in the target dialect and stays unchanged. WARNING: it was
     translated, or left, but may mean something else there. INFO: it means the same but is worth knowing, such as a new
-    name. `span`: offsets into the source text; `line` and `column` of its start, from 1.
+    name. `span`: offsets into the source text; `line` and `column` of its start, from 1. `cause`: that in a report.
     """
 
     severity: Severity
@@ -112,6 +113,7 @@ class Note:
     span: Span
     line: int
     column: int
+    cause: Cause | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,12 +133,16 @@ class Notes:
         self._lines = Lines(text)
         self._found: dict[Note, None] = {}
 
-    def add(self, severity: Severity, reason: str, place: Node | Span) -> None:
+    def add(self, severity: Severity, reason: str, place: Node | Span, cause: Cause | None = None) -> None:
         """Note something about a node of the source text, or about a place in it."""
         span = place.span if isinstance(place, Node) else place
         start, end = span or (0, self._end)
         line, column = self._lines.place(start)
-        self._found[Note(severity, reason, (start, end), line, column)] = None
+        self._found[Note(severity, reason, (start, end), line, column, cause)] = None
+
+    def add_lacking(self, reason: str, name: str, place: Node | Span) -> None:
+        """Note that the target dialect has nothing of a `name`, which is left unchanged."""
+        self.add(Severity.ERROR, f"{reason}; left unchanged", place, Cause(CauseKind.LACKING, name))
 
     def take(self, outcome: PartText, place: Node | Span) -> str:
         """Return the text of an outcome, after its note is added."""
