@@ -18,8 +18,9 @@ from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.drawing import Drawing
 from plcopen_sfc.model.late import Late, Mention, ProjectObject
-from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.pou import Method, Pou
 from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
+from plcopen_sfc.model.variables import Interface
 
 L = TypeVar("L", bound=Late)
 P = TypeVar("P", bound=ProjectObject)
@@ -115,7 +116,7 @@ def without_edits() -> Iterator[None]:
         _KNOWN.reset(token)
 
 
-def is_untouched(thing: ProjectObject | SfcNetwork | Drawing) -> bool:
+def is_untouched(thing: ProjectObject | Interface | SfcNetwork | Drawing) -> bool:
     """True if the content is as it was read. False for what was not read, such as objects made by scripts."""
     if thing.is_unread:
         return True
@@ -128,7 +129,7 @@ def is_untouched(thing: ProjectObject | SfcNetwork | Drawing) -> bool:
     return found
 
 
-def is_as_read(thing: ProjectObject | SfcNetwork | Drawing) -> bool:
+def is_as_read(thing: ProjectObject | Interface | SfcNetwork | Drawing) -> bool:
     """True if the content of an object that was read is still the same, whatever `without_edits` knows of it."""
     digest = _provenance(thing).digest
     return digest is not None and digest == _own_digest(thing)
@@ -153,8 +154,9 @@ def content_digest(thing: ProjectObject) -> bytes:
 
 def may_have_controls(thing: ProjectObject) -> bool:
     """True if texts of an object may have control characters or surrogates; untouched charts of files are left out."""
+    things: list[Late] = [thing, *(thing.interfaces() if isinstance(thing, Pou) else ())]
     try:
-        return _CONTROL.search(_content(thing)[0]) is not None
+        return any(_CONTROL.search(_content(each)[0]) is not None for each in things)
     except PydanticSerializationError:
         return True  # a surrogate, which UTF-8 does not have
 
@@ -176,7 +178,7 @@ def texts_of(thing: Model, exclude: set[str] | None = None) -> Iterator[str]:
 
 
 def _own_digest(thing: Late) -> bytes:
-    """Return a digest of the fields of an object; untouched charts and drawings count by their source, unread."""
+    """Return a digest of the fields of an object; untouched charts, drawings and interfaces count by their source."""
     try:
         content, names = _content(thing)
     except PydanticSerializationError:
@@ -187,7 +189,7 @@ def _own_digest(thing: Late) -> bytes:
 
 
 def _content(thing: Late) -> tuple[bytes, list[str]]:
-    """Return the fields of an object as JSON, without its untouched charts or drawing, and the sources of these."""
+    """Return the fields of an object as JSON without untouched charts, interfaces and drawings, and their sources."""
     exclude: dict[str, Any] = {}
     names: list[str] = []
     charts: list[bytes] = []
@@ -204,6 +206,13 @@ def _content(thing: Late) -> tuple[bytes, list[str]]:
             field, index, *rest = path
             below: dict[Any, Any] = exclude.setdefault(str(field), {})
             below[index] = {"body": {"chart"}} if rest else {"chart"}
+        parts: list[Pou | Method] = [thing, *thing.methods]
+        for index, interface in enumerate((part.interface for part in parts), -1):
+            mark = _provenance(interface).mark if interface is not None else ""
+            if interface is not None and mark and is_untouched(interface):
+                names.append(mark)
+                holder = exclude if index < 0 else exclude.setdefault("methods", {}).setdefault(index, {})
+                holder["interface"] = True
     elif isinstance(thing, SfcNetwork) and thing.drawing is not None:
         mark = _provenance(thing.drawing).mark
         if mark and is_untouched(thing.drawing):

@@ -117,6 +117,11 @@ class Pou(ProjectObject):
         """Return the variables of its interface, or those of one kind of section, in the order of their declaration."""
         return self.interface.variables(kind) if self.interface is not None else []
 
+    def interfaces(self) -> list[Interface]:
+        """Return its interface and those of its methods."""
+        parts: list[Pou | Method] = [self, *self.methods]
+        return [part.interface for part in parts if part.interface is not None]
+
     def add_variable(
         self, name: str, type: DataType | str = "BOOL", kind: SectionKind | str = SectionKind.LOCAL
     ) -> Variable:

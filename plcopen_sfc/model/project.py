@@ -352,10 +352,13 @@ class Project(Owned, Element):
             self.source.accept_errors()
 
     def read_all(self) -> None:
-        """Read every object, chart and drawing that is unread: quicker for all at once than one by one."""
+        """Read every object, interface, chart and drawing that is unread: quicker for all at once than one by one."""
         with collecting_rarely():
             for thing in self.objects():
                 thing.read()
+            for pou in self.pous:
+                for interface in pou.interfaces():
+                    interface.read()
             for chart in self.charts():
                 if chart.chart.drawing is not None:
                     chart.chart.drawing.read()

@@ -8,7 +8,8 @@ from typing import ClassVar
 from pydantic import Field
 
 from plcopen_sfc.model.base import Element
-from plcopen_sfc.model.owners import Owned, OwnedName
+from plcopen_sfc.model.late import LateElement
+from plcopen_sfc.model.owners import OwnedName
 from plcopen_sfc.model.types import DataType, Value, Variable
 
 
@@ -57,7 +58,7 @@ class VariableSection(OwnedName, Element):
         return VariableSection(**fields, variables=variables)
 
 
-class Interface(Owned, Element):
+class Interface(LateElement):
     """Declarations of a POU.
 
     `declaration` is the text as it was typed, where the file has it (CODESYS "interface as plain text"): the only form

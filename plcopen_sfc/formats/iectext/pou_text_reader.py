@@ -20,7 +20,12 @@ from plcopen_sfc.formats.iectext.chart_text_reader import (
     read_step,
     read_transition,
 )
-from plcopen_sfc.formats.iectext.text_declarations import read_return_type, read_section
+from plcopen_sfc.formats.iectext.text_declarations import (
+    are_plain,
+    late_interface,
+    read_return_type,
+    read_section,
+)
 from plcopen_sfc.formats.iectext.text_outline import PartKind, TextPart
 from plcopen_sfc.formats.iectext.text_printing import put_drawing
 from plcopen_sfc.formats.iectext.text_source import (
@@ -51,6 +56,8 @@ class UnitText:
     chart: ChartText = field(default_factory=ChartText)
     body: Fields | None = None
     sections: list[VariableSection] = field(default_factory=list)
+    unread: list[tuple[TextPart, tuple[int, int]]] = field(default_factory=list)
+    is_late: bool = False
     actions: list[Fields] = field(default_factory=list)
     transitions: list[Fields] = field(default_factory=list)
     methods: list[Fields] = field(default_factory=list)
@@ -126,6 +133,9 @@ def _container(src: TextSource, part: TextPart, gap: tuple[int, int], prefix: st
         container.fields["interface"]["return_type"] = read_return_type(src, part.return_type, path)
     if not _is_as_typed(container.annotations):
         _keep_header_rest(src, part, container)
+    declaring = (part, *(inner for inner in part.parts if inner.kind is PartKind.ACTION))
+    sections = [[inner for inner in each.parts if inner.kind is PartKind.VAR] for each in declaring]
+    container.is_late = part.kind is not PartKind.ACTION and not any(sections[1:]) and are_plain(src, sections[0])
     has_chart = any(
         p.kind is PartKind.STEP or (p.kind is PartKind.TRANSITION and src.outline.leads(p)) for p in part.parts
     )
@@ -226,7 +236,9 @@ def _body_region(
 def _read_part(src: TextSource, part: TextPart, gap: tuple[int, int], container: UnitText) -> None:
     """Read a part of a unit into `container`; `gap` is the text before it, whose comments and pragmas belong to it."""
     place = container.path
-    if part.kind is PartKind.VAR:
+    if part.kind is PartKind.VAR and container.is_late:
+        container.unread.append((part, gap))
+    elif part.kind is PartKind.VAR:
         sections = read_section(src, part, gap, place)
         if not sections:
             src.note("IEC108", f"{part.keyword} is not allowed in a POU", part.start, place)
@@ -316,6 +328,8 @@ def _finished(src: TextSource, container: UnitText) -> Fields:
         # to make them again of plain data takes as long as to read them: only pragmas change that
         parts = map(plain_fields, container.sections) if src.has_changes else container.sections
         fields.setdefault("interface", {})["sections"] = list(parts)
+    if container.unread:
+        fields["interface"] = late_interface(src, fields["interface"], container.unread)
     for text in container.rest:
         keep_text(fields, "statements", text)
     fields = _with_changes(src, container.annotations, fields, container.path, container.declared)

@@ -5,14 +5,22 @@ Whatever the declarations of another tool hold, it is written and read back; wha
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable
+
 from plcopen_sfc.formats.iectext.text_outline import PartKind, TextPart, outline
 from plcopen_sfc.formats.iectext.text_printing import TextPrinter
 from plcopen_sfc.formats.iectext.text_source import INDENT, TextSource, keep_data, kept_texts, newlines
 from plcopen_sfc.formats.matiec.matiec_declarations import with_quotes
+from plcopen_sfc.formats.provenance import read_later
 from plcopen_sfc.languages.declarations import Declared, read_declarations, write_data_type, write_section, write_type
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.languages.pragmas import Fields, plain_fields
+from plcopen_sfc.languages.st.declaration_nodes import KEYWORDS as DECLARATION_KEYWORDS
+from plcopen_sfc.languages.st.lexer import Token
+from plcopen_sfc.languages.st.nodes import Span
 from plcopen_sfc.model.base import Element
+from plcopen_sfc.model.late import Mention
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.model.variables import Interface, VariableSection
 
@@ -20,6 +28,81 @@ from plcopen_sfc.model.variables import Interface, VariableSection
 def read_section(src: TextSource, part: TextPart, gap: tuple[int, int], place: str) -> list[VariableSection]:
     """``VAR .. END_VAR`` with the comments before it; nothing where it is a section of configurations."""
     return [section for section in _sections(src, part, gap, place) if isinstance(section, VariableSection)]
+
+
+def are_plain(src: TextSource, parts: Iterable[TextPart]) -> bool:
+    """True if sections are certainly without faults, and `late_interface` may read them when a script looks at them.
+
+    They have simple types and values, as 92 of 99 sections of real files of TwinCAT and text.
+    """
+    return not src.has_changes and all(part.closed and _is_plain(src.outline.tokens(part.tokens)) for part in parts)
+
+
+def _is_plain(tokens: list[Token]) -> bool:
+    marks = [
+        _WORDS.get(each.value.upper(), "n") if each.type == "NAME" else _MARKS.get(each.type, "!") for each in tokens
+    ]
+    return _PLAIN.fullmatch("".join(marks)) is not None
+
+
+_MARKS = {
+    "LITERAL": "l",
+    "ADDRESS": "%",
+    "ASSIGN": "=",
+    "SIGN": "-",
+    "RANGE": "~",
+    "OF": "o",
+    "TO": "t",
+    "SEMICOLON": ";",
+    "COLON": ":",
+    "COMMA": ",",
+    "DOT": ".",
+    "LPAR": "(",
+    "RPAR": ")",
+    "LSQB": "[",
+    "RSQB": "]",
+}
+_WORDS = (
+    dict.fromkeys(DECLARATION_KEYWORDS, "!")
+    | dict.fromkeys(("CONSTANT", "RETAIN", "PERSISTENT"), "q")
+    | {"ARRAY": "a", "POINTER": "p", "REFERENCE": "p", "AT": "@"}
+)
+
+
+def _plain_sections() -> re.Pattern[str]:
+    """Return the pattern of the marks of the tokens of a plain section."""
+    path = r"n(?:\.n)*+"
+    value = rf"-?(?:l|{path})"
+    array = rf"a\[{value}~{value}(?:,{value}~{value})*+\]o"
+    type_ = rf"(?:{array}|pt)*+{path}(?:\({value}\))?+"
+    call = rf"\((?:n={value}(?:,n={value})*+)?\)"
+    initial = rf"={value}|={call}|=\[{value}(?:,{value})*+\]"
+    return re.compile(rf"q*+(?:n(?:,n)*+(?:@%)?+:{type_}(?:{initial})?+;)*+")
+
+
+_PLAIN = _plain_sections()
+
+
+def late_interface(src: TextSource, fields: Fields, places: list[tuple[TextPart, Span]]) -> Interface:
+    """Return an interface with `fields` whose sections, plain ones, are read when a script looks at them.
+
+    `places` are the parts of the text and the gaps before them.
+    """
+    starts = [(src.core(*gap)[0], part.end) for part, gap in places]
+    src.checked += starts
+    texts = [newlines(src.text[slice(*span)]) for span in starts]
+    dialect = src.outline.dialect
+
+    def whole() -> Interface:
+        sections = [section for text in texts for section in read_declarations(text, dialect).sections]
+        return Interface.model_validate(fields | {"sections": sections})
+
+    def mentions(wanted: Mention) -> bool:
+        return wanted.is_in("\n".join([*texts, head.model_dump_json()]))
+
+    head = Interface.model_validate(fields)
+    known = {name: value for name, value in head if name != "sections"}
+    return read_later(Interface, known, whole, mentions)
 
 
 def read_listing(src: TextSource, part: TextPart, gap: tuple[int, int], place: str) -> list[Fields]:
