@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Collection
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Unpack
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.documents.file_documents import read_document
 from plcopen_sfc.documents.sources import FileSource, FolderSource
-from plcopen_sfc.documents.storage import SaveOptions, Source, load_project, save_project
-from plcopen_sfc.errors import Location, UnknownFormatError, check_argument, nearest, told_when_exhausted
+from plcopen_sfc.documents.storage import OptionsBesideFormat, SaveOptions, Source, load_project, save_project
+from plcopen_sfc.errors import (
+    Location,
+    UnknownFormatError,
+    check_argument,
+    nearest,
+    refuse_unknown_options,
+    told_when_exhausted,
+)
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.base import Model
@@ -54,18 +60,12 @@ def loads(data: bytes, *, format: str | None = None, path: str | None = None, as
 def save(
     project: Project | LoweredPou,
     target: Source,
-    *,
-    format: str | None = None,
-    flavour: str = "",
-    tia: str = "",
-    strict: bool = False,
-    partial: bool = False,
-    fresh: bool = False,
-    normalize: bool = False,
-    limit: float | str = 0,
-    at_rest: Collection[str] = (),
+    **options: Unpack[SaveOptions],
 ) -> ConversionReport:
     """Save a project to a path or a binary file; return what became of each item.
+
+    `options` are those of `SaveOptions`: `format`, `flavour`, `tia`, `strict`, `partial`, `fresh`, `normalize`, `limit`
+    and `at_rest`.
 
     Saved in the format it was loaded from, the file is what was read with just the edits in it. `format` converts to
     another (see `plcopen-sfc formats`). Without it an extension that the format of the source does not have chooses
@@ -92,17 +92,7 @@ def save(
     `DamagedSourceError` where reading the source found errors and it is written in another format (see
     `Project.accept_errors`), `LoweringError` and `UntestedError` where the written code of a chart is not proven.
     """
-    writing: SaveOptions = {
-        "format": format,
-        "flavour": flavour,
-        "tia": tia,
-        "strict": strict,
-        "partial": partial,
-        "fresh": fresh,
-        "normalize": normalize,
-        "limit": limit,
-        "at_rest": at_rest,
-    }
+    refuse_unknown_options("save", options, SaveOptions.__annotations__)
     if not isinstance(project, Project):
         from plcopen_sfc.documents.lowered import save_lowered  # noqa: PLC0415  # brings the interpreter
         from plcopen_sfc.lowering import LoweredPou  # noqa: PLC0415
@@ -110,69 +100,24 @@ def save(
         hint = "Put it into a project, as `project.pous` and `pou.bodies`." if isinstance(project, Model) else ""
         hint = "Load the file first: load(path)." if isinstance(project, str | PathLike) else hint
         check_argument(project, LoweredPou, "a project, or what lower returned, is needed", hint)
-        return save_lowered(project, target, **writing)
-    return save_project(project, target, **writing)
+        return save_lowered(project, target, **options)
+    return save_project(project, target, **options)
 
 
-def dumps(
-    project: Project | LoweredPou,
-    *,
-    format: str | None = None,
-    flavour: str = "",
-    tia: str = "",
-    strict: bool = False,
-    partial: bool = False,
-    fresh: bool = False,
-    normalize: bool = False,
-    limit: float | str = 0,
-    at_rest: Collection[str] = (),
-) -> bytes:
+def dumps(project: Project | LoweredPou, **options: Unpack[SaveOptions]) -> bytes:
     """Return the bytes that `save` would write. Takes the same options, and raises the same errors."""
-    return convert(
-        project,
-        format,
-        flavour=flavour,
-        tia=tia,
-        strict=strict,
-        partial=partial,
-        fresh=fresh,
-        normalize=normalize,
-        limit=limit,
-        at_rest=at_rest,
-    ).data
+    return convert(project, **options).data
 
 
 def convert(
-    project: Project | LoweredPou,
-    format: str | None = None,
-    *,
-    flavour: str = "",
-    tia: str = "",
-    strict: bool = False,
-    partial: bool = False,
-    fresh: bool = False,
-    normalize: bool = False,
-    limit: float | str = 0,
-    at_rest: Collection[str] = (),
+    project: Project | LoweredPou, format: str | None = None, **options: Unpack[OptionsBesideFormat]
 ) -> Converted:
     """Return the bytes that `save` would write, and its report, as `data` and `report`.
 
     Takes the same options, and raises the same errors.
     """
     content = io.BytesIO()
-    report = save(
-        project,
-        content,
-        format=format,
-        flavour=flavour,
-        tia=tia,
-        strict=strict,
-        partial=partial,
-        fresh=fresh,
-        normalize=normalize,
-        limit=limit,
-        at_rest=at_rest,
-    )
+    report = save(project, content, format=format, **options)
     return Converted(content.getvalue(), report)
 
 

@@ -6,7 +6,7 @@ to do about it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -210,6 +210,13 @@ def check_argument(value: object, types: type | tuple[type, ...], need: str, hin
 
 
 _REPR = 40
+
+
+def refuse_unknown_options(function: str, options: Iterable[str], known: Collection[str]) -> None:
+    """Raise `ArgumentError` for an option that a function does not have."""
+    for name in options:
+        if name not in known:
+            raise ArgumentError(f"{function} has no option {name!r}{nearest(name, known)}")
 
 
 def listed_names(values: Iterable[str] | str, need: str) -> list[str]:

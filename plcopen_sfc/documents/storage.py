@@ -230,10 +230,9 @@ class _Writable(Protocol):
     def write(self, data: bytes, /) -> int: ...
 
 
-class SaveOptions(TypedDict, total=False):
-    """Options of `save_project`."""
+class OptionsBesideFormat(TypedDict, total=False):
+    """Options of `convert`, which takes the format by its position, too; `save` explains them."""
 
-    format: str | None
     flavour: str
     tia: str
     strict: bool
@@ -242,6 +241,12 @@ class SaveOptions(TypedDict, total=False):
     normalize: bool
     limit: float | str
     at_rest: Collection[str]
+
+
+class SaveOptions(OptionsBesideFormat, total=False):
+    """Options of `save`."""
+
+    format: str | None
 
 
 def load_project(

@@ -12,7 +12,7 @@ from typing import Any, Unpack, cast
 from plcopen_sfc.analysis.equivalence import Searching
 from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
 from plcopen_sfc.collector import collecting_rarely
-from plcopen_sfc.errors import ArgumentError, Location, LoweringError, nearest
+from plcopen_sfc.errors import Location, LoweringError, refuse_unknown_options
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.code.lowered_code import flags_of_part, flags_of_several
 from plcopen_sfc.lowering.construction import Constructed, construct, errors_of
@@ -151,20 +151,14 @@ def lower(
     reachable; `ModelError` for an unknown name.
     """
     code = LoweringOptions.__annotations__.keys()
-    _refuse_unknown(
-        options, {*signature(lower).parameters, *signature(prove).parameters, *_LowerOptions.__annotations__}
+    refuse_unknown_options(
+        "lower", options, {*signature(lower).parameters, *signature(prove).parameters, *_LowerOptions.__annotations__}
     )
     searching = cast(Searching, {name: value for name, value in options.items() if name not in code})
     own = cast(LoweringOptions, {name: value for name, value in options.items() if name in code})
     found = resolve(subject, pou)
     rules = checked(found.project, own, construction=construction, target=target, flavour=flavour)
     return _lowered(found, rules, ProofOptions(accept_untested, searching) if verify else None)
-
-
-def _refuse_unknown(options: Iterable[str], known: Collection[str]) -> None:
-    for name in options:
-        if name not in known:
-            raise ArgumentError(f"lower has no option {name!r}{nearest(name, known)}")
 
 
 def _lowered(chart: Subject, rules: LoweringRules, options: ProofOptions | None) -> LoweredPou:
@@ -358,7 +352,7 @@ def lower_project(
     names = [pou] if pou is not None else [*charts]
     if not names:
         raise LoweringError("there is no chart to be lowered")
-    _refuse_unknown(options, LoweringOptions.__annotations__)
+    refuse_unknown_options("lower", options, LoweringOptions.__annotations__)
     rules = checked(project, options, construction=construction, target=target, flavour=flavour)
     left = set(names) - set(without)
     found: list[LoweredPou] = []
