@@ -76,9 +76,14 @@ def unlisted_type(archive: etree._Element) -> str:
     """
     if archive.find("TypeList") is None:
         return ""
-    used = {str(each) for each in cast("list[str]", archive.xpath("Data//@t | Data//@cet"))}
+    used = {*cast("list[str]", _TYPES_OF_OBJECTS(archive)), *cast("list[str]", _TYPES_OF_ITEMS(archive))}
     listed = {entry.get("n", "") for entry in archive.iterfind("TypeList/Type")}
     return min((used & TYPES.keys()) - listed, default="")
+
+
+# one path for both would put them into the order of the file, and strings that know their element take longer still
+_TYPES_OF_OBJECTS = etree.XPath("Data//@t", smart_strings=False)
+_TYPES_OF_ITEMS = etree.XPath("Data//@cet", smart_strings=False)
 
 
 def type_of(item: etree._Element) -> str:
