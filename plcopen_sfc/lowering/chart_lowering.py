@@ -181,12 +181,13 @@ def _lowered(chart: Subject, rules: LoweringRules, options: ProofOptions | None)
                     hint="This is an error of plcopen_sfc: please report it with the chart.",
                 )
             refuse_untested(chart.name, proof, accepted=options.accept_untested)
+        lost = losses(chart, [pou, *made.blocks], rules.profile, rules.texts.language)
     lowered = LoweredPou(
         **(vars(made) | {"pou": pou}),
         project=project,
         proof=proof,
         name=chart.name,
-        losses=losses(chart, [pou, *made.blocks], rules.profile, rules.texts.language),
+        losses=lost,
         chart=chart,
         proof_options=options,
     )
