@@ -36,7 +36,7 @@ from plcopen_sfc.analysis.pairing import (
 )
 from plcopen_sfc.analysis.product import BOTH_FAIL, Explored, Search, ended, search
 from plcopen_sfc.analysis.search_limits import INTERRUPTED, SearchProgress, SearchWatch, seconds, spent
-from plcopen_sfc.analysis.sequences import Side, run_in_turn
+from plcopen_sfc.analysis.sequences import Joined
 from plcopen_sfc.analysis.stimuli import stimuli
 from plcopen_sfc.analysis.system_comparison import Comparison, filled, operating_names
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
@@ -98,8 +98,8 @@ _MOST_RUN_ALONE = 20_000
 _QUICK_RUNS, _QUICK_SCANS = 12, 60
 """Scans that each of several delays is tried for, before a search."""
 
-_SCANS_IN_TURN = 2
-"""So many times fewer states are searched where sides run until both rest: each takes several scans."""
+_SCANS_JOINED = 2
+"""So many times fewer states are searched where sides are not compared scan by scan: each takes longer."""
 
 
 class Searching(TypedDict, total=False):
@@ -400,14 +400,10 @@ class _Compared:
             self._kept[retiming] = self._systems(retiming=retiming)
         return self._kept[retiming]
 
-    def _systems(self, *, retiming: bool, held: bool = False) -> tuple[ProgramSystem, ProgramSystem]:
-        """Translate both sides; `held`: one that tests transitions first does not in its first scan."""
+    def _systems(self, *, retiming: bool) -> tuple[ProgramSystem, ProgramSystem]:
+        """Translate both sides."""
         start = spent()
         profiles = [retimed(each) if retiming else each for each in self.profiles]
-        if self.passes_start and profiles[1].order is ScanOrder.TRANSITIONS_FIRST:
-            profiles[0] = replace(profiles[0], initial_situation_held=True)
-        if held:
-            profiles = [replace(each, initial_situation_held=True) for each in profiles]
 
         def system(side: int, told: Mapping[str, Type], written: Iterable[str] = ()) -> ProgramSystem:
             return ProgramSystem(
@@ -449,7 +445,10 @@ class _Compared:
     def _delay(self, left: ProgramSystem, right: ProgramSystem, delay: Delay) -> None:
         """Have both sides begin and be compared as a delay has it."""
         # without retiming, a first that tests no transition in its first scan is in step already
-        is_late = delay.retimed or delay.in_sequence or not self.profiles[0].initial_situation_held
+        is_late = delay.is_held or not self.profiles[0].initial_situation_held
+        left.holds_start = delay.is_held or (self.passes_start and right.profile.order is ScanOrder.TRANSITIONS_FIRST)
+        right.holds_start = delay.is_held
+        left.tests_ahead = right.tests_ahead = delay.settled
         later_start = int(is_late and self.passes_start and right.profile.order is not ScanOrder.TRANSITIONS_FIRST)
         earlier, later = (left, right) if delay.queued > 0 else (right, left)
         count = abs(delay.queued)
@@ -485,10 +484,7 @@ class _Compared:
 
     def prepared(self, delay: Delay, *, briefly: bool = False) -> tuple[Comparison, dict[str, Signal]]:
         """Both sides with a delay, and their inputs; `briefly`: not to be used behind the next call."""
-        if delay.in_sequence:
-            left, right = self._systems(retiming=False, held=True)
-        else:
-            left, right = (self._built if briefly else self._systems)(retiming=delay.retimed)
+        left, right = (self._built if briefly else self._systems)(retiming=delay.retimed)
         self._delay(left, right, delay)
         return Comparison(left, right, self.outputs, self.step_flags, delay, names=self.inputs), self.connected(
             left, right
@@ -545,6 +541,7 @@ class _Attempt:
         self._clock = compared.clock
         self._comparison, self._signals = compared.prepared(delay)
         self._left, self._right = self._comparison.left, self._comparison.right
+        self._joined = self._comparison.joined()
         heed_called(self._left, self._right)
         self._tallies = (Tally(self._left), Tally(self._right))
         self._untried = self._left.reached(), self._right.reached()
@@ -558,20 +555,20 @@ class _Attempt:
         if found.inputs is not None and self._comparison.unknown:
             found = self._comparison.without_impossible(found, filled(found.inputs, self._signals))
         if found.inputs is not None:
-            show = self._comparison.show_in_sequence if self._delay.in_sequence else self._comparison.show
+            show = partial(self._comparison.show_joined, self._joined) if self._joined else self._comparison.show
             return self._verdict(found, _Runs(show(found.inputs, self._signals, shortest=found.shortest)))
         if found.complete or found.reason == INTERRUPTED:
             return self._verdict(found, _Runs())
-        return self._verdict(found, self._run_in_turn()) if self._delay.in_sequence else self._verdict_of_runs(found)
+        return self._verdict(found, self._run_joined(self._joined)) if self._joined else self._verdict_of_runs(found)
 
     def _search(self) -> Explored:
         """Try every value of every input, in the whole and in parts."""
         left, right, look = self._left, self._right, self._watch.look
         found = Explored(0, 0, complete=False, reason=self._clock.reason)
         try:
-            if self._delay.in_sequence and not self._clock.reason:
-                sides = Side(left), Side(right)
-                return ended(search(*sides, self._domains, self._tries.cap // _SCANS_IN_TURN, scan=run_in_turn), look)
+            if self._joined is not None and not self._clock.reason:
+                cap = self._tries.cap // _SCANS_JOINED
+                return ended(search(*self._joined.sides, self._domains, cap, scan=self._joined.run), look)
             for number, cap in enumerate(searches(left, right, self._tries.cap) if not self._clock.reason else ()):
                 whole = search(left, right, self._domains, cap)
                 found = race(whole, left.size + right.size, partial(self._divided, cap), self._accepted, look)
@@ -583,9 +580,9 @@ class _Attempt:
             found = Explored(self._watch.states, 0, complete=False, reason=INTERRUPTED)
         return found
 
-    def _run_in_turn(self) -> _Runs:
-        """Run both with inputs that do not follow from what they do, each until both rest; see `run_in_turn`."""
-        sides, signals = (Side(self._left), Side(self._right)), self._signals
+    def _run_joined(self, joined: Joined) -> _Runs:
+        """Run both with inputs that do not follow from what they do."""
+        sides, signals = joined.sides, self._signals
         rows = self._compared.quick_runs(signals, self._domains, self._tries)
         made = scans = 0
         for given in rows:
@@ -595,9 +592,9 @@ class _Attempt:
                 if stopped := self._watch.look(scans):
                     return _Runs(None, made, scans, stopped)
                 scans += 1
-                ends = run_in_turn(*sides, row.__getitem__, first=not place)
+                ends = joined.run(*sides, row.__getitem__, first=not place)
                 if ends.is_different:
-                    shown = self._comparison.show_in_sequence(given[: place + 1], signals, shortest=False)
+                    shown = self._comparison.show_joined(joined, given[: place + 1], signals, shortest=False)
                     return _Runs(shown, made + 1, scans)
                 if ends.failure is not None:
                     break

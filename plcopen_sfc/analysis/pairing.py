@@ -42,12 +42,16 @@ class Delay:
             Otherwise both begin together, and what the later
             side does in its first scans has no counterpart: it is not compared.
         retimed: the scans of a side that executes actions first are cut behind the actions: the transitions of one scan
-            and the actions of the next see the same inputs and the same time. And no side tests transitions in its
-            first scan.
+            and the actions of the next see the same inputs and the same time. And it is `held`.
         operated_later: inputs that operate a chart come a scan later on the side whose scans are not cut, but for
             `ASKED_FOR`: the other side computes in its actions what its transitions then ask for.
         in_sequence: compared are the values that each takes one after another, and not the scans in which it does; see
-            `plcopen_sfc.analysis.sequences`.
+            `plcopen_sfc.analysis.sequences`. And it is `held`.
+        held: no chart of either side tests transitions in the first scan; one that is called later does in its first
+            call, but for tools that test none then (S7-GRAPH).
+        settled: compared is what both come to while inputs stay, behind every scan; see
+            `plcopen_sfc.analysis.sequences`. Steps of a side that executes actions first are left as many scans behind
+            their start as on the other side. And it is `held`.
     """
 
     scans: int = 0
@@ -55,19 +59,26 @@ class Delay:
     retimed: bool = False
     operated_later: bool = False
     in_sequence: bool = False
+    held: bool = False
+    settled: bool = False
 
     @property
     def queued(self) -> int:
         """The scans that observations of the earlier side wait for those of the later one; less than 0: of the first.
 
-        Retimed sides are in step with the other side already, and those that wait for each other have none.
+        Retimed sides are in step with the other side already; those that are run jointly look back themselves.
         """
-        return 0 if self.retimed or self.in_sequence else self.scans
+        return 0 if self.retimed or self.in_sequence or self.settled else self.scans
+
+    @property
+    def is_held(self) -> bool:
+        """True if no transition is tested in the first scan."""
+        return self.held or self.settled or self.retimed or self.in_sequence
 
     @property
     def is_apart(self) -> bool:
         """True if both sides are compared in different scans."""
-        return self.queued != 0 or self.in_sequence
+        return self.queued != 0 or self.in_sequence or self.settled
 
     def __str__(self) -> str:
         """The delay, as ``second 1 scan later``; empty: there is none."""
@@ -98,13 +109,16 @@ class Delay:
             return (start, *cut)
         if self.in_sequence:
             return ("scans of a side that is ahead of the other wait, and so do inputs until both rest",)
+        held = ("no transition is tested in the first scan",) if self.is_held else ()
+        if self.settled:
+            return (*held, "compared is what both come to while the inputs of a scan stay")
         if not self.scans:
-            return ()
+            return held
         scans = "scan" if count == 1 else f"{count} scans"
         if self.late_start:
             start = f"the {later} starts {counted(count, 'scan')} later"
-            return (f"{start}, and until then {', '.join(operated)} at rest",) if operated else (start,)
-        return (f"the first {scans} of the {later} {'has' if count == 1 else 'have'} no counterpart",)
+            return (*held, f"{start}, and until then {', '.join(operated)} at rest" if operated else start)
+        return (*held, f"the first {scans} of the {later} {'has' if count == 1 else 'have'} no counterpart")
 
     def as_dict(self) -> dict[str, int | bool]:
         """Return the delay as plain data, for JSON."""
@@ -158,10 +172,8 @@ def _forms(numbers: Iterable[int], retimed_number: int | None) -> Iterator[Delay
 
 
 def retimed(profile: Profile) -> Profile:
-    """Return a profile whose scans are cut behind the actions, and that tests no transitions in the first scan."""
-    if profile.order is ScanOrder.TRANSITIONS_FIRST:
-        return replace(profile, initial_situation_held=True)
-    return replace(profile, order=ScanOrder.RETIMED)
+    """Return a profile whose scans are cut behind the actions, if these come first."""
+    return profile if profile.order is ScanOrder.TRANSITIONS_FIRST else replace(profile, order=ScanOrder.RETIMED)
 
 
 _SEEN_OUTSIDE = frozenset({"output", "external"})

@@ -1,17 +1,22 @@
-"""Comparison of the values that both sides take one after another, whatever scan they take them in.
+"""Comparisons of two sides that do not do the same a constant number of scans later.
 
-A constant delay of a tool that executes actions first is one for the inputs and times that its actions see, too. So it
-does not tell what comes of a time that both an action and a transition wait for: in one tool the action comes first,
-in the other one the transition. Here both run as they are. A step may last a scan longer on one side, and what is
-behind it comes later: the side that is ahead waits, and the inputs stay until both have taken the same values and rest.
-What then differs stays, and is no matter of the scan in which an input came.
+`InTurn` compares the values that both take one after another, whatever scan it takes them in. A constant delay of a
+tool that executes actions first is one for the inputs and times that its actions see, too. So it does not tell what
+comes of a time that both an action and a transition wait for: in one tool the action comes first, in the other one the
+transition. Here both run as they are. A step may last a scan longer on one side, and what is behind it comes later: the
+side that is ahead waits, and the inputs stay until both have taken the same values and rest. What then differs stays,
+and is no matter of the scan in which an input came.
+
+`Settled` compares programs that call charts. What follows from these is later, and what follows from inputs alone is
+not, so what both decide together may be decided otherwise. Both run with the same inputs scan by scan, and behind each
+scan with those of the last one for as long as it takes until what they do shows: that must be the same.
 """
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterator
+from typing import Any, Protocol
 
 from plcopen_sfc.analysis.product import (
     InputReader,
@@ -25,11 +30,105 @@ from plcopen_sfc.errors import SimulationError
 
 _BEHIND = 4
 """Scans that a side may need to take the values that the other one has taken."""
-AT_REST = 2
+_AT_REST = 2
 """Scans without a change for which both are at rest: what a timer does in the next one comes before new inputs."""
 _MOST_SCANS = 1000
 """Scans for which two sides that never rest are followed."""
+_MOST_SETTLING = 40
+"""Scans behind a scan that are looked at for what stays."""
 RESTLESS = "what never rests with inputs that stay"
+
+
+class Joined(Protocol):
+    """Two systems that are run and compared together otherwise than scan by scan."""
+
+    @property
+    def sides(self) -> tuple[Any, Any]:
+        """The systems, with what is kept of them between their scans."""
+
+    @property
+    def unseen(self) -> int:
+        """Scans at the end of each run that are only looked at."""
+
+    def run(
+        self, left: Any, right: Any, read: InputReader, *, first: bool, look: Callable[[], None] = lambda: None
+    ) -> ScanEnd:
+        """Run both `sides` with the same inputs; `look` is called behind every scan."""
+
+    def differing(self) -> Iterator[tuple[int, Any, Any]]:
+        """Yield the places in what is observed that differ behind the last run, with the values of both."""
+
+
+class InTurn:
+    """Two systems that are compared in the values that they take one after another."""
+
+    unseen = _AT_REST
+
+    def __init__(self, left: System, right: System) -> None:
+        self.sides = Side(left), Side(right)
+
+    def run(
+        self, left: Side, right: Side, read: InputReader, *, first: bool, look: Callable[[], None] = lambda: None
+    ) -> ScanEnd:
+        """Run both until they rest; see `run_in_turn`."""
+        return run_in_turn(left, right, read, first=first, look=look)
+
+    def differing(self) -> Iterator[tuple[int, Any, Any]]:
+        """Yield what one side has taken and the other has not."""
+        left, right = self.sides
+        for place in sorted({*left.ahead, *right.ahead}):
+            yield place, left.next_of(place), right.next_of(place)
+
+
+class Settled:
+    """Two systems that are compared in what both come to when the inputs of a scan stay.
+
+    `differences`: behind the last scan, by places in what is observed, the values of both.
+    """
+
+    unseen = 0
+
+    def __init__(self, left: System, right: System) -> None:
+        self.sides = left, right
+        self.differences: dict[int, tuple[Any, Any]] = {}
+
+    def run(
+        self, left: System, right: System, read: InputReader, *, first: bool, look: Callable[[], None] = lambda: None
+    ) -> ScanEnd:
+        """Run one scan, then look at what follows while the inputs stay, and go back behind that scan."""
+        self.differences = {}
+        failures = [failure_of(each, read, first=first) for each in (left, right)]
+        look()
+        if (ended := end_of(failures)) is not None:
+            return ScanEnd(False, *ended)
+        here = left.snapshot(), right.snapshot()
+        seen = [left.observed() or (), right.observed() or ()]
+        since: dict[int, int] = {}
+        for scan in range(_MOST_SETTLING):
+            for side, system in enumerate((left, right)):
+                failures[side] = failures[side] or failure_of(system, read, first=False)
+                now = seen[side] if failures[side] else system.observed() or ()
+                since.update(dict.fromkeys(compare(seen[side], now), scan))
+                seen[side] = now
+            if (ended := end_of(failures)) is not None:
+                return ScanEnd(False, *ended)
+            if scan - max(since.values(), default=0) > _BEHIND:
+                break
+        resting = [place for place in compare(*seen) if scan - since.get(place, 0) > _BEHIND]
+        for which, failure in zip(("first", "second"), failures, strict=True):
+            if failure is not None:
+                return ScanEnd(True, f"only the {which} fails: {failure}", failure)
+        if resting:
+            self.differences = {place: (seen[0][place], seen[1][place]) for place in resting}
+            return ScanEnd(is_different=True)
+        left.restore(here[0])
+        right.restore(here[1])
+        return ScanEnd()
+
+    def differing(self) -> Iterator[tuple[int, Any, Any]]:
+        """Yield what both have come to."""
+        for place, (left, right) in self.differences.items():
+            yield place, left, right
 
 
 class Side:
@@ -109,7 +208,7 @@ def run_in_turn(
         quiet = 0 if is_changed else quiet + 1
         if quiet == 1:
             rest = left.snapshot(), right.snapshot()
-        if quiet > AT_REST and rest is not None:
+        if quiet > _AT_REST and rest is not None:
             left.restore(rest[0])
             right.restore(rest[1])
             return ScanEnd()

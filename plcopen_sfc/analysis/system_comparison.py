@@ -10,7 +10,7 @@ from typing import Any
 from plcopen_sfc.analysis.domains import plain
 from plcopen_sfc.analysis.pairing import Delay, output_pairs, step_observations, unpaired
 from plcopen_sfc.analysis.product import Explored, ScanEnd, compare, end_of, failure_of
-from plcopen_sfc.analysis.sequences import AT_REST, Side, run_in_turn
+from plcopen_sfc.analysis.sequences import InTurn, Joined, Settled
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.analysis.verdict import Counterexample, Difference
 from plcopen_sfc.errors import ModelError, SfcError
@@ -257,12 +257,18 @@ class Comparison:
         held = tuple(chain.from_iterable(map(repeat, given_rows, counts)))
         return Counterexample(held, tuple(differences), traces[0], traces[1], shortest)
 
-    def show_in_sequence(
-        self, inputs: Sequence[Mapping[str, Value]], signals: Mapping[str, Signal], *, shortest: bool
+    def joined(self) -> Joined | None:
+        """Return both as they are run where they are not compared scan by scan."""
+        if self._delay.in_sequence:
+            return InTurn(self.left, self.right)
+        return Settled(self.left, self.right) if self._delay.settled else None
+
+    def show_joined(
+        self, joined: Joined, inputs: Sequence[Mapping[str, Value]], signals: Mapping[str, Signal], *, shortest: bool
     ) -> Counterexample:
-        """Return the run of both side by side, in which the side that is ahead waits; see `run_in_turn`."""
+        """Return the run of both side by side, as `joined` runs them."""
         shown = self._shown(inputs, signals)
-        sides = Side(self.left), Side(self.right)
+        sides = joined.sides
         traces = [self._trace(system, shown, signals) for system in (self.left, self.right)]
         seen: list[tuple[dict[str, Value], list[tuple[tuple[Value, ...], int]]]] = []
         ends: ScanEnd | None = None
@@ -277,15 +283,14 @@ class Comparison:
         for side in sides:
             side.reset()
         for place, row in enumerate(filled(inputs, signals)):
-            ends = run_in_turn(*sides, row.__getitem__, first=not place, look=look)
-            if not ends.is_different:
-                del seen[-AT_REST:]  # which were only looked at
+            ends = joined.run(*sides, row.__getitem__, first=not place, look=look)
+            if not ends.is_different and joined.unseen:
+                del seen[-joined.unseen :]
         for held, now in seen:
             for (values, marking), trace in zip(now, traces, strict=True):
                 trace.record((*held.values(), *values), marking)
         assert ends is not None and ends.is_different  # noqa: S101,PT018  # the search has found it so
-        ahead = sorted({*sides[0].ahead, *sides[1].ahead})
-        differences = [self._difference(i, sides[0].next_of(i), sides[1].next_of(i), traces[0]) for i in ahead]
+        differences = [self._difference(place, one, other, traces[0]) for place, one, other in joined.differing()]
         if ends.failure is not None:
             differences = [Difference("", None, None, ends.note)]
         return Counterexample(tuple(held for held, _ in seen), tuple(differences), traces[0], traces[1], shortest)

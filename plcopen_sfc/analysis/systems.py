@@ -123,6 +123,8 @@ class FreeCalls(UnknownCalls):
 InputReader = Callable[[str], Any]
 _NONE: Mapping[str, Value] = MappingProxyType({})
 _NOT = "NOT "
+_BEGUN = -1
+"""Scans that a side waits for which has begun later, and is run already."""
 _NO_STEPS = StepTimes(limit=0, anywhere=frozenset(), read=frozenset(), names=frozenset())
 
 
@@ -203,6 +205,10 @@ class ProgramSystem:
         self._resting: Mapping[str, Value] = _NONE
         self._late: Mapping[str, Value] = _NONE
         self._held: dict[str, Value] = {}
+        self.holds_start = False
+        """True if charts that begin in its first scan test no transition in that."""
+        self.tests_ahead = False
+        """True if conditions of a chart that executes actions first see its times as a scan later."""
         self.is_delayed = False
         """True if it is compared with other scans of the other side."""
         self._queue: tuple[tuple[Any, ...] | SfcError | None, ...] = ()
@@ -411,6 +417,7 @@ class ProgramSystem:
         """Return a system of a part of its POU, at the same times, in which some of the same things are observed."""
         made = ProgramSystem(replace(self.subject, pou=pou), self.profile, self.clock, **self._options)
         own = {"begins": self._begins, "kept": self._kept, "alone": self._alone}
+        made.holds_start, made.tests_ahead = self.holds_start, self.tests_ahead
         made.delay(**own, at_rest=self._at_rest, late=self._late, unseen=self._unseen)
         made.also_counted = self.also_counted
         made.is_unanswered = self.is_unanswered
@@ -498,13 +505,16 @@ class ProgramSystem:
             return
         self._seen = None
         is_unseen = self._unseen and self._waiting > 0
-        if self._waiting:
+        if self._waiting > 0:
             self._waiting -= 1
             if self._begins:
                 return
             self._resting = self._at_rest
         else:
             self._resting = _NONE
+            if self._begins:
+                first = self._waiting == 0
+                self._waiting = _BEGUN
         if not self._kept:
             self._scan(read, first=first)
             self._seen = None if is_unseen else self.observed_now()
@@ -532,6 +542,8 @@ class ProgramSystem:
 
     def _scan(self, read: InputReader, *, first: bool) -> None:
         self._source = read
+        self._controller.library.processor.holding = self.holds_start and first
+        self._controller.library.processor.ahead = self.clock.scan_time if self.tests_ahead else 0
         searching = getattr(read, "__self__", None)
         self.unknown_calls.begin_scan(searching if isinstance(searching, Branching) else None)
         if not first:

@@ -9,9 +9,10 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
 
-from plcopen_sfc.conversion.causes import told_example
+from plcopen_sfc.conversion.causes import told_example, told_held_calls
 from plcopen_sfc.conversion.reporting import in_the_source
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.languages.binding import names_in
@@ -28,8 +29,11 @@ if TYPE_CHECKING:
     from plcopen_sfc.analysis.verdict import Verdict
 
 
-def callers(project: Project) -> Iterator[Pou]:
-    """Yield the POUs without a chart that call charts, but for those that another one of them calls."""
+def callers(project: Project) -> Iterator[tuple[Pou, set[str]]]:
+    """Yield the POUs without a chart that call charts, but for those that another one of them calls.
+
+    With each the names (lower case) of the charts that it reaches.
+    """
     charts = {pou.name.casefold() for pou in project.pous if pou.chart is not None}
     others = [pou for pou in project.pous if pou.chart is None and pou.kind is not PouKind.FUNCTION]
     reached = {
@@ -39,21 +43,22 @@ def callers(project: Project) -> Iterator[Pou]:
     calling = [pou for pou in others if pou.name in reached and not charts.isdisjoint(reached[pou.name])]
     for pou in calling:
         if not any(pou.name.casefold() in reached[other.name] for other in calling if other is not pou):
-            yield pou
+            yield pou, charts & reached[pou.name]
 
 
-def _tasks(project: Project) -> Iterator[tuple[str, list[str]]]:
-    """Yield the tasks that execute several programs, and charts with them: names, and those of the programs."""
+def _tasks(project: Project) -> Iterator[tuple[str, list[str], set[str]]]:
+    """Yield the tasks that execute several programs, and charts with them: names, those of the programs and charts."""
     programs = {pou.name.casefold() for pou in project.pous if pou.kind is PouKind.PROGRAM}
-    charts = {each.name.casefold() for each in (*callers(project), *(chart.pou for chart in project.charts()))}
+    charts = {chart.pou.name.casefold(): {chart.pou.name.casefold()} for chart in project.charts()}
+    charts |= {pou.name.casefold(): reached for pou, reached in callers(project)}
     for task in project.tasks():
         names = list(dict.fromkeys(each.type_name or each.name for each in task.instances))
         known = {name.casefold() for name in names}
         if len(known) > 1 and known <= programs and not known.isdisjoint(charts):
-            yield task.name, names
+            yield task.name, names, set().union(*(charts[each] for each in known & charts.keys()))
 
 
-def _calling(project: Project, programs: Iterable[str]) -> Subject:
+def _caller_of(project: Project, programs: Iterable[str]) -> Subject:
     """Return a program beside those of a project that calls some of them."""
     body = StBody(text=" ".join(f"{each}();" for each in programs))
     copied = deepcopy(project)
@@ -64,17 +69,25 @@ def _calling(project: Project, programs: Iterable[str]) -> Subject:
 _CALLER = "Programs_of_the_task"
 
 
-def _subjects(one: Project, other: Project, called: Mapping[str, str]) -> Iterator[tuple[str, Subject, Subject]]:
-    """Yield what calls charts in both projects, by its path in `one`: POUs, and tasks, whose programs share values."""
+class _Calling(NamedTuple):
+    """What calls charts in two projects, by its path in the first; names of these charts, in lower case."""
+
+    path: str
+    charts: set[str]
+    subjects: tuple[Subject, Subject]
+
+
+def _calling(one: Project, other: Project, called: Mapping[str, str]) -> Iterator[_Calling]:
+    """Yield what calls charts in both projects: POUs, and tasks, whose programs share values."""
     names = {in_the_source(pou.report_path, called): pou.name for pou in other.pous}
     theirs = {pou.name.casefold(): names[pou.report_path] for pou in one.pous if pou.report_path in names}
-    for pou in callers(one):
+    for pou, charts in callers(one):
         if name := theirs.get(pou.name.casefold()):
-            yield pou.report_path, resolve(one, pou.name), resolve(other, name)
-    for task, programs in _tasks(one):
+            yield _Calling(pou.report_path, charts, (resolve(one, pou.name), resolve(other, name)))
+    for task, programs, charts in _tasks(one):
         found = [theirs.get(each.casefold(), "") for each in programs]
         if all(name and other.pou(name).kind is PouKind.PROGRAM for name in found):
-            yield f"task {task}", _calling(one, programs), _calling(other, found)
+            yield _Calling(f"task {task}", charts, (_caller_of(one, programs), _caller_of(other, found)))
 
 
 def report_callers(
@@ -89,27 +102,58 @@ def report_callers(
 ) -> None:
     """Run what calls charts in both projects of `running`, and report what sees them in another order.
 
-    `compared` compares two subjects; it ends when the thread has used `end` seconds of processor time. What cannot be
-    run is no item: the verdicts are on charts.
+    `compared` compares two subjects; it ends when the thread has used `end` seconds of processor time. The verdicts on
+    charts tell what calls them and could not be run, or not in all situations.
 
     Raises `KeyboardInterrupt`.
     """
-    from plcopen_sfc.analysis.pairing import Delay, in_retiming  # noqa: PLC0415  # most conversions run nothing
+    from plcopen_sfc.analysis.pairing import in_retiming  # noqa: PLC0415  # most conversions run nothing
 
-    one, other = running
     scans = in_retiming(profiles)
-    for path, *subjects in _subjects(one, other, called) if scans else ():
-        left = end - time.thread_time()
-        if left <= 0:
-            return
+    if scans is None:
+        return
+    late, early = (tool, "the source") if scans == 1 else ("the source", tool)
+    why = f"in {late} it sees what the charts that it calls do a scan later than in {early}"
+    if not scans:
+        why = told_held_calls(profiles, tool)
+    found = list(_calling(running[0], running[1], called))
+    for number, each in enumerate(found):
+        share = (end - time.thread_time()) / (len(found) - number)
+        verdict = _verdict_on(partial(compared, *each.subjects), scans, share)
+        if verdict is not None and verdict.counterexample is not None:
+            told = told_example(verdict.counterexample, tool)
+            report.add(Outcome.APPROXIMATED, "calls of charts", each.path, f"{told}; {why}")
+        elif verdict is None or not is_whole(verdict):
+            for path in report.compared:
+                if path.removeprefix("POU ").partition(" / ")[0].casefold() in each.charts:
+                    report.compared[path] += f"\ngiven: {each.path}, which calls it, was not compared in all situations"
+
+
+def is_whole(verdict: Verdict) -> bool:
+    """True for a proof that leaves nothing out."""
+    from plcopen_sfc.analysis.sequences import RESTLESS  # noqa: PLC0415  # most conversions run nothing
+
+    return verdict.proven and not any(RESTLESS in note for note in verdict.notes)
+
+
+def _verdict_on(compared: Callable[..., Verdict], scans: int, limit: float) -> Verdict | None:
+    """Return the verdict on what calls charts: that which tells least; None where it cannot be run.
+
+    First what both come to with inputs of single scans, then what comes of times while inputs stay.
+    """
+    from plcopen_sfc.analysis.pairing import Delay  # noqa: PLC0415  # most conversions run nothing
+
+    end, found = time.thread_time() + limit, None
+    for share, delay in ((2, Delay(scans, settled=True)), (1, Delay(scans, in_sequence=True))):
+        left = (end - time.thread_time()) / share
         try:
-            verdict = compared(*subjects, delay=Delay(scans or 0, in_sequence=True), limit=left)
+            verdict = compared(delay=delay, limit=left) if left > 0 else None
         except SfcError:
-            continue
+            return None
+        if verdict is None or verdict.different:
+            return verdict
         if verdict.interrupted:
             raise KeyboardInterrupt
-        if verdict.counterexample is not None:
-            late, early = (tool, "the source") if scans == 1 else ("the source", tool)
-            why = f"in {late} it sees what the charts that it calls do a scan later than in {early}"
-            told = told_example(verdict.counterexample, tool)
-            report.add(Outcome.APPROXIMATED, "calls of charts", path, f"{told}; {why}")
+        if found is None or is_whole(found):
+            found = verdict
+    return found

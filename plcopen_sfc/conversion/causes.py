@@ -471,6 +471,12 @@ def acting_early(profiles: tuple[Profile, Profile], tool: str) -> str:
     return early and f"{early} executes the actions before the transitions, and so sees other inputs in them"
 
 
+def told_held_calls(profiles: tuple[Profile, Profile], tool: str) -> str:
+    """Return which of two tools holds the start of each chart when it is called first; empty where both or none do."""
+    held = only_one(profiles, tool, lambda each: each.initial_situation_held)
+    return held and f"{held} tests no transition of a chart in the scan that calls it first"
+
+
 def _told_held(profiles: tuple[Profile, Profile], tool: str) -> list[str]:
     held = only_one(profiles, tool, lambda each: each.initial_situation_held)
     return [f"{held} tests no transition in its first scan"] if held else []

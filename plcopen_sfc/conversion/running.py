@@ -10,8 +10,16 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from plcopen_sfc.conversion.assumed_types import assumed_types, with_inputs, with_types
-from plcopen_sfc.conversion.callers import report_callers
-from plcopen_sfc.conversion.causes import ToolRule, concerns, differing_rules, held_inputs, told_apart, told_difference
+from plcopen_sfc.conversion.callers import is_whole, report_callers
+from plcopen_sfc.conversion.causes import (
+    ToolRule,
+    concerns,
+    differing_rules,
+    held_inputs,
+    told_apart,
+    told_difference,
+    told_held_calls,
+)
 from plcopen_sfc.conversion.executed_parts import (
     BOOLEAN_ACTIONS,
     FIRST_SCAN,
@@ -285,13 +293,12 @@ class _ComparedChart(NamedTuple):
     def run(self, compared: Callable[..., Verdict], limit: float) -> _Run | None:
         """Run the chart for at most `limit` seconds; None, and in the report why, where it cannot be run."""
         from plcopen_sfc.analysis.pairing import Delay  # noqa: PLC0415  # most conversions run nothing
-        from plcopen_sfc.analysis.sequences import RESTLESS  # noqa: PLC0415
 
         if limit <= 0:
             self.note_untested("not run: the time limit was reached")
             return None
         try:
-            verdict = compared(delay="auto", limit=limit)
+            verdict = self._at_intervals(compared, compared(delay="auto", limit=limit), limit)
             as_run, unseen, is_cut = verdict, "", verdict.delay.retimed and not verdict.different
             other = self.profiles[0].order is not self.profiles[1].order
             reads = other and reads_inputs(self.chart, self.source, verdict.inputs)
@@ -302,21 +309,34 @@ class _ComparedChart(NamedTuple):
                 if last.different:
                     as_run = last
                     verdict = verdict if verdict.equal else as_run
-                elif any(not each.proven or any(RESTLESS in note for note in each.notes) for each in (*before, last)):
+                elif not all(map(is_whole, (*before, last))):
                     unseen = "times that actions and transitions wait for were not compared in all situations"
         except SfcError as error:
             self.note_untested(f"not run: {error.message}")
             return None
         return _Run(self.chart, verdict, as_run, self.profiles, self.tool, unseen)
 
+    def _longer_scans(self, verdict: Verdict, *usual: int) -> list[int]:
+        """Return scan times of the tasks of the source, else `usual` ones, that are longer than that of a verdict."""
+        declared = {nanoseconds(schedule_of(task).interval) for task in self.source.tasks()}
+        times = {each for each in declared if each is not None} or {*usual}
+        return sorted(each for each in times if verdict.timed and each > verdict.scan_time)
+
+    def _at_intervals(self, compared: Callable[..., Verdict], verdict: Verdict, limit: float) -> Verdict:
+        """Return a difference that shows in scans as long as those of the tasks, else the verdict."""
+        end = time.thread_time() + limit
+        for scan_time in self._longer_scans(verdict) if verdict.equal else ():
+            again = compared(delay=verdict.delay, scan_time=scan_time, limit=max(end - time.thread_time(), 0))
+            if again.different:
+                return again
+        return verdict
+
     def _in_sequence(self, compared: Callable[..., Verdict], verdict: Verdict, limit: float) -> list[Verdict]:
         """Compare what comes one after another, at the scan time of a verdict and of tasks, up to a difference.
 
         With longer scans times that are not the same may end in one.
         """
-        declared = {nanoseconds(schedule_of(task).interval) for task in self.source.tasks()}
-        times = {each for each in declared if each is not None} or {_SCAN_TIME}
-        longer = sorted(each for each in times if verdict.timed and each > verdict.scan_time)
+        longer = self._longer_scans(verdict, _SCAN_TIME)
         delay = replace(verdict.delay, retimed=False, operated_later=False, in_sequence=True)
         end = time.thread_time() + limit
         found: list[Verdict] = []
@@ -433,6 +453,12 @@ def _told_alike(compared: Callable[..., Verdict], run: _Run, losses: Sequence[It
         first = tool if order is ScanOrder.ACTIONS_FIRST else "the source"
         line = f"with actions and transitions in the order of {tool}: {found.summary}"
         return _Alike([line], [f"{first} executes the actions before the transitions"])
+    if held := told_held_calls(profiles, tool):
+        one, other = (replace(each, initial_situation_held=True) for each in profiles)
+        calling = run_under(lambda: one, other)
+        if calling is not None and calling.equal:
+            line = f"where both test no transition of a chart in the scan that calls it first: {calling.summary}"
+            return _Alike([line], [held])
     if (found := equal_under(lambda: profiles[1])) is None:
         return _Alike()
     every = differing_rules(example, run.chart, profiles, tool)

@@ -273,6 +273,49 @@ def test_a_caller_that_sees_its_chart_late_is_told(reading: str, *, differs: boo
     assert all("in CODESYS sieht er" in german(item.why) for item in report.losses)
 
 
+SUB = f"""FUNCTION_BLOCK A VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT x : BOOL; END_VAR {WITH_OUTPUT} END_FUNCTION_BLOCK
+"""
+PULSED = {
+    "IF a AND m.x THEN p := TRUE; END_IF;": {"codesys"},
+    "IF a THEN m(a := a); IF m.x THEN p := TRUE; END_IF; END_IF;": {"codesys", "simaticml"},
+    "IF a THEN n := n + 1; END_IF; IF n = 1 AND m.x THEN p := TRUE; END_IF;": {"codesys"},
+    "p := m.x;": set(),
+    "p := m.x OR a;": set(),
+    "t(IN := m.x, PT := T#20ms); p := t.Q;": set(),
+}
+"""Code behind or around ``m(a := a)``, and the tools that do something else with a pulse of ``a``."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("target", ["codesys", "simaticml"])
+@pytest.mark.parametrize("code", PULSED)
+def test_a_caller_that_needs_a_pulse_of_an_input_is_told(code: str, target: str) -> None:
+    """Inputs stayed in the run of callers; those of S7-GRAPH, which holds the first call of a chart, were not run."""
+    call = "" if code.startswith("IF a THEN m") else "m(a := a);"
+    around = "VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT p : BOOL; END_VAR VAR m : A; n : INT; t : TON; END_VAR"
+    text = f"{SUB} PROGRAM Main {around} {call} {code} END_PROGRAM"
+    report = saved(sfc.loads(text.encode(), format="iec-text"), target)
+    assert report.compared["POU A"].startswith("equal")
+    told = [item for item in report.losses if item.what == "calls of charts"]
+    assert [item.path for item in told] == ["POU Main"] * (target in PULSED[code])
+    assert all(german(item.why) != item.why for item in told)
+
+
+def test_a_chart_in_a_step_is_told_that_s7_graph_holds_when_it_is_called_first() -> None:
+    chart = """INITIAL_STEP S0: END_STEP TRANSITION FROM S0 TO S1 := a; END_TRANSITION STEP S1: Call(N); END_STEP
+    TRANSITION FROM S1 TO S2 := m.x; END_TRANSITION TRANSITION FROM S1 TO S3 := S1.T >= T#10ms; END_TRANSITION
+    STEP S2: END_STEP STEP S3: END_STEP TRANSITION FROM S2 TO S0 := NOT a; END_TRANSITION
+    TRANSITION FROM S3 TO S0 := NOT a; END_TRANSITION ACTION Call: m(a := TRUE); END_ACTION"""
+    text = f"{SUB} PROGRAM Main VAR_INPUT a : BOOL; END_VAR VAR m : A; END_VAR {chart} END_PROGRAM"
+    report = saved(sfc.loads(text.encode(), format="iec-text"), "simaticml")
+    told = [item.why for item in report.losses if item.what == "chart"]
+    assert [why.rpartition("; ")[2] for why in told] == [
+        "TIA Portal tests no transition of a chart in the scan that calls it first"
+    ]
+    assert "equal (proof" in report.compared["POU Main"].splitlines()[-1]
+    assert german(told[0]) != told[0]
+
+
 def test_programs_of_a_task_that_share_a_variable_are_run_together() -> None:
     text = f"""PROGRAM One VAR_EXTERNAL a, x : BOOL; END_VAR {WITH_OUTPUT} END_PROGRAM
     PROGRAM Two VAR_EXTERNAL a, x : BOOL; END_VAR VAR_OUTPUT p : BOOL; END_VAR

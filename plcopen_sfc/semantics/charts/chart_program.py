@@ -136,7 +136,7 @@ class ChartProgram(RunningChart):
         clock = self._clock
 
         def waited(frame: Frame) -> bool:
-            return bool(clock.now - frame.v[since] >= time(frame))
+            return bool(clock.now + clock.ahead - frame.v[since] >= time(frame))
 
         return waited
 
@@ -198,8 +198,9 @@ class ChartProgram(RunningChart):
             case ScanOrder.TRANSITIONS_FIRST:
                 self._announce(frame, self._transitions_then_actions(frame, now))
             case ScanOrder.ACTIONS_FIRST:
+                first = not frame.v[self._started]
                 self._act(frame, now)
-                self._announce(frame, self._evolve(frame))
+                self._announce(frame, not (first and self._clock.holding) and self._evolve_ahead(frame, now))
             case ScanOrder.RETIMED:
                 self._act(frame, now)
                 frame.v[self._pending] = True
@@ -217,7 +218,7 @@ class ChartProgram(RunningChart):
         if not v[self._started]:
             v[self._started] = True
             self.reached.steps |= situation
-            self._steps.change(frame, before, situation, situation, now)
+            self._steps.change(frame, before, situation, situation, now + self._clock.ahead)
             v[self._shown] = situation
             before = 0
             entered = situation if self._profile.initial_steps_entered else 0
@@ -227,6 +228,15 @@ class ChartProgram(RunningChart):
         plan = self._plans[situation]
         tick(frame, plan.timed, now)
         self._execute(frame, now, plan, SituationChange(before & ~situation, entered, situation))
+
+    def _evolve_ahead(self, frame: Frame, now: int) -> bool:
+        """Clear transitions with times that are ahead."""
+        ahead = self._clock.ahead
+        timed = self._plans[frame.v[self._situation]].timed if ahead else ()
+        tick(frame, timed, now + ahead)
+        fired = self._evolve(frame)
+        tick(frame, timed, now)
+        return fired
 
     def _evolve(self, frame: Frame) -> bool:
         """Clear transitions; the steps that they enter become active in the next scan."""
@@ -260,7 +270,7 @@ class ChartProgram(RunningChart):
         tick(frame, self._plans[situation].timed, now)
         fired = False
         fresh = situation if first else 0
-        if not (first and self._profile.initial_situation_held):
+        if not (first and (self._profile.initial_situation_held or self._clock.holding)):
             for _ in range(self._profile.max_evolutions):
                 if self._grafcet is not None:
                     self._grafcet.begin(frame, now, situation, fresh)

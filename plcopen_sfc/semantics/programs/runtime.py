@@ -18,13 +18,17 @@ class Processor:
     """The clock of a controller and how much it may still do in the scan.
 
     `now`: nanoseconds since the start. `left`: turns of loops and calls of functions before a scan counts as endless.
+    Both for comparisons: `holding`: charts that begin in this scan test no transition in it. `ahead`: nanoseconds by
+    which transitions that are tested behind the actions see the times of steps ahead, which begin with their actions.
     """
 
-    __slots__ = ("left", "now")
+    __slots__ = ("ahead", "holding", "left", "now")
 
     def __init__(self) -> None:
+        self.ahead = 0
         self.now = 0
         self.left = 0
+        self.holding = False
 
 
 @dataclass(slots=True, eq=False, repr=False)
