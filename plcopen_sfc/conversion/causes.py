@@ -465,10 +465,16 @@ def only_one(profiles: tuple[Profile, Profile], tool: str, is_so: Callable[[Prof
     return found[0] if len(found) == 1 else ""
 
 
-def acting_early(profiles: tuple[Profile, Profile], tool: str) -> str:
+def acting_first(profiles: tuple[Profile, Profile], tool: str) -> str:
     """Return which of two tools executes the actions first; empty where both or none do."""
     early = only_one(profiles, tool, lambda each: each.order is ScanOrder.ACTIONS_FIRST)
-    return early and f"{early} executes the actions before the transitions, and so sees other inputs in them"
+    return early and f"{early} executes the actions before the transitions"
+
+
+def acting_early(profiles: tuple[Profile, Profile], tool: str) -> str:
+    """Return which of two tools executes the actions first, and what follows; empty where both or none do."""
+    early = acting_first(profiles, tool)
+    return early and f"{early}, and so sees other inputs in them"
 
 
 def told_held_calls(profiles: tuple[Profile, Profile], tool: str) -> str:

@@ -13,6 +13,7 @@ from plcopen_sfc.conversion.assumed_types import assumed_types, with_inputs, wit
 from plcopen_sfc.conversion.callers import is_whole, report_callers
 from plcopen_sfc.conversion.causes import (
     ToolRule,
+    acting_first,
     concerns,
     differing_rules,
     held_inputs,
@@ -59,7 +60,14 @@ from plcopen_sfc.report import (
     Outcome,
 )
 from plcopen_sfc.semantics.net import Net
-from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder, default_profile
+from plcopen_sfc.semantics.profile import (
+    Evolution,
+    Profile,
+    ScanOrder,
+    default_profile,
+    have_equal_rules,
+    profile_as,
+)
 from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from plcopen_sfc.semantics.subjects import resolve
 from plcopen_sfc.whole_numbers import counted
@@ -174,7 +182,7 @@ def report_running(
                     continue
                 run, given = again, [f"given: {outside}"]
             alike = _note_verdict(chart, run, compared, losses if named else None, end)
-            chart.note_more(*given, *_never_entered(run.as_run), *alike)
+            chart.note_more(*given, *_of_its_origin(source, profiles[0]), *_never_entered(run.as_run), *alike)
             if run.as_run.unknown and there.report_path not in report.untested:  # whose lines tell it already
                 chart.note_more(f"unknown, taken as functions of what they are given: {', '.join(run.as_run.unknown)}")
             if any(name.casefold() == declaration.name.casefold() for name in types for declaration in assumed):
@@ -219,14 +227,25 @@ def _note_verdict(
     return list(alike.told)
 
 
+def _of_its_origin(source: Project, executed: Profile) -> list[str]:
+    """Return that the source is executed as what its file was converted from, where its tool has other rules."""
+    file = source.source.format if source.source is not None else ""
+    if not source.is_converted or file == "json" or have_equal_rules(executed, profile_as(source, file)):
+        return []
+    told = f"the source is the {source.origin} from which its file was converted"
+    return [f"given: {told}, and not what {file} executes of it (--as-tool)"]
+
+
 def _never_entered(verdict: Verdict) -> list[str]:
-    """Return the steps that no input leads to on either side, in lines."""
+    """Return the steps that no input leads to on either side, in lines; with other scans times may end otherwise."""
     from plcopen_sfc.analysis.coverage import STEP  # noqa: PLC0415  # most conversions run nothing
 
     if not verdict.equal:
         return []
     first = verdict.coverage[0]
-    return replace(first, unreached=tuple(each for each in first.unreached if each.kind == STEP)).lines()
+    lines = replace(first, unreached=tuple(each for each in first.unreached if each.kind == STEP)).lines()
+    is_timed = verdict.timed and any(line.startswith("not reached") for line in lines)
+    return [*lines, *([f"given: not reached with scans of {time_literal(verdict.scan_time)}"] * is_timed)]
 
 
 def _asked_in_vain(there: Chart, source: Project, verdict: Verdict) -> list[str]:
@@ -437,6 +456,10 @@ def _told_alike(compared: Callable[..., Verdict], run: _Run, losses: Sequence[It
             words = "the source fires transitions until none can fire, and passes steps"
             cause = ToolRule(lambda: profiles[0], STABILITY, words).told(losses, run.chart)
             return _Alike([f"without its search for stability: {once.summary}"], [cause])
+        if early := acting_first(profiles, tool):
+            found = run_under(lambda: profiles[0], replace(profiles[1], order=profiles[0].order))
+            if found is not None and found.equal:
+                return _Alike([f"with actions and transitions in the order of the source: {found.summary}"], [early])
         no_causes = frozenset({STABILITY} if once is not None and _is_same(once.counterexample, example) else ())
         found = run_under(lambda: replace(profiles[0], max_evolutions=2))
         if found is None or found.counterexample is not None or not found.states:  # it passes one in its first scan
@@ -450,9 +473,8 @@ def _told_alike(compared: Callable[..., Verdict], run: _Run, losses: Sequence[It
             cause = f"{tool} fires transitions until none can fire, and passes steps"
             return _Alike([f"without the search for stability of {tool}: {once.summary}"], [cause])
     if profiles[0].order is not order and (found := equal_under(lambda: replace(profiles[0], order=order))) is not None:
-        first = tool if order is ScanOrder.ACTIONS_FIRST else "the source"
         line = f"with actions and transitions in the order of {tool}: {found.summary}"
-        return _Alike([line], [f"{first} executes the actions before the transitions"])
+        return _Alike([line], [acting_first(profiles, tool)])
     if held := told_held_calls(profiles, tool):
         one, other = (replace(each, initial_situation_held=True) for each in profiles)
         calling = run_under(lambda: one, other)

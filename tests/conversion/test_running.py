@@ -316,6 +316,46 @@ def test_a_chart_in_a_step_is_told_that_s7_graph_holds_when_it_is_called_first()
     assert german(told[0]) != told[0]
 
 
+def test_a_delayed_action_of_a_grafcet_that_codesys_executes_is_told_with_its_cause() -> None:
+    """The cause was not known: CODESYS has no action of IEC 60848, so the source was not run in its order."""
+    text = """GRAFCET Main
+INPUTS
+    a
+OUTPUTS
+    p
+CHART G1
+    INITIAL STEP 1
+    1 -> 2 : ↑a
+    STEP 2
+        p AFTER 20ms
+    2 -> 1 : 20ms/X2
+"""
+    report = saved(sfc.loads(text.encode(), format="grafcet-text"), "codesys")
+    told = [item.why for item in report.losses if item.what == "chart"]
+    assert [why.rpartition("; ")[2] for why in told] == ["CODESYS executes the actions before the transitions"]
+    assert "in the order of the source: equal, second 1 scan later (proof" in report.compared["POU Main"]
+
+
+def test_steps_that_are_not_reached_are_told_with_the_scans() -> None:
+    """With scans of 10 ms both times end in one, and the other transition could be the first."""
+    text = CHART.format(first="", second="", initial="", edge="", actions="")
+    text = text.replace("S1 TO S2 := b", "S1 TO S2 := S1.T >= T#15ms")
+    later = "STEP S3: END_STEP TRANSITION FROM S1 TO S3 := S1.T >= T#20ms; END_TRANSITION END_FUNCTION_BLOCK"
+    source = sfc.loads(text.replace("END_FUNCTION_BLOCK", later).encode(), format="iec-text")
+    lines = saved(source, "plcopen-2.01").compared["POU Main"].splitlines()
+    assert lines[-2:] == ["not reached: step S3: unreachable (proven)", "given: not reached with scans of T#2ms500us"]
+
+
+def test_a_file_that_was_converted_is_told_to_be_compared_as_what_it_was() -> None:
+    """The verdict on a CODESYS file with notes of its source was that on the source, executed by another tool."""
+    first = sfc.loads(f"{SUB}".encode(), format="iec-text")
+    file = sfc.dumps(first, format="codesys")
+    told = "given: the source is the iec-text from which its file was converted"
+    assert told in saved(sfc.loads(file), "plcopen-2.01").compared["POU A"]
+    assert "from which its file" not in saved(sfc.loads(file, as_tool=True), "plcopen-2.01").compared["POU A"]
+    assert "from which its file" not in saved(first, "plcopen-2.01").compared["POU A"]
+
+
 def test_programs_of_a_task_that_share_a_variable_are_run_together() -> None:
     text = f"""PROGRAM One VAR_EXTERNAL a, x : BOOL; END_VAR {WITH_OUTPUT} END_PROGRAM
     PROGRAM Two VAR_EXTERNAL a, x : BOOL; END_VAR VAR_OUTPUT p : BOOL; END_VAR

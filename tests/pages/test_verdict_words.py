@@ -45,6 +45,10 @@ LINES = (
     "but for these: equal, second 1 scan later (proof: 5 states, all inputs)",
     "given: for the difference scans of T#10ms",
     "given: times that actions and transitions wait for were not compared in all situations",
+    "with actions and transitions in the order of the source: equal (proof: 5 states, all inputs)",
+    "given: the source is the grafcet from which its file was converted, and not what codesys executes of it "
+    "(--as-tool)",
+    "given: not reached with scans of T#5ms",
     "given: POU Main, which calls it, was not compared in all situations",
     "given: compared is what both come to while the inputs of a scan stay",
     "where both test no transition of a chart in the scan that calls it first: equal (proof: 5 states, all inputs)",
