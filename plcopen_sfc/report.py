@@ -192,7 +192,7 @@ class ItemGroup(NamedTuple):
     lines: list[int | None]
 
 
-def grouped(items: Iterable[Item], message: Callable[[str], str] = str) -> list[ItemGroup]:
+def grouped_by_reason(items: Iterable[Item], message: Callable[[str], str] = str) -> list[ItemGroup]:
     """Return items that differ only in what their reasons name together, in the order of their first.
 
     `message` translates a reason.

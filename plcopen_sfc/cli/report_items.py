@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Sequence
-from typing import TypeVar
+from collections.abc import Iterable, Sequence
 
 from plcopen_sfc.cli.screen import Screen, Table
 from plcopen_sfc.conversion.executed_parts import OPERATING_INPUT
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.object_path import ObjectPath
-from plcopen_sfc.report import ConversionReport, Item, ItemGroup, Outcome, grouped
+from plcopen_sfc.report import ConversionReport, Item, ItemGroup, Outcome, grouped_by_reason
 
 _LINES = 20
 """Lines for items without --verbose."""
@@ -23,8 +23,6 @@ _STYLES = {
 }
 """Every outcome but `kept`, the worst first."""
 
-K = TypeVar("K", bound=Hashable)
-
 
 def show_not_executed(screen: Screen, items: Sequence[Item]) -> None:
     """Print all that the target will not execute: by chart or object, then by step or transition."""
@@ -32,7 +30,7 @@ def show_not_executed(screen: Screen, items: Sequence[Item]) -> None:
         return
     screen.line((f"NOT EXECUTED in the target: {len(items)}", _STYLES[Outcome.NOT_EXECUTED]))
     operated = [item for item in items if item.what == OPERATING_INPUT]
-    for around, those in _grouped(operated, lambda item: ObjectPath.of(item.path).around).items():
+    for around, those in grouped((ObjectPath.of(item.path).around, item) for item in operated).items():
         names = [ObjectPath.of(item.path).last for item in those]
         screen.line(f"  {around}{_position(those[0])}")
         screen.line(f"    operating inputs without effect: {', '.join(names)}")
@@ -42,15 +40,15 @@ def show_not_executed(screen: Screen, items: Sequence[Item]) -> None:
         they = "they are" if names[1:] else "it is"
         screen.line(f"    If {they} never operated, convert again with --at-rest {','.join(names)}.")
     others = [item for item in items if item not in operated]
-    for group in [] if screen.verbose else grouped(item for item in others if not _inside(item)):
+    for group in [] if screen.verbose else grouped_by_reason(item for item in others if not _inside(item)):
         if group.items[1:]:  # such as 24 addresses of one list
             screen.line(f"  {group.items[0].what}: {group.reason}")
             for place in _places(group):
                 screen.line(f"    {place}")
             others = [item for item in others if item not in group.items]
-    for owner, those in _grouped(others, _owner).items():
+    for owner, those in grouped((_owner(item), item) for item in others).items():
         screen.line(f"  {owner or 'the project'}")
-        for place, these in _grouped(those, _inside).items():
+        for place, these in grouped((_inside(item), item) for item in those).items():
             indent = "    "
             if place:
                 screen.line(f"    {place}{_position(these[0])}")
@@ -64,7 +62,8 @@ def show_items(screen: Screen, items: Iterable[Item]) -> None:
     """Print items, the worst outcome first. Without --verbose those with one reason are in one line, in a few lines."""
     ranked = [*_STYLES, Outcome.KEPT]
     ordered = sorted(items, key=lambda item: ranked.index(item.outcome))
-    groups = [each for item in ordered for each in grouped([item])] if screen.verbose else grouped(ordered)
+    parts = [[item] for item in ordered] if screen.verbose else [ordered]
+    groups = [group for part in parts for group in grouped_by_reason(part)]
     shown = groups if screen.verbose else groups[:_LINES]
     for group in shown:
         item = group.items[0]
@@ -98,13 +97,6 @@ def show_counts(screen: Screen, report: ConversionReport) -> None:
         told = ", ".join(f"{total} {outcome.value}" for outcome, total in totals)
         screen.line(f"items: {told} (--verbose lists them)")
     screen.line()
-
-
-def _grouped(items: Iterable[Item], key: Callable[[Item], K]) -> dict[K, list[Item]]:
-    groups: dict[K, list[Item]] = {}
-    for item in items:
-        groups.setdefault(key(item), []).append(item)
-    return groups
 
 
 def _places(group: ItemGroup) -> list[str]:

@@ -30,6 +30,7 @@ from plcopen_sfc.conversion.meaning import (
     plain,
     program_form,
 )
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.binding import SharedScans, bind
 from plcopen_sfc.languages.effects import ANYTHING, Path, path_of
 from plcopen_sfc.languages.networks import NetworkExpression, chart_statements, condition_reader
@@ -416,10 +417,7 @@ class ExecutedChartReader:
         Then it is the same whether they have one control or each step its own. SFCInit and SFCReset lead from any step
         to an initial one.
         """
-        rows: dict[str, list[_Executed]] = {}
-        for step in self.chart.steps:
-            for name, qualifier in _executed_by(step):
-                rows.setdefault(name, []).append((step, qualifier))
+        rows = grouped((name, (step, qualifier)) for step in self.chart.steps for name, qualifier in _executed_by(step))
         scans, restarts = SharedScans(self.chart, self.pou, self.owner.dialect), bool(self.flags & _RESTARTS)
 
         def meet(one: _Executed, other: _Executed) -> bool:
@@ -449,11 +447,11 @@ class ExecutedChartReader:
     @cached_property
     def _not_plain(self) -> dict[str, list[sfc.ActionAssociation]]:
         """The associations that are not N, by the names of their variables."""
-        found: dict[str, list[sfc.ActionAssociation]] = {}
-        for _, row in self.chart.associations():
-            if row.qualifier not in (Qualifier.N, Qualifier.NONE) or row.event is not None:
-                found.setdefault(plain_name(row.target or ""), []).append(row)
-        return found
+        return grouped(
+            (plain_name(row.target or ""), row)
+            for _, row in self.chart.associations()
+            if row.qualifier not in (Qualifier.N, Qualifier.NONE) or row.event is not None
+        )
 
     # -- transitions
 

@@ -27,7 +27,7 @@ from plcopen_sfc.drawing.drawing_style import (
 )
 from plcopen_sfc.drawing.new_drawing import Pen, draw, highest_id, sketch
 from plcopen_sfc.drawing.symbol_layout import has_positions, layout, place_nearby
-from plcopen_sfc.grouping import Clusters
+from plcopen_sfc.grouping import Clusters, grouped
 from plcopen_sfc.model.drawing import BARS, DIVERGENCES, STEPS, Drawing, Places, Symbol, SymbolKind
 from plcopen_sfc.model.network import InputPin, OutputPin
 from plcopen_sfc.model.project import Project
@@ -102,9 +102,7 @@ def take_over(
 ) -> dict[int, int]:
     """Give each of `fresh` what one of `gone` with the same role had. Returns the ids that changed."""
     before, after = _Roles(old), _Roles(new)
-    free: dict[object, list[Symbol]] = {}
-    for symbol in gone:
-        free.setdefault(before.role(symbol), []).append(symbol)
+    free = grouped((before.role(symbol), symbol) for symbol in gone)
     pairs: list[tuple[Symbol, Symbol]] = []
     for symbol in fresh:
         candidates = free.get(after.role(symbol))

@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 from plcopen_sfc.drawing.attached_symbols import block_owner
 from plcopen_sfc.drawing.document_order import feeding, input_pins_of
 from plcopen_sfc.drawing.forward_edges import ROOT, ForwardEdges
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.model import network as net
 from plcopen_sfc.model.conditions import WiredCondition
 from plcopen_sfc.model.drawing import BARS, STEPS, ActionEntry, Drawing, Symbol, SymbolKind
@@ -434,9 +435,7 @@ class _Layout:
                 for connection in pin.connections:
                     if connection.source in inside and connection.source != number:
                         depth[connection.source] = min(max(depth[connection.source], depth[number] + 1), len(numbers))
-        columns: dict[int, list[int]] = {}
-        for number in numbers:
-            columns.setdefault(depth[number], []).append(number)
+        columns = grouped((depth[number], number) for number in numbers)
         return [columns[i] for i in sorted(columns)]
 
     def measure(self, box: _Box) -> None:

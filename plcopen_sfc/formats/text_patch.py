@@ -106,9 +106,7 @@ def _variables(section: Found, start: int) -> Iterator[BlockSpan]:
     """Yield the places of the variables; those of one declaration together."""
     parts = [part for part in section.parts if part.thing is not None]
     keys = numbered([("variable", part.thing.name) for part in parts])
-    together: dict[int, list[Key]] = {}
-    for key, part in zip(keys, parts, strict=True):
-        together.setdefault(id(part.node), []).append(key)
+    together = grouped((id(part.node), key) for key, part in zip(keys, parts, strict=True))
     spans = {id(part.node): part.span for part in parts}
     for node, named in together.items():
         yield BlockSpan(tuple(named), (start + spans[node][0], start + spans[node][1]))

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from pathlib import PurePath
 
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.pages.html_text import Html, element, joined, link, with_code
 from plcopen_sfc.pages.page_index import PageIndex
 from plcopen_sfc.pages.page_words import Words
-from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome, grouped
+from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome, grouped_by_reason
 
 MEANINGS = {
     Outcome.KEPT: "written as it is, in the terms of the target",
@@ -60,7 +61,7 @@ class ItemLists:
     def _by_reason(self, items: list[Item]) -> Iterator[Html]:
         """Yield items of one reason together, each alone where they are few."""
         alone: list[Html] = []
-        for group in grouped(items, self._words.message):
+        for group in grouped_by_reason(items, self._words.message):
             lines = [self._item(item) for item in group.items]
             if len(lines) < _FEWEST_GROUPED:
                 alone += lines
@@ -75,14 +76,9 @@ class ItemLists:
 
     def _by_kind(self, items: list[Item]) -> Iterator[Html]:
         """Yield items of one kind together; those of one reason are only their places."""
-        kinds: dict[str, list[Item]] = {}
-        for item in items:
-            kinds.setdefault(item.what, []).append(item)
-        for kind, those in kinds.items():
+        for kind, those in grouped((item.what, item) for item in items).items():
             name = _capital(self._words.message(kind))
-            reasons: dict[str, list[Item]] = {}
-            for item in those:
-                reasons.setdefault(item.why, []).append(item)
+            reasons = grouped((item.why, item) for item in those)
             others: list[Item] = []
             for reason, alike in reasons.items():
                 if reason and (len(alike) >= _FEWEST_GROUPED or len(reasons) == 1):

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 from plcopen_sfc.drawing.pictures import ChartPart, charts_in, part_prefix
 from plcopen_sfc.drawing.wording import Told, english
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.binding.text_sites import SiteKind
 from plcopen_sfc.languages.networks.network_graph import wires_of
@@ -241,10 +242,11 @@ class PageIndex:
 
         There the name of a partial chart, or of a macro-step, is before them: ``G1.1``, ``M1.E1``.
         """
-        macros: dict[str, list[str]] = {}
-        for step in (step for part in parts for step in part.chart.steps):
-            if step.macro is not None:
-                macros.setdefault((step.macro.expansion or "").casefold(), []).append(step.name)
+        macros = grouped(
+            ((step.macro.expansion or "").casefold(), step.name)
+            for step in (step for part in parts for step in part.chart.steps)
+            if step.macro is not None
+        )
         found: dict[tuple[str, str], list[str]] = {}
         alone: dict[tuple[str, str], list[str]] = {}
         for part in parts:

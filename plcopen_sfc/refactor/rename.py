@@ -15,9 +15,10 @@ from typing import Any
 
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.errors import Location, ModelError, check_argument
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.binding.name_resolution import fitting
 from plcopen_sfc.languages.binding.name_sites import Reference
-from plcopen_sfc.languages.binding.name_uses import Names, Occurrence, unique_declaration
+from plcopen_sfc.languages.binding.name_uses import Names, Occurrence, by_text, unique_declaration
 from plcopen_sfc.languages.binding.text_sites import Role, SiteKind, TextSite
 from plcopen_sfc.languages.executed_names import SHOWING_FLAGS, reordered, texts_with_name
 from plcopen_sfc.languages.grafcet_conditions import OVERLINE
@@ -257,9 +258,7 @@ def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: 
     found = list(names.occurrences(*words, of=wanted))  # in one pass
     is_shown = any(each.reference.name.casefold() in flags and not each.reference.declares for each in found)
     found = [each for each in found if each.reference.name.casefold() not in flags]
-    by_name: dict[str, list[Occurrence]] = {}
-    for occurrence in found:
-        by_name.setdefault(occurrence.reference.name.casefold(), []).append(occurrence)
+    by_name = grouped((occurrence.reference.name.casefold(), occurrence) for occurrence in found)
     results: dict[Declaration, RenameResult] = {}
     changes: list[Change] = []
     for declaration, new in whole.items():
@@ -277,7 +276,7 @@ def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: 
             holders = (*declaration.holders, *names.resolver.repeated(declaration))
             changes += [(holder, "name", new) for holder in holders]
     old_names = {declaration.name.casefold() for declaration in wanted}
-    for text in _by_text(o for o in found if o.reference.name.casefold() in old_names):
+    for text in by_text(o for o in found if o.reference.name.casefold() in old_names):
         if any(occurrence.meaning.declaration in wanted for occurrence in text):
             changes += _text_changes(text, wanted, names.dialect)
     if journal is None:
@@ -348,14 +347,6 @@ def _refuse(declaration: Declaration, new: str, reasons: Iterable[str]) -> None:
 
 Change = tuple[Any, str | int, str | None]
 """Another text in a field of an object, or at an index of a list."""
-
-
-def _by_text(found: Iterable[Occurrence]) -> list[list[Occurrence]]:
-    """Return the occurrences of each text, in the order of the text."""
-    text_sites: dict[tuple[int, str | int], list[Occurrence]] = {}
-    for occurrence in found:
-        text_sites.setdefault((id(occurrence.text_site.holder), occurrence.text_site.key), []).append(occurrence)
-    return [sorted(own, key=lambda occurrence: occurrence.reference.span) for own in text_sites.values()]
 
 
 def _text_changes(found: list[Occurrence], wanted: Wanted, dialect: Dialect) -> Iterator[Change]:

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator
 from itertools import combinations
 from textwrap import dedent, indent
 
-from plcopen_sfc.languages.binding.name_uses import Names, Occurrence, dialect_of
+from plcopen_sfc.languages.binding.name_uses import Names, Occurrence, by_text, dialect_of
 from plcopen_sfc.languages.binding.shared_scans import (
     Place,
     Row,
@@ -273,11 +273,8 @@ def step_occurrences(project: Project, asked: Iterable[Step]) -> Iterator[Occurr
 
 def write_notation(project: Project, asked: Iterable[Step], journal: Journal, *, members: bool) -> list[str]:
     """Change the notation in texts that ask for some steps, and return the paths of these texts."""
-    found: dict[tuple[int, str | int], list[Occurrence]] = {}
-    for occurrence in step_occurrences(project, asked):
-        found.setdefault((id(occurrence.text_site.holder), occurrence.text_site.key), []).append(occurrence)
     changed: dict[str, None] = {}
-    for occurrences in found.values():
+    for occurrences in by_text(step_occurrences(project, asked)):
         site, text = occurrences[0].text_site, occurrences[0].text_site.text
         edits = sorted(set(_edits(occurrences, text, members=members)))
         if not edits:

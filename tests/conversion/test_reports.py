@@ -10,7 +10,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.pages.report_words import german
-from plcopen_sfc.report import Cause, CauseKind, Item, Outcome, grouped
+from plcopen_sfc.report import Cause, CauseKind, Item, Outcome, grouped_by_reason
 from tests.conversion.features import drawn
 from tests.samples import FIXTURES
 
@@ -212,12 +212,12 @@ def test_items_are_grouped_by_their_reason_whatever_it_names() -> None:
         item("POU B / r", "r has no place"),
         item("POU B", "no counterpart of `ADR`"),
     ]
-    first, second = grouped(items)
+    first, second = grouped_by_reason(items)
     assert first.items == [items[0], items[2], items[4]]
     assert (first.reason, first.lines) == ("no counterpart of \u2026", [3, 7, None])
     assert first.differing == [["`ADR`"], ["`SIZEOF`"], ["`ADR`"]]
     assert (second.reason, second.differing) == ("\u2026 has no place", [[], []])
-    (alone,) = grouped(items[:1], str.upper)
+    (alone,) = grouped_by_reason(items[:1], str.upper)
     assert (alone.reason, alone.differing) == ("NO COUNTERPART OF `ADR`", [[]])
 
 

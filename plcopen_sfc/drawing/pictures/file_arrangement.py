@@ -20,6 +20,7 @@ from plcopen_sfc.drawing.pictures.svg_canvas import DOUBLE, Canvas
 from plcopen_sfc.drawing.pictures.symbol_facts import PictureSheet
 from plcopen_sfc.drawing.pictures.symbol_pictures import JumpSymbol, StepSymbol, Symbol, TransitionSymbol
 from plcopen_sfc.drawing.symbol_layout import SymbolSizes
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.model.drawing import BARS, STEPS, Drawing, Places, SymbolKind
 from plcopen_sfc.model.drawing import Symbol as DrawnSymbol
 from plcopen_sfc.model.network import Point
@@ -205,10 +206,7 @@ class FileArrangement:
 
 def _competing(chart: SfcNetwork) -> list[list[Transition]]:
     """Return the transitions that have a step above them in common, in the order in which they are tried."""
-    below: dict[int, list[Transition]] = {}
-    for transition in chart.transitions:
-        for step in transition.sources:
-            below.setdefault(step, []).append(transition)
+    below = grouped((step, transition) for transition in chart.transitions for step in transition.sources)
     return [transitions for transitions in below.values() if len(transitions) > 1]
 
 

@@ -16,6 +16,7 @@ from plcopen_sfc.drawing.pictures.network_layout import NetworkLayout, Wire, fee
 from plcopen_sfc.drawing.pictures.network_symbols import PAD, NetworkPin, NetworkSymbol
 from plcopen_sfc.drawing.pictures.svg_canvas import Canvas, Theme, widest, wrap
 from plcopen_sfc.drawing.wording import Told, english
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model import network as n
 from plcopen_sfc.model.body import FbdBody, LdBody
@@ -349,10 +350,7 @@ def _is_wire(pin: NetworkPin) -> bool:
 def _in_order(pins: list[NetworkPin]) -> list[NetworkPin]:
     """Return pins with ``IN1`` above ``IN2``: SimaticML has them in the order of its wires."""
     numbered = [_NUMBERED.fullmatch(pin.name) for pin in pins]
-    alike: dict[str, list[tuple[int, int]]] = {}
-    for place, found in enumerate(numbered):
-        if found is not None:
-            alike.setdefault(found[1], []).append((int(found[2]), place))
+    alike = grouped((found[1], (int(found[2]), place)) for place, found in enumerate(numbered) if found is not None)
     ordered = {name: iter(sorted(places)) for name, places in alike.items()}
     return [
         pin if found is None else pins[next(ordered[found[1]])[1]] for pin, found in zip(pins, numbered, strict=True)

@@ -12,6 +12,7 @@ from plcopen_sfc.formats.simaticml.network_boxes import mark_calls, put_operands
 from plcopen_sfc.formats.simaticml.network_operands import HINT
 from plcopen_sfc.formats.simaticml.scl_tokens import CALL
 from plcopen_sfc.formats.simaticml.sequence_rules import MOST_SEQUENCES, MOST_STEPS, MOST_TRANSITIONS
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.s7_globals import tag_tables_of
 from plcopen_sfc.languages.s7_types import is_system_data, s7_types
 from plcopen_sfc.languages.words import take_name
@@ -177,9 +178,7 @@ def _numbers(
         parts = sfc.connected_parts(chart.steps, chart.transitions)
         chart.sequences = [sfc.Sequence(steps=[step.id for step in part]) for part in parts]
     _limits(chart, place, report)
-    competing: dict[tuple[int, ...], list[sfc.Transition]] = {}
-    for transition in chart.transitions:
-        competing.setdefault(tuple(sorted(transition.sources)), []).append(transition)
+    competing = grouped((tuple(sorted(transition.sources)), transition) for transition in chart.transitions)
     for group in competing.values():
         if len(group) > 1:
             for rank, transition in enumerate(sfc.by_priority(group), 1):

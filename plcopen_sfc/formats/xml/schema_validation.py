@@ -18,6 +18,7 @@ from lxml import etree
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import FileAccessError, Location
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines
+from plcopen_sfc.grouping import grouped
 
 
 @cache
@@ -110,9 +111,7 @@ def schema_findings(
 
 def _places(root: etree._Element, log: etree._ListErrorLog) -> Iterator[tuple[etree._Element, str]]:
     """Yield the elements that libxml2 objects to, each once, with libxml2's own words for want of better ones."""
-    objections: dict[str, list[str]] = {}
-    for entry in log:
-        objections.setdefault(str(getattr(entry, "path", None) or "/*"), []).append(_plain(entry.message))
+    objections = grouped((str(getattr(entry, "path", None) or "/*"), _plain(entry.message)) for entry in log)
     for path, messages in objections.items():
         yield _element_at(root, path), "; ".join(dict.fromkeys(messages))
 

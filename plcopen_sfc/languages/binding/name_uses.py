@@ -10,6 +10,7 @@ from functools import cached_property
 from itertools import chain
 
 from plcopen_sfc.errors import ModelError, check_argument
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.binding.name_resolution import Resolver, Type, Untyped
 from plcopen_sfc.languages.binding.name_sites import (
     Reference,
@@ -103,6 +104,12 @@ class Occurrence:
         if self.reference.callee is not None:
             return declaration.kind in (Kind.VARIABLE, Kind.MEMBER)
         return declaration.kind is not Kind.TRANSITION or self.text_site.reading is SiteKind.FOREIGN
+
+
+def by_text(found: Iterable[Occurrence]) -> list[list[Occurrence]]:
+    """Return the occurrences of each text, in the order of the text."""
+    text_sites = grouped(((id(each.text_site.holder), each.text_site.key), each) for each in found)
+    return [sorted(own, key=lambda each: each.reference.span) for own in text_sites.values()]
 
 
 class Names:

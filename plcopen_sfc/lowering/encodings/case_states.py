@@ -14,6 +14,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from plcopen_sfc.analysis.regions import ParallelBlock, Region, Regions, Unstructured, find_regions
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import Expression, Statement
@@ -466,9 +467,7 @@ class StateVariables:
 
     def selection(self, selector: n.Name, parts: Iterable[StepCode], other: n.Name | None = None) -> n.Case:
         """Return a CASE with the code of single steps of a region. `other`: a state that is known to be another one."""
-        by_state: dict[Expression, list[StepCode]] = {}
-        for part in parts:
-            by_state.setdefault(self.state_of(part.step), []).append(part)
+        by_state = grouped((self.state_of(part.step), part) for part in parts)
         alike: list[tuple[list[Expression], list[str], list[Statement]]] = []
         for state, these in by_state.items():
             found = [each for part in these for each in self.in_branch(selector, state, part.statements, other)]

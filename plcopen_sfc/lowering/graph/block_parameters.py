@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code.boolean_logic import (
@@ -205,9 +206,7 @@ class _Display:
             )
         if self._active is None:
             self._active = self._code.declare(self._texts.shown_active)
-        flags: dict[int, list[Expression]] = {}
-        for number, flag in self._steps:
-            flags.setdefault(number, []).append(flag)
+        flags = grouped((number, flag) for number, flag in self._steps)
         branches = tuple(
             n.CaseBranch((n.Literal(str(number)),), (assignment(self._active, disjunction(found)),))
             for number, found in flags.items()

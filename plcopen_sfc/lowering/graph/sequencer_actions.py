@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.effects import writes
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
@@ -151,11 +152,12 @@ class SequencerActions:
 
     def add_coils(self) -> None:
         """Append the assignments of the coils."""
-        coils: dict[str, list[tuple[NetStep, ActionRow]]] = {}
-        for step in self._source.net.steps:
-            for row in self._source.rows[step.index]:
-                if row.is_coil:
-                    coils.setdefault(row.name.casefold(), []).append((step, row))
+        coils = grouped(
+            (row.name.casefold(), (step, row))
+            for step in self._source.net.steps
+            for row in self._source.rows[step.index]
+            if row.is_coil
+        )
         for found in coils.values():
             row = found[0][1]
             assert row.target is not None  # noqa: S101  # a coil has an operand
