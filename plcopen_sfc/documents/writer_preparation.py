@@ -17,7 +17,7 @@ from plcopen_sfc.documents.target_differences import has_task_configuration, not
 from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, NetworkForm, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_library import count_in_seconds
 from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
-from plcopen_sfc.languages.library_blocks import put_flip_flops
+from plcopen_sfc.languages.library_blocks import library_blocks, put_flip_flops
 from plcopen_sfc.languages.networks.exported_networks import EXPORTS
 from plcopen_sfc.languages.s7_boxes import translate_boxes
 from plcopen_sfc.languages.s7_programs import has_results, name_results
@@ -199,6 +199,11 @@ def _fitted(
         from plcopen_sfc.conversion.adaptation.chart_rules import obey_flags  # noqa: PLC0415  # of CODESYS alone
 
         obey_flags(copy, project, "matiec", options, report)
+        if kind.text:  # the writer of a TC6 file adds them, and the way back leaves them out
+            for block in library_blocks(copy):
+                copy.pous = [*copy.pous, block]
+                why = "matiec has no library with it: its statements are in the file"
+                report.add(Outcome.TRANSLATED, "POU", block.report_path, why)
     kind.codec().fit(copy, options, report)
     # what its rules would do otherwise is written out, or reported
     rules = PROFILES[options.flavour]

@@ -5,8 +5,8 @@ initial steps, SL starts again without R, and only a variable with a simple name
 IEC 61131-3 (6.7.4.6) is written out where one of these matters, and then all bodies of the chart run in the order in
 which the tool of the project executes them.
 
-The converters before matiec write actions before the steps that they name, but matiec knows ``Step.X`` behind the step
-only. `StepFlagVariables` puts variables in the place of such flags.
+The converters before matiec write actions before the steps that they name, but matiec knows ``Step.X`` and ``Step.T``
+behind the step only. `StepFlagsAndTimes` puts variables in the place of such flags and times.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.network import InputVariable
-from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step
+from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step, Transition
 from plcopen_sfc.model.types import SimpleValue
 from plcopen_sfc.report import Outcome
 
@@ -352,18 +352,27 @@ def _term(text: str) -> str:
     return f"({text})" if " " in text else text
 
 
-class StepFlagVariables:
-    """Puts variables in the place of the flags of steps of a chart; what is added gets `ids`."""
+class StepFlagsAndTimes:
+    """Puts variables in the place of the flags and times of steps of a chart; what is added gets `ids`.
 
-    def __init__(self, unit: FittedPou, chart: SfcNetwork, ids: Iterator[int]) -> None:
+    `logic` are the statements of every scan, which are executed before all actions.
+    """
+
+    def __init__(self, unit: FittedPou, chart: SfcNetwork, ids: Iterator[int], logic: list[str]) -> None:
         self._unit = unit
         self._chart = chart
         self._ids = ids
+        self._logic = logic
         self._steps = {step.name.casefold(): step for step in chart.steps}
         self._flags: dict[str, str] = {}
+        self._times: dict[str, str] = {}
+        self._is_timed = False
 
     def put(self) -> None:
-        """Change actions, drawn logic and conditions; a condition keeps the flags of the steps that it leaves."""
+        """Change actions, drawn logic and conditions; a condition keeps flag and time of the one step that it leaves.
+
+        The end of simultaneous sequences is written behind the first of them, before the last steps of the others.
+        """
         names = {step.id: step.name.casefold() for step in self._chart.steps}
         for action in self._unit.pou.actions:
             if isinstance(action.body, StBody):
@@ -371,12 +380,18 @@ class StepFlagVariables:
         for node in self._chart.logic:
             if isinstance(node, InputVariable):
                 node.expression = self._put(node.expression)
-        if self._unit.own:
-            return  # of those transitions that have numbers, one resets the flag that the next one reads
-        for transition in self._chart.transitions:
+        if self._logic:
+            self._logic[:] = [self._put("\n".join(self._logic), statements=True)]
+        # of transitions that have numbers, one resets the flag that the next one reads in the tool of the source
+        for transition in self._chart.transitions if not self._unit.own else ():
             if isinstance(transition.condition, Expression):
                 left = [names[source] for source in transition.sources if source in names]
+                left = left if len(left) == 1 else []
+                self._is_timed = False
                 transition.condition.text = self._put(transition.condition.text, keep=left)
+                if self._is_timed:
+                    self._note(transition, "it sees the time of another step one scan later")
+        self._measure()
 
     def _put(self, text: str, *, statements: bool = False, keep: Iterable[str] = ()) -> str:
         parsed = (parse_statements if statements else parse_expression)(text, self._unit.dialect)
@@ -387,10 +402,12 @@ class StepFlagVariables:
         def change(node: n.Node) -> n.Node:
             if not isinstance(node, n.Member) or not isinstance(node.base, n.Name):
                 return node
-            name = node.base.identifier.casefold()
-            if name in kept or name not in self._steps or node.name.identifier.upper() != "X":
+            name, member = node.base.identifier.casefold(), node.name.identifier.upper()
+            if name in kept or name not in self._steps:
                 return node
-            return n.Name(self._flag(self._steps[name]))
+            if member == "T" and not self._unit.own:
+                return n.Name(self._time(self._steps[name]))
+            return n.Name(self._flag(self._steps[name])) if member == "X" else node
 
         tree = transform(parsed.tree, change)
         return text if tree is parsed.tree else render(parsed, tree)
@@ -403,3 +420,34 @@ class StepFlagVariables:
             name = self._flags[step.name.casefold()] = self._unit.declare(f"{step.name}_flag", initial=initial)
             step.actions.insert(0, ActionAssociation(id=next(self._ids), qualifier=Qualifier.N, target=name))
         return name
+
+    def _time(self, step: Step) -> str:
+        self._is_timed = True
+        name = self._times.get(step.name.casefold())
+        if name is None:
+            name = self._times[step.name.casefold()] = self._unit.declare(f"{step.name}_time", "TIME")
+        return name
+
+    def _measure(self) -> None:
+        """Measure the times before all else: that of a step goes on in the scan that leaves it, and then stays."""
+        if not self._times:
+            return
+        clock = self._unit.declare("Clock", "TON")
+        lines = [f"{clock}(IN := TRUE, PT := {_LONG});"]
+        for key, time in self._times.items():
+            step = self._steps[key]
+            flag, was = self._flag(step), self._unit.declare(f"{step.name}_timed")
+            start = self._unit.declare(f"{step.name}_start", "TIME")
+            lines += [
+                f"IF {flag} AND NOT {was} THEN\n    {start} := {clock}.ET;\nEND_IF;",
+                f"IF {flag} OR {was} THEN\n    {time} := {clock}.ET - {start};\nEND_IF;",
+                f"{was} := {flag};",
+            ]
+            for transition in self._chart.transitions:
+                if step.id in transition.sources and step.id in transition.targets:
+                    self._note(transition, f"the time of {step.name} goes on where it is entered as it is left")
+        self._logic.insert(0, "\n".join(lines))
+
+    def _note(self, transition: Transition, why: str) -> None:
+        path = f"{self._unit.path} / transition {self._chart.label(transition)}"
+        self._unit.note(Outcome.APPROXIMATED, "transition", path, why)

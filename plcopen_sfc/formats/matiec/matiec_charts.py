@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import count
 
-from plcopen_sfc.formats.matiec.matiec_actions import WHENEVER, ActionFitter, StepFlagVariables
+from plcopen_sfc.formats.matiec.matiec_actions import WHENEVER, ActionFitter, StepFlagsAndTimes
 from plcopen_sfc.formats.matiec.matiec_pou import FittedPou, is_taken, write_negations_out
 from plcopen_sfc.formats.matiec.matiec_statements import compilable_comments
 from plcopen_sfc.languages.networks import (
@@ -48,8 +48,9 @@ class ChartFitter:
 
     `final_scan`: the tool of the project executes an action once more after its end, as CODESYS does; False: IEC
     61131-3 leaves that to the tool; None: its tool does not. `relies`: the statements are in place of what S7-GRAPH
-    or a GRAFCET has, and rely on that all the same. `calls` has the kinds of the associations in the place of
-    entry, main and exit actions, `in_place` the names of actions that have none in the source.
+    or a GRAFCET has, and rely on that all the same. `logic` are the statements that every scan executes. `calls` has
+    the kinds of the associations in the place of entry, main and exit actions, `in_place` the names of actions that
+    have none in the source.
     """
 
     unit: FittedPou
@@ -87,9 +88,9 @@ class ChartFitter:
             self._drawn_logic(drawn)
             chart.logic = []
         self._ends()
-        self._put_logic()
         if self.unit.keeps_drawings:
-            StepFlagVariables(self.unit, chart, self.ids).put()
+            StepFlagsAndTimes(self.unit, chart, self.ids, self.logic).put()
+        self._put_logic()
         chart.drawing = None
         used = {t.condition.name.casefold() for t in chart.transitions if isinstance(t.condition, NamedCondition)}
         self.unit.pou.transitions = [t for t in self.unit.pou.transitions if t.name.casefold() in used]
@@ -351,7 +352,7 @@ class ChartFitter:
         for target, body in ((found.target, None), (None, found.body)):
             if target is None and body is None:
                 continue
-            line = self._line(qualifier, target or "", duration=found.duration, indicator=found.indicator)
+            line = self._line(qualifier, target or "", duration=found.duration, indicator=self._indicator(found, place))
             line.condition, line.negated = condition, found.negated is not step.negated
             lines.append(line)
             if body is not None:
@@ -364,6 +365,14 @@ class ChartFitter:
             elif found.value is not None:
                 line.target = self._action(wish, StBody(text=f"{target} := {found.value};"), place)
         return lines
+
+    def _indicator(self, found: ActionAssociation, path: str) -> str | None:
+        """Return the indicator variable, which nothing executes; None where it is not declared."""
+        name = found.indicator or None
+        if name is not None and is_plain(name) and self._type(name) is None:
+            self.unit.note(Outcome.TRANSLATED, "indicator", path, f"{name} is left out: nothing declares it")
+            return None
+        return name
 
     def _wrong(self, step: Step, found: ActionAssociation) -> list[str]:
         """Return the parts of an association that matiec does not execute."""

@@ -20,7 +20,7 @@ from plcopen_sfc.errors import ModelError
 from plcopen_sfc.formats.matiec.matiec_functions import pass_globals
 from plcopen_sfc.formats.matiec.matiec_pou import UNDECLARED_PREFIX
 from plcopen_sfc.languages.binding import Names
-from plcopen_sfc.languages.binding.text_sites import TextSite, text_sites
+from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import render, transform, walk
@@ -132,7 +132,7 @@ def _steps_with_others(project: Project) -> Iterator[tuple[str, str, SfcNetwork,
 
 def _declared(project: Project) -> Iterator[tuple[str, str]]:
     """Yield variables and values of enumerations; global variables first, for a POU may declare them as external."""
-    for section in project.global_variables:
+    for section in project.global_sections():
         around = f"{section.name}." if section.name else ""
         yield from [(f"{around}{one.name}", one.name) for one in section.variables]
     for pou in project.pous:
@@ -213,6 +213,10 @@ class TypeFitter:
                 value.value = None
             one.type.base = None
         one.declaration = None
+        if isinstance(one.type, t.DerivedType) and isinstance(self._plain(one.type), t.StructType):
+            self._lost(
+                "type", path, f"matiec compiles no second name of a structure: declare variables as {one.type.name}"
+            )
         one.type = self._type(one.type, path, {})
         one.initial = self._value(one.type, one.initial, path)
 
@@ -310,7 +314,7 @@ def _constants(sections: Iterable[VariableSection]) -> dict[str, str]:
 
 
 def name_structures(project: Project, report: ConversionReport) -> None:
-    """Give a name to the structures and enumerations in declarations of variables and in other structures."""
+    """Give a name to the structures, enumerations and subranges in declarations of variables and other structures."""
     namer = _Namer(project)
     for declaration in list(project.data_types):
         if isinstance(declaration.type, t.StructType):
@@ -345,7 +349,7 @@ class _Namer:
         if isinstance(kind, t.ArrayType):
             kind.base = self.named(kind.base, f"{wish}_element")
             return kind
-        if not isinstance(kind, t.StructType | t.EnumType):
+        if not isinstance(kind, t.StructType | t.EnumType | t.SubrangeType):
             return kind
         if isinstance(kind, t.StructType):
             self.fit(kind.members, wish)
@@ -381,6 +385,11 @@ def declare_globals(project: Project, report: ConversionReport) -> None:
     for text_site in list(text_sites(project)):
         if text_site.is_program_text and text_site.site.pou is not None:
             _use(text_site, globals_, project)
+    for occurrence in Names(project).occurrences(*globals_.by_name):
+        pou, site = occurrence.text_site.site.pou, occurrence.text_site
+        declared = occurrence.meaning.declaration
+        if pou is not None and site.reading is SiteKind.INSTRUCTIONS and declared is not None and declared.pou is None:
+            globals_.used.setdefault(pou.name, {})[occurrence.reference.name.casefold()] = None
     variables = {name: variable for name, (variable, _) in globals_.by_name.items()}
     passed = pass_globals(project, variables, globals_.used, report)
     for pou in project.pous:

@@ -2,19 +2,21 @@
 
 The converters of Beremiz and OpenPLC, which run before matiec, translate drawn logic. They know blocks, variables,
 contacts, coils, rails and connectors, and see the negation, storage and edge of a contact, a coil and a pin, but not
-those of a variable (read from the converter of OpenPLC, and tried).
+those of a variable. A pin is known by its name in IEC 61131-3 as it is spelled there, and an operand that is written at
+a pin instead of a wire is left out without a word (read from the converter of OpenPLC, and tried).
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from plcopen_sfc.languages.il import statements as il_statements
 from plcopen_sfc.languages.networks import Helper, body_statements
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, render, transform
+from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.words import IEC_KEYWORDS, is_plain, take_name
 from plcopen_sfc.model import network as net
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, StBody
@@ -209,7 +211,9 @@ def is_taken(nodes: Iterable[net.Node], dialect: Dialect) -> bool:
 
 
 def _is_taken(node: net.Node, dialect: Dialect) -> bool:
-    if isinstance(node, net.Block) and node.code is not None:
+    if isinstance(node, net.Block) and (node.code is not None or not _has_known_pins(node)):
+        return False
+    if any(pin.expression is not None for pin in _pins(node)):
         return False
     if isinstance(node, net.InOutVariable):
         return not (node.negated_in or node.negated_out)
@@ -218,6 +222,23 @@ def _is_taken(node: net.Node, dialect: Dialect) -> bool:
     if isinstance(node, net.OutputVariable):
         return not node.negated and node.edge is net.Edge.NONE and node.storage is net.Storage.NONE
     return isinstance(node, _TAKEN)
+
+
+def _variables(block: net.Block) -> list[net.BlockVariable]:
+    return [*block.parameters.inputs, *block.parameters.in_outs, *block.parameters.outputs]
+
+
+def _has_known_pins(block: net.Block) -> bool:
+    """True unless the pins of a standard block are named as another tool does: ``In1`` for ``IN1``."""
+    standard = standard_block(block.type_name)
+    names = {variable.name for variable in _variables(block)} - {"EN", "ENO", ""}
+    return standard is None or all(standard.pin_in(name, None) == name for name in names)
+
+
+def _pins(node: net.Node) -> Iterator[net.InputPin | net.OutputPin]:
+    parts = _variables(node) if isinstance(node, net.Block) else [node]
+    pins = [getattr(part, name, None) for part in parts for name in ("input", "output")]
+    yield from (pin for pin in (*pins, *getattr(node, "inputs", ()), *getattr(node, "outputs", ())) if pin is not None)
 
 
 def write_negations_out(nodes: Iterable[net.Node]) -> int:

@@ -12,6 +12,8 @@ from plcopen_sfc.formats.matiec.matiec_declarations import (
     TypeFitter,
     declare_globals,
     give_plain_names,
+    is_matiec_name,
+    matiec_name,
     name_structures,
     note_undeclared,
     quote_strings,
@@ -23,13 +25,17 @@ from plcopen_sfc.formats.matiec.matiec_statements import (
     compilable_instructions,
     compilable_statements,
     fit_expressions,
+    gives_to_operators,
     without_for,
 )
 from plcopen_sfc.languages.binding import Names
-from plcopen_sfc.languages.binding.text_sites import TextSite
+from plcopen_sfc.languages.binding.name_resolution import Resolver
+from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.s7_types import Constant, constants_of
+from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.languages.st.nodes import Assignment
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.task_schedules import duration_literal, iec_form, nanoseconds, schedule_of
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
@@ -48,6 +54,8 @@ from plcopen_sfc.model.types import (
     ElementaryType,
     EnumType,
     SimpleValue,
+    StructType,
+    StructValue,
     used_types,
 )
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection, sections_of
@@ -89,12 +97,15 @@ def fit_project(
         if pou.interface is not None:
             types.interface(pou.interface, pou.report_path, constants)
         unit = FittedPou(pou, project.dialect, report, own, names, globals_, functions, keeps_drawings)
-        _fit_pou(unit, final_scan, same_loops=options.of_matiec, relies=options.of_graph or options.of_grafcet)
+        starts = _start_values(unit, project) if keeps_drawings and not own else []
+        _fit_pou(unit, final_scan, starts, same_loops=options.of_matiec, relies=options.of_graph or options.of_grafcet)
     _configure(project, report, lists)
     fit_expressions(project, report, same_library=own)
     if not own:
         note_functions(project, report, "the source")
-    if not keeps_drawings:
+    if keeps_drawings:
+        _note_structures(project, report)
+    else:
         note_undeclared(project, report)
 
 
@@ -122,6 +133,47 @@ def _note_arrays_of_blocks(project: Project, report: ConversionReport) -> None:
                 path = f"{pou.report_path} / variable {variable.name}"
                 why = f"matiec has no arrays of function blocks: declare instances of {base.name}"
                 report.add(Outcome.NOT_EXECUTED, "variable", path, why)
+
+
+def _note_structures(project: Project, report: ConversionReport) -> None:
+    """Report uses of structures that OpenPLC refuses: its converter makes function blocks of them."""
+    resolver = Resolver(project, project.dialect)
+    structures = {one.name.casefold() for one in project.data_types if isinstance(one.type, StructType)}
+    found: dict[str, dict[str, None]] = {}
+
+    def note(path: str, what: str) -> None:
+        found.setdefault(path, {})[what] = None
+
+    def is_structure(kind: DataType | None) -> bool:
+        return isinstance(kind, DerivedType) and kind.name.casefold() in structures
+
+    for one in project.data_types:
+        kinds = [one.type, *(member.type for member in getattr(one.type, "members", []))]
+        if any(isinstance(kind, ArrayType) and is_structure(kind.base) for kind in kinds):
+            note(f"data type {one.name}", one.name)
+    for pou in project.pous:
+        is_function = pou.kind is PouKind.FUNCTION
+        if is_function and pou.interface is not None and is_structure(pou.interface.return_type):
+            note(pou.report_path, pou.name)
+        for section in sections_of(pou.interface):
+            passed = is_function or section.kind in (SectionKind.INPUT, SectionKind.IN_OUT)
+            for variable in section.variables:
+                is_array = isinstance(variable.type, ArrayType) and is_structure(variable.type.base)
+                if is_array or (passed and is_structure(variable.type)):
+                    note(pou.report_path, variable.name)
+    for text_site in text_sites(project):
+        owner = text_site.site.pou
+        if owner is None or text_site.reading is not SiteKind.STATEMENTS or not text_site.is_program_text:
+            continue
+        for node in walk(text_site.parsed(project.dialect).tree):
+            if isinstance(node, Assignment) and isinstance(resolver.type_of(node.target, text_site.site), StructType):
+                note(owner.report_path, print_node(node.target))
+    for path, uses in found.items():
+        why = (
+            "Beremiz compiles it, and OpenPLC does not, which makes function blocks of structures: no arrays, "
+            f"parameters and assignments of them: {', '.join(uses)}"
+        )
+        report.add(Outcome.APPROXIMATED, "structure", path, why)
 
 
 def _typed_functions(project: Project) -> dict[str, DataType]:
@@ -184,8 +236,11 @@ def _numbers(declaration: DataTypeDeclaration) -> list[Constant]:
 # -- POUs -------------------------------------------------------------------------------------------------------------
 
 
-def _fit_pou(unit: FittedPou, final_scan: bool | None, *, same_loops: bool, relies: bool) -> None:
-    """Change a POU into one that matiec compiles: one body, actions of its chart only, statements in its spelling."""
+def _fit_pou(unit: FittedPou, final_scan: bool | None, starts: list[str], *, same_loops: bool, relies: bool) -> None:
+    """Change a POU into one that matiec compiles: one body, actions of its chart only, statements in its spelling.
+
+    `starts` are the assignments of start values, which the first scan executes.
+    """
     pou = unit.pou
     if pou.kind is PouKind.ORGANIZATION_BLOCK:
         pou.kind = PouKind.PROGRAM
@@ -201,15 +256,26 @@ def _fit_pou(unit: FittedPou, final_scan: bool | None, *, same_loops: bool, reli
                 unit.note(Outcome.TRANSLATED, "section", unit.path, "PERSISTENT is RETAIN in matiec")
         pou.interface.sections = [part for section in pou.interface.sections for part in _by_location(section)]
     body = _one_body(unit)
+    started = starts if isinstance(body, SfcBody | StBody) else []
+    if starts and not started:
+        why = f"the converters leave out start values of instances, and no statement gives them: {'; '.join(starts)}"
+        unit.note(Outcome.NOT_EXECUTED, "initial", unit.path, why)
+    elif starts:
+        once = unit.declare("values_given")
+        started = [
+            f"IF NOT {once} THEN\n" + "\n".join(f"    {each};" for each in starts) + f"\n    {once} := TRUE;\nEND_IF;"
+        ]
+    if isinstance(body, StBody) and started:
+        body = StBody(text=f"{started[0]}\n{body.text}")
     for action in pou.actions:
         action.body = unit.action(action.body or StBody(), f"{unit.path} / action {action.name}", action.name)
     if isinstance(body, SfcBody) and not body.chart.initial_steps:
         unit.note(Outcome.NOT_EXECUTED, "chart", unit.path, "it has no initial step; the text does not compile there")
         body = StBody(text=unit.uncompilable("chart"))
     if isinstance(body, SfcBody):
-        ChartFitter(unit, body.chart, final_scan, relies).fit()
-        started = {(a.target or "").casefold() for _, a in body.chart.associations()}
-        pou.actions = [action for action in pou.actions if action.name.casefold() in started]
+        ChartFitter(unit, body.chart, final_scan, relies, started).fit()
+        executed = {(a.target or "").casefold() for _, a in body.chart.associations()}
+        pou.actions = [action for action in pou.actions if action.name.casefold() in executed]
     else:
         for action in pou.actions:
             why = "matiec has actions of charts only"
@@ -229,6 +295,35 @@ def _fit_pou(unit: FittedPou, final_scan: bool | None, *, same_loops: bool, reli
             text.text, text.markup = compilable_instructions(text.text, unit.dialect).strip("\n"), None
     if not pou.variables():
         unit.idle()  # the converters of Beremiz and OpenPLC refuse a POU without variables
+
+
+def _start_values(unit: FittedPou, project: Project) -> list[str]:
+    """Return assignments for the start values of instances, which the converters before matiec leave out."""
+    blocks = {pou.name.casefold(): pou for pou in project.pous if pou.kind is PouKind.FUNCTION_BLOCK}
+    found: list[str] = []
+    for section in sections_of(unit.pou.interface):
+        for variable in section.variables:
+            kind, value = variable.type, variable.initial
+            if value is None or not isinstance(kind, DerivedType) or kind.name.casefold() in unit.types:
+                continue
+            variable.initial = None
+            block, standard = blocks.get(kind.name.casefold()), standard_block(kind.name)
+            inputs = {pin.name.casefold() for pin in standard.inputs} if standard is not None else set()
+            for inner in sections_of(block.interface) if block is not None else ():
+                inputs |= {each.name.casefold() for each in inner.variables if inner.kind is SectionKind.INPUT}
+            members = value.members if isinstance(value, StructValue) else []
+            given = [(one.member, one.value.text) for one in members if isinstance(one.value, SimpleValue)]
+            if not members or len(given) < len(members) or section.retain or {m.casefold() for m, _ in given} - inputs:
+                path = f"{unit.path} / variable {variable.name}"
+                why = "the converters leave out start values of instances, and no statement gives them"
+                unit.note(Outcome.NOT_EXECUTED, "initial", path, why)
+            else:
+                found += [f"{variable.name}.{member} := {text}" for member, text in given]
+                path = f"{unit.path} / variable {variable.name}"
+                unit.note(
+                    Outcome.TRANSLATED, "initial", path, "statements of the first scan: the converters leave it out"
+                )
+    return found
 
 
 def _check_addresses(unit: FittedPou) -> None:
@@ -266,7 +361,7 @@ def _one_body(unit: FittedPou) -> Body:
     if alone and len(bodies) > 1:
         unit.note(Outcome.NOT_EXECUTED, "body", unit.path, "matiec has one body for each POU")
     if alone and len(bodies) == 1:
-        return alone[0]
+        return _compilable_calls(unit, alone[0]) if isinstance(alone[0], IlBody) else alone[0]
     texts: list[str] = []
     for body in bodies:
         if isinstance(body, SfcBody) and not body.chart.steps:
@@ -274,6 +369,14 @@ def _one_body(unit: FittedPou) -> Body:
         text = unit.statements(body, unit.path)
         texts.append(unit.uncompilable("body") if text is None else text)
     return StBody(text="\n".join(texts))
+
+
+def _compilable_calls(unit: FittedPou, body: IlBody) -> Body:
+    """Return instructions without calls that give R or S a value: matiec reads these as operators there."""
+    if not gives_to_operators(body.text, unit.dialect):
+        return body
+    text = unit.statements(body, unit.path)
+    return StBody(text=unit.uncompilable("body") if text is None else text)
 
 
 # -- types ------------------------------------------------------------------------------------------------------------
@@ -409,7 +512,8 @@ def _instances(configuration: Configuration) -> list[PouInstance]:
 
 def _free(name: str, used: set[str], path: str, report: ConversionReport) -> str:
     """Return a name that nothing else has: matiec and the converters before it take each of them once."""
-    new = take_name(name, used, first=1)
+    new = take_name(name if is_matiec_name(name) else matiec_name(name), used, first=1)
     if new != name:
-        report.add(Outcome.TRANSLATED, "name", path, f"renamed to {new}: matiec takes each name once")
+        why = "matiec takes each name once" if is_matiec_name(name) else f"matiec does not take {name!r}"
+        report.add(Outcome.TRANSLATED, "name", path, f"renamed to {new}: {why}")
     return new

@@ -30,8 +30,9 @@ from plcopen_sfc.languages.expression_types import (
 from plcopen_sfc.languages.il import CALLS
 from plcopen_sfc.languages.st import names_of, parse_expression, parse_statements, print_node, render, transform, walk
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
+from plcopen_sfc.languages.st.lexer import Comment, CommentKind, Token, tokenize
 from plcopen_sfc.languages.st.walking import with_statements
+from plcopen_sfc.languages.standard_blocks import S7_COUNTERS_OF_CODESYS
 from plcopen_sfc.languages.text_edits import Edit, apply_edits, without
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
@@ -214,19 +215,35 @@ def _with_semicolons(text: str, dialect: Dialect) -> str:
 def compilable_instructions(text: str, dialect: Dialect) -> str:
     """Return instructions in the form that matiec takes: the parameters of a call on lines of their own."""
     edits = []
+    for token, following in _separators_of_calls(text, dialect):
+        place = token.span[0] if following is None else token.span[1]
+        edits.append(Edit(place, place, "\n"))
+    return compilable_comments(apply_edits(text, edits), dialect)
+
+
+def gives_to_operators(text: str, dialect: Dialect) -> bool:
+    """True if a call in instructions has a parameter R or S, which are operators of IL."""
+    found = [following.value.upper() for _, following in _separators_of_calls(text, dialect) if following is not None]
+    return not {"R", "S"}.isdisjoint(found)
+
+
+def _separators_of_calls(text: str, dialect: Dialect) -> Iterator[tuple[Token, Token | None]]:
+    """Yield what is before each parameter of calls in instructions, with its name, and the ends of calls with None."""
     tokens = tokenize(text, dialect).tokens
     for index, token in enumerate(tokens):
         if token.value.upper() not in CALLS or index + 2 >= len(tokens) or tokens[index + 2].type != "LPAR":
             continue
         depth = 0
-        for inner in tokens[index + 2 :]:
+        for inner, following in zip(tokens[index + 2 :], tokens[index + 3 :], strict=False):
             depth += (inner.type == "LPAR") - (inner.type == "RPAR")
             if depth == 0:
-                edits.append(Edit(inner.span[0], inner.span[0], "\n"))
+                yield inner, None
                 break
             if depth == 1 and inner.type in ("LPAR", "COMMA"):
-                edits.append(Edit(inner.span[1], inner.span[1], "\n"))
-    return compilable_comments(apply_edits(text, edits), dialect)
+                yield inner, following
+        else:
+            if depth == 1 and tokens[-1].type == "RPAR":
+                yield tokens[-1], None
 
 
 def compilable_comments(text: str, dialect: Dialect) -> str:
@@ -277,7 +294,8 @@ def fit_expressions(project: Project, report: ConversionReport, *, same_library:
         if not fitter.missing:
             found = _TypeCheck(ExpressionTypes(Dialect.IEC, fitter.type_of)).mistakes(tree)
             fitter.missing += (("operation", f"matiec has no {each}") for each in found)
-        for told in dict.fromkeys(_otherwise(tree, fitter.type_of)) if not same_library else ():
+        others = [] if same_library else [*fitter.narrowed, *_otherwise(tree, fitter.type_of)]
+        for told in dict.fromkeys(others):
             report.add(Outcome.APPROXIMATED, "operation", text_site.report_path, told)
         if tree is not parsed.tree:
             text_site.put(render(parsed, tree))
@@ -299,10 +317,13 @@ class _ExpressionFitter:
         self.same_library = same_library
         self.resolver = resolver
         self.missing: list[tuple[str, str]] = []
+        self.narrowed: list[str] = []
         self.converter = OperandConverter(self._type, self.missing)
 
     def type_of(self, value: n.Expression) -> str:
         """Return the elementary type of a variable or of the result of a function; empty where it has another."""
+        if self._is_count(value):
+            return "INT"
         found = self.resolver.type_of(value, self.text_site.site)
         if isinstance(found, StringType):
             return "WSTRING" if found.wide else "STRING"
@@ -318,15 +339,60 @@ class _ExpressionFitter:
         if isinstance(node, n.Unary) and isinstance(node.operand, n.Unary):
             return replace(node, operand=n.Parenthesized(node.operand))  # IEC 61131-3 ed. 2, B.3.1: one sign or NOT
         if isinstance(node, n.Assignment):
+            if self._is_count(node.target):
+                return replace(node, value=self._preset(node.value))
+            if self._is_count(n.bare(node.value)) and (kind := self.converter.kind(node.target)) in _COUNTS:
+                return replace(node, value=_as(kind, "INT", node.value))
             return self.converter.assignment(node)
         if isinstance(node, n.Member) and (bit := _BIT.fullmatch(node.name.identifier)):
             return self._bit(node, bit)
+        if isinstance(node, n.Call):
+            node = self._with_arguments(node)
         if isinstance(node, n.Call) and isinstance(node.callee, n.Name):
             converted = self._conversion(node, node.callee)
             if isinstance(converted, n.Call) and not self.same_library:
                 return in_milliseconds(converted) or converted
             return converted
         return node
+
+    def _is_count(self, value: n.Expression) -> bool:
+        """True for the count and the preset of a counter, which are of the type INT in matiec."""
+        if not isinstance(value, n.Member) or value.name.identifier.upper() not in ("CV", "PV"):
+            return False
+        return self._is_counter(value.base)
+
+    def _is_counter(self, value: n.Expression) -> bool:
+        block = self.resolver.standard_block_of(value, self.text_site.site)
+        return block is not None and block.name in S7_COUNTERS_OF_CODESYS
+
+    def _preset(self, value: n.Expression) -> n.Expression:
+        """Return the preset of a counter, which is a WORD in CODESYS."""
+        kind, inner = self.converter.kind(value), n.bare(value)
+        if kind not in _COUNTS:
+            return self.converter.as_type("INT", value)
+        self.narrowed.append(f"a counter ends at 32767 in matiec: {print_node(value)} may be more")
+        if isinstance(inner, n.Call) and inner.called.upper() == f"INT_TO_{kind}" and inner.arguments[0].value:
+            return inner.arguments[0].value
+        return _as("INT", kind, value)
+
+    def _with_arguments(self, call: n.Call) -> n.Call:
+        """Return a call with arguments of the types of its parameters, which matiec does not convert."""
+        is_counter, arguments = self._is_counter(call.callee), []
+        conversion = _NUMBER_CONVERSION.fullmatch(call.called)
+        for position, argument in enumerate(call.arguments):
+            value, pin = argument.value, argument.name.identifier.upper() if argument.name is not None else ""
+            if value is not None and not argument.output:
+                if is_counter and pin == "PV":
+                    value = self._preset(value)
+                elif conversion is not None:
+                    value = self.converter.as_type(conversion[1].upper(), value, same_bits=True)
+                else:
+                    found = self.resolver.parameter_type(call, position, self.text_site.site)
+                    target = found.name.value if isinstance(found, ElementaryType) else ""
+                    value = self.converter.as_type(target, value) if target in _NUMBERS else value
+            arguments.append(argument if value is argument.value else replace(argument, value=value))
+        changed = any(new is not old for new, old in zip(arguments, call.arguments, strict=True))
+        return replace(call, arguments=tuple(arguments)) if changed else call
 
     def _bit(self, node: n.Member, found: re.Match[str]) -> n.Node:
         """``w.3`` as ``(w AND WORD#16#8) <> WORD#16#0``, where it is read only."""
@@ -395,6 +461,9 @@ _TYPED = re.compile(r"([A-Z]+)#", re.IGNORECASE)
 REAL_LITERAL = re.compile(r"[\d_]+\.[\d_]+(?:[eE][+-]?\d+)?")
 _WHOLE = re.compile(r"\d[\d_]*")
 _FUNCTION = re.compile(r"[A-Z]+_TO_([A-Z]+)", re.IGNORECASE)
+_NUMBER_CONVERSION = re.compile(rf"({'|'.join(sorted(_NUMBERS, key=len, reverse=True))})_TO_[A-Z]+", re.IGNORECASE)
+_COUNTS = frozenset({"WORD", "UINT"})
+"""The types of the numbers that counters of CODESYS have."""
 
 
 TypeOf = Callable[[n.Expression], str]
@@ -450,16 +519,22 @@ class OperandConverter:
 
     def assignment(self, node: n.Assignment) -> n.Node:
         """Return an assignment of a value of the type of its target."""
-        target, kind = self.kind(node.target), self.kind(node.value)
+        target = self.kind(node.target)
         if not target or node.kind is not n.AssignmentKind.ASSIGN:
             return node
-        if not kind and target not in REALS and _is_real(node.value):
-            kind = "REAL"
-        if kind and not _widens(kind, target):
-            self._missing.append(("assignment", f"matiec does not assign {kind} to {target}"))
-            return node
-        value = _as(target, kind, node.value)
+        value = self.as_type(target, node.value)
         return node if value is node.value else replace(node, value=value)
+
+    def as_type(self, target: str, value: n.Expression, *, same_bits: bool = False) -> n.Expression:
+        """Return a value as one of a type of numbers; `same_bits`: also one of the same size in another family."""
+        kind = self.kind(value)
+        if not kind and target not in REALS and _is_real(value):
+            kind = "REAL"
+        is_same = same_bits and kind != target and _BITS_OF.get(kind, kind) == _BITS_OF.get(target, target)
+        if kind and not is_same and not _widens(kind, target):
+            self._missing.append(("assignment", f"matiec does not assign {kind} to {target}"))
+            return value
+        return _as(target, kind, value)
 
 
 _OF_REALS = frozenset("SQRT LN LOG EXP SIN COS TAN ASIN ACOS ATAN".split())

@@ -577,3 +577,102 @@ def test_what_is_simulated_as_beremiz_is_written_as_it_is(company: str, product:
     _, report = sfc.convert(read, "iec-text", flavour="matiec", partial=True)
     is_reported = "action" in {item.what for item in report.losses}  # the final scan of IEC, which Beremiz has not
     assert is_reported is Simulation(resolve(read, "Plant")).profile.final_scan
+
+
+COUNTING = {
+    "c(CU := a, PV := INT_TO_WORD(i));": ("c(CU := a, PV := i);", True),
+    "c(CU := a, PV := w);": ("c(CU := a, PV := WORD_TO_INT(w));", True),
+    "c.PV := w;": ("c.PV := WORD_TO_INT(w);", True),
+    "c(CU := a, PV := s);": ("c(CU := a, PV := SINT_TO_INT(s));", False),
+    "w := c.CV;": ("w := INT_TO_WORD(c.CV);", False),
+    "r := INT_TO_REAL(s);": ("r := INT_TO_REAL(SINT_TO_INT(s));", False),
+    "i := WORD_TO_INT(u);": ("i := WORD_TO_INT(UINT_TO_WORD(u));", False),
+}
+
+
+def _of_codesys(statements: str) -> sfc.Project:
+    text = f"""PROGRAM Plant VAR a : BOOL; s : SINT; w : WORD; u : UINT; i : INT; r : REAL; c : CTU; END_VAR
+{statements}
+END_PROGRAM"""
+    return sfc.loads(sfc.dumps(sfc.loads(text.encode(), format="iec-text"), format="codesys"), format="codesys")
+
+
+@pytest.mark.parametrize("statement", COUNTING)
+def test_arguments_have_the_types_of_their_parameters(statement: str, tmp_path: Path) -> None:
+    """A counter of CODESYS has WORDs where that of matiec has INTs, and matiec converts no argument."""
+    text, report = _text_for(_of_codesys(statement))
+    written, told = COUNTING[statement]
+    assert written in text
+    assert [item.outcome for item in report.losses] == ([Outcome.APPROXIMATED] if told else [])
+    require_matiec().translate(text, tmp_path)
+
+
+@pytest.mark.parametrize("statement", ["c(CU := a, PV := DINT#7 * d);", "a := c.CV > w;"])
+def test_arguments_of_other_types_are_told(statement: str) -> None:
+    project = _of_codesys("")
+    project.pou("Plant").variables()
+    project.pou("Plant").interface.sections[0].variables.append(m.Variable(name="d", type="DINT"))
+    project.pou("Plant").body.text = statement
+    assert [item.outcome for item in _text_for(project)[1].losses] == [Outcome.NOT_EXECUTED]
+
+
+def _compiled(text: str, folder: Path) -> tuple[str, sfc.ConversionReport]:
+    written, report = _text_for(sfc.loads(text.encode(), format="iec-text"))
+    require_matiec().translate(written, folder)
+    return written, report
+
+
+def test_subranges_are_types_with_a_name(tmp_path: Path) -> None:
+    types = "TYPE Speed : STRUCT now : INT(0..10); END_STRUCT; END_TYPE"
+    body = "VAR s : Speed; g : INT(0..9); i : INT; END_VAR i := s.now; END_PROGRAM"
+    text, report = _compiled(f"{types} PROGRAM Plant {body}", tmp_path)
+    assert report.losses == []
+    assert "now : T_Speed_now;" in text
+
+
+def test_a_second_name_of_a_structure_is_not_executed() -> None:
+    types = "TYPE Part : STRUCT n : INT; END_STRUCT; END_TYPE TYPE Item : Part; END_TYPE"
+    project = sfc.loads(
+        f"{types} PROGRAM Plant VAR p : Item; END_VAR p.n := 1; END_PROGRAM".encode(), format="iec-text"
+    )
+    report = sfc.convert(project, "iec-text", flavour="matiec", partial=True).report
+    assert [(item.path, item.why) for item in report.with_outcome(Outcome.NOT_EXECUTED)] == [
+        ("type Item", "matiec compiles no second name of a structure: declare variables as Part")
+    ]
+
+
+def test_an_indicator_that_nothing_declares_is_left_out(tmp_path: Path) -> None:
+    chart = """PROGRAM Plant VAR a : BOOL; q : BOOL; done : BOOL; END_VAR
+INITIAL_STEP S1: q(L, T#1s, Done); END_STEP
+STEP S2: q(L, T#2s, Missing); END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := a; END_TRANSITION
+END_PROGRAM"""
+    written, report = _compiled(chart, tmp_path)
+    assert "Missing" not in written
+    assert [item.why for item in report.items if item.what == "indicator"] == [
+        "Missing is left out: nothing declares it"
+    ]
+
+
+def test_instructions_that_matiec_does_not_read_become_statements(tmp_path: Path) -> None:
+    """R is an operator of IL, and a global variable of instructions is declared as external."""
+    body = "CAL c(\nCU := on,\nR := c.Q,\nPV := 11\n)\nLD c.CV\nST count\n"
+    source = f"""CONFIGURATION Line VAR_GLOBAL on : BOOL; count : INT; END_VAR RESOURCE Cpu ON PLC
+TASK T0(INTERVAL := T#20ms, PRIORITY := 0); PROGRAM Runs WITH T0 : Plant; END_RESOURCE END_CONFIGURATION
+PROGRAM Plant VAR c : CTU; END_VAR
+{body}END_PROGRAM"""
+    project = sfc.loads(source.encode(), format="iec-text")
+    assert isinstance(project.pou("Plant").body, m.IlBody)
+    written, report = _text_for(project)
+    require_matiec().translate(written, tmp_path)
+    assert "c(CU := x_on, R := c.Q, PV := 11);" in written
+    assert report.losses == []
+
+
+def test_blocks_of_the_library_of_codesys_are_in_the_text(tmp_path: Path) -> None:
+    project = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
+    text, report = _text_for(project)
+    assert "FUNCTION_BLOCK BLINK" in text
+    assert not report.with_outcome(Outcome.NOT_EXECUTED)
+    require_matiec().translate(text, tmp_path)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 import plcopen_sfc as sfc
@@ -195,3 +197,170 @@ def test_simultaneous_convergences_begin_at_steps_that_have_other_transitions() 
     assert {each.id for each in symbols.values() if each.kind is m.SymbolKind.SELECTION_DIVERGENCE} <= wired
     rules = (PROFILES["iec"], PROFILES["iec"])
     assert equivalent(source.pou("Main"), read.pou("Main"), rules, outputs=["q"]).proven
+
+
+TIMED = b"""PROGRAM Main
+VAR_INPUT go : BOOL; END_VAR
+VAR_OUTPUT q : BOOL; late : BOOL; n : INT; END_VAR
+INITIAL_STEP S1: Watch(N); END_STEP
+STEP S2: Watch(N); END_STEP
+STEP S3: Watch(N); END_STEP
+TRANSITION FROM S1 TO S2 := go; END_TRANSITION
+TRANSITION FROM S2 TO S3 := S2.T >= T#30ms; END_TRANSITION
+TRANSITION FROM S3 TO S1 := NOT go; END_TRANSITION
+ACTION Watch:
+    q := S2.T > T#10ms;
+    late := S1.T >= T#40ms AND S3.X;
+    n := n + 1;
+END_ACTION
+END_PROGRAM
+"""
+
+
+def test_times_of_steps_are_variables_in_actions() -> None:
+    """The compiler knows ``S2.T`` behind the step only, and its parser may not end where it does not."""
+    source = sfc.loads(TIMED, format="iec-text")
+    data, report = sfc.convert(source, "plcopen", flavour="beremiz")
+    assert not report.with_outcome(Outcome.NOT_EXECUTED)
+    read = sfc.loads(data, as_tool=True)
+    texts = [action.body.text for action in read.pou("Main").actions]
+    assert not [text for text in texts if ".T" in text.replace(".T)", "")]
+    assert "S2_time > T#10ms" in "".join(texts)
+    conditions = [transition.condition.text for transition in read.pou("Main").sfc.transitions]
+    assert "S2.T >= T#30ms" in conditions
+
+    def pulses(scan: int, _: object) -> dict[str, bool]:
+        return {"go": scan % 17 in (3, 4, 5, 6, 9, 10)}
+
+    runs = [
+        sfc.simulate(each, pou="Main", scans=120, inputs=pulses, record=["q", "late", "n"], profile=rules)
+        for each, rules in ((source, replace(PROFILES["iec"], final_scan=False)), (read, PROFILES["beremiz"]))
+    ]
+    assert [runs[0][name] for name in ("q", "late", "n")] == [runs[1][name] for name in ("q", "late", "n")]
+    assert any(runs[0]["q"])
+    assert any(runs[0]["late"])
+
+
+ENDS = b"""PROGRAM Main
+VAR_INPUT go : BOOL; END_VAR
+VAR_OUTPUT q : BOOL; END_VAR
+INITIAL_STEP S0: END_STEP
+TRANSITION FROM S0 TO (S1, S2) := go; END_TRANSITION
+STEP S1: END_STEP
+STEP S2: q(N); END_STEP
+TRANSITION FROM (S1, S2) TO S0 := S2.T >= T#30ms; END_TRANSITION
+END_PROGRAM
+"""
+
+
+def test_the_time_of_a_step_at_the_end_of_simultaneous_sequences_comes_one_scan_later() -> None:
+    """The converter writes the transition behind the first sequence, before the steps of the second."""
+    source = sfc.loads(ENDS, format="iec-text")
+    data, report = sfc.convert(source, "plcopen", flavour="beremiz")
+    (told,) = [item for item in report.losses if item.what == "transition"]
+    assert (told.outcome, told.path) == (Outcome.APPROXIMATED, "POU Main / transition S1+S2 -> S0")
+    assert "the time of another step one scan later" in told.why
+    read = sfc.loads(data, as_tool=True)
+    runs = [
+        sfc.simulate(
+            each, pou="Main", scans=20, inputs=lambda scan, _: {"go": scan == 2}, record=["q"], profile="beremiz"
+        )
+        for each in (source, read)
+    ]
+    assert [run["q"].count(True) for run in runs] == [3, 4]
+
+
+OPERANDS = [
+    m.InputPin(expression="q"),
+    m.InputPin(connections=[m.Connection(source=6)]),
+]
+
+
+@pytest.mark.parametrize(
+    ("names", "pin"), [(("In1", "In2", "Out1"), OPERANDS[1]), (("IN1", "IN2", "OUT"), OPERANDS[0])]
+)
+def test_pins_that_the_converter_does_not_see_become_statements(
+    project: sfc.Project, names: tuple[str, str, str], pin: m.InputPin
+) -> None:
+    """It ends with an error at an output that is not called OUT, and leaves out an operand that is written at a pin."""
+    wire = m.InputPin(connections=[m.Connection(source=7)])
+    block = m.Block(
+        id=8,
+        type_name="AND",
+        parameters=m.BlockParameters(
+            inputs=[m.BlockVariable(name=names[0], input=pin), m.BlockVariable(name=names[1], input=wire)],
+            outputs=[m.BlockVariable(name=names[2], output=m.OutputPin())],
+        ),
+    )
+    nodes = [
+        m.InputVariable(id=6, expression="q", output=m.OutputPin()),
+        m.InputVariable(id=7, expression="a", output=m.OutputPin()),
+        block,
+        m.OutputVariable(id=9, expression="q", input=m.InputPin(connections=[m.Connection(source=8, pin=names[2])])),
+    ]
+    project.pou("Empty").bodies = [m.FbdBody(networks=[m.LogicNetwork(nodes=nodes)])]
+    project.pou("Empty").interface.sections[0].variables.append(m.Variable(name="q", type="BOOL"))
+    seen, report = converted(project)
+    assert seen.pou("Empty").body.text == "q := q AND a;"
+    assert ("body", "FBD became statements") in [(item.what, item.why) for item in report.items]
+
+
+def test_configurations_are_not_called_by_keywords(project: sfc.Project) -> None:
+    project.configurations[0].name, project.configurations[0].resources[0].name = "Configuration", "Resource"
+    seen, _ = converted(project)
+    assert seen.configurations[0].name == "x_Configuration"
+    assert seen.configurations[0].resources[0].name == "x_Resource"
+
+
+STRUCTURES = b"""TYPE Part : STRUCT length : INT; END_STRUCT; END_TYPE
+TYPE Parts : ARRAY [0..3] OF Part; END_TYPE
+FUNCTION Long : BOOL VAR_INPUT p : Part; END_VAR Long := p.length > 9; END_FUNCTION
+PROGRAM Main
+VAR a : Part; b : Part; list : ARRAY [0..3] OF Part; n : INT; END_VAR
+a := b; n := a.length;
+END_PROGRAM
+PROGRAM Plain VAR a : Part; n : INT; END_VAR n := a.length; END_PROGRAM
+"""
+
+
+def test_structures_that_openplc_makes_function_blocks_of_are_told() -> None:
+    report = sfc.convert(sfc.loads(STRUCTURES, format="iec-text"), "plcopen", flavour="beremiz").report
+    told = {item.path: item for item in report.losses if item.what == "structure"}
+    assert {item.outcome for item in told.values()} == {Outcome.APPROXIMATED}
+    found = {path: item.why.rpartition(": ")[2] for path, item in told.items()}
+    assert found == {
+        "data type Parts": "Parts",
+        "POU Long": "p",
+        "POU Main": "list, a",
+    }
+    assert not sfc.convert(sfc.loads(STRUCTURES, format="iec-text"), "iec-text", flavour="matiec").report.losses
+
+
+STARTS = b"""PROGRAM Main
+VAR_INPUT a : BOOL; END_VAR
+VAR_OUTPUT q : BOOL; END_VAR
+VAR delay : TON := (PT := T#50ms); END_VAR
+delay(IN := a); q := delay.Q;
+END_PROGRAM
+"""
+
+
+def test_start_values_of_instances_are_statements_of_the_first_scan() -> None:
+    """The converter leaves them out without a word."""
+    source = sfc.loads(STARTS, format="iec-text")
+    data, report = sfc.convert(source, "plcopen", flavour="beremiz")
+    read = sfc.loads(data, as_tool=True)
+    assert not report.losses
+    assert all(variable.initial is None for variable in read.pou("Main").variables())
+    runs = [
+        sfc.simulate(each, pou="Main", scans=20, inputs=lambda *_: {"a": True}, record=["q"]) for each in (source, read)
+    ]
+    assert runs[0]["q"] == runs[1]["q"]
+    assert runs[0]["q"].count(True) in range(1, 19)
+
+
+def test_start_values_that_no_statement_can_give_are_not_executed() -> None:
+    text = STARTS.replace(b"VAR delay", b"VAR RETAIN delay")
+    report = sfc.convert(sfc.loads(text, format="iec-text"), "plcopen", flavour="beremiz", partial=True).report
+    (told,) = report.with_outcome(Outcome.NOT_EXECUTED)
+    assert (told.what, told.path) == ("initial", "POU Main / variable delay")
