@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 import plcopen_sfc as sfc
@@ -91,11 +93,11 @@ def test_pulses_of_one_action_are_step_actions_where_no_scan_has_two(
         TRANSITION FROM S1 TO S2 := b; END_TRANSITION
         TRANSITION FROM S2 TO S3 := a; END_TRANSITION
         TRANSITION FROM S3 TO {back} := b; END_TRANSITION
-        ACTION Count: n := n + 1; END_ACTION
+        ACTION Count: n := (n + 1) MOD 4; END_ACTION
         END_FUNCTION_BLOCK"""
     report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "codesys", partial=True, limit=8).report
     assert (not report.losses) is executed
-    assert report.compared["POU Main"].startswith("equal" if executed else "not compared")
+    assert re.match(r"equal.*\(proof" if executed else "not compared", report.compared["POU Main"])
 
 
 def test_pulses_of_one_action_in_parallel_steps_are_not_executed() -> None:
@@ -204,7 +206,8 @@ def test_orders_of_step_actions_of_codesys_are_kept_or_told(
     for names in (("Aa", "Bb"), ("Bb", "Aa")):
 
         def build(rig: FeatureChart, names: tuple[str, str] = names) -> None:
-            for name, text in zip(names, ("n := n + 1;", "n := n * 2;"), strict=True):
+            for name, value in zip(names, ("0; ELSE n := n + 1", "1; ELSE n := n * 2"), strict=True):
+                text = f"IF n > 2 THEN n := {value}; END_IF"  # few states, which all can be compared
                 rig.action(name, m.StBody(text=text))
             for (kind, step), name in zip((one, other), names, strict=True):
                 if kind == "row":

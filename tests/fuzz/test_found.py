@@ -31,7 +31,7 @@ BROKEN = FIXTURES / "broken"
 )
 def test_nothing_but_own_errors_comes_of_a_broken_file_and_nothing_is_lost(path: Path) -> None:
     mutant = MutatedFile(FORMATS[path.suffix.casefold()], path.name, path.read_bytes())
-    assert [fault for seed in range(9) for fault in faults(mutant, seed)] == []
+    assert faults(mutant, *range(9)) == []
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pickle
 import signal
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -52,17 +52,18 @@ class HangError(BaseException):
     """More than `CPU_SECONDS` of the processor."""
 
 
-def faults(mutant: MutatedFile, seed: int) -> list[FuzzFault]:
-    """Do everything with a mutant and return what must not be."""
-    return _Trial(mutant, Random(seed)).run()  # noqa: S311  # no secret
+def faults(mutant: MutatedFile, *seeds: int) -> list[FuzzFault]:
+    """Do everything with a mutant and return what must not be. A seed chooses a target, and what is run and edited."""
+    return _Trial(mutant).run(seeds)
 
 
 class _Trial:
-    def __init__(self, mutant: MutatedFile, chance: Random) -> None:
-        self.mutant, self.chance = mutant, chance
+    def __init__(self, mutant: MutatedFile) -> None:
+        self.mutant = mutant
         self.found: list[FuzzFault] = []
+        self.tried: set[tuple[str | int, ...]] = set()
 
-    def run(self) -> list[FuzzFault]:
+    def run(self, seeds: Sequence[int]) -> list[FuzzFault]:
         data = self.mutant.data
         project = self.attempt("load", lambda: self.load(data), placed=True)
         if project is None:
@@ -81,13 +82,20 @@ class _Trial:
         as_json = self.attempt("to json", lambda: sfc.convert(project, "json", partial=True))
         if as_json is not None:
             self.compared("json", project, as_json, "json")
-        target = self.chance.choice(_TARGETS[self.mutant.format])
-        converted = self.attempt(f"to {target}", lambda: sfc.convert(project, target, partial=True))
-        if converted is not None:
-            self.attempt(f"load {target}", lambda: self.load(converted.data, target).read_all(), must=True)
-        self.executed(project)
-        self.edited(project)
+        for seed in seeds:
+            chance = Random(seed)  # noqa: S311  # no secret
+            self.converted(project, chance.choice(_TARGETS[self.mutant.format]))
+            self.executed(project, chance)
+            if self.edited(project, chance):
+                project = self.load(data)
+                project.accept_errors()
         return self.found
+
+    def is_new(self, *choice: str | int) -> bool:
+        """Return whether no seed before has chosen this."""
+        known = choice in self.tried
+        self.tried.add(choice)
+        return not known
 
     def load(self, data: bytes, format: str = "") -> sfc.Project:
         """Load bytes in a format, or in that of the mutant."""
@@ -105,23 +113,37 @@ class _Trial:
                 self.found.append(FuzzFault(f"loss {what}", str(difference)[:300]))
                 break
 
-    def executed(self, project: sfc.Project) -> None:
+    def converted(self, project: sfc.Project, target: str) -> None:
+        """A file in another format can be read."""
+        if not self.is_new("to", target):
+            return
+        converted = self.attempt(f"to {target}", lambda: sfc.convert(project, target, partial=True))
+        if converted is not None:
+            self.attempt(f"load {target}", lambda: self.load(converted.data, target).read_all(), must=True)
+
+    def executed(self, project: sfc.Project, chance: Random) -> None:
         charts = list(project.charts())
-        if charts:
-            name = self.chance.choice(charts).pou.name
+        if charts and self.is_new("run", name := chance.choice(charts).pou.name):
             self.attempt("simulate", lambda: sfc.simulate(project, pou=name, scans=3))
             self.attempt("lower", lambda: sfc.lower(project, pou=name, verify=False))
 
-    def edited(self, project: sfc.Project) -> None:
-        """A name and a comment changed: both are in what is saved, and nothing else is lost."""
+    def edited(self, project: sfc.Project, chance: Random) -> bool:
+        """A name and a comment changed: both are in what is saved, and nothing else is lost. False: nothing done."""
         steps = [(chart, step) for chart in project.charts() for step in chart.chart.steps]
         if not steps:
+            return False
+        number = chance.choice(range(len(steps)))
+        chart, step = steps[number]
+        other = chance.choice(range(len(chart.chart.steps)))
+        if not self.is_new("edit", number, other):
+            return False
+        self.renamed(project, chart.chart, step, chart.chart.steps[other])
+        return True
+
+    def renamed(self, project: sfc.Project, chart: sfc.SfcNetwork, step: sfc.Step, other: sfc.Step) -> None:
+        old = step.name
+        if self.attempt("rename", lambda: chart.rename_step(old, "Zz9_New")) is None:
             return
-        chart, step = self.chance.choice(steps)
-        renamed = self.attempt("rename", lambda: chart.chart.rename_step(step.name, "Zz9_New"))
-        if renamed is None:
-            return
-        other = self.chance.choice(chart.chart.steps)
         if isinstance(other.comment, str | type(None)):
             other.comment = "changed (* here *) < & ä"
         saved = self.attempt("save edit", lambda: sfc.convert(project, partial=True))
@@ -132,7 +154,7 @@ class _Trial:
             return
         names = [each.name for one in back.charts() for each in one.chart.steps]
         if "Zz9_New" not in names and not saved.report.items:
-            self.found.append(FuzzFault("loss edit", f"the new name of {step.name} is gone"))
+            self.found.append(FuzzFault("loss edit", f"the new name of {old} is gone"))
         elif not saved.report.items:
             wanted, got = self.content(project), self.content(back)
             if wanted != got:
