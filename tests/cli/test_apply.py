@@ -400,21 +400,24 @@ NOISY = """print("when it is read")
 
 def refactor(project):
     print("when it runs")
-    project.rename("PLC_PRG.Measure", "Weigh")
+    project.rename("Ablauf.S2", "Weigh")
 
 """
 
 
-@pytest.mark.parametrize("jobs", [1, 2])
-def test_what_a_script_prints_is_no_result(command, exports, jobs):
+def test_what_a_script_prints_is_no_result(cli, command, fixtures, tmp_path):
     """It was written into the file on standard output, and before the JSON."""
-    (exports.parent / "noisy.py").write_text(NOISY, encoding="utf-8")
-    export = exports / "sorting_conveyor.xml"
-    before = export.read_bytes()
-    done = command("apply", "noisy.py", "-", "--write", input=before, cwd=exports.parent)
-    assert (done.returncode, done.stdout.replace(b"Weigh", b"Measure")) == (0, before)
+    (tmp_path / "noisy.py").write_text(NOISY, encoding="utf-8")
+    one, other = (
+        shutil.copy(fixtures / "training-chain" / "codesys.xml", tmp_path / name) for name in ("a.xml", "b.xml")
+    )
+    before = one.read_bytes()
+    done = command("apply", "noisy.py", "-", "--write", input=before, cwd=tmp_path)
+    assert done.returncode == 0
+    assert re.sub(rb"\bWeigh\b", b"S2", done.stdout) == before != done.stdout
     assert done.stderr.count(b"when it runs") == 1
-    copy = shutil.copy(export, exports.parent / "copy.xml")
-    done = command("apply", "noisy.py", export, copy, "--json", "--jobs", jobs, cwd=exports.parent)
-    assert [each["outcome"] for each in json.loads(done.stdout)["files"]] == ["changed", "changed"]
-    assert done.stderr.count(b"when it runs") == 2
+    done = command("apply", "noisy.py", one, other, "--json", "--jobs", 2, cwd=tmp_path)
+    here = cli("apply", tmp_path / "noisy.py", one, other, "--json", "--jobs", 1)
+    for out, err in ((done.stdout.decode(), done.stderr.decode()), (here.out, here.err)):
+        assert [each["outcome"] for each in json.loads(out)["files"]] == ["changed", "changed"]
+        assert err.count("when it runs") == 2

@@ -11,6 +11,8 @@ from typing import Any
 import pytest
 
 import plcopen_sfc as sfc
+from tests.conversion.test_flags_in_tc6 import LONG_BRANCHES
+from tests.conversion.test_flags_in_tia import chart_with
 from tests.conversion.test_running import UNREACHED
 
 BELT = "codesys/sorting_conveyor.xml"
@@ -61,8 +63,9 @@ def test_inputs_without_effect_are_named_with_the_option(cli, fixtures, tmp_path
     assert "convert again with" not in cli(*arguments, *option.rstrip(".").split()).out
 
 
-def test_a_flag_without_effect_is_told_with_what_is_in_the_way(cli, fixtures, tmp_path):
-    source = fixtures / "codesys" / "sorting_conveyor.xml"
+def test_a_flag_without_effect_is_told_with_what_is_in_the_way(cli, tmp_path):
+    source = tmp_path / "branches.xml"
+    sfc.save(chart_with("SFCReset", chart=LONG_BRANCHES), source, format="codesys")
     told = cli("convert", source, f"{tmp_path}/out/", "--to", "simaticml", "--limit", "0").out
     assert "operating inputs without effect: SFCReset\n      SFCReset: several of its steps may be active" in told
 
