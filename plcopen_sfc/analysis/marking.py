@@ -298,7 +298,7 @@ class MarkingGraph:
             return None
         marking, index = found
         transition = self.net.transitions[index]
-        step = next(indexes(marking & ~transition.pre & transition.post))
+        step = indexes(marking & ~transition.pre & transition.post)[0]
         return Unsafe(self.net.steps[step], transition, marking, self._way(self._first_search, marking))
 
     @cached_property

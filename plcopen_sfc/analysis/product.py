@@ -383,7 +383,11 @@ def compare(left: Sequence[Any] | None, right: Sequence[Any] | None) -> list[int
         return []
     if _COPIES.isdisjoint(map(type, left)) and left == right:
         return []
-    return [place for place, (a, b) in enumerate(zip(left, right, strict=True)) if not _equal(a, b)]
+    return [
+        place
+        for place, (a, b) in enumerate(zip(left, right, strict=True))
+        if (a is not b or type(a) in _COPIES) and not _equal(a, b)
+    ]
 
 
 _COPIES = frozenset({Probe, Text})

@@ -7,10 +7,10 @@ Enclosures and forcing orders are rules beyond firing; a net only tells that the
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import cached_property, reduce
+from functools import cached_property, lru_cache, reduce
 from operator import or_
 
 from plcopen_sfc.model import sfc
@@ -246,12 +246,15 @@ def mask(indices: Iterable[int]) -> int:
     return bits
 
 
-def indexes(bits: int) -> Iterator[int]:
-    """Yield the indexes of the bits that are set, ascending."""
+@lru_cache(maxsize=4096)  # every scan asks for those of a few situations
+def indexes(bits: int) -> tuple[int, ...]:
+    """Return the indexes of the bits that are set, ascending."""
+    found = []
     while bits:
         lowest = bits & -bits
-        yield lowest.bit_length() - 1
+        found.append(lowest.bit_length() - 1)
         bits ^= lowest
+    return tuple(found)
 
 
 @dataclass(frozen=True)

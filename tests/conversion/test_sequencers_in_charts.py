@@ -253,7 +253,7 @@ def test_several_sequences_do_the_same_behind_the_step_that_begins_them(target: 
         rig.chart.add_transition("Bright", "Dark", "NOT #b")
 
     source = as_file(feature_project(Feature("sequences", ("simaticml",), build), "simaticml"))
-    data, report = sfc.convert(source, target, limit=20)
+    data, report = sfc.convert(source, target, limit=5)
     chart = sfc.loads(data, format=target, as_tool=True).pou("Main").chart
     assert chart is not None
     initial = chart.initial_steps[0]

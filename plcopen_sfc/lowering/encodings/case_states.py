@@ -266,7 +266,7 @@ def regions_of(net: Net) -> Regions | str:
 def one_region(net: Net) -> Regions:
     """Return all steps as one region, also those that are never active; the first initial step is its own."""
     steps, transitions = (tuple(range(len(each))) for each in (net.steps, net.transitions))
-    region = Region(0, steps, transitions, block=None, blocks=(), initial=next(indexes(net.initial)))
+    region = Region(0, steps, transitions, block=None, blocks=(), initial=indexes(net.initial)[0])
     return Regions(net, (region,), (), tuple(0 for _ in steps))
 
 

@@ -213,7 +213,7 @@ def _run_through(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
         for way in ways:
             if way.pre & ~(scan.before | scan.after):
                 continue
-            through = next(indexes(way.pre & ~scan.before))
+            through = indexes(way.pre & ~scan.before)[0]
             origins = [facts.net.transitions[t].pre for t in facts.net.entering[through]]
             origin = next((bits for bits in origins if not bits & ~(scan.before | scan.after)), 0)
             yield facts.names(*indexes(origin), through, step)
@@ -228,7 +228,7 @@ def _blocked_loop(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]
             continue
         for target in indexes(transition.post & ~transition.pre & ~scan.before & ~scan.after):
             if transition.pre & facts.following[target]:
-                source = next(indexes(transition.pre & facts.following[target]))
+                source = indexes(transition.pre & facts.following[target])[0]
                 yield facts.names(*sorted((source, target)))
 
 
@@ -238,7 +238,7 @@ def _init_empties(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]
     for step in indexes(facts.net.initial & ~scan.after):
         behind = facts.following[step] & scan.before & ~(1 << step)
         if behind and not scan.after & ~facts.net.initial:
-            yield facts.names(step, next(indexes(behind)))
+            yield facts.names(step, indexes(behind)[0])
 
 
 def _duplicated(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
@@ -249,8 +249,8 @@ def _duplicated(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
         for other in (facts.net.transitions[t] for t in transition.competing if scan.wanted >> t & 1):
             mine, theirs = transition.post & ~other.post, other.post & ~transition.post
             if mine & entered and theirs & entered:
-                source = next(indexes(transition.pre & other.pre))
-                yield facts.names(source, next(indexes(theirs & entered)), next(indexes(mine & entered)))
+                source = indexes(transition.pre & other.pre)[0]
+                yield facts.names(source, indexes(theirs & entered)[0], indexes(mine & entered)[0])
 
 
 def _lost(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
@@ -321,7 +321,7 @@ def _not_stable(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
         return
     for transition in (facts.net.transitions[t] for t in indexes(scan.waiting)):
         if transition.post and not transition.post & scan.after:  # else it has fired, and its step is late to go
-            yield facts.names(next(indexes(transition.pre), 0), next(indexes(transition.post)))
+            yield facts.names(next(iter(indexes(transition.pre)), 0), indexes(transition.post)[0])
 
 
 Rule = Callable[[ChartFacts, ObservedScan], Iterator[FaultPlace]]

@@ -171,7 +171,7 @@ class _Part:
 
     def can_be(self, active: int) -> bool:
         """Return True if all these steps can be active together."""
-        first = next(indexes(active))
+        first = indexes(active)[0]
         return not self._complete or any(not active & ~marking for marking in self._with.get(first, ()))
 
 

@@ -294,7 +294,7 @@ def step_numbers(net: Net) -> list[int]:
     for step, number in enumerate(wanted):
         if number is not None and 0 <= number < _LARGEST_DINT - _SPARE:
             kept.setdefault(number, step)
-    first = next(indexes(net.initial), None)
+    first = next(iter(indexes(net.initial)), None)
     by_name = all(step.step.number is None for step in net.steps)
     if by_name and 1 in kept and first is not None and wanted[first] is None:
         kept.setdefault(0, first)

@@ -249,7 +249,7 @@ class _StepVariables:
         match node:
             case n.Member(n.Name(step), n.Name(quantity)) if quantity.casefold() == "t":
                 bits = self._steps.get(step.casefold(), 0)
-                return next(indexes(bits)) if bits.bit_count() == 1 else None
+                return indexes(bits)[0] if bits.bit_count() == 1 else None
         return None
 
     def within_reach(self, tree: _Node) -> _Node:
@@ -271,7 +271,7 @@ class _StepVariables:
         match node:
             case n.Member(n.Name(step), n.Name(quantity)) if (bits := self._steps.get(step.casefold())) is not None:
                 if quantity.casefold() == "t" and bits.bit_count() == 1:
-                    return self._elapsed(next(indexes(bits)))
+                    return self._elapsed(indexes(bits)[0])
                 if quantity.casefold() not in self._quantities:
                     raise LoweringError(
                         f"{step}.{quantity} is not lowered yet: the code does not keep it",
