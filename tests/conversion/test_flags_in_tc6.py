@@ -30,7 +30,7 @@ COUNT = "ACTION Count: n := 1 - n; END_ACTION"
 
 def compared(source: m.Project, *, flavour: str = "") -> tuple[bytes, ConversionReport]:
     out = io.BytesIO()
-    report = sfc.save(source, out, format="plcopen-2.01", flavour=flavour, partial=True, limit=30)
+    report = sfc.save(source, out, format="plcopen-2.01", flavour=flavour, partial=True, limit=16)
     return out.getvalue(), report
 
 

@@ -85,7 +85,7 @@ def test_variables_of_lists_and_their_members_are_the_same_in_a_run(target: str,
     variables[-1].address = "%IW8"
     section = m.VariableSection(kind=m.SectionKind.GLOBAL, name="GVL1", variables=variables)
     project.applications = [m.Resource(name="Application", global_variables=[section])]
-    report = sfc.save(project, io.BytesIO(), format=target, flavour=flavour, partial=True, limit=30)
+    report = sfc.save(project, io.BytesIO(), format=target, flavour=flavour, partial=True, limit=8)
     assert "chart" not in {item.what for item in report.losses}
     assert report.compared["POU Main"].startswith(("equal", "not all was reached")), report.compared
 
@@ -237,7 +237,7 @@ END_FUNCTION_BLOCK
 
 
 def test_declarations_in_tc6_name_constants_without_their_list() -> None:
-    data, report = sfc.convert(sfc.loads(CONSTANTS.encode(), format="iec-text"), "plcopen-2.01", limit=20)
+    data, report = sfc.convert(sfc.loads(CONSTANTS.encode(), format="iec-text"), "plcopen-2.01", limit=8)
     assert report.with_outcome(Outcome.NOT_EXECUTED) == []
     assert not any(verdict.startswith("different") for verdict in report.compared.values())
     variables = {each.name: each for each in sfc.loads(data, as_tool=True).pou("Main").variables()}

@@ -131,7 +131,7 @@ STEP 3
 def test_a_step_has_several_conditions_in_s7_graph(output: str) -> None:
     """The second one was not executed: a step has one interlock, which was that of the first action."""
     text = SEVERAL.replace("Q2 IF", f"{output} IF")
-    report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), format="simaticml", limit=20)
+    report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), format="simaticml", limit=8)
     assert report.compared.popitem()[1].startswith("equal (proof")
     assert losses(report).keys() == FIRST
     delayed = sfc.convert(sfc.loads(f"{SEVERAL}    Q2 AFTER 1s\n".encode()), "simaticml", limit=4).report
@@ -146,7 +146,7 @@ def test_a_step_has_several_conditions_in_s7_graph(output: str) -> None:
 def test_what_is_left_without_the_search_for_stability_is_told(form: str) -> None:
     """Inputs that come together told every GRAFCET apart, so that the verdict said nothing of the conversion."""
     project = sfc.load("fixtures/grafcet/four_steps.gct")
-    report = sfc.save(project, io.BytesIO(), format=form, limit=60)
+    report = sfc.save(project, io.BytesIO(), format=form, limit=8)
     found = report.compared["POU Kette"]
     assert found.startswith("different")
     assert "\nwithout its search for stability: equal" in found
@@ -183,7 +183,7 @@ EXPANSION M4 FROM E4 TO S4
 def test_the_search_for_stability_is_the_one_cause_where_both_do_the_same_without_it(form: str) -> None:
     """The start of several sequences and the first scan of S7-GRAPH were causes, too."""
     project = sfc.loads(WATCHED_MACRO.format(condition="c").encode())
-    report = sfc.save(project, io.BytesIO(), format=form, limit=20)
+    report = sfc.save(project, io.BytesIO(), format=form, limit=8)
     assert "\nwithout its search for stability: equal" in report.compared["POU Main"]
     (item,) = [item for item in report.losses if item.what == "chart"]
     assert item.why.endswith("; a cause is the search for stability, which the report names")
@@ -200,7 +200,7 @@ def test_the_flag_of_a_macro_step_in_a_condition_that_is_refused_is_no_undeclare
 def test_a_ruled_chart_is_compared_where_it_passes_no_step(form: str) -> None:
     """In a GRAFCET what an order ruled goes on in the next evolution: no verdict told more than `different`."""
     project = sfc.load("fixtures/grafcet/initialised_chain.gct")
-    found = sfc.save(project, io.BytesIO(), format=form, limit=60).compared["POU Kette"]
+    found = sfc.save(project, io.BytesIO(), format=form, limit=8).compared["POU Kette"]
     assert found.startswith("different")
     assert "\nwhere it passes no step: equal" in found
     # a chart that goes on where it should not is different there, too
@@ -210,7 +210,7 @@ def test_a_ruled_chart_is_compared_where_it_passes_no_step(form: str) -> None:
     transition = next(t for t in chart.transitions if t.targets == [chart.step("Step3").id])
     transition.targets = [chart.step("Step4").id]
     rules = replace(default_profile(project), max_evolutions=2)
-    assert sfc.equivalent(project, wrong, (rules, default_profile(wrong)), delay="auto", limit=60).counterexample
+    assert sfc.equivalent(project, wrong, (rules, default_profile(wrong)), delay="auto", limit=8).counterexample
 
 
 LATE_LAMP = """GRAFCET P
@@ -231,7 +231,7 @@ STEP 2
 
 def test_a_difference_without_a_passed_step_does_not_blame_the_search_for_stability() -> None:
     """The shortest run fires nothing; the step that the chart passes elsewhere was called its cause."""
-    report = sfc.save(sfc.loads(LATE_LAMP.encode()), io.BytesIO(), format="codesys", limit=60)
+    report = sfc.save(sfc.loads(LATE_LAMP.encode()), io.BytesIO(), format="codesys", limit=8)
     assert [item.outcome for item in report.items if item.what == STABILITY] == ["approximated"]
     (told,) = [item.why for item in report.items if item.what == "chart" and "something else" in item.why]
     assert "R is FALSE in the source" in told
@@ -242,7 +242,7 @@ def test_a_difference_without_a_passed_step_does_not_blame_the_search_for_stabil
 def test_a_tools_chart_and_its_grafcet_differ_by_the_search_for_stability_of_the_grafcet() -> None:
     """The sequencer differed by its first scan, the report said, as it is one of the first two that differs."""
     chain = sfc.load("fixtures/simaticml-training-chain/Ablauf.xml")
-    report = sfc.save(chain, io.BytesIO(), format="grafcet-text", limit=60)
+    report = sfc.save(chain, io.BytesIO(), format="grafcet-text", limit=8)
     different, *more = report.compared["POU Ablauf"].splitlines()
     assert different.startswith("different after 2 scans")
     assert any(line.startswith("without the search for stability of GRAFCET: equal (proof") for line in more)
@@ -267,7 +267,7 @@ STEP 2
 @pytest.mark.parametrize("form", ["codesys", "simaticml", "plcopen-2.01"])
 def test_inputs_that_never_let_a_grafcet_become_stable_are_left_out(form: str) -> None:
     """IEC 60848 has no situation for `a * b` here; the first scan with both was the only thing that a verdict told."""
-    report = sfc.save(sfc.loads(CIRCLE.encode()), io.BytesIO(), format=form, limit=60)
+    report = sfc.save(sfc.loads(CIRCLE.encode()), io.BytesIO(), format=form, limit=8)
     verdict, premise, *_ = report.compared["POU M"].splitlines()
     assert re.match(r"equal.* \(proof", verdict)
     assert premise == "given: situations that never become stable are left out"
@@ -302,7 +302,7 @@ EXPANSION M2
 def test_a_numbered_step_is_not_called_as_a_variable(form: str, name: str) -> None:
     """Step 1 was Step1, and so was an input: the chart did something else, for an unknown cause."""
     text = CIRCLE.replace(" a", f" {name}").replace(": b", f": b * /{name}")
-    data, report = sfc.convert(sfc.loads(text.encode()), form, limit=60)
+    data, report = sfc.convert(sfc.loads(text.encode()), form, limit=8)
     assert "(proof" in report.compared["POU M"], report.compared
     chart = sfc.loads(data).pous[0].chart
     assert chart is not None
@@ -316,7 +316,7 @@ def test_the_last_step_of_an_expansion_may_be_called_as_a_button(form: str) -> N
     given = [{"S1": True, "S2": False, "B1": False}, {"S1": False, "B1": True}, {"B1": False}, {}, {"S2": True}]
     trace = sfc.simulate(source, inputs=lambda scan, _: given[scan], scans=5)
     assert [trace.active(scan) for scan in range(5)] == [("M2.E2",), ("M2.20",), ("M2.S2",), ("M2.S2",), ("1",)]
-    data, report = sfc.convert(source, form, limit=60)
+    data, report = sfc.convert(source, form, limit=8)
     assert "(proof" in report.compared["POU Anlage"]
     chart = sfc.loads(data).pous[0].chart
     assert chart is not None
@@ -385,7 +385,7 @@ def test_the_flag_of_a_partial_chart_is_that_of_its_steps_in_a_tool(form: str) -
     head = "GRAFCET C\nINPUTS\n    a\n    b\nOUTPUTS\n    Q\nCHART G1\n    INITIAL STEP 1\n    1 -> 2 : a * /b\n"
     tail = "    STEP 2\n    2 -> 1 : b\nCHART G2\n    INITIAL STEP 10\n        Q IF XG1\n    10 -> 11 : a * b * XG1\n"
     source = sfc.loads(f"{head}{tail}    STEP 11\n    11 -> 10 : /a * /b".encode(), format="grafcet-text")
-    data, report = sfc.convert(source, form, partial=True, limit=20)
+    data, report = sfc.convert(source, form, partial=True, limit=8)
     assert b"XG1" not in re.sub(rb"XG1 =|<comment.*?</comment>", b"", data)
     assert "undeclared name" not in losses(report)
 
@@ -625,7 +625,7 @@ def test_textbook_charts_in_every_tool(name: str, exclusive: bool, form: str) ->
         bare = condition.rstrip('\n "')
         text = text.replace(condition, condition.replace(bare, bare + more))
     options = {"format": "plcopen", "flavour": form} if form == "beremiz" else {"format": form}
-    report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), limit=20, partial=True, **options)  # type: ignore[arg-type]
+    report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), limit=8, partial=True, **options)  # type: ignore[arg-type]
     verdict, told = TEXTBOOK[name, exclusive][form]
     found = report.compared.popitem()[1]
     assert found.startswith(verdict) or found.splitlines()[0].endswith(verdict)
@@ -653,7 +653,7 @@ CHART G1
         q
     2 -> 1 : XG0 + /a
 """
-    report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), format=form, limit=20)
+    report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), format=form, limit=8)
     assert "equal" in report.compared["POU L"].splitlines()[0]
     assert "undeclared name" not in {item.what for item in report.items}
 
@@ -752,10 +752,10 @@ CHART G3
 @pytest.mark.parametrize("form", ["plcopen", "codesys", "simaticml"])
 def test_verdicts_compare_the_steps_of_all_charts(form: str) -> None:
     """Steps beside partial charts were compared with those of other charts, those in partial charts with none."""
-    report = sfc.save(sfc.loads(MIXED.encode()), io.BytesIO(), format=form, limit=20)
+    report = sfc.save(sfc.loads(MIXED.encode()), io.BytesIO(), format=form, limit=8)
     assert "(proof" in report.compared["POU M"], report.compared
     passing = MIXED.replace("21 -> 20 : /a", "21 -> 22 : a\n    STEP 22\n    22 -> 20 : /a")  # which no output shows
-    report = sfc.save(sfc.loads(passing.encode()), io.BytesIO(), format=form, limit=20, partial=True)
+    report = sfc.save(sfc.loads(passing.encode()), io.BytesIO(), format=form, limit=8, partial=True)
     assert report.compared["POU M"].startswith("different")
     assert [item.why for item in report.items if item.what == "chart" and "G3.2" in item.why]
 
@@ -764,13 +764,13 @@ def test_verdicts_compare_the_steps_of_all_charts(form: str) -> None:
 def test_what_the_first_scan_misses_is_told(form: str) -> None:
     head = "GRAFCET P\nINPUTS\n a\nOUTPUTS\n Q\n"
     text = f"{head}INITIAL STEP 1\n ON DEACTIVATION Q := TRUE\n1 -> 2 : a\nSTEP 2\n2 -> 1 : /a"
-    report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), format=form, limit=20, partial=True)
+    report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), format=form, limit=8, partial=True)
     told = [item.why for item in report.items if item.what == FIRST_SCAN and item.outcome == "approximated"]
     assert len(told) == (form != "codesys")  # whose actions come first
     chart = [item.why for item in report.items if item.what == "chart" and item.outcome == "approximated"]
     assert all("search for stability" not in why and "first scan" in why for why in chart), chart
     late = text.replace(": a", ": ↑a")
-    report = sfc.save(sfc.loads(late.encode()), io.BytesIO(), format=form, limit=20, partial=True)
+    report = sfc.save(sfc.loads(late.encode()), io.BytesIO(), format=form, limit=8, partial=True)
     told = [item.outcome for item in report.items if item.what == FIRST_SCAN]
     assert told == {"plcopen": ["translated"], "codesys": [], "simaticml": ["approximated"]}[form]
 
@@ -798,7 +798,7 @@ def test_a_wrong_hierarchy_is_found() -> None:
 
 def test_a_proof_says_that_no_step_is_passed() -> None:
     text = HIERARCHY.replace(" * ↑c", "")
-    report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), format="simaticml", limit=20)
+    report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), format="simaticml", limit=8)
     assert losses(report).keys() == {FIRST_SCAN}
     assert report.compared["POU Ofen"].startswith("equal (proof")
     assert [item.outcome for item in report.items if item.what == STABILITY] == ["translated"]
@@ -810,7 +810,7 @@ def test_a_proof_with_a_delay_does_not_say_so() -> None:
         "INITIAL STEP 1\n1 -> 2 : 1\nSTEP 2\n    ON ACTIVATION n := 1\n2 -> 3 : 1\nSTEP 3\n    ON ACTIVATION n := 2\n"
     )
     project = sfc.loads(f"GRAFCET G\nINTERNALS\n    n : INT\n{steps}".encode())
-    report = sfc.save(project, io.BytesIO(), format="plcopen", limit=20)
+    report = sfc.save(project, io.BytesIO(), format="plcopen", limit=8)
     assert report.compared["POU G"].startswith("equal, second 1 scan later (proof")
     assert [item.outcome for item in report.items if item.what == STABILITY] == ["approximated"]
 
@@ -845,13 +845,13 @@ def test_transitions_that_leave_a_step_together_are_told(form: str) -> None:
         "GRAFCET G\nINPUTS\n    a\n    b\n    c\nINITIAL STEP 1\n1 -> 2 : {} * /c\n1 -> 3 : {} * /c\nSTEP 2\nSTEP 3\n"
     )
     text += "2 -> 1 : c * a\n3 -> 1 : c * a\n"
-    report = sfc.save(sfc.loads(text.format("a", "b").encode()), io.BytesIO(), format=form, limit=20)
+    report = sfc.save(sfc.loads(text.format("a", "b").encode()), io.BytesIO(), format=form, limit=8)
     assert losses(report)["selection"] == (
         "the target fires one of the transitions behind Step1, a GRAFCET all that are TRUE"
     )
     assert report.compared["POU G"].startswith("different")
     assert form == "simaticml" or "a cause is the selection, which the report names" in losses(report)["chart"]
-    report = sfc.save(sfc.loads(text.format("a * /b", "b * /a").encode()), io.BytesIO(), format=form, limit=20)
+    report = sfc.save(sfc.loads(text.format("a * /b", "b * /a").encode()), io.BytesIO(), format=form, limit=8)
     assert losses(report).keys() <= {FIRST_SCAN}
     assert "(proof" in report.compared["POU G"]
 
@@ -862,7 +862,7 @@ EDGED += "INITIAL STEP 1\n{}1 -> 2 : ↑a\nSTEP 2\n{}"
 
 def run(text: str, form: str) -> tuple[str, set[str]]:
     options = {"format": "plcopen", "flavour": form} if form == "beremiz" else {"format": form}
-    report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), limit=20, **options)  # type: ignore[arg-type]
+    report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), limit=8, **options)  # type: ignore[arg-type]
     return report.compared.popitem()[1], set(losses(report))
 
 
@@ -898,7 +898,7 @@ def test_a_step_that_is_forced_begins_its_time_again() -> None:
 
 def test_what_the_initial_step_stores_is_missed_where_the_first_scan_leaves_it() -> None:
     text = EDGED.replace("↑a", "a").format("    ON ACTIVATION m := 2\n", "2 -> 1 : /a\n")
-    report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), format="plcopen", limit=20)
+    report = sfc.save(sfc.loads(text.encode()), io.BytesIO(), format="plcopen", limit=8)
     assert "where it leaves Step1, stored actions miss it" in losses(report)[FIRST_SCAN]
     assert "a cause is the first scan" in losses(report)["chart"]
 
@@ -1154,7 +1154,7 @@ EXPANSION M4
 def test_edges_of_macro_steps_are_those_of_their_steps(edge: str, value: str, form: str) -> None:
     """They were refused, as of something that is no variable and no step."""
     plan = sfc.loads(MACRO_STEP.format(edge=edge, value=value).encode())
-    report = sfc.save(plan, io.BytesIO(), format=form, limit=60)
+    report = sfc.save(plan, io.BytesIO(), format=form, limit=8)
     assert "edge" not in losses(report)
     assert re.match(r"equal.* \(proof", report.compared["POU P"])
 
@@ -1435,7 +1435,7 @@ CHART G1
         Q IF c
     2 -> 1 : /a * b
 """
-    report = sfc.convert(sfc.loads(text.encode()), "codesys", partial=True, limit=60).report
+    report = sfc.convert(sfc.loads(text.encode()), "codesys", partial=True, limit=8).report
     (item,) = [item for item in report.losses if item.what == "chart"]
     assert item.why.endswith("; CODESYS executes the actions before the transitions, and so sees other inputs in them")
 
@@ -1483,7 +1483,7 @@ def test_items_have_the_lines_of_the_text(form: str, tmp_path: Path) -> None:
 def test_a_delay_beside_a_condition_of_a_parallel_step_is_assigned_with_it(timed: str) -> None:
     head = "GRAFCET Z\nINPUTS\n    a\n    b\n    c\nOUTPUTS\n    Q\nINITIAL STEP 1\n1 -> 2, 3 : a * /b\nSTEP 2\n"
     source = sfc.loads(f"{head}    {timed}\nSTEP 3\n    Q IF c\n2, 3 -> 1 : b * /a\n".encode(), format="grafcet-text")
-    _, report = sfc.convert(source, "plcopen-2.01", limit=20)
+    _, report = sfc.convert(source, "plcopen-2.01", limit=8)
     assert report.compared["POU Z"].startswith("equal")
     assert not report.losses
 
@@ -1537,7 +1537,7 @@ CHART G1
 )
 def test_a_difference_in_a_partial_chart_has_a_cause(form: str, done: str, condition: str, told: str) -> None:
     """It was sought in the chart around the partial charts only, and at delays at which no tool can be."""
-    _, report = sfc.convert(sfc.loads(CAUSES.format(done, condition).encode()), form, limit=20)
+    _, report = sfc.convert(sfc.loads(CAUSES.format(done, condition).encode()), form, limit=8)
     texts = [*report.compared.values(), *(item.why for item in report.items)]
     assert any(told in text for text in texts), texts
     assert not any("cause is not known" in text or "first 2 scans later" in text for text in texts)

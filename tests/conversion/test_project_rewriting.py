@@ -610,7 +610,7 @@ def test_a_type_that_no_file_declares_is_one_loss_and_its_variables_are_passed()
     project = sfc.loads(PARTIAL.encode(), format="iec-text")
     project.dialect = Dialect.CODESYS
     written = io.BytesIO()
-    report = sfc.save(project, written, format="simaticml", partial=True, limit=30)
+    report = sfc.save(project, written, format="simaticml", partial=True, limit=8)
     lost = [(item.what, item.path) for item in report.losses if item.outcome is Outcome.NOT_EXECUTED]
     assert lost == [("undeclared type", "POU Fb / Io")]
     read = sfc.loads(written.getvalue(), as_tool=True)
@@ -689,6 +689,6 @@ def test_renamed_members_of_data_blocks_and_structures_are_the_same_inputs_of_bo
     pou.interface.sections[0].variables.append(Variable(name="s", type=StructType(members=[boolean("on 3")])))
     condition = '"My DB"."val 1" AND "My DB".st."in 2" AND #s."on 3"'
     chart_of(project).transitions[0].condition = Expression(text=condition)
-    _, report = sfc.convert(project, "codesys", limit=60)
+    _, report = sfc.convert(project, "codesys", limit=8)
     assert report.losses == []
     assert report.compared["POU FB_Ring"].startswith("equal, second 1 scan later (proof")

@@ -48,7 +48,7 @@ def chart(first: str, second: str = "", initial: str = "", edge: str = "") -> sf
 
 
 def saved(project: sfc.Project, target: str, **options: Any) -> ConversionReport:
-    return sfc.save(project, io.BytesIO(), format=target, limit=20, **options)
+    return sfc.save(project, io.BytesIO(), format=target, limit=6, **options)
 
 
 @pytest.mark.slow

@@ -216,7 +216,7 @@ def test_an_operand_that_two_active_steps_write_in_another_order_is_reported(tar
 
 def test_a_step_that_the_first_scan_does_not_leave_is_told_as_that_alone() -> None:
     """No action reads what differs, in a tool that executes actions first."""
-    report = sfc.convert(sequencer(**EVENTS["held until acknowledged"]), "codesys", limit=20).report
+    report = sfc.convert(sequencer(**EVENTS["held until acknowledged"]), "codesys", limit=8).report
     (item,) = [item for item in report.losses if item.what == "chart"]
     assert item.why.endswith("; the source tests no transition in its first scan")
 
@@ -271,7 +271,7 @@ def test_members_of_a_data_block_are_the_same_inputs_in_both_tools(target: str) 
         kind=m.SectionKind.LOCAL, variables=[m.Variable.model_validate({"name": "go", "type": "BOOL"})]
     )
     source.data_blocks.append(m.DataBlock(name="Data", interface=m.Interface(sections=[go])))
-    report = sfc.convert(source, target, limit=20)[1]
+    report = sfc.convert(source, target, limit=8)[1]
     (verdict,) = report.compared.values()
     assert verdict.startswith("equal") or verdict.splitlines()[0].endswith(SHIFTED), verdict
 
@@ -465,11 +465,11 @@ def test_a_sequence_is_switched_off_and_begun_again(number: int, fields: dict[st
 def test_inputs_that_are_executed_are_operated_where_both_are_run() -> None:
     """In CODESYS actions see other inputs than the conditions before them, and V1 tells that."""
     source = sequencer(**OPERATED["faults"])
-    equal = sfc.save(source, io.BytesIO(), format="plcopen-2.01", limit=60, strict=True)
+    equal = sfc.save(source, io.BytesIO(), format="plcopen-2.01", limit=8, strict=True)
     assert equal.compared["POU Main"].startswith("equal (proof")
     with pytest.raises(sfc.LossError, match="it does something else"):
-        sfc.save(source, io.BytesIO(), format="codesys", limit=60, strict=True)
-    shifted = sfc.save(source, io.BytesIO(), format="codesys", limit=60).compared["POU Main"]
+        sfc.save(source, io.BytesIO(), format="codesys", limit=8, strict=True)
+    shifted = sfc.save(source, io.BytesIO(), format="codesys", limit=8).compared["POU Main"]
     first, second = shifted.splitlines()[:2]
     assert first.endswith(SHIFTED)
     assert second.startswith("but for these: equal, second 1 scan later (proof")
@@ -529,7 +529,7 @@ def test_an_end_is_a_step_that_does_nothing(source: str) -> None:
 def test_inputs_that_actions_see_are_told_behind_another_difference(rows: tuple[dict[str, Any], ...]) -> None:
     """A chart that differs from its first scan on hid that its actions see other inputs later."""
     source = sequencer(rows=(*rows, {**AGAIN, "target": "m", "qualifier": "S", "event": "V0"}))
-    report = sfc.save(source, io.BytesIO(), format="codesys", limit=20)
+    report = sfc.save(source, io.BytesIO(), format="codesys", limit=8)
     [told] = [item for item in report.losses if item.what == "inputs of actions"]
     assert told.why.startswith("its actions read g: ")
     assert START_OF_CHART not in {item.what for item in report.losses}

@@ -98,7 +98,7 @@ def test_the_target_does_the_same_and_the_source_comes_back(number: int, name: s
     """Two targets for each case, all with PLCOPEN_SFC_FULL."""
     source = built(name)
     for target in {*in_turn(TARGETS[:2], number), *in_turn(TARGETS, number)}:
-        data = sfc.dumps(source, format=target, strict=True, limit=30)
+        data = sfc.dumps(source, format=target, strict=True, limit=8)
         verdict = same_behaviour(source, sfc.loads(data, format=target, as_tool=True), operated=CASES[name][1])
         assert verdict is not None
         assert verdict.proven, (target, verdict)
@@ -194,7 +194,7 @@ END_PROGRAM
 def test_branches_that_do_not_end_together_become_loops(between: str, more: str, target: str, tmp_path: Path) -> None:
     """They were not executed in CODESYS, which knows nested branches only (SFC130)."""
     source = sfc.loads(CROSSED.format(between=between, more=more).encode(), format="iec-text")
-    report = sfc.save(source, tmp_path / "main", format=target, limit=30)
+    report = sfc.save(source, tmp_path / "main", format=target, limit=8)
     assert report.with_outcome(Outcome.NOT_EXECUTED) == []
     assert [item.what for item in report.losses] == ["start of several sequences"]
     assert report.compared["POU Main"].startswith("equal, second 1 scan later (proof")
