@@ -117,6 +117,11 @@ class Pou(ProjectObject):
         """Return the variables of its interface, or those of one kind of section, in the order of their declaration."""
         return self.interface.variables(kind) if self.interface is not None else []
 
+    @property
+    def parts(self) -> list[Action | NamedTransition | Method]:
+        """Its actions, named transitions and methods."""
+        return [*self.actions, *self.transitions, *self.methods]
+
     def interfaces(self) -> list[Interface]:
         """Return its interface and those of its methods."""
         parts: list[Pou | Method] = [self, *self.methods]
@@ -151,8 +156,7 @@ class Pou(ProjectObject):
 
     def _claim(self, name: str) -> None:
         check_argument(name, str, "the name is a text")
-        parts: list[Action | NamedTransition | Method | Variable] = [*self.actions, *self.transitions, *self.methods]
-        if any(each.name.casefold() == name.casefold() for each in parts + self.variables()):
+        if any(each.name.casefold() == name.casefold() for each in (*self.parts, *self.variables())):
             raise ModelError(f"{self.report_path} has a {name!r} already")
 
     def action(self, name: str) -> Action:
@@ -199,8 +203,7 @@ class Pou(ProjectObject):
         """Yield every body of the POU with the name of what it belongs to: ``Main``, ``Main.Fill`` (of an action)."""
         for body in self.bodies:
             yield NamedBody(self.name, self, body)
-        parts: list[Action | NamedTransition | Method] = [*self.actions, *self.transitions, *self.methods]
-        for part in parts:
+        for part in self.parts:
             if part.body is not None:
                 yield NamedBody(f"{self.name}.{part.name}", self, part.body)
 

@@ -356,9 +356,8 @@ class Project(Owned, Element):
         with collecting_rarely():
             for thing in self.objects():
                 thing.read()
-            for pou in self.pous:
-                for interface in pou.interfaces():
-                    interface.read()
+            for interface in self.interfaces():
+                interface.read()
             for chart in self.charts():
                 if chart.chart.drawing is not None:
                     chart.chart.drawing.read()
@@ -509,6 +508,11 @@ class Project(Owned, Element):
         """Yield every body in the project with its name (``Main.Fill``) and POU."""
         for pou in self.pous:
             yield from pou.named_bodies()
+
+    def interfaces(self) -> Iterator[Interface]:
+        """Yield the interfaces of its POUs and of their methods."""
+        for pou in self.pous:
+            yield from pou.interfaces()
 
     def charts(self) -> Iterator[Chart]:
         """Yield every chart of the project: of POUs, actions, transitions and methods."""

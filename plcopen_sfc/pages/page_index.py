@@ -18,7 +18,7 @@ from plcopen_sfc.languages.binding.text_sites import SiteKind
 from plcopen_sfc.languages.networks.network_graph import wires_of
 from plcopen_sfc.model.conditions import WiredCondition
 from plcopen_sfc.model.network import Node
-from plcopen_sfc.model.pou import Action, Method, NamedBody, NamedTransition, Pou
+from plcopen_sfc.model.pou import Method, NamedBody, Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcBody, SfcNetwork, Step, Transition
 from plcopen_sfc.model.types import StructType, Variable
@@ -199,8 +199,7 @@ class PageIndex:
     def _place_pou(self, pou: Pou, anchor: str) -> None:
         self._place(pou, anchor, pou.report_path)
         self._place_variables(pou.variables(), anchor, pou.report_path)
-        parts: list[Action | NamedTransition | Method] = [*pou.actions, *pou.transitions, *pou.methods]
-        owners = {f"{pou.name}.{part.name}": part for part in parts}
+        owners = {f"{pou.name}.{part.name}": part for part in pou.parts}
         placed = self.bodies.setdefault(id(pou), [])
         for number, found in enumerate(pou.named_bodies()):
             place, path = f"{anchor}-body-{number}", pou.report_path_of(found.name)

@@ -143,8 +143,7 @@ def _rename_instances(project: Project, source: Dialect, target: Dialect) -> Non
     names = S7_INSTANCES | counters if target is Dialect.SCL else BLOCKS_OF_S7
     declared = {pou.name.upper() for pou in project.pous} | {kind.name.upper() for kind in project.data_types}
     names = {name: other for name, other in names.items() if name not in declared}
-    interfaces = [each for pou in project.pous for each in (pou.interface, *(m.interface for m in pou.methods))]
-    sections = [section for interface in interfaces if interface is not None for section in interface.sections]
+    sections = [section for interface in project.interfaces() for section in interface.sections]
     sections += project.global_sections()
     for variable in (variable for section in sections for variable in section.variables):
         if isinstance(variable.type, t.DerivedType) and variable.type.name.upper() in names:
@@ -171,9 +170,8 @@ def _rename_declarations(project: Project, renames: Renames, target: Dialect) ->
 
     for pou in project.pous:
         pou.name = renamed(NameScope.GLOBAL, pou.name) or pou.name
-        for interface in (pou.interface, *(method.interface for method in pou.methods)):
-            if interface is not None:
-                rename_sections(interface.sections, NameScope.LOCAL)
+        for interface in pou.interfaces():
+            rename_sections(interface.sections, NameScope.LOCAL)
     for declaration in project.data_types:
         if isinstance(declaration.type, t.StructType):
             rename(declaration.type.members, NameScope.MEMBER)
@@ -266,6 +264,5 @@ def _cut_text(text: str, length: int, dialect: Dialect) -> str | None:
 
 
 def _all_interfaces(project: Project) -> list[Interface]:
-    found = [pou.interface for pou in project.pous] + [block.interface for block in project.data_blocks]
-    found += [method.interface for pou in project.pous for method in pou.methods]
-    return [interface for interface in found if interface is not None]
+    blocks = (block.interface for block in project.data_blocks if block.interface is not None)
+    return [*project.interfaces(), *blocks]

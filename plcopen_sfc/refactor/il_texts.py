@@ -19,7 +19,7 @@ from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block, BlockCall
-from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou, PouKind
+from plcopen_sfc.model.pou import Action, Method, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Body, BodyCondition, SfcBody
 from plcopen_sfc.model.types import DataType, DerivedType, Elementary, ElementaryType, StringType, Variable
@@ -122,9 +122,7 @@ def _with_variables(pou: Pou, owner: Pou | Action | Method, body: FbdBody | LdBo
     Variables of a method are temporary: what it keeps is declared in its block.
     """
     method = owner if isinstance(owner, Method) else None
-    parts: list[Action | Method | NamedTransition] = [*pou.actions, *pou.methods, *pou.transitions]
-    names = [each.name for each in parts]
-    names += [each.name for each in pou.variables()]
+    names = [each.name for each in (*pou.parts, *pou.variables())]
     names += [each.name for section in resolver.project.global_sections() for each in section.variables]
     names += [step.name for each in pou.bodies if isinstance(each, SfcBody) for step in each.chart.steps]
     names += [each.name for each in method.interface.variables()] if method is not None and method.interface else []

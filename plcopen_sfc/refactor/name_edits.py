@@ -31,7 +31,7 @@ from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Connection, InputPin, OutputPin
 from plcopen_sfc.model.numbering import models_in
-from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou, PouKind
+from plcopen_sfc.model.pou import Action, NamedTransition, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.variables import SectionKind, VariableSection
 from plcopen_sfc.refactor.chart_edits import refused
@@ -494,15 +494,11 @@ def _give_identities(pou: Pou, target: Project) -> None:
     for each in models_in(pou):
         if isinstance(each, Element | Connection | InputPin | OutputPin):
             each.global_id = None
-    taken = {each.object_id for other in target.pous for each in _with_parts(other)} - {None}
-    for each in _with_parts(pou):
+    taken = {each.object_id for other in target.pous for each in (other, *other.parts)} - {None}
+    for each in (pou, *pou.parts):
         # where objects have none, writers make them of the names; but what had this name once may have that identity
         path = "/".join(("copy", *dict.fromkeys((pou.name, each.name))))
         made = (str(uuid5(NAMESPACE_URL, f"{path}/{number}")) for number in count())
         each.object_id = next(identity for identity in made if identity not in taken) if taken else None
     if any(each.kind is pou.kind and each.number == pou.number for each in target.pous):
         pou.number = None
-
-
-def _with_parts(pou: Pou) -> list[Pou | Action | NamedTransition | Method]:
-    return [pou, *pou.actions, *pou.transitions, *pou.methods]

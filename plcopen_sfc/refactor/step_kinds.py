@@ -224,9 +224,7 @@ def _executing(project: Project, chart: SfcNetwork) -> set[int]:
 
 
 def _free_name(pou: Pou, wish: str) -> str:
-    taken = {each.name.casefold() for part in (pou.actions, pou.transitions, pou.methods) for each in part}
-    taken |= {variable.name.casefold() for variable in pou.variables()}
-    return free_name(wish, taken)
+    return free_name(wish, {each.name.casefold() for each in (*pou.parts, *pou.variables())})
 
 
 _MEMBER = re.compile(r"\s*\.\s*x\b", re.IGNORECASE)

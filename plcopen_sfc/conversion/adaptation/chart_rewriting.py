@@ -182,9 +182,7 @@ def taken_names(project: Project, chart: Chart) -> set[str]:
     """Return the names that something in the POU of a chart has, or around it, in lower case."""
     pou = chart.pou
     names = [*names_of(project), *(thing.name for thing in project.objects())]
-    for parts in (pou.actions, pou.transitions, pou.methods):
-        names += [part.name for part in parts]
-    names += [variable.name for variable in pou.variables()]
+    names += [each.name for each in (*pou.parts, *pou.variables())]
     names += [step.name for other in project.charts() if other.pou is pou for step in other.chart.steps]
     return {name.casefold() for name in names}
 

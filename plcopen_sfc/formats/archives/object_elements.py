@@ -288,8 +288,7 @@ def path_of(project: Project) -> str:
 
 def identities_in(pou: Pou) -> set[str]:
     """Return the identities that a POU and its parts have."""
-    things: list[Pou | _Part] = [pou, *pou.actions, *pou.methods, *pou.transitions]
-    return {each.object_id for each in things if each.object_id is not None}
+    return {each.object_id for each in (pou, *pou.parts) if each.object_id is not None}
 
 
 def write_pou(

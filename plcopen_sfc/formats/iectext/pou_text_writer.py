@@ -482,8 +482,7 @@ def write_pou(printer: TextPrinter, pou: Pou) -> WrittenBlock:
 
 def _names(pou: Pou) -> list[str]:
     """Return every name in the POU that an action in place must not take."""
-    parts: list[Action | NamedTransition | Method] = [*pou.actions, *pou.transitions, *pou.methods]
-    names = [*(part.name for part in parts), *(variable.name for variable in pou.variables())]
+    names = [each.name for each in (*pou.parts, *pou.variables())]
     for _, _, body in pou.named_bodies():
         if isinstance(body, SfcBody):
             names += [step.name for step in body.chart.steps]

@@ -46,8 +46,7 @@ class ConstantValues:
     def __init__(self, resolver: Resolver) -> None:
         project = resolver.project
         self._resolver = resolver
-        interfaces = [pou.interface for pou in project.pous] + [m.interface for p in project.pous for m in p.methods]
-        sections = [section for each in interfaces if each is not None for section in each.sections]
+        sections = [section for each in project.interfaces() for section in each.sections]
         globals_ = [section for section in project.global_sections() if section.constant]
         held = [s for s in sections if s.constant or s.kind is SectionKind.CONSTANT]
         tables = [constant for table in project.tag_tables for constant in table.constants]

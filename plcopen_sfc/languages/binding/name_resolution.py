@@ -72,10 +72,8 @@ class Resolver:
     @cached_property
     def constants(self) -> frozenset[int]:
         """The ids of the variables and entries of tables of tags that are declared as constants."""
-        pous = self.project.pous
-        every = [*(pou.interface for pou in pous), *(method.interface for pou in pous for method in pou.methods)]
-        interfaces = [each for each in every if each is not None]
-        sections = [*self.project.global_sections(), *(section for each in interfaces for section in each.sections)]
+        inside = (section for each in self.project.interfaces() for section in each.sections)
+        sections = [*self.project.global_sections(), *inside]
         constant = (each for each in sections if each.constant or each.kind is SectionKind.CONSTANT)
         tags = (id(each) for table in self.project.tag_tables for each in table.constants)
         return frozenset((*(id(variable) for section in constant for variable in section.variables), *tags))
