@@ -15,7 +15,7 @@ import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from plcopen_sfc.languages.networks.network_graph import MEMORY_PINS, is_memory_pin, wires_of
+from plcopen_sfc.languages.networks.network_graph import MEMORY_PINS, is_memory_pin, wires_from, wires_of
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.translation.call_translation import HALVES, is_lacking, translated_truncation
 from plcopen_sfc.model import network as net
@@ -99,9 +99,8 @@ def _box(number: int, operator: str, *pins: net.BlockVariable) -> net.Block:
 
 
 def _rename_wires(network: net.LogicNetwork, source: int, pin: str | None) -> None:
-    for wire in (wire for node in network.nodes for wire in wires_of(node)):
-        if wire.source == source:
-            wire.pin = pin
+    for wire in wires_from(network, source):
+        wire.pin = pin
 
 
 def _assigns(node: net.Node) -> str | None:
@@ -235,16 +234,12 @@ class _Box:
         found = self.block.parameters
         for pin in (*found.inputs, *found.in_outs, *found.outputs):
             pin.name = pins.get(pin.name, pin.name)
-        for wire in (wire for node in self.place.network.nodes for wire in wires_of(node)):
-            if wire.source == self.block.id and wire.pin is not None:
+        for wire in wires_from(self.place.network, self.block.id):
+            if wire.pin is not None:
                 wire.pin = pins.get(wire.pin, wire.pin)
 
     def _report_eno(self) -> None:
-        is_used = any(
-            wire.source == self.block.id and wire.pin == "ENO"
-            for node in self.place.network.nodes
-            for wire in wires_of(node)
-        )
+        is_used = any(wire.pin == "ENO" for wire in wires_from(self.place.network, self.block.id))
         disabled = self.types.get("DisabledENO") == "true"
         if is_used and not disabled and self.block.type_name.upper() in _SET_ENO:
             why = f"its ENO is FALSE in S7 where the result of {self.block.type_name} does not fit its type,"

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from plcopen_sfc.languages.binding import Names
-from plcopen_sfc.languages.networks.network_graph import wires_of
+from plcopen_sfc.languages.networks.network_graph import wires_from
 from plcopen_sfc.languages.s7_globals import global_names, local_tags
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.task_schedules import FREEWHEELING, nanoseconds, schedule_of
@@ -81,8 +81,8 @@ def _result(pou: Pou) -> VariableSection | None:
 def _name_pin(network: LogicNetwork, block: Block, name: str) -> None:
     for pin in block.parameters.outputs:
         if pin.name.casefold() == RESULT.casefold():
-            for wire in (wire for node in network.nodes for wire in wires_of(node)):
-                if wire.source == block.id and wire.pin == pin.name:
+            for wire in wires_from(network, block.id):
+                if wire.pin == pin.name:
                     wire.pin = name
             pin.name = name
 

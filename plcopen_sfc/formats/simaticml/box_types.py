@@ -13,7 +13,7 @@ from collections.abc import Collection, Iterable, Mapping
 from plcopen_sfc.formats.simaticml.element_reader import NotUnderstoodError
 from plcopen_sfc.formats.simaticml.network_operands import literal_type
 from plcopen_sfc.formats.xml.extension_data import attributes_of
-from plcopen_sfc.languages.networks.network_graph import wires_of
+from plcopen_sfc.languages.networks.network_graph import wires_from
 from plcopen_sfc.languages.st.literals import INTEGER_RANGES, SHORT_TYPES, LiteralKind, known_literal
 from plcopen_sfc.languages.standard_blocks import Tool, standard_block
 from plcopen_sfc.model import network as net
@@ -225,8 +225,8 @@ class _Typing:
         block.type_name = name
         for pin in (*inputs, *block.parameters.outputs):
             pin.name = pin.name.lower()
-        for wire in (wire for node in self.network.nodes for wire in wires_of(node)):
-            if wire.source == block.id and wire.pin is not None:
+        for wire in wires_from(self.network, block.id):
+            if wire.pin is not None:
                 wire.pin = wire.pin.lower()
         return kind
 

@@ -16,7 +16,7 @@ from plcopen_sfc.formats.simaticml.box_types import give_types
 from plcopen_sfc.formats.simaticml.declaration_spelling import write_type
 from plcopen_sfc.formats.simaticml.network_boxes import RESULTS
 from plcopen_sfc.formats.simaticml.network_operands import literal_type, parse_operand
-from plcopen_sfc.languages.networks.network_graph import wires_of
+from plcopen_sfc.languages.networks.network_graph import wires_from
 from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.model import network as net
 from plcopen_sfc.model.body import FbdBody, LdBody, networks_of
@@ -258,7 +258,7 @@ def _in_series(
     """Element at a pin that can be in a series: a variable, or a comparison at the rail without other consumers."""
     wires = pin.input.connections if pin.input is not None else []
     node = next((node for node in network.nodes if len(wires) == 1 and node.id == wires[0].source), None)
-    readers = sum(wire.source == node.id for other in network.nodes for wire in wires_of(other)) if node else 0
+    readers = len([*wires_from(network, node.id)]) if node else 0
     if isinstance(node, net.InputVariable) and not node.negated and readers == 1:
         return node
     if not isinstance(node, net.Block) or node.type_name not in _OPPOSITE or readers != 1:

@@ -14,7 +14,7 @@ from plcopen_sfc.formats.simaticml.added_elements import RETURN
 from plcopen_sfc.formats.simaticml.declaration_spelling import write_type
 from plcopen_sfc.languages.binding.text_sites import TextSite, text_sites
 from plcopen_sfc.languages.library_blocks import FLIP_FLOPS, flip_flop_instances, is_output, more_than_outputs
-from plcopen_sfc.languages.networks.network_graph import wires_of
+from plcopen_sfc.languages.networks.network_graph import wires_from, wires_of
 from plcopen_sfc.languages.s7_programs import RESULT
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import render, transform
@@ -226,8 +226,8 @@ def _name_pins(block: Block, pou: Pou, network: LogicNetwork) -> None:
     for pin in block.parameters.outputs:
         is_result = pin.name.casefold() in ("", "out", pou.name.casefold()) and pin.name.casefold() not in known
         if interface.return_type is not None and is_result:
-            for wire in (wire for node in network.nodes for wire in wires_of(node)):
-                if wire.source == block.id and wire.pin == pin.name:
+            for wire in wires_from(network, block.id):
+                if wire.pin == pin.name:
                     wire.pin = RESULT
             pin.name = RESULT
             _mark(pin, Type=write_type(interface.return_type), Section=RETURN)

@@ -28,6 +28,7 @@ from plcopen_sfc.languages.networks.wires import (
     inverted,
     joined,
     meeting,
+    operation,
     product_of,
 )
 from plcopen_sfc.languages.st import nodes as n
@@ -465,11 +466,6 @@ def _operation(standard: StandardBlock, values: list[Expression]) -> Expression 
         return joined(operator, values)
     if len(values) < 2:
         return None
-    if operator in (Operator.ADD, Operator.MULTIPLY):
-        first = n.bare(values[0])
-        if isinstance(first, n.Operation) and first.operator is operator:  # one operation, as a + b + c is read
-            values = [*first.operands, *values[1:]]
-        return n.Operation(operator, tuple(values))
-    if len(values) == 2:
-        return n.Operation(operator, (values[0], values[1]))
-    return compared(operator, values) if operator in EXTENSIBLE_COMPARISONS else None
+    if operator in EXTENSIBLE_COMPARISONS and len(values) > 2:
+        return compared(operator, values)
+    return operation(operator, values) if len(values) == 2 or operator in (Operator.ADD, Operator.MULTIPLY) else None

@@ -274,6 +274,11 @@ def wires_of(node: net.Node) -> Iterator[net.Connection]:
             yield from pin.connections
 
 
+def wires_from(network: net.LogicNetwork, source: int) -> Iterator[net.Connection]:
+    """Yield the wires that start at an element, by its id."""
+    return (wire for node in network.nodes for wire in wires_of(node) if wire.source == source)
+
+
 def apart(networks: Sequence[net.LogicNetwork]) -> tuple[list[net.LogicNetwork], dict[int, int]]:
     """Return the networks with ids that no two of them share, and the old id of each new one.
 

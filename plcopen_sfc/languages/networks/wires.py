@@ -84,6 +84,19 @@ def joined(operator: Operator, operands: Sequence[Expression]) -> Expression:
     return flat[0] if len(flat) == 1 else Operation(operator, tuple(flat))
 
 
+def operation(operator: Operator, operands: Sequence[Expression]) -> Expression:
+    """Operands with an operator between them, as one operation where it is read as one: ``a + b + c``."""
+    if operator in _ASSOCIATIVE:
+        return joined(operator, operands)
+    first = bare(operands[0])
+    if operator in (Operator.ADD, Operator.MULTIPLY) and isinstance(first, Operation) and first.operator is operator:
+        operands = (*first.operands, *operands[1:])
+    return Operation(operator, tuple(operands))
+
+
+_ASSOCIATIVE = (Operator.AND, Operator.OR, Operator.XOR)
+
+
 def inverted(expression: Expression) -> Expression:
     """NOT of an expression; of one that is inverted already, what is inside."""
     inner = bare(expression)
@@ -188,14 +201,9 @@ def _operation(operator: Operator, operands: Sequence[Expression]) -> Expression
         return joined(operator, operands) if operands else TRUE
     if operator is Operator.OR:
         return _or(joined(operator, operands))
-    if operator is Operator.XOR:
-        return joined(operator, operands)
-    first = operands[0]
-    if operator is Operator.SUBTRACT and len(operands) == 2 and first == n.Literal("0"):
+    if operator is Operator.SUBTRACT and len(operands) == 2 and operands[0] == n.Literal("0"):
         return n.Unary(Operator.NEGATE, operands[1])
-    if operator in (Operator.ADD, Operator.MULTIPLY) and isinstance(first, n.Operation) and first.operator is operator:
-        operands = (*first.operands, *operands[1:])
-    return n.Operation(operator, tuple(operands))
+    return operation(operator, operands)
 
 
 def _or(flat: Expression) -> Expression:
