@@ -494,9 +494,10 @@ class TestFormats:
         ]
 
     def test_a_project_of_codesys_and_of_twincat(self):
-        """TwinCAT has no watchdog in its tasks, and these lists have no attribute."""
+        """TwinCAT has no watchdog in its tasks and no BLINK, and these lists have no attribute."""
         before, after = loaded("codesys/distribution_belt.xml"), loaded("twincat-belt")
         assert told(sfc.diff(before, after)) == [
+            "POU BLINK: added (functionBlock)",
             "list of global variables GVL_EA: attributes {attribute 'qualified_only'} removed",
             "list of global variables GVL_Statistik: attributes {attribute 'qualified_only'} removed",
             "task MainTask: watchdog on t#100ms 1 removed",

@@ -103,8 +103,15 @@ class _Reader:
         if len(project.pous) != 1:
             raise self._refused("does not declare one POU")
         pou = project.pous[0]
+        self._compare_names(pou.name, thing)
         self._fill(pou)
         return project
+
+    def _compare_names(self, declared: str, element: etree._Element) -> None:
+        """Report an object that has another name than its declaration, which is the one that other code uses."""
+        name = element.get("Name", "")
+        if name and name.casefold() != declared.casefold():
+            self._ctx.warn("TWC107", f"the {element.tag} {name} declares {declared}, which is its name here", element)
 
     def _refused(self, what: str) -> FormatError:
         name = self._thing.get("Name", "")
@@ -152,6 +159,7 @@ class _Reader:
         guid = identity_of(self._thing)
         for declared in project.data_types[:1]:
             declared.object_id = guid
+            self._compare_names(declared.name, self._thing)
         for section in project.global_variables:
             section.name = self._thing.get("Name", "")
             section.object_id = guid
@@ -166,7 +174,9 @@ class _Reader:
         methods = iter(pou.methods)
         for child in thing:
             if child.tag == "Method":
-                self._part(next(methods), child, names)
+                method = next(methods)
+                self._compare_names(method.name, child)
+                self._part(method, child, names)
             elif child.tag == "Action":
                 pou.actions.append(Action(name=child.get("Name", "")))
                 self._part(pou.actions[-1], child, names)

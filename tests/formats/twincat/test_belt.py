@@ -59,3 +59,14 @@ def test_the_part_waits_three_seconds_at_place_3(path: Path) -> None:
 def test_reset_goes_back_and_pause_holds(path: Path) -> None:
     assert run(path, 40, SFCReset=lambda scan: scan >= 30).active(35) == ("Grundstellung",)
     assert run(path, 60, SFCPause=lambda scan: scan >= 20).active(55) == ("Warten",)
+
+
+def test_the_project_goes_to_plcopen_xml_and_back(tmp_path: Path) -> None:
+    """TwinCAT has no BLINK: the block is one of the project there, and in CODESYS."""
+    project = sfc.load(BELTS[0])
+    data, report = sfc.convert(project, "codesys")
+    assert report.losses == []
+    sfc.save(sfc.loads(data), tmp_path, format="twincat")
+    back = sfc.load(tmp_path)
+    assert str(sfc.diff(project, back)) == "no differences"
+    assert [pou.name for pou in back.pous] == [pou.name for pou in project.pous]

@@ -750,3 +750,18 @@ def test_a_symbol_with_the_number_of_an_attribute_keeps_it_alone() -> None:
     again = sfc.loads(sfc.dumps(project))
     assert not again.diagnostics
     assert str(sfc.diff(project, again)) == "no differences"
+
+
+def test_an_object_with_another_name_than_its_declaration_is_told_and_has_that() -> None:
+    data = METHODS.replace(b'<POU Name="Pump"', b'<POU Name="Engine"').replace(
+        b'<Method Name="Start"', b'<Method Name="Begin"'
+    )
+    assert data != METHODS
+    project = sfc.loads(data)
+    assert [pou.name for pou in project.pous] == [pou.name for pou in sfc.loads(METHODS).pous]
+    found = [(each.code, each.severity.value, each.message) for each in project.diagnostics]
+    assert [each[:2] for each in found] == [("TWC107", "warning")] * 2
+    assert "Engine declares" in found[0][2]
+    assert sfc.dumps(project) == data
+    project.pous[0].interface.sections[0].variables[0].comment = "any"  # an edit leaves both names
+    assert changed(data, sfc.dumps(project))[0].startswith("-\tPart")
