@@ -52,9 +52,10 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def programs(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The programs of an environment with nothing in it but the wheel and what it requires."""
     folder = tmp_path_factory.mktemp("empty") / "environment"
-    venv.create(folder, with_pip=True)
+    venv.create(folder)
     programs = folder / ("Scripts" if os.name == "nt" else "bin")
-    install(programs / "python", "-m", "pip", "install", "--quiet", "--no-compile", wheel, cwd=folder.parent)
+    into = (sys.executable, "-m", "pip", "--python", programs / "python")
+    install(*into, "install", "--quiet", "--no-compile", wheel, cwd=folder.parent)
     return programs
 
 

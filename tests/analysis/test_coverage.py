@@ -802,8 +802,7 @@ def test_what_is_called_unreachable_is_reached_by_no_longer_run(profile: str) ->
             first = equivalent(pou, pou, profile, cap=1, **effort).coverage[0]
             return {each.key: each.impossible for each in first.unreached if each.kind != PART}
 
-        short, long = unreached(runs=1, scans=3), unreached(runs=30, scans=120)
-        never = {key for key, proven in short.items() if proven}
-        assert never <= long.keys()
+        never = {key for key, proven in unreached(runs=1, scans=3).items() if proven}
+        assert not never or never <= unreached(runs=30, scans=120).keys()
         impossible += len(never)
     assert impossible > seeds
