@@ -185,7 +185,7 @@ class _Reader:
         if self.detail is Detail.WRITTEN:
             self._lists()
         if not self.detail:
-            self._calls_of_programs(self.names, tasks)
+            self._calls_of_programs(tasks)
             self._undeclared()
 
     def _data_type(self, declaration: t.DataTypeDeclaration) -> None:
@@ -236,14 +236,14 @@ class _Reader:
             found |= {method.name.casefold() for method in pou.methods}
         return found
 
-    def _calls_of_programs(self, names: Names, tasks: TaskReader) -> None:
+    def _calls_of_programs(self, tasks: TaskReader) -> None:
         """Note where a program is called or its variables are read, as in CODESYS: IEC 61131-3 has no such calls."""
         pous = {pou.name.casefold(): pou for pou in self.project.pous}
         programs = {block: pous[program] for block, program in self.programs.items() if program in pous}
         if self.source.dialect is Dialect.CODESYS:
             programs |= {key: pou for key, pou in pous.items() if pou.kind is PouKind.PROGRAM}
         found: set[tuple[str, str]] = set()
-        for occurrence in names.occurrences(*programs) if programs else ():
+        for occurrence in self.names.occurrences(*programs) if programs else ():
             declaration, caller = occurrence.meaning.declaration, occurrence.text_site.site.pou
             program = programs[occurrence.reference.name.casefold()]
             place = (occurrence.text_site.report_path, program.name)

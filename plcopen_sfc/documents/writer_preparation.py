@@ -198,7 +198,7 @@ def _fitted(
     if options.of_codesys:
         from plcopen_sfc.conversion.adaptation.chart_rules import obey_flags  # noqa: PLC0415  # of CODESYS alone
 
-        obey_flags(copy, project, "matiec", options, report)
+        obey_flags(copy, project, options, report)
         if kind.text:  # the writer of a TC6 file adds them, and the way back leaves them out
             for block in library_blocks(copy):
                 copy.pous = [*copy.pous, block]

@@ -292,12 +292,12 @@ class _Reader:
         first = None
         if start < end and self.tokens[start].kind == "time":
             token = self.tokens[start]
-            if not self._is(start + 1, end, "/"):
+            if not self._is_slash(start + 1, end):
                 raise ConditionError(f"a time needs what it is the time of: {token.text}/X1", token.span)
             first, start = token.text, start + 2
         operand, behind = self._signed(start, end)
         last = None
-        if self._is(behind, end, "/") and behind + 1 < end and self.tokens[behind + 1].kind == "time":
+        if self._is_slash(behind, end) and behind + 1 < end and self.tokens[behind + 1].kind == "time":
             last, behind = self.tokens[behind + 1].text, behind + 2
         if first is None and last is None:
             return operand, behind
@@ -318,8 +318,8 @@ class _Reader:
         # a time may become a comparison (Step1.T >= T#3s), of which NOT alone would take the first operand
         return f"NOT ({operand})" if _COMPARISON.match(operand) else f"NOT {operand}", behind
 
-    def _is(self, index: int, end: int, text: str) -> bool:
-        return index < end and self.tokens[index].text == text
+    def _is_slash(self, index: int, end: int) -> bool:
+        return index < end and self.tokens[index].text == "/"
 
     def _primary(self, start: int, end: int) -> tuple[str, int]:
         token = self.tokens[start]

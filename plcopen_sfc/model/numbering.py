@@ -10,7 +10,7 @@ from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.late import LateElement
 from plcopen_sfc.model.network import Connection, Node
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step, Transition
 
 
 def numbered_in_order(project: Project) -> Project:
@@ -53,9 +53,12 @@ def _numbers(ids: Iterable[int]) -> dict[int, int]:
 
 
 def _number_chart(chart: SfcNetwork) -> None:
-    associations = [association for _, association in chart.associations()]
-    things = [*chart.steps, *chart.transitions, *associations, *chart.logic]
-    _renumber(chart, _numbers(thing.id for thing in things))
+    _renumber(chart, _numbers(thing.id for thing in _things(chart)))
+
+
+def _things(chart: SfcNetwork) -> list[Step | Transition | ActionAssociation | Node]:
+    associations = (association for _, association in chart.associations())
+    return [*chart.steps, *chart.transitions, *associations, *chart.logic]
 
 
 def take_ids(project: Project, other: Project) -> None:
@@ -100,9 +103,7 @@ def _ids_of(chart: SfcNetwork, like: SfcNetwork) -> dict[int, int]:
 
 
 def _renumber(chart: SfcNetwork, numbers: dict[int, int]) -> None:
-    associations = [association for _, association in chart.associations()]
-    things = [*chart.steps, *chart.transitions, *associations, *chart.logic]
-    for thing in things:
+    for thing in _things(chart):
         thing.id = numbers[thing.id]
     for transition in chart.transitions:
         transition.sources = [numbers.get(number, 0) for number in transition.sources]

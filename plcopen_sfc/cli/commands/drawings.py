@@ -29,7 +29,7 @@ def pictures(screen: Screen, files: ManyFiles, *, to: str | None, **options: Any
     if sources.alone:
         screen.result(work(screen, sources.named[0], target))
         return screen.exit_code
-    made = targets(sources, target, lambda path: f"{_place(path, '-charts')}/", lambda _, name: f"{Path(name).stem}/")
+    made = targets(sources, target, lambda path: f"{_folder_beside(path)}/", lambda _, name: f"{Path(name).stem}/")
     return _listed(screen, files, made, work, "Drawing")
 
 
@@ -40,7 +40,7 @@ def _draw(options: dict[str, Any], screen: Screen, source: str, target: str | No
         target = STANDARD_STREAM
     elif target is None:
         several = len(drawn_bodies(project, options["pou"])) > 1
-        target = f"{_place(Path(source), '-charts')}/" if several else str(Path(source).with_suffix(extension))
+        target = f"{_folder_beside(Path(source))}/" if several else str(Path(source).with_suffix(extension))
     with written_to_stdout(screen, target, extension) as place:
         drawn = draw(project, place, **options)
     written = [(each.name, target if target == STANDARD_STREAM else str(each.path)) for each in drawn]
@@ -113,10 +113,10 @@ def _listed(screen: Screen, files: ManyFiles, made: dict[str, str], work: Any, d
     return screen.exit_code
 
 
-def _place(source: Path, more: str) -> Path:
-    """Return a name next to a source: that of a folder is what the folder is called, also as ``.``."""
+def _folder_beside(source: Path) -> Path:
+    """Return a folder next to a source, called after it: after what a folder is called, also as ``.``."""
     place = source.resolve() if folder_exists(source) else source
-    return place.with_name(f"{place.stem}{more}")
+    return place.with_name(f"{place.stem}-charts")
 
 
 def _page_beside(source: Path) -> Path:

@@ -153,10 +153,10 @@ def rewrite_charts(
                 marks.setdefault(id(chart.chart), {}).update(drawing_mark(drawing))
 
 
-def obey_flags(project: Project, source: Project, tool: str, options: WriteOptions, report: ConversionReport) -> None:
+def obey_flags(project: Project, source: Project, options: WriteOptions, report: ConversionReport) -> None:
     """Let conditions of `project`, a copy of `source` from CODESYS, obey its SFC flags before other rules apply."""
     named = named_flags(Names(source))
-    host = ChartHost(tool)
+    host = ChartHost("matiec")
     for chart, before in zip(list(project.charts()), list(source.charts()), strict=True):
         flags = _used_flags(source, before, named)
         if flags:

@@ -136,8 +136,9 @@ class SequenceRewriter:
             (self._rewriting.reduced(self._begins(step, edges)), self._rewriting.reduced(self._ends(step, edges)))
             for step in steps
         ]
+        why = "the steps that it connects are loops with its condition"
         for each in own:
-            self._note(each, "the steps that it connects are loops with its condition")
+            self._rewriting.note(Outcome.TRANSLATED, "transition", f"transition {self._chart.label(each)}", why)
             self._rewriting.marks.pop(id(each), None)
         self._chart.transitions = [each for each in self._chart.transitions if each not in own]
         heads: list[Step] = []
@@ -152,12 +153,13 @@ class SequenceRewriter:
                 self._rewriting.note(Outcome.TRANSLATED, "order of transitions", f"step {step.name}", why)
         return heads
 
-    def _note(self, transition: Transition, why: str) -> None:
-        self._rewriting.note(Outcome.TRANSLATED, "transition", f"transition {self._chart.label(transition)}", why)
+    def _entering(self, step: Step) -> list[str]:
+        """Return the firings of the transitions that lead to a step from others."""
+        return [self._fires(each) for each in self._order if step.id in each.targets and step.id not in each.sources]
 
     def _begins(self, step: Step, edges: dict[str, str]) -> str:
         """Return when a step that is not active becomes active."""
-        entered = [self._fires(each) for each in self._order if step.id in each.targets and step.id not in each.sources]
+        entered = self._entering(step)
         switched = self._checks.is_switched(step, "on")
         if switched is not None:
             entered.append(all_of([switched, *(f"NOT {as_term(each)}" for each in self._leaving(step))]))
@@ -172,7 +174,7 @@ class SequenceRewriter:
         if off is not None:
             left.append(off if on is None else f"{off} AND NOT {on}")
         found = any_of(left)
-        entered = [self._fires(each) for each in self._order if step.id in each.targets and step.id not in each.sources]
+        entered = self._entering(step)
         if entered and found != "FALSE" and self._is_crowded:
             # a step that is left and entered in one cycle stays active
             found = all_of([found, f"NOT {as_term(any_of(entered))}"])

@@ -134,7 +134,7 @@ class StepRewriter:
         if step.exclude and not self._host.is_codesys and self._is_entered(step):
             step.actions, step.entry_action, step.main_action, step.exit_action = [], None, None, None
             why = "nothing is executed in it and nothing leaves it: CODESYS leaves the step out"
-            self._note(Outcome.TRANSLATED, "exclude", step, why)
+            self._rewriting.note(Outcome.TRANSLATED, "exclude", f"step {step.name}", why)
         rows = _Rows()
         overwritten = overwritten_rows(step) if self._rewriting.options.of_graph else []
         self._late = self._orders.late_starts(step) if self._orders is not None else set()
@@ -267,9 +267,6 @@ class StepRewriter:
         """Mark a step, rewritten already, whose statements depend on the added variables `uses` now."""
         self._uses.setdefault(step.id, []).extend(uses)
         self._mark(step)
-
-    def _note(self, outcome: Outcome, what: str, step: Step, why: str) -> None:
-        self._rewriting.note(outcome, what, f"step {step.name}", why)
 
     def _note_action(self, outcome: Outcome, step: Step, action: object, why: str, cause: Cause | None = None) -> None:
         name = action if isinstance(action, str) else "in place"
@@ -470,9 +467,8 @@ class StepRewriter:
     def _row(self, step: Step, row: ActionAssociation, rows: _Rows) -> None:
         """Sort a row into `rows`: kept, kept with another qualifier, as a statement, or left out with a reason."""
         if row.exclude and not self._host.is_codesys:
-            self._note(
-                Outcome.TRANSLATED, "excluded action", step, f"`{_called(row)}` is left out: CODESYS excludes it"
-            )
+            why = f"`{_called(row)}` is left out: CODESYS excludes it"
+            self._rewriting.note(Outcome.TRANSLATED, "excluded action", f"step {step.name}", why)
             return
         if row.qualifier is Qualifier.R0:
             row = row.model_copy(update={"qualifier": Qualifier.R})

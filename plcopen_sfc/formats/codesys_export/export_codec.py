@@ -21,6 +21,7 @@ from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import FormatError, Location, StructureError
 from plcopen_sfc.formats.archives.object_elements import (
     identities_in,
+    line_below,
     path_of,
     read_element,
     take_out_others,
@@ -258,9 +259,7 @@ class _Reader:
         lines = line_elements(member(owner.content, "Interface"))
         if lines:
             return line_of(lines[min(max(line, 0), len(lines) - 1)])
-        declaration = holder.find("Declaration")
-        start = line_of(declaration) if declaration is not None else None
-        return start + line if start is not None else None
+        return line_below(holder, line)
 
 
 def _inner(found: list[Entry]) -> dict[str, list[Entry]]:

@@ -173,13 +173,13 @@ def _archive(holder: etree._Element, thing: etree._Element) -> None:
 
 def _settings(entry: etree._Element) -> etree._Element | None:
     """Return the settings of a chart, which are a property of its object."""
-    return next((held[0] for held in _property_values(entry, _SETTINGS) if len(held)), None)
+    return next((held[0] for held in _settings_values(entry) if len(held)), None)
 
 
-def _property_values(entry: etree._Element, guid: str) -> Iterator[etree._Element]:
+def _settings_values(entry: etree._Element) -> Iterator[etree._Element]:
     properties = member(entry, "MetaObject", "Properties")
     for each in properties.iterchildren("Entry") if properties is not None else ():
-        if (each.findtext(f"Key/{SINGLE}") or "").casefold() == guid:
+        if (each.findtext(f"Key/{SINGLE}") or "").casefold() == _SETTINGS:
             yield from each.iterchildren("Value")
 
 
@@ -242,7 +242,7 @@ def _change_type(entry: Entry, body: etree._Element, kind: str) -> None:
 
 
 def _put_settings(entry: Entry, settings: etree._Element) -> None:
-    held = next(_property_values(entry.element, _SETTINGS), None)
+    held = next(_settings_values(entry.element), None)
     if held is not None:
         held[:] = [settings]
         return

@@ -193,7 +193,7 @@ class XmiWriter:
             made.set("id", str(transition.number if transition.number is not None else number + 1))
             label = f"{where} / transition {network.label(transition)}"
             condition = expression_of(network, transition.condition, self._objects) or transition.condition
-            self._condition(made, "term", condition, f"{path}/@transitions.{number}", label)
+            self._condition(made, condition, f"{path}/@transitions.{number}", label)
         self._arcs(element, path, network)
         self._actions(element, path, network, where)
 
@@ -292,10 +292,10 @@ class XmiWriter:
         except TermError as error:
             self._lost("action", label, str(error))
             return False
-        self._condition(made, "term", action.condition, own, label)
+        self._condition(made, action.condition, own, label)
         return True
 
-    def _condition(self, made: etree._Element, tag: str, condition: Condition | None, own: str, label: str) -> None:
+    def _condition(self, made: etree._Element, condition: Condition | None, own: str, label: str) -> None:
         if condition is None:
             return
         try:
@@ -308,13 +308,13 @@ class XmiWriter:
                 for time, name in ((read.delay_of_all.first, "delayTime"), (read.delay_of_all.last, "resetTime")):
                     if time is not None:
                         _set_time(made, time, name)
-            self._terms.write(made, tag, read.tree, read, f"{own}/@{tag}")
+            self._terms.write(made, "term", read.tree, read, f"{own}/@term")
             for time in read.times():
                 why = f"terms have no times: `{time}` is an input of this name there, as people declare it"
                 self._report.add(Outcome.APPROXIMATED, "time", label, why)
         except TermError as error:
             self._lost("condition", label, str(error))
-            for child in made.findall(tag):
+            for child in made.findall("term"):
                 made.remove(child)
 
     def _lost(self, what: str, path: str, why: str) -> None:

@@ -188,6 +188,10 @@ def write_nested(
     return True
 
 
+def _member(element: etree._Element, name: str) -> etree._Element | None:
+    return next((each for each in _inner(element) if each.get("Name", "").casefold() == name.casefold()), None)
+
+
 def _find(element: etree._Element, path: Path, types: Mapping[str, t.DataType]) -> tuple[etree._Element, str]:
     """Return the member at the end of a way, and the indices of its element."""
     indices: list[int] = []
@@ -195,10 +199,10 @@ def _find(element: etree._Element, path: Path, types: Mapping[str, t.DataType]) 
         if isinstance(part, tuple):
             indices += part
             continue
-        found = next((m for m in _inner(element) if m.get("Name", "").casefold() == part.casefold()), None)
+        found = _member(element, part)
         if found is None:
             _add_members(element, types)
-            found = next((m for m in _inner(element) if m.get("Name", "").casefold() == part.casefold()), None)
+            found = _member(element, part)
         if found is None:
             raise ValuePathError(f"there is no member {part}")
         element = found

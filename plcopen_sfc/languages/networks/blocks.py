@@ -102,7 +102,7 @@ class BlockReader:
             if _is(variable, "eno"):
                 # the power before the box: executing it may change what this is calculated from
                 if guard is not None and self._is_used(block, variable) and not is_variable(guard):
-                    guard = self._kept(block, guard, "BOOL")
+                    guard = self._kept(block, guard)
                 self._give(block, variable, guard or TRUE)
         self._call(block, arguments, guard)
         # in-outs, which `block_inputs` has last, pass their variables on
@@ -139,8 +139,8 @@ class BlockReader:
         else:
             self._function(block, standard, arguments, outputs, guard)
 
-    def _kept(self, block: Block, value: Expression, type_name: str) -> n.Name:
-        helper = self._wires.helper("value", (block.id, None), type_name, retained=False)
+    def _kept(self, block: Block, value: Expression) -> n.Name:
+        helper = self._wires.helper("value", (block.id, None), "BOOL", retained=False)
         self._wires.execute(n.Assignment(helper, value))
         return helper
 
@@ -196,7 +196,7 @@ class BlockReader:
         """Write an output to the variable at its pin; return the variable that has its value from now on."""
         target = self._wires.expression(_target(variable), block.id)
         if variable.storage is not Storage.NONE and self._graph.uses[block.id, variable.name]:
-            value = self._kept(block, value, "BOOL")
+            value = self._kept(block, value)
         self._wires.execute(self.assignment(target, value, variable.storage))
         return target if variable.storage is Storage.NONE else value
 
@@ -301,7 +301,7 @@ class BlockReader:
             for variable in outputs:
                 self._give_product(block, variable, product_of([*products, (Factor((block.id, "edge"), edge),)]))
             return
-        flow = flow if is_variable(flow) else self._kept(block, flow, "BOOL")
+        flow = flow if is_variable(flow) else self._kept(block, flow)
         edge = self._wires.edge_since(memory, flow, (block.id, None), rising=EDGE_COILS[name])
         self._wires.execute(n.Assignment(operand, edge))
         for variable in outputs:

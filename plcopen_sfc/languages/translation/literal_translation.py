@@ -161,9 +161,10 @@ def translated_address(text: str, source: Dialect, target: Dialect) -> PartText:
     if of_s7 is for_s7 and (source in COUNTING_BYTES) is bytes_there:
         return PartText(text)
     found = _ADDRESS.fullmatch(text)
+    lacking = PartText(text, Severity.ERROR, f"{text} has no counterpart; left unchanged")
+    unlike = lacking if of_s7 or for_s7 else PartText(text)
     if found is None or (for_s7 and found[1].upper() in INTERNATIONAL):
-        problem = PartText(text, Severity.ERROR, f"{text} has no counterpart; left unchanged")
-        return problem if of_s7 or for_s7 else PartText(text)
+        return unlike
     area = INTERNATIONAL.get(found[1].upper(), found[1])
     size, place = found[2], found[3]
     if size.upper() in ("", "X"):
@@ -173,8 +174,7 @@ def translated_address(text: str, source: Dialect, target: Dialect) -> PartText:
             return PartText(text, Severity.ERROR, f"{text} has no counterpart: S7 names bits by byte and bit")
         return PartText(f"%{area}{place}" if for_s7 else f"%{area}X{place}")
     if "." in place or ((of_s7 or for_s7) and size.upper() == "L"):
-        problem = PartText(text, Severity.ERROR, f"{text} has no counterpart; left unchanged")
-        return problem if of_s7 or for_s7 else PartText(text)
+        return unlike
     width = _BYTES.get(size.upper())
     if width is None or (source in COUNTING_BYTES) is bytes_there:
         return PartText(f"%{area}{size}{place}")

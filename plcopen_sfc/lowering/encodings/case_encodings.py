@@ -112,7 +112,7 @@ class RegionEncoding(ScanSchedule):
         if self._is_announced and SfcFlag.TRANS in self.source.flags:
             for machine in self.machines:
                 self.last_state(machine)  # asked for when they are assigned already
-        for index in self._needing_bits(self.source):
+        for index in self._needing_bits():
             transition = self.net.transitions[index]
             comment = self.texts.transition_of(transition.path)
             self._bits[index] = self.code.declare(self.texts.transition_name(self.net, transition), comment=comment)
@@ -456,15 +456,15 @@ class RegionEncoding(ScanSchedule):
 
     # -- transitions that compete with those of another CASE
 
-    def _needing_bits(self, source: ChartSource) -> list[int]:
+    def _needing_bits(self) -> list[int]:
         """Return joins with competing transitions, with these, and joins whose condition needs statements before it."""
         found = self.states.competing_joins()
-        if source.evaluates_all and any(source.preparations):
+        if self.source.evaluates_all and any(self.source.preparations):
             # a statement in one CASE would come behind the transitions of the CASE before it
             if len(self.machines) > 1:
                 return list(range(len(self.net.transitions)))
             for leaving in self.net.leaving:
-                if any(source.preparations[t] for t in leaving[1:]):
+                if any(self.source.preparations[t] for t in leaving[1:]):
                     found.update(leaving)
         for block in self._regions.blocks:
             # where all branches are one state with the wait there is no CASE in between that could end one of them
@@ -473,7 +473,7 @@ class RegionEncoding(ScanSchedule):
             waiting = all(self.states.has_following(self.states.machine_of(i)) for i in branches)
             if self._sequence and not (alone or waiting):
                 found.update(block.joins)
-            found.update(join for join in block.joins if source.preparations[join])
+            found.update(join for join in block.joins if self.source.preparations[join])
         return sorted(found)
 
     def _computed_bits(self) -> Iterator[Statement]:

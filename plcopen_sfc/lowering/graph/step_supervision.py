@@ -135,7 +135,7 @@ class SupervisionChecks:
         """Return the checks of the active step before the step change."""
         if not self.early:
             return []
-        return [when(self._flag, *self._evaluated(resolve, CyclePhase.CHECK, acknowledge))]
+        return [when(self._flag, *self._evaluated(resolve, acknowledge))]
 
     def forgotten(self, left: Callable[[], Expression]) -> list[Statement]:
         """Return the end of what belongs to a step that is left."""
@@ -150,22 +150,22 @@ class SupervisionChecks:
             return []
         if not self.early:
             return self._late(resolve)
-        return [when(entered(), *self._first_evaluated(resolve, CyclePhase.ENTERED))]
+        return [when(entered(), *self._first_evaluated(resolve))]
 
-    def _evaluated(self, resolve: Resolve, phase: CyclePhase, acknowledge: Expression) -> list[Statement]:
+    def _evaluated(self, resolve: Resolve, acknowledge: Expression) -> list[Statement]:
         """Return the checks of an active step."""
         into: list[Statement] = []
         if self._interlock is not None and "LS" in self._variables:
-            into += [resolve(each, phase) for each in self._interlock.preparation]
-            self._interlock_events(resolve(self._interlock.value, phase), into)
+            into += [resolve(each, CyclePhase.CHECK) for each in self._interlock.preparation]
+            self._interlock_events(resolve(self._interlock.value, CyclePhase.CHECK), into)
         if self._supervision is not None:
-            into += [resolve(each, phase) for each in self._supervision.preparation]
-            self._supervision_events(resolve(self._supervision.value, phase), into)
+            into += [resolve(each, CyclePhase.CHECK) for each in self._supervision.preparation]
+            self._supervision_events(resolve(self._supervision.value, CyclePhase.CHECK), into)
             if self._remembers:
                 self._remembered(acknowledge, into)
         return into
 
-    def _first_evaluated(self, resolve: Resolve, phase: CyclePhase) -> list[Statement]:
+    def _first_evaluated(self, resolve: Resolve) -> list[Statement]:
         """Return the checks of a step just entered: what they remember is FALSE, so nothing can have ended."""
         into: list[Statement] = []
         for stated, result, follow in (
@@ -175,8 +175,8 @@ class SupervisionChecks:
             if stated is None or result not in self._variables:
                 continue
             value = self._variables[result]
-            into += [resolve(each, phase) for each in stated.preparation]
-            into.append(assignment(value, resolve(stated.value, phase)))
+            into += [resolve(each, CyclePhase.ENTERED) for each in stated.preparation]
+            into.append(assignment(value, resolve(stated.value, CyclePhase.ENTERED)))
             self._assign(into, dict.fromkeys(follow, negation(value) if result == "LS" else value))
         return into
 
