@@ -223,9 +223,8 @@ def _diff(screen: Screen, before: o.Before, after: o.After, how: o.DiffOptions) 
 @_command
 def _rename(
     screen: Screen,
-    files: o.Files,
-    old: o.OldName,
-    new: o.NewName,
+    files: o.RenamedFiles,
+    table: o.NameTable = None,
     dry_run: o.DryRun = False,
     diff: o.Patch = None,
     resume: o.Journal = None,
@@ -236,7 +235,7 @@ def _rename(
     """
     from plcopen_sfc.cli.commands import edits
 
-    return edits.rename(screen, files, old, new, edits.EditOptions(dry_run, diff=diff, resume=resume))
+    return edits.rename(screen, files, table, edits.EditOptions(dry_run, diff=diff, resume=resume))
 
 
 @_command

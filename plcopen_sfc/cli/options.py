@@ -200,8 +200,18 @@ Undo = Annotated[bool, _option("--undo", "Take out again what was written.")]
 
 # -- renaming ---------------------------------------------------------------------------------------------------------
 
-OldName = Annotated[str, typer.Argument(metavar="OLD", help="The object: Main, Main.S3, GVL.x, Type.member.")]
-NewName = Annotated[str, typer.Argument(metavar="NEW", help="Its new name.")]
+RenamedFiles = Annotated[
+    "ManyFiles",
+    typer.Argument(
+        metavar="FILE... [OLD NEW]",
+        help="Files, folders, patterns, @list.txt (@-: standard input), or -; then the object (Main, Main.S3, GVL.x, "
+        "Type.member) and its new name, if no table has them.",
+    ),
+]
+NameTable = Annotated[
+    Path | None,
+    _option("--table", "Rename what this table has: a path and a new name in each row.", "FILE.csv|.xlsx"),
+]
 
 Start = Annotated[int, _option("--start", "The number of the first step.")]
 Increment = Annotated[int, _option("--increment", "The difference between two steps.")]

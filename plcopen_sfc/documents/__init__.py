@@ -6,7 +6,8 @@
   `target_differences`: what the target executes otherwise of the same texts; `reading_back`: what was written, read
   again.
 * `folder_projects`: a folder of documents as one project; `folder_documents`: its documents and their names.
-* `list_merging`: a step list that was edited, merged into the project that it was written from.
+* `list_merging`: a step list that was edited, merged into the project that it was written from. `name_tables`: new
+  names for `rename_many` in tables.
 * `picture_files`: pictures of the charts of a project, in files.
 * `sources`: what a project was read from, and the lines of its objects.
 """

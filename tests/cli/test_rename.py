@@ -96,3 +96,76 @@ def test_what_cannot_be_done_is_2(cli, fixtures, belt, arguments, message):
 
 def test_a_file_that_is_none(cli, tmp_path):
     assert cli("rename", tmp_path / "none.xml", "a", "b").code == 2
+
+
+TABLE = (
+    "Old;New;Why\r\nPLC_PRG.Measure;Identify;plant standard\r\n\r\nFB_Pusher.Jammed;Stuck\r\nPLC_PRG.Nowhere;Here\r\n"
+)
+
+
+def _workbook(path, rows):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    for row in rows:
+        book.active.append(row)
+    book.save(path)
+
+
+@pytest.mark.parametrize("name", ["names.csv", "names.xlsx"])
+def test_a_table_has_many_names(cli, belt, name):
+    if name == "names.csv":
+        (belt.parent / name).write_bytes(TABLE.encode("cp1252"))
+    else:
+        _workbook(belt.parent / name, [line.split(";") for line in TABLE.splitlines()])
+    outcome = cli("rename", "belt.xml", "--table", name)
+    assert outcome.code == 0
+    assert [line for line in outcome.out.splitlines() if not line.startswith("  ")] == [
+        "PLC_PRG.Measure is called Identify now, 1 place that names it changed too",
+        "FB_Pusher.Jammed is called Stuck now, 0 places that name it changed too",
+        "written: belt.xml",
+    ]
+    assert outcome.err.splitlines() == ["1 of 3 names of the table are not declared here:", "  PLC_PRG.Nowhere"]
+    project = sfc.load(belt)
+    assert project.pou("PLC_PRG").sfc.step("Identify")
+    assert project.pou("FB_Pusher").sfc.step("Stuck")
+
+
+def test_a_table_exchanges_names_in_many_files(cli, fixtures, belt):
+    shutil.copy(fixtures / "codesys" / "device_export.xml", belt.parent / "pumps.xml")
+    (belt.parent / "names.csv").write_text("PLC_PRG.Idle,WaitPart\nPLC_PRG.WaitPart,Idle\n", encoding="utf-8")
+    before = [step.name for step in sfc.load(belt).pou("PLC_PRG").sfc.steps]
+    outcome = cli("rename", "belt.xml", "pumps.xml", "--table", "names.csv", "--json")
+    data = json.loads(outcome.out)
+    assert [(each["outcome"], each["missing"]) for each in data["files"]] == [
+        ("changed", []),
+        ("unchanged", ["PLC_PRG.Idle", "PLC_PRG.WaitPart"]),
+    ]
+    assert [each["new"] for each in data["files"][0]["renamed"]] == ["WaitPart", "Idle"]
+    assert outcome.code == 1  # none of its names is in the second file
+    after = [step.name for step in sfc.load(belt).pou("PLC_PRG").sfc.steps]
+    exchanged = {"Idle": "WaitPart", "WaitPart": "Idle"}
+    assert after == [exchanged.get(name, name) for name in before]
+
+
+@pytest.mark.parametrize(
+    ("rows", "told"),
+    [
+        ("Old;New\nPLC_PRG.Idle;\n", "names.csv:2: this row has no new name"),
+        ("PLC_PRG.Idle;Rest\nPLC_PRG.Idle;Wait\n", "names.csv:2: PLC_PRG.Idle gets two names: Rest and Wait"),
+        ("Old;New\n", "names.csv: this table has no names"),
+        ("PLC_PRG.Idle;WaitPart\n", "WaitPart"),
+        ("PLC_PRG.Idle;END_IF\n", "END_IF"),
+    ],
+)
+def test_a_table_that_cannot_be_followed_changes_nothing(cli, fixtures, belt, rows, told):
+    (belt.parent / "names.csv").write_text(rows, encoding="utf-8")
+    outcome = cli("rename", "belt.xml", "--table", "names.csv")
+    assert outcome.code == 2
+    assert told in outcome.err
+    assert belt.read_bytes() == (fixtures / BELT).read_bytes()
+
+
+def test_what_to_rename_is_needed_without_a_table(cli, belt):
+    outcome = cli("rename", "belt.xml", "PLC_PRG.Measure")
+    assert outcome.code == 2
+    assert "--table names.csv" in outcome.err

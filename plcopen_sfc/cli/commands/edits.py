@@ -21,14 +21,15 @@ from plcopen_sfc.cli.many_files import ManyFiles, PrintedLine, RecordedScreen, f
 from plcopen_sfc.cli.screen import UNREADABLE, Screen, Table
 from plcopen_sfc.documents.folder_projects import edited_files
 from plcopen_sfc.documents.list_merging import merge_list
+from plcopen_sfc.documents.name_tables import read_names
 from plcopen_sfc.documents.sources import FolderSource
 from plcopen_sfc.errors import InputError, ModelError, ScriptError
 from plcopen_sfc.files import folder_exists, read_bytes, write_atomic
 from plcopen_sfc.formats.file_recognition import recognise
-from plcopen_sfc.languages.binding import Use
+from plcopen_sfc.languages.binding import Names, Use
 from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.report import LOSSES, Item, Outcome
+from plcopen_sfc.report import LOSSES, Item, Outcome, RenameResult
 from plcopen_sfc.whole_numbers import counted
 
 _FINDINGS = 1
@@ -79,24 +80,50 @@ class _Rename(_Edit):
 
     def on(self, screen: Screen, project: Project) -> dict[str, Any]:
         _tell_unread(screen, project)
-        result = project.rename(self.old, self.new)
-        count = len(result.changed)
-        places = f"{counted(count, 'place')} that name{'s' if count == 1 else ''} it changed too"
-        screen.line((result.path, "bold"), " is called ", (result.new, "bold"), f" now, {places}")
-        for use in result.changed:
-            screen.line(f"  {use}")
-        if result.undecided:
+        return _tell_renamed(screen, project.rename(self.old, self.new), self.old)
+
+
+@dataclass(frozen=True)
+class _RenameMany(_Edit):
+    """The new names of `table` by the paths of what gets them; those that a project does not have are told."""
+
+    table: Mapping[str, str]
+
+    def on(self, screen: Screen, project: Project) -> dict[str, Any]:
+        _tell_unread(screen, project)
+        names = Names(project)
+        known = {path: new for path, new in self.table.items() if names.find(path)}
+        missing = [path for path in self.table if path not in known]
+        results = project.rename_many(known)
+        renamed = [_tell_renamed(screen, result, path) for path, result in zip(known, results, strict=True)]
+        if missing:
+            screen.note(f"{len(missing)} of {len(self.table)} names of the table are not declared here:")
+            for path in missing:
+                screen.note(f"  {path}")
+        if not known:
             screen.exit_code = _FINDINGS
-            screen.note(f"these places have the name {result.old} too; look whether they mean {result.path}:")
-            for undecided in result.undecided:
-                screen.note(f"  {undecided}")
-        return {
-            "path": result.path,
-            "old": result.old,
-            "new": result.new,
-            "changed": [_use(use) for use in result.changed],
-            "undecided": [_use(undecided.use) | {"reason": undecided.reason} for undecided in result.undecided],
-        }
+        return {"renamed": renamed, "missing": missing}
+
+
+def _tell_renamed(screen: Screen, result: RenameResult, old: str) -> dict[str, Any]:
+    """Tell a renaming of the path `old` on the screen, and return the report on it."""
+    count = len(result.changed)
+    places = f"{counted(count, 'place')} that name{'s' if count == 1 else ''} it changed too"
+    screen.line((result.path, "bold"), " is called ", (result.new, "bold"), f" now, {places}")
+    for use in result.changed:
+        screen.line(f"  {use}")
+    if result.undecided:
+        screen.exit_code = _FINDINGS
+        screen.note(f"these places have the name {old} too; look whether they mean {result.path}:")
+        for undecided in result.undecided:
+            screen.note(f"  {undecided}")
+    return {
+        "path": result.path,
+        "old": result.old,
+        "new": result.new,
+        "changed": [_use(use) for use in result.changed],
+        "undecided": [_use(undecided.use) | {"reason": undecided.reason} for undecided in result.undecided],
+    }
 
 
 def _use(use: Use) -> dict[str, Any]:
@@ -178,9 +205,16 @@ def _tell_unread(screen: Screen, project: Project) -> None:
                 screen.finding(finding, result=False)
 
 
-def rename(screen: Screen, files: ManyFiles, old: str, new: str, how: EditOptions) -> int:
-    """Rename `old` to `new` in files; with `dry_run` only show what would change."""
-    return _edit(screen, files, _Rename(old, new), how)
+def rename(screen: Screen, files: ManyFiles, table: Path | None, how: EditOptions) -> int:
+    """Rename what the last two of `files` tell, or a `table`, in files; with `dry_run` only show what would change."""
+    if table is not None:
+        return _edit(screen, files, _RenameMany(read_names(table)), how)
+    *named, old, new = ("", "", *files.named)
+    named = [each for each in named if each]
+    if not named:
+        hint = "Write FILE... OLD NEW, or FILE... --table names.csv with OLD and NEW in each row."
+        raise InputError("a file, an object and its new name are needed", hint=hint)
+    return _edit(screen, ManyFiles(tuple(named), files.jobs), _Rename(old, new), how)
 
 
 def renumber(
