@@ -31,7 +31,8 @@ class ExecutionDifference:
     `kind` and `name` are those of the part, `path` its place in the words of reports, that of the first project where
     it is in both. `aspect` is what differs; empty: the whole part is missing on one side. `left` and `right` are what
     people read; None: nothing is there. `steps` are the paths of the step that the part belongs to, or of the steps
-    that a transition leaves. `is_stronger`: a condition is the one of the source AND something else.
+    that a transition leaves. `is_stronger`: a condition is the one of the source AND something else. `is_of_chart`: the
+    code of the source is a chart of an action.
     """
 
     path: str
@@ -42,6 +43,7 @@ class ExecutionDifference:
     right: str | None
     steps: tuple[str, ...] = ()
     is_stronger: bool = False
+    is_of_chart: bool = False
 
 
 _OF_NO_EFFECT = frozenset(
@@ -97,7 +99,9 @@ def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Itera
             # both are executed then, but one control counts the steps together: words for them would tell no difference
             if aspect == "trigger" and mine is not None and theirs is not None and _are_controlled(mine, theirs):
                 after = before
-            yield ExecutionDifference(left.path, key.kind, name, aspect, before, after, steps, stronger)
+            raw = mine.raw if mine is not None and aspect == "code" else None
+            of_chart = isinstance(raw, tuple) and raw[:1] == ("chart",)
+            yield ExecutionDifference(left.path, key.kind, name, aspect, before, after, steps, stronger, of_chart)
     if key.kind in ("chart", "partial chart"):
         _pass_added_steps(left, right)
         _settle_minimum_times(left, right)

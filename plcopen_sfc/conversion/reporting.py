@@ -416,9 +416,7 @@ _OPERATED = {
 
 def _is_later(difference: ExecutionDifference) -> bool:
     """True for the chart of an action where one tool tests transitions and the other executes actions first."""
-    return (
-        difference.aspect == "code" and (difference.left or "").startswith("a chart, ") and difference.right is not None
-    )
+    return difference.is_of_chart and difference.right is not None
 
 
 def _is_final_scan(difference: ExecutionDifference) -> bool:

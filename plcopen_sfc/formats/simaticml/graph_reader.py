@@ -266,18 +266,35 @@ class _ChartReader:
                 self.ctx.error("SFC102", "a branch is damaged", child)
                 keep_element(sequence, child)
 
-    def _step(self, element: etree._Element, sequence: Fields) -> None:
+    def _begin(self, kind: str, element: etree._Element) -> tuple[Fields, dict[str, str]]:
+        """Begin a step or a transition: return its first fields, and its attributes besides those."""
         left = attributes(element)
         number = canonical_number(left.pop("Number", None))
-        fields: Fields = {"id": self.new_id(), "name": left.pop("Name", ""), "number": number, "actions": []}
-        self.ctx.place.append(f"step {fields['name']}")
-        self._named.append(("step", fields["name"], element))
+        fields: Fields = {"id": self.new_id(), "name": left.pop("Name", ""), "number": number}
+        self.ctx.place.append(f"{kind} {fields['name']}")
+        self._named.append((kind, fields["name"], element))
+        if left.get("IsMissing") == "false":
+            del left["IsMissing"]
+        return fields, left
+
+    def _end(self, fields: Fields, kind: SymbolKind, element: etree._Element) -> None:
+        """End a step or a transition, which branches and connections name by its number."""
+        is_step = kind is SymbolKind.STEP
+        if fields["number"] is None:
+            message = "a step has no usable number" if is_step else "a transition has no usable number"
+            self.ctx.error("SFC107", message, element)
+        else:
+            letter = "S" if is_step else "T"
+            self.topology.add(ElementRef(letter, fields["number"]), kind, fields["id"], element)
+        self.ctx.place.pop()
+
+    def _step(self, element: etree._Element, sequence: Fields) -> None:
+        fields, left = self._begin("step", element)
+        fields["actions"] = []
         if left.get("Init", "false") in TRUTHS:
             fields["initial"] = TRUTHS[left.pop("Init", "false")]
         fields["max_time"] = left.pop("MaximumStepTime", None)
         fields["warning_time"] = left.pop("WarningTime", None)
-        if left.get("IsMissing") == "false":
-            del left["IsMissing"]
         edited: list[str] = []
         for child in children(element):
             kind = local(child)
@@ -300,13 +317,9 @@ class _ChartReader:
         self._keep(fields, kept, element, edited)
         self.chart["steps"].append(fields)
         sequence["steps"].append(fields["id"])
-        if number is None:
-            self.ctx.error("SFC107", "a step has no usable number", element)
-        else:
-            self.topology.add(ElementRef("S", number), SymbolKind.STEP, fields["id"], element)
+        self._end(fields, SymbolKind.STEP, element)
         if fields["actions"]:
             self.topology.add_actions(fields["id"], [action["id"] for action in fields["actions"]])
-        self.ctx.place.pop()
 
     def _keep(self, fields: Fields, kept: Fields, element: etree._Element, edited: list[str]) -> None:
         """Put back the fields of a step that a comment keeps, but for the `edited` ones."""
@@ -383,16 +396,10 @@ class _ChartReader:
         return {"kind": "body", "name": name, "body": body}
 
     def _transition(self, element: etree._Element) -> None:
-        left = attributes(element)
+        fields, left = self._begin("transition", element)
         left.pop("ProgrammingLanguage", None)
-        number = canonical_number(left.pop("Number", None))
-        fields: Fields = {"id": self.new_id(), "name": left.pop("Name", ""), "number": number}
-        self.ctx.place.append(f"transition {fields['name']}")
-        self._named.append(("transition", fields["name"], element))
         condition = self._condition(element) or {"kind": "expression", "text": "TRUE"}
         fields["condition"] = condition
-        if left.get("IsMissing") == "false":
-            del left["IsMissing"]
         for child in children(element):
             texts = (("TransitionName", "title"), ("Comment", "comment"))
             if not _is_network(element, child) and not any(_text(fields, child, name, field) for name, field in texts):
@@ -404,11 +411,7 @@ class _ChartReader:
         if fields["condition"] is not condition:
             self._networks[fields["id"]] = condition
         self.chart["transitions"].append(fields)
-        if number is None:
-            self.ctx.error("SFC107", "a transition has no usable number", element)
-        else:
-            self.topology.add(ElementRef("T", number), SymbolKind.TRANSITION, fields["id"], element)
-        self.ctx.place.pop()
+        self._end(fields, SymbolKind.TRANSITION, element)
 
 
 RESULT_OF = {"Transition": "TrCoil", "Interlock": "IlCoil", "Supervision": "SvCoil"}
