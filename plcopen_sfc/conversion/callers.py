@@ -70,24 +70,38 @@ _CALLER = "Programs_of_the_task"
 
 
 class _Calling(NamedTuple):
-    """What calls charts in two projects, by its path in the first; names of these charts, in lower case."""
+    """What calls charts in two projects, by its path in the first; names of these charts, in lower case.
+
+    `inputs`: as in `equivalent`.
+    """
 
     path: str
     charts: set[str]
     subjects: tuple[Subject, Subject]
+    inputs: Mapping[str, str]
 
 
-def _calling(one: Project, other: Project, called: Mapping[str, str]) -> Iterator[_Calling]:
-    """Yield what calls charts in both projects: POUs, and tasks, whose programs share values."""
+def _calling(
+    one: Project, other: Project, called: Mapping[str, str], inputs: Callable[[Pou], Mapping[str, str]]
+) -> Iterator[_Calling]:
+    """Yield what calls charts in both projects: POUs, and tasks, whose programs share values.
+
+    `inputs`: see `report_callers`.
+    """
     names = {in_the_source(pou.report_path, called): pou.name for pou in other.pous}
     theirs = {pou.name.casefold(): names[pou.report_path] for pou in one.pous if pou.report_path in names}
     for pou, charts in callers(one):
         if name := theirs.get(pou.name.casefold()):
-            yield _Calling(pou.report_path, charts, (resolve(one, pou.name), resolve(other, name)))
+            subjects = resolve(one, pou.name), resolve(other, name)
+            yield _Calling(pou.report_path, charts, subjects, inputs(subjects[1].pou))
     for task, programs, charts in _tasks(one):
         found = [theirs.get(each.casefold(), "") for each in programs]
         if all(name and other.pou(name).kind is PouKind.PROGRAM for name in found):
-            yield _Calling(f"task {task}", charts, (_caller_of(one, programs), _caller_of(other, found)))
+            subjects = _caller_of(one, programs), _caller_of(other, found)
+            names = dict(zip(found, programs, strict=True))
+            for new, old in names.copy().items():
+                names |= {f"{new}.{here}": f"{old}.{there}" for here, there in inputs(other.pou(new)).items()}
+            yield _Calling(f"task {task}", charts, subjects, names)
 
 
 def report_callers(
@@ -96,30 +110,29 @@ def report_callers(
     called: Mapping[str, str],
     compared: Callable[..., Verdict],
     *,
+    inputs: Callable[[Pou], Mapping[str, str]],
+    late: int,
     profiles: tuple[Profile, Profile],
     tool: str,
     end: float,
 ) -> None:
     """Run what calls charts in both projects of `running`, and report what sees them in another order.
 
-    `compared` compares two subjects; it ends when the thread has used `end` seconds of processor time. The verdicts on
-    charts tell what calls them and could not be run, or not in all situations.
+    `compared` compares two subjects; it ends when the thread has used `end` seconds of processor time. `inputs` gives
+    the names in the source of variables of a POU of the result that have others there; `late` is by how many scans
+    charts are later in the result, less than 0: in the source. The verdicts on charts tell what calls them and could
+    not be run, or not in all situations.
 
     Raises `KeyboardInterrupt`.
     """
-    from plcopen_sfc.analysis.pairing import in_retiming  # noqa: PLC0415  # most conversions run nothing
-
-    scans = in_retiming(profiles)
-    if scans is None:
+    sides = (tool, "the source") if late > 0 else ("the source", tool)
+    why = f"in {sides[0]} it sees what the charts that it calls do a scan later than in {sides[1]}"
+    if not late and not (why := told_held_calls(profiles, tool)):
         return
-    late, early = (tool, "the source") if scans == 1 else ("the source", tool)
-    why = f"in {late} it sees what the charts that it calls do a scan later than in {early}"
-    if not scans:
-        why = told_held_calls(profiles, tool)
-    found = list(_calling(running[0], running[1], called))
+    found = list(_calling(running[0], running[1], called, inputs))
     for number, each in enumerate(found):
         share = (end - time.thread_time()) / (len(found) - number)
-        verdict = _verdict_on(partial(compared, *each.subjects), scans, share)
+        verdict = _verdict_on(partial(compared, *each.subjects, inputs=each.inputs), late, share)
         if verdict is not None and verdict.counterexample is not None:
             told = told_example(verdict.counterexample, tool)
             report.add(Outcome.APPROXIMATED, "calls of charts", each.path, f"{told}; {why}")
@@ -136,15 +149,16 @@ def is_whole(verdict: Verdict) -> bool:
     return verdict.proven and not any(RESTLESS in note for note in verdict.notes)
 
 
-def _verdict_on(compared: Callable[..., Verdict], scans: int, limit: float) -> Verdict | None:
+def _verdict_on(compared: Callable[..., Verdict], late: int, limit: float) -> Verdict | None:
     """Return the verdict on what calls charts: that which tells least; None where it cannot be run.
 
-    First what both come to with inputs of single scans, then what comes of times while inputs stay.
+    `late`: see `report_callers`. First what both come to with inputs of single scans, then what comes of times while
+    inputs stay.
     """
     from plcopen_sfc.analysis.pairing import Delay  # noqa: PLC0415  # most conversions run nothing
 
     end, found = time.thread_time() + limit, None
-    for share, delay in ((2, Delay(scans, settled=True)), (1, Delay(scans, in_sequence=True))):
+    for share, delay in ((2, Delay(late, settled=True)), (1, Delay(late, in_sequence=True))):
         left = (end - time.thread_time()) / share
         try:
             verdict = compared(delay=delay, limit=left) if left > 0 else None

@@ -42,6 +42,7 @@ from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
 from plcopen_sfc.languages.st.literals import time_literal
 from plcopen_sfc.languages.task_schedules import nanoseconds, schedule_of
 from plcopen_sfc.model.chart_settings import SfcFlag
+from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.types import ElementaryType, used_types
 from plcopen_sfc.model.variables import SectionKind
@@ -145,6 +146,7 @@ def report_running(
     asked = with_inputs(result, _kept_inside(pairs, called))
     listed = _listed_variables(source, result)
     running = [with_types(project, assumed) if assumed else project for project in (source, asked)]
+    delays: list[int] = []
     options = partial(equivalent, profile=profiles, free_inputs=ALL_FREE, cap=cap, runs=_RUNS, most_runs=_MOST_RUNS)
     with _told_when_interrupted(report, [there for there, _ in pairs]):
         for number, (there, here) in enumerate(pairs):
@@ -165,16 +167,17 @@ def report_running(
                 resolve(running[0], there.name),
                 resolve(running[1], here.name),
                 step_flags=_step_flags(there, here, called, _hidden_flags(report, there)),
-                inputs=listed | _renamed_variables(here, called) | _executed_inputs(report, there),
+                inputs=listed | _renamed_variables(here.pou, called) | _executed_inputs(report, there),
                 scans=_SCANS,
             )
             run = chart.run(compared, left)
             if run is None:
                 continue
             chart.note(*run.seen)
+            delays.append(run.verdict.delay.scans)
             given: list[str] = []
             if commands := _asked_in_vain(there, source, run.as_run):
-                renamed = [new for new, old in _renamed_variables(here, called).items() if old in commands]
+                renamed = [new for new, old in _renamed_variables(here.pou, called).items() if old in commands]
                 compared = partial(compared, free_inputs=(ALL_FREE, *commands, *renamed))
                 outside = f"{', '.join(f'`{name}`' for name in commands)} written from outside as well"
                 again = chart.run_from_outside(compared, run, outside, end - time.thread_time())
@@ -188,8 +191,14 @@ def report_running(
             if any(name.casefold() == declaration.name.casefold() for name in types for declaration in assumed):
                 chart.note_more("types that nothing declares have the members that are used of them")
         if all(text.startswith("equal") for text in report.compared.values()):  # else the charts differ already
-            compared = partial(options, inputs=listed)
-            report_callers(report, running, called, compared, profiles=profiles, tool=tool, end=end_of_all)
+            report_callers(
+                *(report, running, called, options),
+                inputs=lambda pou: listed | _renamed_variables(pou, called),
+                late=max(delays, key=abs, default=0),
+                profiles=profiles,
+                tool=tool,
+                end=end_of_all,
+            )
 
 
 @contextmanager
@@ -621,15 +630,15 @@ def _step_flags(there: Chart, here: Chart, called: Mapping[str, str], hidden: Co
     return {path: step for path, (name, step) in found.items() if name not in hidden}
 
 
-def _renamed_variables(here: Chart, called: Mapping[str, str]) -> dict[str, str]:
+def _renamed_variables(here: Pou, called: Mapping[str, str]) -> dict[str, str]:
     """Return the names in the source of variables that a POU of the result sees and that have others there."""
-    own, shared = f"{here.pou.report_path} / ", "global variable "
+    own, shared = f"{here.report_path} / ", "global variable "
     found = {
         new.removeprefix(shared): old.removeprefix(shared) for new, old in called.items() if new.startswith(shared)
     }
     plain = [path.removeprefix(own) for path in called if path.startswith(own) and "step " not in path]
-    external = {variable.name for variable in here.pou.variables(SectionKind.EXTERNAL)}
-    for variable in here.pou.variables():  # which hides a tag
+    external = {variable.name for variable in here.variables(SectionKind.EXTERNAL)}
+    for variable in here.variables():  # which hides a tag
         if variable.name not in external:
             found.pop(variable.name, None)
     return found | {name: ObjectPath.of(called[own + name]).last for name in plain if " / " not in name}
@@ -654,7 +663,7 @@ def _kept_inside(pairs: Sequence[tuple[Chart, Chart | None]], called: Mapping[st
     found: dict[str, set[str]] = {}
     for there, here in pairs:
         if here is not None:
-            renamed = _renamed_variables(here, called)
+            renamed = _renamed_variables(here.pou, called)
             inputs = {each.name.casefold() for each in there.pou.variables(SectionKind.INPUT)}
             inside = {each.name for each in here.pou.variables(SectionKind.LOCAL)}
             found[here.pou.name] = {name for name in inside if renamed.get(name, name).casefold() in inputs}

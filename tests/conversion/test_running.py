@@ -301,6 +301,19 @@ def test_a_caller_that_needs_a_pulse_of_an_input_is_told(code: str, target: str)
     assert all(german(item.why) != item.why for item in told)
 
 
+@pytest.mark.parametrize("target", ["codesys", "plcopen-2.01"])
+def test_a_caller_whose_input_has_another_name_gets_the_same_values(target: str) -> None:
+    """It was run with two inputs, and called different, where a tool takes no spaces in names."""
+    around = "VAR_INPUT go : BOOL; END_VAR VAR_OUTPUT p : BOOL; END_VAR VAR m : A; END_VAR"
+    text = f"{SUB} FUNCTION_BLOCK Main {around} m(a := go); p := m.x; END_FUNCTION_BLOCK"
+    made = sfc.dumps(sfc.loads(text.encode(), format="iec-text"), format="simaticml")
+    source = sfc.loads(made, as_tool=True)
+    source.rename("Main.go", "Start Knopf")
+    report = saved(source, target)
+    assert any("Start Knopf is called Start_Knopf" in item.why for item in report.items)
+    assert [item for item in report.losses if item.what == "calls of charts"] == []
+
+
 def test_a_chart_in_a_step_is_told_that_s7_graph_holds_when_it_is_called_first() -> None:
     chart = """INITIAL_STEP S0: END_STEP TRANSITION FROM S0 TO S1 := a; END_TRANSITION STEP S1: Call(N); END_STEP
     TRANSITION FROM S1 TO S2 := m.x; END_TRANSITION TRANSITION FROM S1 TO S3 := S1.T >= T#10ms; END_TRANSITION
