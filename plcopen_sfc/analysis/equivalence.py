@@ -98,6 +98,9 @@ _MOST_RUN_ALONE = 20_000
 _QUICK_RUNS, _QUICK_SCANS = 12, 60
 """Scans that each of several delays is tried for, before a search."""
 
+_AT_REST = 2
+"""Scans at the start in which inputs rest where one tool tests no transition in the first: it does in the second."""
+
 _SCANS_JOINED = 2
 """So many times fewer states are searched where sides are not compared scan by scan: each takes longer."""
 
@@ -452,9 +455,18 @@ class _Compared:
         later_start = int(is_late and self.passes_start and right.profile.order is not ScanOrder.TRANSITIONS_FIRST)
         earlier, later = (left, right) if delay.queued > 0 else (right, left)
         count = abs(delay.queued)
+        if delay.settled:
+            is_same = self.profiles[0].initial_situation_held is self.profiles[1].initial_situation_held
+            for system in () if is_same else (left, right):
+                at_rest = {name.casefold(): signal.default for name, signal in system.inputs.items()}
+                system.delay(alone=_AT_REST, at_rest=at_rest)
+            return
         if delay.in_sequence:  # all have executed their initial steps once before a transition of these is tested
             for system, passes in ((left, False), (right, later_start > 0)):
-                begins = int(system.profile.order is ScanOrder.ACTIONS_FIRST and not passes)
+                # a chart whose actions come first begins later; others that call charts may do so more than once a scan
+                is_early = bool(system.chart_steps) and system.profile.order is ScanOrder.ACTIONS_FIRST
+                begins = int(is_early and not passes)
+                system.holds_start = not is_early
                 system.delay(begins=begins, alone=1 - begins, at_rest=self._operated(system), unseen=passes)
             return
         if delay.retimed:

@@ -42,16 +42,16 @@ class Delay:
             Otherwise both begin together, and what the later
             side does in its first scans has no counterpart: it is not compared.
         retimed: the scans of a side that executes actions first are cut behind the actions: the transitions of one scan
-            and the actions of the next see the same inputs and the same time. And it is `held`.
+            and the actions of the next see the same inputs and the same time. And no chart tests transitions in the
+            first scan of the run.
         operated_later: inputs that operate a chart come a scan later on the side whose scans are not cut, but for
             `ASKED_FOR`: the other side computes in its actions what its transitions then ask for.
         in_sequence: compared are the values that each takes one after another, and not the scans in which it does; see
-            `plcopen_sfc.analysis.sequences`. And it is `held`.
-        held: no chart of either side tests transitions in the first scan; one that is called later does in its first
-            call, but for tools that test none then (S7-GRAPH).
+            `plcopen_sfc.analysis.sequences`. And no chart tests transitions in the first scan of the run.
         settled: compared is what both come to while inputs stay, behind every scan; see
             `plcopen_sfc.analysis.sequences`. Steps of a side that executes actions first are left as many scans behind
-            their start as on the other side. And it is `held`.
+            their start as on the other side. Inputs rest in the first two scans where one tool alone tests no
+            transition in its first scan.
     """
 
     scans: int = 0
@@ -59,7 +59,6 @@ class Delay:
     retimed: bool = False
     operated_later: bool = False
     in_sequence: bool = False
-    held: bool = False
     settled: bool = False
 
     @property
@@ -73,7 +72,7 @@ class Delay:
     @property
     def is_held(self) -> bool:
         """True if no transition is tested in the first scan."""
-        return self.held or self.settled or self.retimed or self.in_sequence
+        return self.retimed or self.in_sequence
 
     @property
     def is_apart(self) -> bool:
@@ -109,16 +108,15 @@ class Delay:
             return (start, *cut)
         if self.in_sequence:
             return ("scans of a side that is ahead of the other wait, and so do inputs until both rest",)
-        held = ("no transition is tested in the first scan",) if self.is_held else ()
         if self.settled:
-            return (*held, "compared is what both come to while the inputs of a scan stay")
+            return ("compared is what both come to while the inputs of a scan stay",)
         if not self.scans:
-            return held
+            return ()
         scans = "scan" if count == 1 else f"{count} scans"
         if self.late_start:
             start = f"the {later} starts {counted(count, 'scan')} later"
-            return (*held, f"{start}, and until then {', '.join(operated)} at rest" if operated else start)
-        return (*held, f"the first {scans} of the {later} {'has' if count == 1 else 'have'} no counterpart")
+            return (f"{start}, and until then {', '.join(operated)} at rest",) if operated else (start,)
+        return (f"the first {scans} of the {later} {'has' if count == 1 else 'have'} no counterpart",)
 
     def as_dict(self) -> dict[str, int | bool]:
         """Return the delay as plain data, for JSON."""

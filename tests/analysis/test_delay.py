@@ -158,7 +158,7 @@ def test_what_the_later_side_does_first_is_not_compared_or_begins_later() -> Non
     assert compared(now, later, Delay(1, late_start=True)).kind is VerdictKind.DIFFERENT
     assert compared(now, now, Delay(1, late_start=True)).kind is VerdictKind.DIFFERENT  # other inputs then
     data = together.as_dict()
-    kinds = ("late_start", "retimed", "operated_later", "in_sequence", "held", "settled")
+    kinds = ("late_start", "retimed", "operated_later", "in_sequence", "settled")
     assert data["delay"] == {"scans": 1, **dict.fromkeys(kinds, False)}
     assert data["delay_notes"] == list(together.delay_notes)
     assert str(together).startswith("equal, second 1 scan later (proof: ")
