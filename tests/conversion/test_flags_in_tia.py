@@ -38,6 +38,12 @@ TRANSITION FROM Work TO Done := b OR g; END_TRANSITION
 TRANSITION FROM Done TO Idle := g; END_TRANSITION
 {actions}
 """
+RING = """
+INITIAL_STEP Idle: END_STEP
+STEP Work: q(N); END_STEP
+TRANSITION FROM Idle TO Work := a; END_TRANSITION
+TRANSITION FROM Work TO Idle := b; END_TRANSITION
+"""
 BRANCHES = """
 INITIAL_STEP Idle: END_STEP
 STEP Left: q(N); END_STEP
@@ -149,7 +155,7 @@ def test_a_push_counts_where_transitions_are_tested(others: tuple[str, ...]) -> 
     [(("SFCInit",), False), (("SFCPause",), True), (("SFCTip", "SFCReset"), False), (("SFCTip", "SFCInit"), True)],
 )
 def test_what_comes_with_a_flag_is_told_where_it_matters(flags: tuple[str, ...], *, is_other: bool) -> None:
-    source = chart_with(*flags)
+    source = chart_with(*flags, chart=RING)
     data, report = converted(source)
     verdict = same_behaviour(source, sfc.loads(data, format="simaticml", as_tool=True))
     assert verdict is not None
