@@ -80,7 +80,7 @@ def section_places(text: str, declared: Declared, start: int, dialect: Dialect) 
 
 def plain_lines(text: str) -> str:
     """Return `text` with LF as its line end."""
-    return text.replace("\r\n", "\n").replace("\r", "\n")
+    return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
 
 
 def _words_end(text: str, start: int, count: int) -> int:

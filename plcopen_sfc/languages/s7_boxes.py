@@ -15,7 +15,14 @@ import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from plcopen_sfc.languages.networks.network_graph import MEMORY_PINS, is_memory_pin, wires_from, wires_of
+from plcopen_sfc.languages.networks.network_graph import (
+    MEMORY_PINS,
+    function_box,
+    is_memory_pin,
+    wires_from,
+    wires_of,
+    written_by,
+)
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.translation.call_translation import HALVES, is_lacking, translated_truncation
 from plcopen_sfc.model import network as net
@@ -69,9 +76,9 @@ def _replace(network: net.LogicNetwork, box: net.Block, number: int) -> None:
     reset.negated = not reset.negated
     state = net.BlockVariable(name="", input=net.InputPin(expression=_operand(box)))
     if kind == "RS":
-        inner, outer = _box(number, "OR", sets, state), _box(box.id, "AND", _wired(number), reset)
+        inner, outer = function_box(number, "OR", [sets, state]), function_box(box.id, "AND", [_wired(number), reset])
     else:
-        inner, outer = _box(number, "AND", state, reset), _box(box.id, "OR", sets, _wired(number))
+        inner, outer = function_box(number, "AND", [state, reset]), function_box(box.id, "OR", [sets, _wired(number)])
     outer.extension_data = ExtensionData(attributes={BOX: json.dumps(box.model_dump(mode="json", exclude_none=True))})
     wire = net.InputPin(connections=[net.Connection(source=box.id, pin="OUT")])
     nodes: list[net.Node] = [inner, outer, net.OutputVariable(id=number + 1, expression=_operand(box), input=wire)]
@@ -92,21 +99,9 @@ def _wired(source: int) -> net.BlockVariable:
     return net.BlockVariable(name="", input=net.InputPin(connections=[net.Connection(source=source, pin="OUT")]))
 
 
-def _box(number: int, operator: str, *pins: net.BlockVariable) -> net.Block:
-    inputs = [pin.model_copy(update={"name": f"IN{place}"}) for place, pin in enumerate(pins, 1)]
-    outputs = [net.BlockVariable(name="OUT", output=net.OutputPin())]
-    return net.Block(id=number, type_name=operator, parameters=net.BlockParameters(inputs=inputs, outputs=outputs))
-
-
 def _rename_wires(network: net.LogicNetwork, source: int, pin: str | None) -> None:
     for wire in wires_from(network, source):
         wire.pin = pin
-
-
-def _assigns(node: net.Node) -> str | None:
-    if isinstance(node, net.Coil):
-        return node.variable
-    return node.expression if isinstance(node, net.OutputVariable) else None
 
 
 def _put_back(network: net.LogicNetwork, outer: net.Block, kept: str) -> None:
@@ -128,7 +123,7 @@ def _put_back(network: net.LogicNetwork, outer: net.Block, kept: str) -> None:
     state = pins[0][1 if kind == "RS" else 0].input
     operand = state.expression if state is not None else None
     fed = (node for node in network.nodes if any(wire.source == outer.id for wire in wires_of(node)))
-    assigned = next((node for node in fed if operand and _assigns(node) == operand), None)
+    assigned = next((node for node in fed if operand and written_by(node) == operand), None)
     if assigned is None:
         return
     now = (pins[0][0], pins[1][1]) if kind == "RS" else (pins[1][0], pins[0][1])

@@ -40,6 +40,11 @@ def is_direct(markup: str | None) -> bool:
     return bool(markup) and "<" not in str(markup)
 
 
+def without_signs(name: str) -> str:
+    """Return any name as other tools than TIA Portal write it: without ``#`` and quotes."""
+    return name.removeprefix("#").strip('"')
+
+
 def local_name(name: str) -> str:
     """Return the name of something that a POU declares without the signs of S7: ``#Count``, ``#"Fill valve"``."""
     return name[1:].strip('"') if name.startswith("#") else name

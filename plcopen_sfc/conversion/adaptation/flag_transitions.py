@@ -34,6 +34,7 @@ from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.project import Chart
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, Step, Transition
+from plcopen_sfc.model.text import without_signs
 from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.report import INPUTS_TOGETHER, Outcome
 
@@ -366,18 +367,18 @@ class FlagRewriter(ABC):
         """Return what executes an action of a step, also one of the POU by its name."""
         if not isinstance(code, str):
             return code
-        action = self._place.pou.find_action(bare_name(code))
+        action = self._place.pou.find_action(without_signs(code))
         return action.body if action is not None else None
 
     def _text_of(self, row: ActionAssociation) -> StBody | None:
         """Return the statements that a row executes, and nothing else does; None where there are none."""
         if row.target is None:
             return row.body if isinstance(row.body, StBody) else None
-        action, name = self._place.pou.find_action(bare_name(row.target)), row.target.casefold()
+        action, name = self._place.pou.find_action(without_signs(row.target)), row.target.casefold()
         charts = [body.chart for _, _, body in self._place.pou.named_bodies() if isinstance(body, SfcBody)]
         others = [row for chart in charts if chart is not self._chart for _, row in chart.associations()]
         is_used = any((each.target or "").casefold() == name for each in others)
-        is_used |= (bare_name(name),) in self._called
+        is_used |= (without_signs(name),) in self._called
         return action.body if action is not None and isinstance(action.body, StBody) and not is_used else None
 
     def _runners(self, wanted: StBody) -> list[tuple[Step, ActionAssociation]]:
@@ -412,7 +413,7 @@ class FlagRewriter(ABC):
                 self._mark_text(body, text)
                 for step, row in rows:
                     why = "its statements ask the SFC flags of the chart"
-                    place = f"step {step.name} / action {bare_name(row.target or '')}"
+                    place = f"step {step.name} / action {without_signs(row.target or '')}"
                     self._note(Outcome.TRANSLATED, "action", place, why)
             else:
                 changed |= {step.id for step, _ in rows}
@@ -445,14 +446,9 @@ class FlagRewriter(ABC):
 def is_code(chart: Chart, row: ActionAssociation) -> bool:
     """True if an association executes statements, and does not drive an operand."""
     is_named = row.target is not None and (
-        chart.pou.find_action(bare_name(row.target)) is not None or "." in row.target
+        chart.pou.find_action(without_signs(row.target)) is not None or "." in row.target
     )
     return row.body is not None or row.value is not None or is_named
-
-
-def bare_name(name: str) -> str:
-    """Return a name as other tools than TIA Portal write it."""
-    return name.removeprefix("#").strip('"')
 
 
 def _guarded(text: str, terms: list[str]) -> str:

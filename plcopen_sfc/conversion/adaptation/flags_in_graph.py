@@ -16,7 +16,7 @@ from plcopen_sfc.conversion.adaptation.chart_rewriting import (
     flags_in_use,
     taken_names,
 )
-from plcopen_sfc.conversion.adaptation.flag_transitions import ENDING, PULSES, FlagRewriter, bare_name, is_code
+from plcopen_sfc.conversion.adaptation.flag_transitions import ENDING, PULSES, FlagRewriter, is_code
 from plcopen_sfc.formats.format_interface import SOURCE_CHART_FIELD, WriteOptions, may_have
 from plcopen_sfc.formats.plcopen.source_marks import SourceMarks
 from plcopen_sfc.languages.binding import BoundBody, Effects, Names, bind
@@ -32,6 +32,7 @@ from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, PermanentOperation, Step
+from plcopen_sfc.model.text import without_signs
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import ORDER_OF_ACTIONS, ConversionReport, Outcome
@@ -167,7 +168,7 @@ class _GraphFlags(FlagRewriter):
         bound = [bind(body, self._dialect) for body in begun if body is not None]
         names = [name for name in self._controlled().values() if self._is_written([name], bound)]
         if SfcFlag.RESET in flags and names:
-            what = ", ".join(map(bare_name, names))
+            what = ", ".join(map(without_signs, names))
             why = f"{SfcFlag.RESET.variable} ends {what} behind what the initial step writes, in CODESYS before it"
             self._note(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, "", why)
 

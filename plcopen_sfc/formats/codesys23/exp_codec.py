@@ -56,7 +56,7 @@ from plcopen_sfc.languages.st.lexer import CommentKind, Token, tokenize
 from plcopen_sfc.languages.st.printing import render
 from plcopen_sfc.languages.text_edits import Edit, apply_edits, without
 from plcopen_sfc.languages.translation.call_translation import is_mixed
-from plcopen_sfc.languages.translation.text_translation import CONDITIONAL_PRAGMA, with_block_comments
+from plcopen_sfc.languages.translation.text_translation import CONDITIONAL_PRAGMA, inside_comment, with_block_comments
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import Expression
@@ -406,7 +406,7 @@ def _tabs(text: str) -> str:
 
 
 def _comments(text: Text | None) -> str:
-    return "\n".join(f"(* {_inside(line)} *)" for line in LINE_END.split(plain(text)))
+    return "\n".join(f"(* {inside_comment(line)} *)" for line in LINE_END.split(plain(text)))
 
 
 def replace_line_comments(project: Project, report: ConversionReport) -> None:
@@ -436,10 +436,6 @@ def _texts(body: Body) -> Iterator[StBody | IlBody | Expression]:
             yield transition.condition
         elif isinstance(transition.condition, BodyCondition):
             yield from _texts(transition.condition.body)
-
-
-def _inside(text: str) -> str:
-    return text.replace("(*", "( *").replace("*)", "* )")
 
 
 _TYPES = frozenset({t.Elementary.LINT, t.Elementary.ULINT, t.Elementary.LWORD, t.Elementary.LTIME})

@@ -15,9 +15,9 @@ from plcopen_sfc.formats.iectext.text_source import (
     TextSource,
     between_semicolons,
     keep_text,
-    newlines,
     taken,
 )
+from plcopen_sfc.formats.text_patch import plain_lines
 from plcopen_sfc.languages.declarations.kept_texts import wrapped
 from plcopen_sfc.languages.il import is_il
 from plcopen_sfc.languages.pragmas import Fields, PathError, RemainderEntry, StaleError, apply, format_path
@@ -82,7 +82,7 @@ def _read_association(src: TextSource, tokens: list[Token], annotations: Annotat
         )
         fields = {
             "qualifier": Qualifier.NONE.value,
-            "extension_data": {"data": [wrapped("association", newlines(text))]},
+            "extension_data": {"data": [wrapped("association", plain_lines(text))]},
         }
     return ElementText(fields, annotations, start, path)
 
@@ -91,7 +91,7 @@ def association_fields(text: str, tokens: list[Token]) -> Fields | None:
     """Return the fields of ``target(qualifier, time, indicator)``; None for any other text."""
 
     def slice_of(part: list[Token]) -> str:
-        return newlines(text[part[0].span[0] : part[-1].span[1]])
+        return plain_lines(text[part[0].span[0] : part[-1].span[1]])
 
     opening = _last_parenthesis(tokens)
     target = tokens if opening is None else tokens[:opening]
@@ -114,7 +114,7 @@ def association_fields(text: str, tokens: list[Token]) -> Fields | None:
         if rest and (Qualifier(qualifier).needs_duration or _DURATION.match(slice_of(rest[0]))):
             fields["duration"] = slice_of(rest.pop(0))
         if rest:
-            fields["indicator"] = newlines(text[rest[0][0].span[0] : rest[-1][-1].span[1]])
+            fields["indicator"] = plain_lines(text[rest[0][0].span[0] : rest[-1][-1].span[1]])
     return fields
 
 
@@ -231,7 +231,7 @@ class _Header:
             self.src.note("IEC103", message, token.span[0], self.path)
             while self.at < len(self.tokens) and self._type() not in ("ASSIGN", "COLON"):
                 self.at += 1
-            text = newlines(self.src.text[token.span[0] : self.tokens[self.at - 1].span[1]])
+            text = plain_lines(self.src.text[token.span[0] : self.tokens[self.at - 1].span[1]])
             self.fields["extension_data"] = {"data": [wrapped("transition", text)]}
 
 
@@ -245,7 +245,7 @@ def condition_fields(text: str, mark: str, tokens: list[Token], begin: int, end:
         return None if tokens else {}
     if any(token.type == "SEMICOLON" for token in tokens[:-1]):
         return None
-    expression = newlines(text[begin : tokens[-1].span[0]]).strip()
+    expression = plain_lines(text[begin : tokens[-1].span[0]]).strip()
     return {"kind": "expression", "text": expression} if expression else {}
 
 

@@ -34,9 +34,9 @@ from plcopen_sfc.formats.iectext.text_source import (
     TextSource,
     is_own,
     keep_text,
-    newlines,
     taken,
 )
+from plcopen_sfc.formats.text_patch import plain_lines
 from plcopen_sfc.languages.declarations.kept_texts import Inheritance, unwrapped
 from plcopen_sfc.languages.pragmas import Fields, RemainderEntry, plain_fields
 from plcopen_sfc.model.checked import first_misfit
@@ -242,7 +242,7 @@ def _read_part(src: TextSource, part: TextPart, gap: tuple[int, int], container:
         sections = read_section(src, part, gap, place)
         if not sections:
             src.note("IEC108", f"{part.keyword} is not allowed in a POU", part.start, place)
-            keep_text(container.fields, "section", newlines(src.text[part.start : part.end]))
+            keep_text(container.fields, "section", plain_lines(src.text[part.start : part.end]))
         container.sections += sections
     elif part.kind is PartKind.STEP:
         container.chart.steps.append(read_step(src, part, src.annotations(*gap, place), place))
@@ -252,7 +252,7 @@ def _read_part(src: TextSource, part: TextPart, gap: tuple[int, int], container:
         container.transitions.append(_read_transition_object(src, part, gap, place))
     elif part.kind is PartKind.PROPERTY:
         container.annotations.extend(src.annotations(*gap, place))
-        keep_text(container.fields, "property", newlines(src.text[part.start : part.end]))
+        keep_text(container.fields, "property", plain_lines(src.text[part.start : part.end]))
     else:
         inner = _container(src, part, gap, f"{place} / {part.kind.lower()} ")
         in_place = [c for c, _ in inner.annotations.changes if c.path == ("in_place",)]
@@ -360,7 +360,7 @@ def _with_changes(
     layout = TextBlock("")
     for found, offset in annotations.changes:
         if found.path[-1] == "declaration_ends" and found.path[0] == "interface":
-            text = newlines(src.text[declared[0] : declared[1]]) + str(found.value)
+            text = plain_lines(src.text[declared[0] : declared[1]]) + str(found.value)
             apply_change(src, fields, (RemainderEntry(("interface", "declaration"), text), offset), path)
         elif found.path in _EDGES:
             layout = layout._replace(**{str(found.path[1]): str(found.value)})

@@ -32,10 +32,9 @@ from plcopen_sfc.formats.iectext.text_source import (
     keep_data,
     keep_text,
     kept_texts,
-    newlines,
 )
 from plcopen_sfc.formats.matiec.matiec_declarations import variable_names
-from plcopen_sfc.formats.text_patch import WrittenBlock, numbered_blocks
+from plcopen_sfc.formats.text_patch import WrittenBlock, numbered_blocks, plain_lines
 from plcopen_sfc.languages.declarations import write_listing
 from plcopen_sfc.languages.declarations.kept_texts import texts_from, unwrapped, wrapped
 from plcopen_sfc.languages.pragmas import Append, Fields, Named, RemainderEntry, Segment, changes, plain_fields
@@ -76,7 +75,7 @@ def _keep_typed(
     if typed:
         start = src.core(*gap)[0]
         start += len(src.text[start : part.start]) - len(src.text[start : part.start].lstrip())
-        fields["declaration"] = newlines(src.text[start : part.end]) + typed[0]
+        fields["declaration"] = plain_lines(src.text[start : part.end]) + typed[0]
     return bool(typed)
 
 
@@ -178,7 +177,7 @@ def _read_statements(src: TextSource, part: TextPart, gap: tuple[int, int], fiel
         elif word == "PROGRAM" and len(tokens) > 1:
             _add_instance(src, tokens, annotations, fields, place)
         elif fields.get("resources") is None or tokens[0].type != "SEMICOLON":
-            text = newlines(src.text[tokens[0].span[0] : position])
+            text = plain_lines(src.text[tokens[0].span[0] : position])
             src.note("IEC105", f"{text[:40]!r} is no task and no program instance", tokens[0].span[0], place)
             keep_text(fields, "statement", text)
 
@@ -189,7 +188,7 @@ def _task(src: TextSource, tokens: list[Token], annotations: Annotations, place:
     for token in [*tokens[3:], None]:
         if token is None or token.type == "COMMA" or token is tokens[-1]:
             if keyword and value:
-                text = newlines(src.text[value[0].span[0] : value[-1].span[1]])
+                text = plain_lines(src.text[value[0].span[0] : value[-1].span[1]])
                 if keyword == "PRIORITY" and (number := whole_number(text)) is not None:
                     fields |= {"priority": number} if number else {}
                 elif keyword in ("SINGLE", "INTERVAL"):
@@ -226,7 +225,7 @@ def _add_instance(src: TextSource, tokens: list[Token], annotations: Annotations
         if type_name != instance["name"]:
             instance["type_name"] = type_name
         if end < len(rest):
-            text = newlines(src.text[rest[end].span[0] : rest[-1].span[1]])
+            text = plain_lines(src.text[rest[end].span[0] : rest[-1].span[1]])
             instance["extension_data"] = {"data": [wrapped("arguments", text)]}
     instance = _with_annotations(src, instance, annotations, place)
     for known in fields.get("tasks", []):
@@ -423,7 +422,7 @@ def _read_unit(src: TextSource, part: TextPart, gap: tuple[int, int], fields: Fi
     else:
         if part.kind is PartKind.LOOSE:
             src.note("IEC107", "this belongs to no unit: PROGRAM, FUNCTION_BLOCK, FUNCTION, TYPE ..", part.start)
-        keep_text(fields, "unit", newlines(src.text[gap[0] : part.end]).strip())
+        keep_text(fields, "unit", plain_lines(src.text[gap[0] : part.end]).strip())
 
 
 def _read_types(src: TextSource, part: TextPart, gap: tuple[int, int]) -> list[Fields]:

@@ -10,9 +10,10 @@ from collections.abc import Iterable
 
 from plcopen_sfc.formats.iectext.text_outline import PartKind, TextPart, outline
 from plcopen_sfc.formats.iectext.text_printing import TextPrinter
-from plcopen_sfc.formats.iectext.text_source import INDENT, TextSource, keep_data, kept_texts, newlines
+from plcopen_sfc.formats.iectext.text_source import INDENT, TextSource, keep_data, kept_texts
 from plcopen_sfc.formats.matiec.matiec_declarations import with_quotes
 from plcopen_sfc.formats.provenance import read_later
+from plcopen_sfc.formats.text_patch import plain_lines
 from plcopen_sfc.languages.declarations import Declared, read_declarations, write_data_type, write_section, write_type
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.languages.pragmas import Fields, plain_fields
@@ -90,7 +91,7 @@ def late_interface(src: TextSource, fields: Fields, places: list[tuple[TextPart,
     """
     starts = [(src.core(*gap)[0], part.end) for part, gap in places]
     src.checked += starts
-    texts = [newlines(src.text[slice(*span)]) for span in starts]
+    texts = [plain_lines(src.text[slice(*span)]) for span in starts]
     dialect = src.outline.dialect
 
     def whole() -> Interface:
@@ -123,7 +124,7 @@ def read_types(src: TextSource, part: TextPart, gap: tuple[int, int]) -> list[Fi
 
 def read_return_type(src: TextSource, span: tuple[int, int], place: str) -> Fields:
     """Return the type of the result of a function."""
-    text = newlines(src.text[slice(*span)])
+    text = plain_lines(src.text[slice(*span)])
     heads = read_declarations(f"FUNCTION x : {text}\n", src.outline.dialect).heads
     if heads and heads[0].return_type is not None:
         return plain_fields(heads[0].return_type)
@@ -132,7 +133,7 @@ def read_return_type(src: TextSource, span: tuple[int, int], place: str) -> Fiel
 
 
 def _declared(src: TextSource, start: int, end: int, place: str, missing: str) -> Declared:
-    text = newlines(src.text[start:end])
+    text = plain_lines(src.text[start:end])
     declared = read_declarations(text + missing, src.outline.dialect)
     src.check(declared.problems, start, end, text, code="IEC111", path=place)
     return declared
@@ -313,7 +314,7 @@ def write_type_text(printer: TextPrinter, declaration: DataTypeDeclaration) -> t
     if declaration.declaration is not None and "plcopen_sfc" not in declaration.declaration:
         text = declaration.declaration.rstrip()
         read_back = _type_read_back(printer, text)
-        if read_back is not None and read_back.get("name") == declaration.name and newlines(text) == text.lstrip():
+        if read_back is not None and read_back.get("name") == declaration.name and plain_lines(text) == text.lstrip():
             _keep_as_typed(intended, declaration.declaration, text)
             return text, read_back, intended
     text = write_data_type(declaration, printer.dialect)

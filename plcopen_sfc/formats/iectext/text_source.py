@@ -12,6 +12,7 @@ from typing import NamedTuple
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.iectext.text_outline import Outline
+from plcopen_sfc.formats.text_patch import plain_lines
 from plcopen_sfc.languages.declarations.kept_texts import unwrapped, wrapped
 from plcopen_sfc.languages.il_problems import instruction_problems
 from plcopen_sfc.languages.pragmas import Fields, NotationError, RemainderEntry, parse_change
@@ -38,11 +39,6 @@ class TextBlock(NamedTuple):
         return self.before + indented(self.text, self.margin) + self.after
 
 
-def newlines(text: str) -> str:
-    """`text` with LF as its line end."""
-    return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
-
-
 def block(text: str) -> TextBlock:
     """Take the margin and the blank edges off a text whose first line has its margin too."""
     before = _BLANK_LINES_BEFORE.match(text)
@@ -57,7 +53,7 @@ def block(text: str) -> TextBlock:
 
 def taken(source: str) -> str:
     """Return the lines between a header and its END as a reader takes them: without margin and blank edges."""
-    text = newlines(source)
+    text = plain_lines(source)
     core = text.strip()
     if "\n" not in core or _FIRST_LINE_END.match(text) is not None:
         return block(text).text
@@ -101,7 +97,7 @@ def format_comment(text: str, indent: str) -> str | None:
 
 def taken_comment(raw: str) -> str:
     """Return the text of a comment: without its marks, the blank beside each, and the margin of its further lines."""
-    text = newlines(raw)
+    text = plain_lines(raw)
     if text.startswith("//"):
         return text[2:].removeprefix(" ").rstrip()
     inner = text[2 : -2 if len(text) >= 4 and text.endswith(("*)", "*/")) else None]

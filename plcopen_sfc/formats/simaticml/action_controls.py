@@ -49,6 +49,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, SfcNetwork, Step
+from plcopen_sfc.model.text import without_signs
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import SectionKind, sections_of
 
@@ -296,7 +297,7 @@ class ControlPlanner:
     def _code(self, row: ActionAssociation) -> Body | None:
         if row.target is None:
             return row.body
-        found = self._pou.find_action(row.target.removeprefix("#").strip('"'))
+        found = self._pou.find_action(without_signs(row.target))
         if found is not None:
             return found.body
         call = f"{row.target}();"  # the action of an instance, whose statements take the place of the call
@@ -349,7 +350,7 @@ class ControlPlanner:
             if isinstance(function, str):
                 raise _ImpossibleError
             return function, None
-        action = self._pou.find_action((row.target or "").removeprefix("#").strip('"'))
+        action = self._pou.find_action(without_signs(row.target or ""))
         chart = self._functions.chart(self._pou, action) if action is not None else ""
         if isinstance(chart, str):
             raise _ImpossibleError

@@ -41,6 +41,7 @@ from plcopen_sfc.model.network import BlockVariable, Coil, OutputPin, OutputVari
 from plcopen_sfc.model.pou import Action, Method, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import Body, SfcBody, SfcNetwork
+from plcopen_sfc.model.text import without_signs
 from plcopen_sfc.model.variables import PASSED, Interface, SectionKind, VariableSection, sections_of
 
 _OF_EDGES = frozenset({"R_TRIG", "F_TRIG", "BOOL"})
@@ -452,7 +453,7 @@ class _Uses:
         """Add a chart of the POU."""
         for text_site in text_sites_in(chart):
             if isinstance(text_site.holder, NamedCondition):
-                name = text_site.text.removeprefix("#").strip('"').casefold()
+                name = without_signs(text_site.text).casefold()
                 for transition in (each for each in self._owner.transitions if each.name.casefold() == name):
                     for inner in text_sites_in(transition):
                         self._add_text(inner)
@@ -468,7 +469,7 @@ class _Uses:
 
     def _follow(self, name: str) -> bool:
         """Add the action that a name is. Returns True if it is one."""
-        action = self._owner.find_action(name.removeprefix("#").strip('"'))
+        action = self._owner.find_action(without_signs(name))
         if action is None:
             call = f"{name}();"  # the action of an instance
             if not self._follows:

@@ -38,6 +38,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, SfcNetwork, Step
+from plcopen_sfc.model.text import without_signs
 from plcopen_sfc.model.types import DerivedType, StructType, Variable
 from plcopen_sfc.report import Cause, CauseKind, Outcome
 
@@ -129,7 +130,7 @@ class RowPlanner:
         rows = _assignments(body)
         if rows.outcome is not Outcome.NOT_EXECUTED or self._pou is None:
             return rows
-        function = self._functions.function(self._pou, _OTHER.sub("_", label.removeprefix("#").strip('"')), body)
+        function = self._functions.function(self._pou, _OTHER.sub("_", without_signs(label)), body)
         if isinstance(function, str):
             return PlannedRows(why=f"{rows.why}, and no function holds them: {function}")
         row = ActionAssociation(id=0, qualifier=Qualifier.CALL, body=StBody(text=self._functions.call(function)))

@@ -16,13 +16,14 @@ from plcopen_sfc.formats.simaticml.box_types import give_types
 from plcopen_sfc.formats.simaticml.declaration_spelling import write_type
 from plcopen_sfc.formats.simaticml.network_boxes import RESULTS
 from plcopen_sfc.formats.simaticml.network_operands import literal_type, parse_operand
-from plcopen_sfc.languages.networks.network_graph import wires_from
+from plcopen_sfc.languages.networks.network_graph import function_box, wires_from, written_by
 from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.model import network as net
 from plcopen_sfc.model.body import FbdBody, LdBody, networks_of
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import BodyCondition, placed_conditions
+from plcopen_sfc.model.text import without_signs
 
 BOOLEAN = frozenset({"AND", "OR", "XOR", "NOT", "EQ", "NE", "GT", "GE", "LT", "LE"})
 """Operators whose result is of type BOOL; AND, OR, XOR and NOT of words are other boxes in TIA Portal."""
@@ -65,7 +66,7 @@ def keep_bits_by_contacts(network: net.LogicNetwork, bits: Collection[str]) -> N
             continue
         target = written[0]
         free = max(node.id for node in network.nodes) + 1
-        inverse = _box(free, "NOT", [enable.model_copy(deep=True)])
+        inverse = function_box(free, "NOT", [enable.model_copy(deep=True)])
         wire = net.InputPin(connections=[net.Connection(source=free, pin="OUT")])
         kept = net.Contact(id=free + 1, variable=target.expression, input=wire, output=net.OutputPin())
         at = network.nodes.index(target)
@@ -158,7 +159,7 @@ def _is_bit(node: net.Node, bits: Collection[str]) -> TypeGuard[net.OutputVariab
     if not isinstance(node, net.OutputVariable) or node.input is None or len(node.input.connections) != 1:
         return False
     of_value = (node.input.connections[0].pin or "").upper() != "ENO"
-    return of_value and node.expression.removeprefix("#").strip('"').casefold() in bits
+    return of_value and without_signs(node.expression).casefold() in bits
 
 
 def _wired(pin: net.BlockVariable) -> bool:
@@ -180,9 +181,9 @@ def _logic(
     """Put three boxes in front of `target`, and give the wire from the last one."""
     free = max(node.id for node in network.nodes) + 1
     kept = net.InputVariable(id=free, expression=target.expression, output=net.OutputPin())
-    passed = _box(free + 1, "AND", [_as_input(enable), _as_input(value)])
-    held = _box(free + 2, "AND", [_as_input(enable, inverted=True), _wire(kept.id)])
-    either = _box(free + 3, "OR", [_wire(passed.id, "OUT"), _wire(held.id, "OUT")])
+    passed = function_box(free + 1, "AND", [_as_input(enable), _as_input(value)])
+    held = function_box(free + 2, "AND", [_as_input(enable, inverted=True), _wire(kept.id)])
+    either = function_box(free + 3, "OR", [_wire(passed.id, "OUT"), _wire(held.id, "OUT")])
     at = network.nodes.index(target)
     network.nodes[at:at] = [kept, passed, held, either]
     return net.Connection(source=either.id, pin="OUT")
@@ -196,13 +197,6 @@ def _as_input(pin: net.BlockVariable, *, inverted: bool = False) -> net.BlockVar
 
 def _wire(source: int, pin: str | None = None) -> net.BlockVariable:
     return net.BlockVariable(name="IN", input=net.InputPin(connections=[net.Connection(source=source, pin=pin)]))
-
-
-def _box(number: int, kind: str, inputs: list[net.BlockVariable]) -> net.Block:
-    for place, pin in enumerate(inputs, 1):
-        pin.name = f"IN{place}"
-    outputs = [net.BlockVariable(name="OUT", output=net.OutputPin())]
-    return net.Block(id=number, type_name=kind, parameters=net.BlockParameters(inputs=inputs, outputs=outputs))
 
 
 _OPPOSITE = {"EQ": "NE", "NE": "EQ", "GT": "LE", "LE": "GT", "LT": "GE", "GE": "LT"}
@@ -339,7 +333,7 @@ def put_coils(project: Project) -> None:
 
 
 def _result(node: net.Node) -> net.Node:
-    name = _target(node).removeprefix("#").strip('"')
+    name = without_signs(written_by(node) or "")
     return _coil(node, name) if name in RESULTS else node
 
 
@@ -418,13 +412,7 @@ def _type(text: str, types: Mapping[str, str]) -> str:
 
 
 def _plain(text: str) -> str:
-    return text.removeprefix("#").strip('"').lower()
-
-
-def _target(node: net.Node) -> str:
-    if isinstance(node, net.Coil):
-        return node.variable
-    return node.expression if isinstance(node, net.OutputVariable) else ""
+    return without_signs(text).lower()
 
 
 def _coil(node: net.Node, variable: str) -> net.Node:

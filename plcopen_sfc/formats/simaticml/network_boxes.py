@@ -24,6 +24,7 @@ from plcopen_sfc.model.body import networks_of
 from plcopen_sfc.model.network import Block, BlockCall, BlockVariable, InputPin, LogicNetwork
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.text import without_signs
 from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import PASSED, Interface, SectionKind, sections_of
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -158,7 +159,7 @@ def _boxes(project: Project) -> Iterator[tuple[Pou, Block]]:
 
 
 def _name(instance: str | None) -> str:
-    return (instance or "").removeprefix("#").strip('"').casefold()
+    return without_signs(instance or "").casefold()
 
 
 def _value(node: n.Node, instances: Mapping[str, Variable]) -> n.Node:

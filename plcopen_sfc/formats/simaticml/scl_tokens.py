@@ -40,6 +40,7 @@ from plcopen_sfc.formats.xml.extension_data import attributes, attributes_of, le
 from plcopen_sfc.languages.st.lexer import Comment, Token, tokenize
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.text import without_signs
 from plcopen_sfc.report import Outcome
 from plcopen_sfc.whole_numbers import whole_number
 
@@ -479,7 +480,7 @@ class _Writer:
             sub(label, "Token", {"Text": self._value(self._take(label))})
 
     def _component(self, symbol: XmlNode, name: str) -> None:
-        plain = name.removeprefix("#").strip('"')
+        plain = without_signs(name)
         component = sub(symbol, "Component", {"Name": plain})
         if name.removeprefix("#").startswith('"'):
             sub(component, "BooleanAttribute", {"Name": "HasQuotes"}).text = "true"

@@ -279,6 +279,20 @@ def wires_from(network: net.LogicNetwork, source: int) -> Iterator[net.Connectio
     return (wire for node in network.nodes for wire in wires_of(node) if wire.source == source)
 
 
+def written_by(node: net.Node) -> str | None:
+    """Return the operand of a coil or an output variable; None for all others."""
+    if isinstance(node, net.Coil):
+        return node.variable
+    return node.expression if isinstance(node, net.OutputVariable) else None
+
+
+def function_box(number: int, name: str, pins: Iterable[net.BlockVariable]) -> net.Block:
+    """Return a box of a function with numbered inputs: AND, OR, NOT."""
+    inputs = [pin.model_copy(update={"name": f"IN{place}"}) for place, pin in enumerate(pins, 1)]
+    outputs = [net.BlockVariable(name="OUT", output=net.OutputPin())]
+    return net.Block(id=number, type_name=name, parameters=net.BlockParameters(inputs=inputs, outputs=outputs))
+
+
 def apart(networks: Sequence[net.LogicNetwork]) -> tuple[list[net.LogicNetwork], dict[int, int]]:
     """Return the networks with ids that no two of them share, and the old id of each new one.
 

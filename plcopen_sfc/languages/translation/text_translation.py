@@ -54,16 +54,18 @@ def translated_comment(kind: CommentKind, text: str, source: Dialect, target: Di
     if pragma is not None and source is Dialect.SCL:
         return PartText(pragma[1])
     if text.startswith("(/*") and target is not Dialect.SCL:
-        return PartText(f"(*{_harmless(text[3:-3])}*)")
+        return PartText(f"(*{inside_comment(text[3:-3])}*)")
     if text.startswith("/*") and target is not Dialect.IEC:
-        return PartText(f"(*{_harmless(text[2:-2])}*)")
+        return PartText(f"(*{inside_comment(text[2:-2])}*)")
     return PartText(text)
 
 
 def _pragma(text: str, target: Dialect, *, regions: bool) -> PartText:
     if CONDITIONAL_PRAGMA.match(text):
         why = f"{TITLES[target]} has no pragmas that leave statements out: they are always executed there"
-        return PartText(text if target is not Dialect.SCL else f"(*pragma {_harmless(text)}*)", Severity.ERROR, why)
+        return PartText(
+            text if target is not Dialect.SCL else f"(*pragma {inside_comment(text)}*)", Severity.ERROR, why
+        )
     region, end = _REGION.fullmatch(text), _END_REGION.fullmatch(text)
     if target is not Dialect.SCL:
         if region is not None or end is not None:
@@ -74,10 +76,10 @@ def _pragma(text: str, target: Dialect, *, regions: bool) -> PartText:
     if regions and end is not None:
         return PartText("END_REGION")
     reason = "SCL has no pragmas in statements: it became a comment"
-    return PartText(f"(*pragma {_harmless(text)}*)", Severity.WARNING, reason)
+    return PartText(f"(*pragma {inside_comment(text)}*)", Severity.WARNING, reason)
 
 
-def _harmless(text: str) -> str:
+def inside_comment(text: str) -> str:
     """Return the text inside of a comment, so that nothing in it starts or ends one."""
     return text.replace("(*", "( *").replace("*)", "* )")
 
@@ -86,7 +88,7 @@ def with_block_comments(text: str, dialect: Dialect) -> str:
     """Return a text with ``(* *)`` for its comments up to the end of a line, so that text can follow them."""
     found = tokenize(text, dialect).comments if "//" in text else []
     lines = [each for each in found if each.kind is CommentKind.LINE]
-    return apply_edits(text, [Edit(*each.span, f"(* {_harmless(each.text[2:].strip())} *)") for each in lines])
+    return apply_edits(text, [Edit(*each.span, f"(* {inside_comment(each.text[2:].strip())} *)") for each in lines])
 
 
 def with_translated_comments(text: str, source: Dialect, target: Dialect, *, regions: bool) -> str:
