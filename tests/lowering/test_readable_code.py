@@ -367,3 +367,29 @@ def test_exports_of_codesys_23_have_no_comments_up_to_the_end_of_a_line(
     assert "CASE" in body or "Warten" in body
     assert "//" not in body
     assert "(* " in body
+
+
+BOTH = """PROGRAM Main
+VAR_INPUT a : BOOL; END_VAR
+VAR_OUTPUT q : BOOL; r : BOOL; END_VAR
+INITIAL_STEP S1: END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+STEP S2: q(N); q({}); r(S); END_STEP
+TRANSITION FROM S2 TO S3 := NOT a; END_TRANSITION
+STEP S3: q(R); r(R); END_STEP
+TRANSITION FROM S3 TO S1 := NOT a; END_TRANSITION
+END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize("other", ["L, T#30ms", "D, T#30ms", "P"])
+@pytest.mark.parametrize("form", ["bits", "case", "regions", "flipflop"])
+def test_what_another_association_executes_anyway_is_not_written(form: str, other: str) -> None:
+    """An output that N and L drive in one step was ``X2 OR X2 AND NOT q_L.Q``, with a timer that decides nothing."""
+    project = sfc.loads(BOTH.format(other).encode(), format="iec-text")
+    made = sfc.lower(project, form, pou="Main")
+    text = sfc.dumps(sfc.Project(pous=[made.pou]), format="iec-text", partial=True).decode()
+    assert made.proof is not None
+    assert made.proof.proven
+    assert "q_" not in text
+    assert ".Q" not in text.replace("r_S", "") or form == "flipflop"

@@ -16,6 +16,7 @@ from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
+    absorbed,
     assignment,
     call,
     conjunction,
@@ -34,6 +35,7 @@ from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.semantics.net import Net
 
 Q = Qualifier
+_PART = n.Name("part")
 _STORED = {Q.S, Q.SD, Q.DS, Q.SL}
 EarlierSteps: TypeAlias = "Callable[[Sequence[int]], Expression | None]"
 """Expression for when one of some steps was active in the last scan; None where the code does not keep that."""
@@ -118,8 +120,8 @@ class ActionControlCode:
         """Return any of the terms, without reset: flip-flops and all that depends on them have had it already."""
         # reset dominates in each flip-flop already; a second NOT R would only make the text longer
         if {use.qualifier for use in action.uses} <= _STORED | {Q.R, Q.R0}:
-            return disjunction(terms)
-        return conjunction([disjunction(terms), negation(reset)])
+            return absorbed(disjunction(terms))
+        return conjunction([absorbed(disjunction(terms)), negation(reset)])
 
     def _lasting(self, action: ActionSource, reset: Expression, into: list[Statement]) -> list[Expression]:
         # `ending` acts on what is stored only: a restart makes all other steps inactive anyway
@@ -127,6 +129,9 @@ class ActionControlCode:
         found = [self._input(action, Q.N)]
         for qualifier in (Q.S, Q.L, Q.D, Q.P, Q.SD, Q.DS, Q.SL):
             value = self._input(action, qualifier)
+            part = conjunction([value, _PART])
+            if qualifier in (Q.L, Q.D, Q.P) and absorbed(disjunction([found[0], part])) == found[0]:
+                continue  # it is a part of the time in which N executes the action
             if not is_constant(value, FALSE):
                 found.append(self._term(qualifier, action, value, reset, into))
         return found
@@ -172,7 +177,7 @@ class ActionControlCode:
 
     def _of(self, use: ActionUse) -> Expression:
         active = disjunction(self._active(step) for step in use.steps)
-        return conjunction([negation(active) if use.inverted else active, use.condition])
+        return absorbed(conjunction([negation(active) if use.inverted else active, use.condition]))
 
     def _late(self, action: ActionSource, qualifier: Qualifier) -> n.Operation | None:
         """Return when the time of a step that decides alone is over; None where a timer of the action tells that."""

@@ -237,6 +237,16 @@ def _absorbed(node: Expression, is_all: bool) -> Expression:
     return (conjunction if is_all else disjunction)(kept)
 
 
+def absorbed(node: Expression) -> Expression:
+    """Return an expression without operands that others contain, on its first level: ``a AND (a OR b)`` is ``a``.
+
+    Functions would be called less often, so nothing with a call is changed.
+    """
+    if not isinstance(node, n.Operation) or any(isinstance(each, n.Call) for each in walk(node)):
+        return node
+    return _absorbed(node, node.operator is Operator.AND)
+
+
 def names_in(*trees: n.Node) -> list[str]:
     """Return the names of variables in trees, in lower case, each as often as it occurs."""
     return [node.identifier.casefold() for tree in trees for node in walk(tree) if isinstance(node, n.Name)]
