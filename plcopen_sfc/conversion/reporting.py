@@ -54,6 +54,7 @@ def report_execution(
         report.items = [replace(item, path=in_the_source(item.path, called)) for item in report.items]
         differences = [_of_the_source(difference, called) for difference in differences]
     refused = {ObjectPath.of(item.path).owner for item in report.losses if item.what == "hierarchy"}
+    # rules that change a chart report before its writer, which finds as it is what they could not change, and says so
     why_not = {item.path for item in report.with_outcome(Outcome.NOT_EXECUTED) if not _follows(item)}
     report.items = [
         item
@@ -66,6 +67,7 @@ def report_execution(
         if item.outcome in LOSSES or item.outcome is Outcome.TRANSLATED
     )
     listed = _Listed.of(report, refused)
+    # what is left was found by comparing source and result; most of it is told already, in the words of a writer
     found = list(_without_repetition(differences, {_last(path) for path, what in settled if what == "global variable"}))
     rewritten = _rewritten_steps(found, settled)
     changed = {(difference.path, difference.aspect) for difference in found}

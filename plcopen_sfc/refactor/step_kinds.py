@@ -224,6 +224,7 @@ def _executing(project: Project, chart: SfcNetwork) -> set[int]:
 
 
 def _free_name(pou: Pou, wish: str) -> str:
+    """Return a name that no part and no variable of a POU has."""
     return free_name(wish, {each.name.casefold() for each in (*pou.parts, *pou.variables())})
 
 

@@ -10,6 +10,7 @@ from typing import Any
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.semantics.signals import Signal, Value
+from plcopen_sfc.semantics.trace import aligned
 
 _OTHERS_SHOWN = 10
 __all__ = ["Fault", "FaultKind", "FaultScan"]
@@ -158,8 +159,7 @@ class Fault:
             chart = [steps, *(_shown(scan.chart_outputs[name]) for name in outputs)]
             code = [" ".join(scan.code) or "-", *(_shown(scan.code_outputs[name]) for name in outputs)]
             rows.append([str(number), "|", self._given(scan.inputs), "|", *chart, "|", *code])
-        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-        return [" ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)).rstrip() for row in rows]
+        return aligned(rows, " ")
 
     def _given(self, inputs: Mapping[str, Value]) -> str:
         """Return the inputs that are not 0: the names of Boolean ones, the values of all others."""
