@@ -449,6 +449,7 @@ def _configure(project: Project, report: ConversionReport, lists: frozenset[str]
         resource = next(each for one in project.configurations for each in one.resources if each.instances)
         _add_task(resource, Task(name="Task0", interval="T#20ms"), report)
     used = {pou.name.casefold() for pou in project.pous} | {one.name.casefold() for one in project.data_types}
+    used.add("plc")  # each resource is written as one on a PLC, where Beremiz calls the compiler with -p
     for configuration in project.configurations:
         configuration.name = _free(configuration.name, used, f"configuration {configuration.name}", report)
         for resource in configuration.resources:

@@ -305,11 +305,17 @@ def test_pins_that_the_converter_does_not_see_become_statements(
     assert ("body", "FBD became statements") in [(item.what, item.why) for item in report.items]
 
 
-def test_configurations_are_not_called_by_keywords(project: sfc.Project) -> None:
-    project.configurations[0].name, project.configurations[0].resources[0].name = "Configuration", "Resource"
+@pytest.mark.parametrize(
+    ("names", "written"),
+    [(("Configuration", "Resource"), ("x_Configuration", "x_Resource")), (("PLC", "A"), ("PLC_1", "A"))],
+)
+def test_configurations_are_not_called_by_keywords(
+    project: sfc.Project, names: tuple[str, str], written: tuple[str, str]
+) -> None:
+    """``ON PLC`` is the type of each resource, which a configuration of that name hides."""
+    project.configurations[0].name, project.configurations[0].resources[0].name = names
     seen, _ = converted(project)
-    assert seen.configurations[0].name == "x_Configuration"
-    assert seen.configurations[0].resources[0].name == "x_Resource"
+    assert (seen.configurations[0].name, seen.configurations[0].resources[0].name) == written
 
 
 STRUCTURES = b"""TYPE Part : STRUCT length : INT; END_STRUCT; END_TYPE
