@@ -17,7 +17,7 @@ from plcopen_sfc.conversion.meaning import Meaning, literal_form
 from plcopen_sfc.formats.codesys import codesys_names as codesys
 from plcopen_sfc.languages.binding.text_sites import Role, TextSite
 from plcopen_sfc.languages.declarations.attributes import acting_attributes, attributes_of
-from plcopen_sfc.languages.declarations.kept_texts import inheritance, kept, texts_from
+from plcopen_sfc.languages.declarations.kept_texts import inheritance, kept, properties_of, texts_from
 from plcopen_sfc.languages.declarations.type_names import is_quoted_in_scl
 from plcopen_sfc.languages.s7_types import S7Types, number_of
 from plcopen_sfc.languages.standard_blocks import standard_block
@@ -229,7 +229,6 @@ _HARMLESS = {
 }
 """The data of CODESYS and TwinCAT, where the model only keeps it, that no machine executes, each with the reason."""
 
-_PROPERTY = re.compile(r"\bPROPERTY\s+(?:(?:PUBLIC|PRIVATE|PROTECTED|INTERNAL|FINAL|ABSTRACT|OVERRIDE)\s+)*(\w+)", re.I)
 _NAME = re.compile(r"""<(?:\w+:)?\w+[^>]*?\bname=["']([^"']+)["']""", re.IGNORECASE)
 _UNIT = re.compile(
     r"\b(CLASS|INTERFACE|NAMESPACE|FUNCTION_BLOCK|FUNCTION|PROGRAM|TYPE)\s+"
@@ -303,11 +302,9 @@ def add_kept(whole: Part, project: Project, text_sites: Iterable[TextSite], tool
     for keyword, name in (found[0] for found in texts if found):
         whole.add("unit", name, f"{keyword} {name}").tell("kind", Meaning.of(keyword))
     for pou in project.pous:
-        for text in texts_from("property", pou.extension_data):
-            if named := _PROPERTY.search(text):
-                name = named.group(1)
-                part = whole.add("property", f"{pou.name}.{name}", f"{pou.report_path} / property {name}")
-                part.tell("code", Meaning.of(" ".join(text.split()).casefold(), text))
+        for name, text in properties_of(pou):
+            part = whole.add("property", f"{pou.name}.{name}", f"{pou.report_path} / property {name}")
+            part.tell("code", Meaning.of(" ".join(text.split()).casefold(), text))
     types: dict[str, TextSite] = {}
     for text_site in text_sites:
         if isinstance(text_site.holder, ForeignData):

@@ -76,6 +76,16 @@ def texts_from(place: str, extension_data: ExtensionData | None) -> Iterator[str
             yield found[1]
 
 
+_PROPERTY = re.compile(r"\bPROPERTY\s+(?:(?:PUBLIC|PRIVATE|PROTECTED|INTERNAL|FINAL|ABSTRACT|OVERRIDE)\s+)*(\w+)", re.I)
+
+
+def properties_of(pou: Pou) -> Iterator[tuple[str, str]]:
+    """Yield the names and texts of the properties that a POU of CODESYS or TwinCAT keeps."""
+    for text in texts_from("property", pou.extension_data):
+        if named := _PROPERTY.search(text):
+            yield named[1], text
+
+
 class Inheritance(NamedTuple):
     """The names behind EXTENDS (at most one) and IMPLEMENTS."""
 

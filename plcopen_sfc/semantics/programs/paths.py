@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 from plcopen_sfc.errors import SimulationError
+from plcopen_sfc.languages.declarations.kept_texts import properties_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.model.dialect import Dialect
@@ -153,6 +154,11 @@ class PathTranslator(ABC):
             alias = unit.scope.aliases.get(name.identifier.casefold()) if unit is not None else None
             if isinstance(alias, Place) and alias.root.startswith("g"):
                 return alias
+            properties = properties_of(unit.pou) if unit is not None else ()
+            if name.identifier.casefold() in {each.casefold() for each, _ in properties}:
+                hint = "Write it as a method: a call of that is executed, in other tools too."
+                why = f"{name.identifier} is a property of {type_.name}, whose code is not executed here"
+                raise SimulationError(why, hint=hint)
             raise SimulationError(f"{base.path} of type {type_.name} has no {name.identifier}")
         if isinstance(type_, t.OpaqueType):
             owner = f"{self.scope.path}." if base.key and not base.key.startswith("g") else ""

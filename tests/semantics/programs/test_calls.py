@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+import plcopen_sfc as sfc
 from plcopen_sfc.errors import SimulationError, UnknownFunctionError
 from plcopen_sfc.languages.declarations import read_declarations, read_interface
 from plcopen_sfc.model import Action, Method, Project, StBody
@@ -492,3 +493,29 @@ def test_codesys_calls_methods_when_an_instance_is_made(
 def test_what_a_declaration_gives_beside_fb_init_is_refused(declared: str, more: str, why: str) -> None:
     with pytest.raises(SimulationError, match=why):
         main(declared, "", Dialect.CODESYS, more)
+
+
+WITH_PROPERTY = b"""{plcopen_sfc project.dialect := 'codesys'}
+FUNCTION_BLOCK Motor
+VAR now : INT; END_VAR
+PROPERTY Speed : INT
+GET
+Speed := now;
+END_GET
+END_PROPERTY
+END_FUNCTION_BLOCK
+PROGRAM Main
+VAR m : Motor; n : INT; END_VAR
+n := m.speed;
+END_PROGRAM
+"""
+
+
+def test_a_property_is_told_by_its_name_and_not_executed_in_other_tools() -> None:
+    project = sfc.loads(WITH_PROPERTY, format="iec-text")
+    with pytest.raises(SimulationError, match="speed is a property of Motor"):
+        sfc.simulate(project, pou="Main", scans=1)
+    report = sfc.convert(project, "plcopen", partial=True).report
+    assert [item.path for item in report.items if item.outcome.value == "not executed"] == [
+        "POU Motor / property Speed"
+    ]
