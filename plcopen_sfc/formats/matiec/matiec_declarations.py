@@ -387,9 +387,10 @@ def declare_globals(project: Project, report: ConversionReport) -> None:
             _use(text_site, globals_, project)
     for occurrence in Names(project).occurrences(*globals_.by_name):
         pou, site = occurrence.text_site.site.pou, occurrence.text_site
-        declared = occurrence.meaning.declaration
-        if pou is not None and site.reading is SiteKind.INSTRUCTIONS and declared is not None and declared.pou is None:
-            globals_.used.setdefault(pou.name, {})[occurrence.reference.name.casefold()] = None
+        declared, name = occurrence.meaning.declaration, occurrence.reference.name.casefold()
+        is_global = declared is not None and declared.pou is None and site.reading is SiteKind.INSTRUCTIONS
+        if pou is not None and is_global and all(each.name.casefold() != name for each in pou.variables()):
+            globals_.used.setdefault(pou.name, {})[name] = None
     variables = {name: variable for name, (variable, _) in globals_.by_name.items()}
     passed = pass_globals(project, variables, globals_.used, report)
     for pou in project.pous:

@@ -655,12 +655,13 @@ END_PROGRAM"""
     ]
 
 
-def test_instructions_that_matiec_does_not_read_become_statements(tmp_path: Path) -> None:
-    """R is an operator of IL, and a global variable of instructions is declared as external."""
+@pytest.mark.parametrize("declared", ["", "VAR_EXTERNAL on : BOOL; count : INT; END_VAR"])
+def test_instructions_that_matiec_does_not_read_become_statements(declared: str, tmp_path: Path) -> None:
+    """R is an operator of IL, and a global variable of instructions is declared as external, once."""
     body = "CAL c(\nCU := on,\nR := c.Q,\nPV := 11\n)\nLD c.CV\nST count\n"
     source = f"""CONFIGURATION Line VAR_GLOBAL on : BOOL; count : INT; END_VAR RESOURCE Cpu ON PLC
 TASK T0(INTERVAL := T#20ms, PRIORITY := 0); PROGRAM Runs WITH T0 : Plant; END_RESOURCE END_CONFIGURATION
-PROGRAM Plant VAR c : CTU; END_VAR
+PROGRAM Plant {declared} VAR c : CTU; END_VAR
 {body}END_PROGRAM"""
     project = sfc.loads(source.encode(), format="iec-text")
     assert isinstance(project.pou("Plant").body, m.IlBody)
