@@ -657,7 +657,7 @@ def test_a_chart_in_which_something_is_approximated_is_run(condition: str, outco
     pou = result.pou("Main")
     assert pou.chart is not None
     pou.chart.transitions[0].condition = m.Expression(text=condition)
-    report_running(report, project, result, {}, tool="the target", target=None, limit=20)
+    report_running(report, project, result, {}, tool="the target", target=None, limit=8)
     assert report.compared["POU Main"].startswith(outcome)
     assert report.compared["POU Main"].splitlines()[-1] == "what the report names as approximated is in it"
     assert len(report.items) == 1
@@ -694,7 +694,7 @@ def test_only_what_can_change_what_differs_is_called_its_cause(what: str, path: 
     result.pou("Main").find_action("Look").body = m.StBody(text="IF b THEN m := 2; END_IF;")
     report = ConversionReport()
     report.add(Outcome.APPROXIMATED, what, path, why)
-    report_running(report, project, result, {}, tool="TC6 tools", target=None, limit=20)
+    report_running(report, project, result, {}, tool="TC6 tools", target=None, limit=8)
     items = [item.why.split("; ") for item in report.items if item.what == "chart"]
     told = items[0] if items else report.compared["POU Main"].splitlines()
     assert told[0].endswith("m is 1 in the source and 2 in TC6 tools")
@@ -724,7 +724,7 @@ def test_a_rule_of_the_tools_is_named_beside_what_the_report_approximates() -> N
     report = ConversionReport()
     report.add(Outcome.APPROXIMATED, "condition", "POU Main / transition S2 -> S0", "as a test has it")
     result = sfc.loads(sfc.dumps(project, format="codesys"), as_tool=True)
-    report_running(report, project, result, {}, tool="CODESYS", target=None, limit=20)
+    report_running(report, project, result, {}, tool="CODESYS", target=None, limit=8)
     found = report.compared["POU Main"]
     assert "\nCODESYS executes the actions before the transitions, and so sees other inputs in them\nwhat the" in found
 
@@ -830,7 +830,7 @@ def test_global_variables_of_no_list_are_run_where_they_are_in_one(tmp_path: Pat
         project = sfc.loads(text.encode(), format="iec-text")
         folder = tmp_path / "out"
         folder.mkdir(exist_ok=True)
-        report = sfc.save(project, folder if target == "twincat" else io.BytesIO(), format=target, limit=20)
+        report = sfc.save(project, folder if target == "twincat" else io.BytesIO(), format=target, limit=8)
         assert report.losses == []
         assert report.compared["POU Main"].startswith("equal")
 
@@ -936,7 +936,7 @@ END_FUNCTION_BLOCK
 """
     project = sfc.loads(text.encode(), format="iec-text")
     data = io.BytesIO()
-    report = sfc.save(project, data, format=target, limit=20)
+    report = sfc.save(project, data, format=target, limit=8)
     names = {variable.name for variable in sfc.loads(data.getvalue()).pou("Seq").variables()}
     assert {"sel_2", "mux_2"} <= names
     assert re.match(r"equal(, second 1 scan later)? \(proof: ", report.compared["POU Seq"]), report.compared
@@ -950,7 +950,7 @@ def test_steps_with_other_names_in_the_target_are_compared() -> None:
     files = [path for path in corpus_files("simaticml") if path.name == "GraphBranch.xml"]
     if not files:
         pytest.skip("no corpus beside the repository (see tests/corpus.py)")
-    report = sfc.save(sfc.load(files[0]), io.BytesIO(), format="codesys", limit=20, at_rest=["all"])
+    report = sfc.save(sfc.load(files[0]), io.BytesIO(), format="codesys", limit=8, at_rest=["all"])
     assert [verdict.partition(" (")[0] for verdict in report.compared.values()] == ["equal"]
 
 
