@@ -451,7 +451,7 @@ class _Compared:
         is_late = delay.is_held or not self.profiles[0].initial_situation_held
         left.holds_start = delay.is_held or (self.passes_start and right.profile.order is ScanOrder.TRANSITIONS_FIRST)
         right.holds_start = delay.is_held
-        left.tests_ahead = right.tests_ahead = delay.settled
+        left.tests_ahead = right.tests_ahead = delay.settled and not delay.in_sequence
         later_start = int(is_late and self.passes_start and right.profile.order is not ScanOrder.TRANSITIONS_FIRST)
         earlier, later = (left, right) if delay.queued > 0 else (right, left)
         count = abs(delay.queued)
@@ -463,10 +463,7 @@ class _Compared:
             return
         if delay.in_sequence:  # all have executed their initial steps once before a transition of these is tested
             for system, passes in ((left, False), (right, later_start > 0)):
-                # a chart whose actions come first begins later; others that call charts may do so more than once a scan
-                is_early = bool(system.chart_steps) and system.profile.order is ScanOrder.ACTIONS_FIRST
-                begins = int(is_early and not passes)
-                system.holds_start = not is_early
+                begins = int(system.profile.order is ScanOrder.ACTIONS_FIRST and not passes)
                 system.delay(begins=begins, alone=1 - begins, at_rest=self._operated(system), unseen=passes)
             return
         if delay.retimed:

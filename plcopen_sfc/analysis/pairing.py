@@ -51,7 +51,7 @@ class Delay:
         settled: compared is what both come to while inputs stay, behind every scan; see
             `plcopen_sfc.analysis.sequences`. Steps of a side that executes actions first are left as many scans behind
             their start as on the other side. Inputs rest in the first two scans where one tool alone tests no
-            transition in its first scan.
+            transition in its first scan. With `in_sequence`: inputs stay until both rest, and both run as they are.
     """
 
     scans: int = 0
@@ -72,7 +72,7 @@ class Delay:
     @property
     def is_held(self) -> bool:
         """True if no transition is tested in the first scan."""
-        return self.retimed or self.in_sequence
+        return self.retimed or (self.in_sequence and not self.settled)
 
     @property
     def is_apart(self) -> bool:
@@ -109,7 +109,8 @@ class Delay:
         if self.in_sequence:
             return ("scans of a side that is ahead of the other wait, and so do inputs until both rest",)
         if self.settled:
-            return ("compared is what both come to while the inputs of a scan stay",)
+            until = ", which they do until both rest" if self.in_sequence else ""
+            return (f"compared is what both come to while the inputs of a scan stay{until}",)
         if not self.scans:
             return ()
         scans = "scan" if count == 1 else f"{count} scans"

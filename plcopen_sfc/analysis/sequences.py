@@ -83,46 +83,56 @@ class InTurn:
 class Settled:
     """Two systems that are compared in what both come to when the inputs of a scan stay.
 
-    `differences`: behind the last scan, by places in what is observed, the values of both.
+    `to_rest`: then both go on from there; else from behind that scan, with inputs that may be others in the next one.
+    `differences`: behind the last run, by places in what is observed, the values of both.
     """
 
     unseen = 0
 
-    def __init__(self, left: System, right: System) -> None:
+    def __init__(self, left: System, right: System, *, to_rest: bool) -> None:
         self.sides = left, right
         self.differences: dict[int, tuple[Any, Any]] = {}
+        self._to_rest = to_rest
 
     def run(
         self, left: System, right: System, read: InputReader, *, first: bool, look: Callable[[], None] = lambda: None
     ) -> ScanEnd:
-        """Run one scan, then look at what follows while the inputs stay, and go back behind that scan."""
+        """Run one scan, then what follows while the inputs stay, until all that is observed rests."""
         self.differences = {}
         failures = [failure_of(each, read, first=first) for each in (left, right)]
         look()
         if (ended := end_of(failures)) is not None:
             return ScanEnd(False, *ended)
-        here = left.snapshot(), right.snapshot()
+        behind = at_rest = left.snapshot(), right.snapshot()
         seen = [left.observed() or (), right.observed() or ()]
-        since: dict[int, int] = {}
-        for scan in range(_MOST_SETTLING):
+        changed: dict[int, int] = {}
+        quiet = scan = 0
+        most = _MOST_SCANS if self._to_rest else _MOST_SETTLING
+        while quiet <= _BEHIND and scan < most:
+            scan += 1
+            quiet += 1
             for side, system in enumerate((left, right)):
                 failures[side] = failures[side] or failure_of(system, read, first=False)
                 now = seen[side] if failures[side] else system.observed() or ()
-                since.update(dict.fromkeys(compare(seen[side], now), scan))
+                if places := compare(seen[side], now):
+                    changed.update(dict.fromkeys(places, scan))
+                    quiet = 0
                 seen[side] = now
             if (ended := end_of(failures)) is not None:
                 return ScanEnd(False, *ended)
-            if scan - max(since.values(), default=0) > _BEHIND:
-                break
-        resting = [place for place in compare(*seen) if scan - since.get(place, 0) > _BEHIND]
+            if not quiet:
+                at_rest = left.snapshot(), right.snapshot()
         for which, failure in zip(("first", "second"), failures, strict=True):
             if failure is not None:
                 return ScanEnd(True, f"only the {which} fails: {failure}", failure)
+        resting = [place for place in compare(*seen) if scan - changed.get(place, 0) > _BEHIND]
         if resting:
             self.differences = {place: (seen[0][place], seen[1][place]) for place in resting}
             return ScanEnd(is_different=True)
-        left.restore(here[0])
-        right.restore(here[1])
+        if self._to_rest and quiet <= _BEHIND:
+            return ScanEnd(False, f"{RESTLESS} is left out", SimulationError(RESTLESS))
+        for system, state in zip((left, right), at_rest if self._to_rest else behind, strict=True):
+            system.restore(state)
         return ScanEnd()
 
     def differing(self) -> Iterator[tuple[int, Any, Any]]:

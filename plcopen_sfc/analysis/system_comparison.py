@@ -259,9 +259,9 @@ class Comparison:
 
     def joined(self) -> Joined | None:
         """Return both as they are run where they are not compared scan by scan."""
-        if self._delay.in_sequence:
-            return InTurn(self.left, self.right)
-        return Settled(self.left, self.right) if self._delay.settled else None
+        if self._delay.settled:
+            return Settled(self.left, self.right, to_rest=self._delay.in_sequence)
+        return InTurn(self.left, self.right) if self._delay.in_sequence else None
 
     def show_joined(
         self, joined: Joined, inputs: Sequence[Mapping[str, Value]], signals: Mapping[str, Signal], *, shortest: bool

@@ -206,7 +206,7 @@ class ProgramSystem:
         self._late: Mapping[str, Value] = _NONE
         self._held: dict[str, Value] = {}
         self.holds_start = False
-        """True if charts test no transition in its first scan."""
+        """True if charts that begin in its first scan test no transition in it, if these come first."""
         self.tests_ahead = False
         """True if conditions of a chart that executes actions first see its times as a scan later."""
         self.is_delayed = False

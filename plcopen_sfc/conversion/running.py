@@ -10,7 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from plcopen_sfc.conversion.assumed_types import assumed_types, with_inputs, with_types
-from plcopen_sfc.conversion.callers import is_whole, report_callers
+from plcopen_sfc.conversion.callers import calls_charts, is_whole, longer_scans, report_callers, settled
 from plcopen_sfc.conversion.causes import (
     ToolRule,
     acting_first,
@@ -40,7 +40,6 @@ from plcopen_sfc.errors import ComparisonInterrupt, SfcError
 from plcopen_sfc.languages.binding import names_in
 from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
 from plcopen_sfc.languages.st.literals import time_literal
-from plcopen_sfc.languages.task_schedules import nanoseconds, schedule_of
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
@@ -78,9 +77,6 @@ if TYPE_CHECKING:
 
 _CAP, _RUNS, _MOST_RUNS, _SCANS = 2_000, 10, 100, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
-
-_SCAN_TIME = 10_000_000
-"""Nanoseconds of a scan where no task of the source declares its interval."""
 
 _LEAST_LIMIT, _LIMIT_OF_STEP = 5.0, 0.1
 """Seconds for which charts are simulated if no limit is given: 300 steps are entered and compared in 20."""
@@ -320,7 +316,7 @@ class _ComparedChart(NamedTuple):
 
     def run(self, compared: Callable[..., Verdict], limit: float) -> _Run | None:
         """Run the chart for at most `limit` seconds; None, and in the report why, where it cannot be run."""
-        from plcopen_sfc.analysis.pairing import Delay  # noqa: PLC0415  # most conversions run nothing
+        from plcopen_sfc.analysis.pairing import Delay, in_retiming  # noqa: PLC0415  # most conversions run nothing
 
         if limit <= 0:
             self.note_untested("not run: the time limit was reached")
@@ -328,6 +324,11 @@ class _ComparedChart(NamedTuple):
         try:
             verdict = self._at_intervals(compared, compared(delay="auto", limit=limit), limit)
             as_run, unseen, is_cut = verdict, "", verdict.delay.retimed and not verdict.different
+            if verdict.different and calls_charts(self.chart, self.source):  # which may be a scan late in its steps
+                late = in_retiming(self.profiles)
+                again = settled(compared, self.source, late, limit) if late is not None else None
+                if again is not None and (again.different or is_whole(again)):
+                    verdict = as_run = again
             other = self.profiles[0].order is not self.profiles[1].order
             reads = other and reads_inputs(self.chart, self.source, verdict.inputs)
             if is_cut and (is_begun_for_good(self.chart) or reads):  # which the report names where it is not proven
@@ -344,16 +345,10 @@ class _ComparedChart(NamedTuple):
             return None
         return _Run(self.chart, verdict, as_run, self.profiles, self.tool, unseen)
 
-    def _longer_scans(self, verdict: Verdict, *usual: int) -> list[int]:
-        """Return scan times of the tasks of the source, else `usual` ones, that are longer than that of a verdict."""
-        declared = {nanoseconds(schedule_of(task).interval) for task in self.source.tasks()}
-        times = {each for each in declared if each is not None} or {*usual}
-        return sorted(each for each in times if verdict.timed and each > verdict.scan_time)
-
     def _at_intervals(self, compared: Callable[..., Verdict], verdict: Verdict, limit: float) -> Verdict:
-        """Return a difference that shows in scans as long as those of the tasks, else the verdict."""
+        """Return a difference that shows in scans as long as those of the tasks, or usual ones, else the verdict."""
         end = time.thread_time() + limit
-        for scan_time in self._longer_scans(verdict) if verdict.equal else ():
+        for scan_time in longer_scans(self.source, verdict) if verdict.equal else ():
             again = compared(delay=verdict.delay, scan_time=scan_time, limit=max(end - time.thread_time(), 0))
             if again.different:
                 return again
@@ -364,7 +359,7 @@ class _ComparedChart(NamedTuple):
 
         With longer scans times that are not the same may end in one.
         """
-        longer = self._longer_scans(verdict, _SCAN_TIME)
+        longer = longer_scans(self.source, verdict)
         delay = replace(verdict.delay, retimed=False, operated_later=False, in_sequence=True)
         end = time.thread_time() + limit
         found: list[Verdict] = []

@@ -316,6 +316,38 @@ def test_a_caller_whose_input_has_another_name_gets_the_same_values(target: str)
     assert [item for item in report.losses if item.what == "calls of charts"] == []
 
 
+@pytest.mark.parametrize("tasks", ["one", "two", "none"])
+def test_programs_that_share_what_a_chart_writes_are_run_together(tasks: str) -> None:
+    """Of programs in tasks of their own, or in none, nothing was run, and nothing said so."""
+    programs = "VAR_EXTERNAL a, x : BOOL; END_VAR"
+    text = f"""PROGRAM One {programs} {WITH_OUTPUT} END_PROGRAM
+    PROGRAM Two {programs} VAR_OUTPUT p : BOOL; END_VAR {{code}} END_PROGRAM
+    CONFIGURATION C VAR_GLOBAL a, x : BOOL; END_VAR RESOURCE R ON PLC {{tasks}} END_RESOURCE END_CONFIGURATION"""
+    one, two = "TASK Fast(INTERVAL := T#10ms, PRIORITY := 1);", "TASK Slow(INTERVAL := T#20ms, PRIORITY := 2);"
+    instances = "PROGRAM I1 WITH Fast : One; PROGRAM I2 WITH {} : Two;"
+    given = {"one": one + instances.format("Fast"), "two": one + two + instances.format("Slow"), "none": ""}
+    path = {"one": "task Fast", "two": "tasks Fast, Slow", "none": "programs One, Two"}[tasks]
+    for code, differs in (("IF a AND NOT x THEN p := TRUE; END_IF;", True), ("p := x;", False)):
+        source = sfc.loads(text.format(code=code, tasks=given[tasks]).encode(), format="iec-text")
+        report = saved(source, "codesys", partial=True)
+        told = [(item.outcome, item.path) for item in report.losses if item.what == "calls of charts"]
+        assert told == [(Outcome.APPROXIMATED, path)] * differs
+        line = f"given: what calls it was not compared in all situations: {path}"
+        assert (line in report.compared["POU One"]) is (tasks != "one" and not differs)
+
+
+@pytest.mark.parametrize("target", ["codesys", "simaticml"])
+def test_a_step_that_calls_a_chart_may_last_a_scan_longer(target: str) -> None:
+    chart = """INITIAL_STEP S0: END_STEP TRANSITION FROM S0 TO S1 := a; END_TRANSITION STEP S1: Call(N); END_STEP
+    TRANSITION FROM S1 TO S2 := m.x; END_TRANSITION STEP S2: q(S); END_STEP
+    TRANSITION FROM S2 TO S0 := NOT a; END_TRANSITION ACTION Call: m(a := TRUE); END_ACTION"""
+    around = "VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT q : BOOL; END_VAR VAR m : A; END_VAR"
+    report = saved(sfc.loads(f"{SUB} PROGRAM Main {around} {chart} END_PROGRAM".encode(), format="iec-text"), target)
+    assert report.compared["POU Main"].startswith("equal")
+    assert "given: compared is what both come to while the inputs of a scan stay" in report.compared["POU Main"]
+    assert not report.losses
+
+
 def test_a_chart_in_a_step_is_told_that_s7_graph_holds_when_it_is_called_first() -> None:
     chart = """INITIAL_STEP S0: END_STEP TRANSITION FROM S0 TO S1 := a; END_TRANSITION STEP S1: Call(N); END_STEP
     TRANSITION FROM S1 TO S2 := m.x; END_TRANSITION TRANSITION FROM S1 TO S3 := S1.T >= T#10ms; END_TRANSITION

@@ -49,7 +49,8 @@ LINES = (
     "given: the source is the grafcet from which its file was converted, and not what codesys executes of it "
     "(--as-tool)",
     "given: not reached with scans of T#5ms",
-    "given: POU Main, which calls it, was not compared in all situations",
+    "given: what calls it was not compared in all situations: POU Main",
+    "given: compared is what both come to while the inputs of a scan stay, which they do until both rest",
     "given: compared is what both come to while the inputs of a scan stay",
     "where both test no transition of a chart in the scan that calls it first: equal (proof: 5 states, all inputs)",
     "given: scans of a side that is ahead of the other wait, and so do inputs until both rest",

@@ -199,7 +199,7 @@ class ChartProgram(RunningChart):
                 self._announce(frame, self._transitions_then_actions(frame, now))
             case ScanOrder.ACTIONS_FIRST:
                 self._act(frame, now)
-                self._announce(frame, not self._clock.holding and self._evolve_ahead(frame, now))
+                self._announce(frame, self._evolve_ahead(frame, now))
             case ScanOrder.RETIMED:
                 self._act(frame, now)
                 frame.v[self._pending] = True
@@ -269,7 +269,7 @@ class ChartProgram(RunningChart):
         tick(frame, self._plans[situation].timed, now)
         fired = False
         fresh = situation if first else 0
-        if not ((first and self._profile.initial_situation_held) or self._clock.holding):
+        if not (first and (self._profile.initial_situation_held or self._clock.holding)):
             for _ in range(self._profile.max_evolutions):
                 if self._grafcet is not None:
                     self._grafcet.begin(frame, now, situation, fresh)

@@ -18,8 +18,9 @@ class Processor:
     """The clock of a controller and how much it may still do in the scan.
 
     `now`: nanoseconds since the start. `left`: turns of loops and calls of functions before a scan counts as endless.
-    Both for comparisons: `holding`: charts test no transition in this scan. `ahead`: nanoseconds by
-    which transitions that are tested behind the actions see the times of steps ahead, which begin with their actions.
+    Both for comparisons: `holding`: charts that begin in this scan test no transition in it, if these come first.
+    `ahead`: nanoseconds by which transitions that are tested behind the actions see the times of steps ahead, which
+    begin with their actions.
     """
 
     __slots__ = ("ahead", "holding", "left", "now")

@@ -501,8 +501,6 @@ class GraphProgram(RunningChart):
             return 0
         if first or commands.init:
             return self.net.initial
-        if self._clock.holding:
-            return situation
         if commands.mode is Mode.MANUAL:
             selected = next((s.bit for s in self.net.steps if s.step.number == commands.selected), 0)
             if commands.on_step:
