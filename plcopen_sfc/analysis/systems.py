@@ -189,13 +189,13 @@ class ProgramSystem:
         self.step_flags = step_flags(self.instance)
         self.steps, self._marking = self._all_steps()
         self.times = _NO_STEPS
-        if self.instance.charts():
+        if self.instance.called_charts():
             self.times = times or step_times(subject, clock.scan_time)
         self._looked_at: list[str] = []
         self._forget = self._forgetting()
         self._dead: list[tuple[list[Any], int, Value | None]] = []
         self._timers: list[WaitingTimer] = []
-        frames = [frame for _, _, frame in self.instance.charts()]
+        frames = [frame for _, _, frame in self.instance.called_charts()]
         self._starts = [(f.v, x.slot) for f in frames for x in f.layout.fields if x.type is INSTANT]
         structures = [each for f in frames for each in f.v if isinstance(each, Frame)]
         self._elapsed = [(f.v, x.slot) for f in structures for x in f.layout.fields if x.type is ELAPSED]
@@ -641,7 +641,7 @@ class ProgramSystem:
         """Return the statements that set back the times of steps."""
         found: list[tuple[Frame, Callable[[Frame, int], None]]] = []
         names = self.times.names.union(path.rpartition(".")[2].casefold() for path in self._looked_at)
-        for _, chart, frame in self.instance.charts():
+        for _, chart, frame in self.instance.called_charts():
             if isinstance(chart, RunningChart):
                 found.append((frame, chart.forgetting(self.times.anywhere, self.times.read, names)))
         return found

@@ -94,7 +94,7 @@ def _constants(texts: Iterable[BoundText]) -> set[int]:
 def step_times(subject: Subject, scan_time: int) -> StepTimes:
     """Look through a program for what it does with the times of steps, which it alone sees."""
     texts = _texts(subject)
-    charts = list(with_inner_charts(subject.pou.chart)) if subject.pou.chart is not None else []
+    charts = [inner for _, _, chart in subject.project.charts() for inner in with_inner_charts(chart)]
     reads = [read for text in texts for read in _reads_of_times(text)]
     steps = [step for chart in charts for step in chart.steps]
     durations = [a.duration for step in steps for a in step.actions]

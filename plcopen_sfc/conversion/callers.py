@@ -116,9 +116,9 @@ def _caller_of(project: Project, programs: Sequence[str]) -> Subject:
     ]
     for each in programs:
         copied.pou(each).kind = PouKind.FUNCTION_BLOCK
-    interface = Interface(sections=[VariableSection(kind=SectionKind.LOCAL, variables=instances)])
+    copied.global_variables = [*copied.global_variables, VariableSection(kind=SectionKind.GLOBAL, variables=instances)]
     body = StBody(text=" ".join(f"{each}();" for each in programs))
-    copied.pous = [*copied.pous, Pou(name=_CALLER, kind=PouKind.PROGRAM, interface=interface, bodies=[body])]
+    copied.pous = [*copied.pous, Pou(name=_CALLER, kind=PouKind.PROGRAM, interface=Interface(), bodies=[body])]
     return resolve(copied, _CALLER)
 
 
