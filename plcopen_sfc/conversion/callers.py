@@ -21,6 +21,7 @@ from plcopen_sfc.languages.task_schedules import nanoseconds, schedule_of
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Chart, Project
+from plcopen_sfc.model.sfc import SfcBody
 from plcopen_sfc.model.types import DerivedType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -65,7 +66,9 @@ class _Together(NamedTuple):
 
 
 def calls_charts(chart: Chart, project: Project) -> bool:
-    """True if a chart calls another one."""
+    """True if a chart calls another one, or one that is an action of its POU."""
+    if any(isinstance(action.body, SfcBody) for action in chart.pou.actions):
+        return True
     reached = reached_pous(chart.pou, names_in(chart.pou, project.dialect), project)
     return any(pou.chart is not None for pou, _ in reached if pou is not chart.pou)
 
@@ -216,13 +219,14 @@ def longer_scans(source: Project, verdict: Verdict) -> list[int]:
 def settled(compared: Callable[..., Verdict], source: Project, late: int, limit: float) -> Verdict | None:
     """Return the verdict on what both come to while inputs stay: that which tells least; None where it cannot be run.
 
-    First with inputs of single scans, then with those that stay until both rest, and times as they are; then with the
-    scans of the tasks of `source`. `late`: by how many scans the second is later, about.
+    First with inputs of single scans; where there are times with the scans of the tasks of `source` as well, and, if
+    one side is later, with inputs that stay until both rest, and times as they are. `late`: by how many scans the
+    second is later, about.
     """
     from plcopen_sfc.analysis.pairing import Delay  # noqa: PLC0415  # most conversions run nothing
 
     end, found = time.thread_time() + limit, None
-    waiting: list[tuple[int | None, bool]] = [(None, False), (None, True)]
+    waiting: list[tuple[int | None, bool]] = [(None, False)]
     while waiting:
         left = (end - time.thread_time()) / len(waiting)
         scan_time, to_rest = waiting.pop(0)
@@ -235,8 +239,9 @@ def settled(compared: Callable[..., Verdict], source: Project, late: int, limit:
             return verdict
         if verdict.interrupted:
             raise KeyboardInterrupt
-        if found is None:
-            waiting += [(each, to_rest) for each in longer_scans(source, verdict) for to_rest in (False, True)]
+        if found is None and verdict.timed:
+            times = None, *longer_scans(source, verdict)
+            waiting += [(each, to_rest) for each in times for to_rest in ((False, True) if late else (False,))][1:]
         if found is None or (is_whole(found) and not is_whole(verdict)):
             found = verdict
     return found

@@ -181,7 +181,13 @@ def report_running(
                     continue
                 run, given = again, [f"given: {outside}"]
             alike = _note_verdict(chart, run, compared, losses if named else None, end)
-            chart.note_more(*given, *_of_its_origin(source, profiles[0]), *_never_entered(run.as_run), *alike)
+            chart.note_more(
+                *filter(None, [run.stays]),
+                *given,
+                *_of_its_origin(source, profiles[0]),
+                *_never_entered(run.as_run),
+                *alike,
+            )
             if run.as_run.unknown and there.report_path not in report.untested:  # whose lines tell it already
                 chart.note_more(f"unknown, taken as functions of what they are given: {', '.join(run.as_run.unknown)}")
             if any(name.casefold() == declaration.name.casefold() for name in types for declaration in assumed):
@@ -323,12 +329,14 @@ class _ComparedChart(NamedTuple):
             return None
         try:
             verdict = self._at_intervals(compared, compared(delay="auto", limit=limit), limit)
-            as_run, unseen, is_cut = verdict, "", verdict.delay.retimed and not verdict.different
+            as_run, unseen, stays, is_cut = verdict, "", "", verdict.delay.retimed and not verdict.different
             if verdict.different and calls_charts(self.chart, self.source):  # which may be a scan late in its steps
                 late = in_retiming(self.profiles)
                 again = settled(compared, self.source, late, limit) if late is not None else None
-                if again is not None and (again.different or is_whole(again)):
+                if again is not None and again.different:
                     verdict = as_run = again
+                elif again is not None and is_whole(again):
+                    stays = f"in what both come to while inputs stay: {again.summary}"
             other = self.profiles[0].order is not self.profiles[1].order
             reads = other and reads_inputs(self.chart, self.source, verdict.inputs)
             if is_cut and (is_begun_for_good(self.chart) or reads):  # which the report names where it is not proven
@@ -343,7 +351,7 @@ class _ComparedChart(NamedTuple):
         except SfcError as error:
             self.note_untested(f"not run: {error.message}")
             return None
-        return _Run(self.chart, verdict, as_run, self.profiles, self.tool, unseen)
+        return _Run(self.chart, verdict, as_run, self.profiles, self.tool, unseen, stays)
 
     def _at_intervals(self, compared: Callable[..., Verdict], verdict: Verdict, limit: float) -> Verdict:
         """Return a difference that shows in scans as long as those of the tasks, or usual ones, else the verdict."""
@@ -503,7 +511,7 @@ class _Run(NamedTuple):
     """A chart of the source that was run against its result.
 
     `verdict`: what was found; `as_run`: the same with a constant delay only, where that is another question. `unseen`:
-    what was not run as it is, in words.
+    what was not run as it is, in words. `stays`: how a chart that differs compares in what stays, in words.
     """
 
     chart: Chart
@@ -512,6 +520,7 @@ class _Run(NamedTuple):
     profiles: tuple[Profile, Profile]
     tool: str
     unseen: str = ""
+    stays: str = ""
 
     @property
     def seen(self) -> list[str]:

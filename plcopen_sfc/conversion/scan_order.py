@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from plcopen_sfc.conversion.causes import acting_early, only_one
+from plcopen_sfc.conversion.callers import calls_charts
+from plcopen_sfc.conversion.causes import acting_early, only_one, told_held_calls
 from plcopen_sfc.conversion.executed_parts import FIRST_SCAN
 from plcopen_sfc.conversion.reporting import in_the_source
 from plcopen_sfc.languages.binding import actions_by_name, bind, names_in, step_effects
@@ -17,7 +18,7 @@ from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import ActionAssociation, Step
 from plcopen_sfc.model.types import SimpleValue, used_types
 from plcopen_sfc.model.variables import SectionKind
-from plcopen_sfc.report import INPUTS_OF_ACTIONS, START_OF_CHART, ConversionReport, Outcome
+from plcopen_sfc.report import CHART_OF_ACTION, INPUTS_OF_ACTIONS, START_OF_CHART, ConversionReport, Outcome
 from plcopen_sfc.semantics.inputs import MEMBER_NAMES
 from plcopen_sfc.semantics.profile import Profile, ScanOrder
 
@@ -47,6 +48,8 @@ def report_scan_order(
     early, start = acting_early(profiles, tool), _start(profiles, tool)
     is_entered = profiles[1].initial_steps_entered and not profiles[0].initial_steps_entered
     begun = {item.path for item in report.items if item.what == FIRST_SCAN}
+    # of a source that holds first calls, what is written holds them, too
+    holds = profiles[1].initial_situation_held and not early and bool(start)
     for there, here in chart_pairs(source, result, called) if early or start or is_entered else ():
         if here is None:
             continue
@@ -56,6 +59,9 @@ def report_scan_order(
         elif is_entered and any(row.qualifier in _PULSES for step in _initial(there) for row in step.actions):
             why = f"its initial step has pulses, which the source does not execute at the start: {tool} does"
             report.add(Outcome.APPROXIMATED, START_OF_CHART, there.report_path, why)
+        if holds and calls_charts(there, source):
+            why = f"it calls charts: {told_held_calls(profiles, tool)}"
+            report.add(Outcome.APPROXIMATED, CHART_OF_ACTION, there.report_path, why)
         read = _inputs_read(there, source) if early else []
         if read:
             shown = ", ".join(read[:_SHOWN]) + (", .." if len(read) > _SHOWN else "")
