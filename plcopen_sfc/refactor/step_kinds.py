@@ -186,8 +186,10 @@ def use_simple_steps(journal: Journal, chart: SfcNetwork) -> list[str]:
     for step, lines, ends, called in done:
         journal.put(step, "actions", [])
         inside = _inside_guard(pou, step, called)
-        plain = called if called and not inside else StBody(text=inside or "\n".join(lines))
-        journal.put(step, "main_action", plain)
+        alone = _CALL.fullmatch(inside)
+        action = pou.find_action(alone[1]) if alone is not None else None
+        guarded = action.name if action is not None else StBody(text=inside or "\n".join(lines))
+        journal.put(step, "main_action", called if called and not inside else guarded)
         if ends:
             name = _free_name(pou, f"{step.name}_exit")
             journal.put(pou, "actions", [*pou.actions, Action(name=name, body=StBody(text="\n".join(ends)))])
@@ -210,6 +212,7 @@ def _inside_guard(pou: Pou, step: Step, called: str) -> str:
 
 
 _LOOSE = re.IGNORECASE | re.DOTALL
+_CALL = re.compile(r"\s*(\w+)\s*\(\s*\)\s*;?\s*")
 
 
 def _executing(project: Project, chart: SfcNetwork) -> set[int]:

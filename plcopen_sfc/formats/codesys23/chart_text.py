@@ -391,6 +391,12 @@ class ChartNames:
         place = f"{path} / action {association.target}"
         self._report.add(Outcome.TRANSLATED, "qualifier P1", place, "P, which is the same with a variable")
 
+    def note_call(self, text: str, path: str) -> None:
+        """Report a body in place that only calls an action of the POU: a step that has this action has this text."""
+        if called_alone(text, core(text, (0, len(text)))).casefold() in self._used:
+            why = "the main action, an action of the POU"
+            self._report.add(Outcome.TRANSLATED, "action", f"{path} / action in place", why)
+
     def note(self, what: str, path: str, also: str = "") -> None:
         """Report something in a form that no export was seen to have."""
         why = f"{also}in a form that no known export shows; see it after the import"
@@ -453,6 +459,8 @@ def _step_block(step: sfc.Step, names: ChartNames, path: str) -> WrittenBlock:
         names.note_associations(len(associations), path)
         blocks.append(WrittenBlock(("associations", ""), "\n".join(associations)))
     elif text := f"{step.main_action}();" if isinstance(step.main_action, str) else body_text(step.main_action):
+        if not isinstance(step.main_action, str):
+            names.note_call(text, path)
         blocks.append(WrittenBlock(("body", ""), text, verbatim=True))
     for ending, content in ((ENTRY, step.entry_action), (EXIT, step.exit_action)):
         if content is not None:

@@ -13,6 +13,7 @@ from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.numbering import numbered_in_order
 from plcopen_sfc.report import Outcome
 from tests.corpus import ROOT
+from tests.formats.codesys23.test_reading import BELT
 from tests.strategies import projects
 
 SOURCES = [
@@ -245,6 +246,19 @@ def test_iec_steps_need_a_library_and_take_nine_associations() -> None:
         why = [item.why for item in report.items if item.what == "action associations"]
         assert "Iecsfc.lib" in why[0]
         assert why[1:] == lost
+
+
+@pytest.mark.parametrize("call", ["Zaehlen();", "zaehlen();", " Zaehlen();\n", "Zaehlen() ;"])
+@pytest.mark.parametrize("kind", ["entry_action", "main_action", "exit_action"])
+def test_code_in_place_that_is_one_call_of_an_action_is_saved(kind: str, call: str) -> None:
+    project = sfc.load(BELT)
+    setattr(next(project.charts()).chart.step("Pruefen"), kind, m.StBody(text=call))
+    data, report = sfc.convert(project)
+    assert not report.losses
+    assert "please report" not in str(report.items)
+    back = sfc.loads(data)
+    assert getattr(next(back.charts()).chart.step("Pruefen"), kind) is not None
+    assert sfc.dumps(back) == data
 
 
 def test_p1_with_a_variable_is_p() -> None:
