@@ -166,21 +166,12 @@ def report_running(
                 inputs=listed | _renamed_variables(here.pou, called) | _executed_inputs(report, there),
                 scans=_SCANS,
             )
-            run = chart.run(compared, left)
-            if run is None:
+            found = chart.run_with_commands(compared, _renamed_variables(here.pou, called), end)
+            if found is None:
                 continue
-            chart.note(*run.seen)
+            run, by, given = found
             delays.append(run.verdict.delay.scans)
-            given: list[str] = []
-            if commands := _asked_in_vain(there, source, run.as_run):
-                renamed = [new for new, old in _renamed_variables(here.pou, called).items() if old in commands]
-                compared = partial(compared, free_inputs=(ALL_FREE, *commands, *renamed))
-                outside = f"{', '.join(f'`{name}`' for name in commands)} written from outside as well"
-                again = chart.run_from_outside(compared, run, outside, end - time.thread_time())
-                if again is None:
-                    continue
-                run, given = again, [f"given: {outside}"]
-            alike = _note_verdict(chart, run, compared, losses if named else None, end)
+            alike = _note_verdict(chart, run, by, losses if named else None, end)
             chart.note_more(
                 *filter(None, [run.stays]),
                 *given,
@@ -319,6 +310,27 @@ class _ComparedChart(NamedTuple):
                 self.note_untested(*str(found).splitlines())
             raise KeyboardInterrupt
         return found
+
+    def run_with_commands(
+        self, compared: Callable[..., Verdict], renamed: Mapping[str, str], end: float
+    ) -> tuple[_Run, Callable[..., Verdict], list[str]] | None:
+        """Run the chart, and once more with what only commands from outside reach; None where it cannot be run.
+
+        `renamed`: names in the source of variables of the result. Also returned are how it was compared, and what that
+        rests on, in words.
+        """
+        run = self.run(compared, end - time.thread_time())
+        if run is None:
+            return None
+        self.note(*run.seen)
+        commands = _asked_in_vain(self.chart, self.source, run.as_run)
+        if not commands:
+            return run, compared, []
+        others = [name for name, old in renamed.items() if old in commands]
+        compared = partial(compared, free_inputs=(ALL_FREE, *commands, *others))
+        outside = f"{', '.join(f'`{name}`' for name in commands)} written from outside as well"
+        again = self.run_from_outside(compared, run, outside, end - time.thread_time())
+        return (again, compared, [f"given: {outside}"]) if again is not None else None
 
     def run(self, compared: Callable[..., Verdict], limit: float) -> _Run | None:
         """Run the chart for at most `limit` seconds; None, and in the report why, where it cannot be run."""
