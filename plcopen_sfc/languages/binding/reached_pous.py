@@ -29,13 +29,13 @@ def reached_pous(pou: Pou, names: Set[str], project: Project) -> Iterator[tuple[
         sections = at.interface.sections if at.interface is not None and at.name.casefold() not in family else []
         own = {v.name.casefold() for each in sections if each.kind is not SectionKind.EXTERNAL for v in each.variables}
         yield at, named - own
-        reached = named | bases
         kinds = [v.type for v in (*at.variables(), *global_) if v.name.casefold() in named]
+        of_types: set[str] = set()  # a variable may have the name of its type
         while kinds:
-            new = {name.casefold() for name in used_types(kinds.pop())} - reached
-            reached |= new
+            new = {name.casefold() for name in used_types(kinds.pop())} - of_types
+            of_types |= new
             kinds += [types[name] for name in new & types.keys()]
-        called = reached & pous.keys() - seen
+        called = (named | bases | of_types) & pous.keys() - seen
         seen |= called
         waiting += [(pous[each], set(names_in(pous[each], project.dialect))) for each in called]
 
