@@ -95,6 +95,9 @@ _VARIANTS = 4
 _MOST_RUN_ALONE = 20_000
 """Scans of a difference that are run one by one; in longer ones those are skipped in which only clocks go on."""
 
+_MOST_SHOWN = 5_000_000
+"""Scans of a difference that are shown: a clock that ends after days takes as many as fill the memory."""
+
 _QUICK_RUNS, _QUICK_SCANS = 12, 60
 """Scans that each of several delays is tried for, before a search."""
 
@@ -752,7 +755,11 @@ def _confirmed(
 ) -> tuple[Counterexample | None, str]:
     """Return the difference that a search came to, run from the start; or why it could not be."""
     rows, skipped = [row for row, _ in steps], [count for _, count in steps]
-    if len(steps) + sum(skipped) > _MOST_RUN_ALONE:
+    length_of_all = len(steps) + sum(skipped)
+    if length_of_all > _MOST_SHOWN:
+        hint = "Give it longer scans with scan_time, or a shorter time in the program."
+        raise ModelError(f"the two differ after {length_of_all} scans, which are too many to be shown", hint=hint)
+    if length_of_all > _MOST_RUN_ALONE:
         if comparison.first_difference(rows, skipped, watch.look) != len(rows):
             return None, watch.look(0)
         return comparison.show(rows, signals, skipped, shortest=False), ""

@@ -142,7 +142,7 @@ def report_running(
     asked = with_inputs(result, _kept_inside(pairs, called))
     listed = _listed_variables(source, result)
     running = [with_types(project, assumed) if assumed else project for project in (source, asked)]
-    delays: list[int] = []
+    delays, differs = [0], False
     options = partial(equivalent, profile=profiles, free_inputs=ALL_FREE, cap=cap, runs=_RUNS, most_runs=_MOST_RUNS)
     with _told_when_interrupted(report, [there for there, _ in pairs]):
         for number, (there, here) in enumerate(pairs):
@@ -153,6 +153,7 @@ def report_running(
                 report.compared[there.report_path] = (
                     f"not compared: {_why_not_compared(there, here, named, untyped, tool)}"
                 )
+                differs = True
                 continue
             left = (end_of_all - time.thread_time()) / (len(pairs) - number)  # a large chart leaves time for the others
             end = time.thread_time() + left
@@ -171,6 +172,7 @@ def report_running(
                 continue
             run, by, given = found
             delays.append(run.verdict.delay.scans)
+            differs |= run.as_run.different
             alike = _note_verdict(chart, run, by, losses if named else None, end)
             chart.note_more(
                 *filter(None, [run.stays]),
@@ -183,11 +185,11 @@ def report_running(
                 chart.note_more(f"unknown, taken as functions of what they are given: {', '.join(run.as_run.unknown)}")
             if any(name.casefold() == declaration.name.casefold() for name in types for declaration in assumed):
                 chart.note_more("types that nothing declares have the members that are used of them")
-        if all(text.startswith("equal") for text in report.compared.values()):  # else the charts differ already
+        if not differs:  # else the charts tell that something is another one
             report_callers(
                 *(report, running, called, options),
                 inputs=lambda pou: listed | _renamed_variables(pou, called),
-                late=max(delays, key=abs, default=0),
+                late=max(delays, key=abs),
                 profiles=profiles,
                 tool=tool,
                 end=end_of_all,

@@ -131,11 +131,12 @@ def _watch(found: dict[str, Watched], path: str, type_: Type, direction: str) ->
 def is_written(instance: Instance, path: str) -> bool:
     """True if a program may write a variable, or a part of it; of an element of an array: any element."""
     library = instance.controller.library
-    placed = library.frame.layout.find(path)  # what is at an address has its path as its name
-    if placed is not None:
-        return library.use.is_written_inside(f"g.{placed.slot}")
-    names = [name.partition("[")[0] for name in path.split(".")]
+    outer_path = path.removeprefix(".")  # a global variable that one of the POU hides
+    placed = library.frame.layout.find(outer_path)  # what is at an address has its path as its name
     own = instance.frame
+    if placed is not None and (outer_path != path or own.layout.find(path) is None):
+        return library.use.is_written_inside(f"g.{placed.slot}")
+    names = [name.partition("[")[0] for name in outer_path.split(".")]
     starts: tuple[tuple[list[str], Layout | None, Frame], ...] = (([], own.layout, own), (["g"], None, library.frame))
     for start, owner, outer in starts:
         keys, pou = start, owner

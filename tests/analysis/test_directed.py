@@ -10,6 +10,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.analysis.search_limits import SearchProgress
 from plcopen_sfc.analysis.verdict import UntestedError
+from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, walk
 from plcopen_sfc.languages.st.nodes import Operator
@@ -479,3 +480,11 @@ def test_a_long_chart_is_entered_to_its_end_though_counters_hold_it() -> None:
     """What was near to an old aim is not looked at again before what is near to the present one."""
     chart = line_of_stations(6)
     assert equivalent(chart, chart, cap=1, runs=25, scans=100).kind is VerdictKind.TESTED
+
+
+def test_a_difference_behind_days_of_short_scans_is_an_error_and_fills_no_memory() -> None:
+    text = """PROGRAM Main VAR_INPUT x : BOOL; i, j : DINT; END_VAR VAR_OUTPUT q : BOOL; END_VAR
+        VAR t : TON; m : DINT; END_VAR t(IN := x, PT := T#24d); m := i * j; q := t.Q AND {}; END_PROGRAM"""
+    one, other = (sfc.loads(text.format(value).encode(), format="iec-text") for value in ("TRUE", "FALSE"))
+    with pytest.raises(ModelError, match="scans, which are too many to be shown"):
+        equivalent(one, other, "iec", scan_time="T#10ms", cap=10)

@@ -391,3 +391,29 @@ END_PROGRAM
     verdict = sfc.equivalent(plain, named, free_inputs="all")
     assert verdict.equal, verdict
     assert set(verdict.inputs) <= {"n"}
+
+
+HIDDEN = """FUNCTION_BLOCK B {external} VAR_INPUT c : BOOL; END_VAR VAR_OUTPUT q : BOOL; END_VAR {code}
+END_FUNCTION_BLOCK
+PROGRAM Main VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT x : BOOL; END_VAR VAR b : B; END_VAR b(c := a); x := a; END_PROGRAM
+CONFIGURATION C VAR_GLOBAL {shared} END_VAR RESOURCE R ON PLC END_RESOURCE END_CONFIGURATION"""
+
+
+@pytest.mark.parametrize(
+    ("external", "shared", "one", "other", "told"),
+    [
+        ("", "y : BOOL;", "q := c;", "q := a;", "b.q"),  # the file does not declare `a` of B
+        ("VAR_EXTERNAL a : BOOL; END_VAR", "a : BOOL;", "q := c;", "q := a;", "b.q"),
+        ("VAR_EXTERNAL x : BOOL; END_VAR", "x : BOOL;", "x := c;", "x := NOT c;", ".x"),
+    ],
+)
+def test_variables_outside_of_a_program_that_has_their_names_are_others(
+    external: str, shared: str, one: str, other: str, told: str
+) -> None:
+    """The input of the program was taken for both, and of two variables that are written only its own was compared."""
+    texts = [HIDDEN.format(external=external, shared=shared, code=code) for code in (one, other)]
+    first, second = (sfc.loads(text.encode(), format="iec-text") for text in texts)
+    verdict = equivalent(first.pou("Main"), second.pou("Main"), "iec", free_inputs="all")
+    assert verdict.counterexample is not None
+    assert verdict.counterexample.differences[0].name == told
+    assert equivalent(second.pou("Main"), second.pou("Main"), "iec", free_inputs="all").proven

@@ -281,6 +281,7 @@ PULSED = {
     "IF a THEN n := n + 1; END_IF; IF n = 1 AND m.x THEN p := TRUE; END_IF;": {"codesys"},
     "IF n = 0 THEN m(a := TRUE); n := 1; END_IF; IF m.x THEN p := TRUE; END_IF;": {"codesys", "simaticml"},
     "m(a := a); m(a := a); IF a AND m.x THEN p := TRUE; END_IF;": set(),
+    "g.s(a := a); IF a AND g.s.x THEN p := TRUE; END_IF;": {"codesys"},
     "p := m.x;": set(),
     "p := m.x OR a;": set(),
     "t(IN := m.x, PT := T#20ms); p := t.Q;": set(),
@@ -294,8 +295,9 @@ PULSED = {
 def test_a_caller_that_needs_a_pulse_of_an_input_is_told(code: str, target: str) -> None:
     """Inputs stayed in the run of callers; those of S7-GRAPH, which holds the first call of a chart, were not run."""
     call = "" if "m(a" in code else "m(a := a);"
-    around = "VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT p : BOOL; END_VAR VAR m : A; n : INT; t : TON; END_VAR"
-    text = f"{SUB} PROGRAM Main {around} {call} {code} END_PROGRAM"
+    around = "VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT p : BOOL; END_VAR VAR m : A; g : G; n : INT; t : TON; END_VAR"
+    holder = "TYPE G : STRUCT s : A; END_STRUCT; END_TYPE"
+    text = f"{holder} {SUB} PROGRAM Main {around} {call} {code} END_PROGRAM"
     report = saved(sfc.loads(text.encode(), format="iec-text"), target)
     assert report.compared["POU A"].startswith("equal")
     told = [item for item in report.losses if item.what == "calls of charts"]
@@ -345,6 +347,19 @@ def test_a_step_that_calls_a_chart_may_last_a_scan_longer(target: str) -> None:
     report = saved(sfc.loads(f"{SUB} PROGRAM Main {around} {chart} END_PROGRAM".encode(), format="iec-text"), target)
     assert "\nin what both come to while inputs stay: equal" in report.compared["POU Main"]
     assert [item.outcome for item in report.losses if item.what == "chart"] == [Outcome.APPROXIMATED]
+
+
+def test_a_caller_of_an_instance_data_block_is_run() -> None:
+    around = "VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT p : BOOL; END_VAR VAR m : A; END_VAR"
+    text = f"{SUB} FUNCTION_BLOCK Main {around} m(a := a); IF a AND m.x THEN p := TRUE; END_IF; END_FUNCTION_BLOCK"
+    made = sfc.dumps(sfc.loads(text.encode(), format="iec-text"), format="simaticml")
+    source = sfc.loads(made, as_tool=True)
+    body = source.pou("Main").bodies[0]
+    assert isinstance(body, m.StBody)
+    body.text = body.text.replace("#m", '"A_DB"')
+    source.data_blocks.append(m.DataBlock(name="A_DB", kind=m.DataBlockKind.INSTANCE, type_name="A"))
+    report = saved(source, "codesys", at_rest="all")
+    assert [item.path for item in report.losses if item.what == "calls of charts"] == ["POU Main"]
 
 
 def test_a_chart_in_a_step_is_told_that_s7_graph_holds_when_it_is_called_first() -> None:

@@ -432,15 +432,15 @@ class StepFlagsAndTimes:
         """Measure the times before all else: that of a step goes on in the scan that leaves it, and then stays."""
         if not self._times:
             return
-        clock = self._unit.declare("Clock", "TON")
-        lines = [f"{clock}(IN := TRUE, PT := {_LONG});"]
+        lines: list[str] = []
         for key, time in self._times.items():
             step = self._steps[key]
             flag, was = self._flag(step), self._unit.declare(f"{step.name}_timed")
-            start = self._unit.declare(f"{step.name}_start", "TIME")
+            timer = self._unit.declare(f"{step.name}_timer", "TON")  # one for all would end while the machine runs
             lines += [
-                f"IF {flag} AND NOT {was} THEN\n    {start} := {clock}.ET;\nEND_IF;",
-                f"IF {flag} OR {was} THEN\n    {time} := {clock}.ET - {start};\nEND_IF;",
+                f"IF {flag} AND NOT {was} THEN\n    {timer}(IN := FALSE, PT := {_LONG});\nEND_IF;",
+                f"{timer}(IN := {flag} OR {was}, PT := {_LONG});",
+                f"IF {flag} OR {was} THEN\n    {time} := {timer}.ET;\nEND_IF;",
                 f"{was} := {flag};",
             ]
             for transition in self._chart.transitions:

@@ -8,7 +8,7 @@ from plcopen_sfc.languages.binding.bound_bodies import bind, names_in
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.types import used_types
+from plcopen_sfc.model.types import DerivedType, used_types
 from plcopen_sfc.model.variables import SectionKind
 
 
@@ -19,6 +19,8 @@ def reached_pous(pou: Pou, names: Set[str], project: Project) -> Iterator[tuple[
     """
     pous = {each.name.casefold(): each for each in project.pous}
     types = {declared.name.casefold(): declared.type for declared in project.data_types}
+    blocks = [each for each in project.data_blocks if each.type_name]
+    instances = {each.name.casefold(): DerivedType(name=each.type_name or "") for each in blocks}
     global_ = [variable for section in project.global_sections() for variable in section.variables]
     waiting = [(pou, set(names))]
     seen, family = {pou.name.casefold()}, {pou.name.casefold()}
@@ -30,6 +32,7 @@ def reached_pous(pou: Pou, names: Set[str], project: Project) -> Iterator[tuple[
         own = {v.name.casefold() for each in sections if each.kind is not SectionKind.EXTERNAL for v in each.variables}
         yield at, named - own
         kinds = [v.type for v in (*at.variables(), *global_) if v.name.casefold() in named]
+        kinds += [kind for name, kind in instances.items() if name in named]
         of_types: set[str] = set()  # a variable may have the name of its type
         while kinds:
             new = {name.casefold() for name in used_types(kinds.pop())} - of_types

@@ -7,6 +7,7 @@ holds numbers only (decision 0018). It stores one flat tuple.
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -390,7 +391,7 @@ class Instance:
         library.free_cells.clear()
         own: set[int] = set()
         outer = {slot for slot, value in enumerate(library.frame.v) if value is self.frame}  # it is stored on its own
-        for key, path, type_ in library.use.given() if library.read_input is not None else ():
+        for key, path, type_ in self._given() if library.read_input is not None else ():
             parts = key.split(".")
             if parts[0] == "g":
                 cells: Any = library.frame.v
@@ -466,7 +467,17 @@ class Instance:
 
     def inputs(self) -> Mapping[str, t.Type]:
         """Return variables that a user gives a value, by path, with their types: see `VariableUse.given`."""
-        return {path: type_ for _, path, type_ in self._library.use.given()}
+        return {path: type_ for _, path, type_ in self._given()}
+
+    def _given(self) -> Iterator[tuple[str, str, t.ScalarType]]:
+        for key, path, type_ in self._library.use.given():
+            yield key, self._outer(path) if key.startswith("g.") else path, type_
+
+    def _outer(self, path: str) -> str:
+        """Return the path of a global variable, ``.a`` where the POU has an ``a`` of its own."""
+        own = self.unit.layout.find(re.split(r"[.\[]", path)[0])
+        is_same = own is None or own.direction in (Direction.EXTERNAL, Direction.IN_OUT)
+        return path if is_same else f".{path}"
 
     def variables(self) -> Mapping[str, InstanceVariable]:
         """Return all variables that a user sees, by path: those of the instance, then global ones that are used."""
@@ -485,10 +496,10 @@ class Instance:
         for field in [field for field in self._library.globals.fields if not field.hidden]:
             value = outer[field.slot]
             if isinstance(value, Frame) and value is not self.frame:
-                for path, inner, cells, index in leaves(value, f"{field.name}."):
+                for path, inner, cells, index in leaves(value, f"{self._outer(field.name)}."):
                     add(path, inner, Direction.EXTERNAL, cells, index, member=True)
             elif value is not self.frame:
-                add(field.name, field, field.direction, outer, field.slot, member=False)
+                add(self._outer(field.name), field, field.direction, outer, field.slot, member=False)
         return found
 
     @contextmanager
@@ -554,7 +565,9 @@ class Instance:
         return self._movings[key]
 
     def _find(self, path: str) -> _Cell | _Moving:
-        if self._library.implicit_type(path) is not None:
+        if path.startswith(".") and (outer := self._library.globals.find(path[1:])) is not None:
+            return _Cell(self._library.frame.v, outer.slot, outer.type)
+        if self._library.implicit_type(path) is not None and self._outer(path) == path:
             field = self._library.globals.by_name[path.casefold()]
             return _Cell(self._library.frame.v, field.slot, field.type)
         parsed = parse_expression(path, self._library.dialect)
