@@ -162,6 +162,9 @@ class ExportCodec(XmlCodec):
             why = "the task configuration belongs to the device: make it in CODESYS"
             report.add(Outcome.NOT_EXECUTED, "task", f"task {task.name}", why)
         take_out_others(project)
+        if any(project.charts()):
+            why = "in the form that files of TwinCAT 3 have, unverified in CODESYS; see them after the import"
+            report.add(Outcome.TRANSLATED, "charts", "project", why)
 
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
         """Return the tree of the file for `project`: where it is patched, the one that it has, with the edits."""

@@ -208,6 +208,20 @@ def test_tasks_of_another_tool_are_not_executed_and_said_so(tmp_path: Path) -> N
         sfc.save(project, tmp_path / "again.export", format="codesys-export")
 
 
+def test_charts_of_another_tool_are_told_once_to_be_unverified() -> None:
+    program = "PROGRAM {}\nVAR go : BOOL; END_VAR\n{}END_PROGRAM\n"
+    chart = "INITIAL_STEP A: END_STEP\nTRANSITION FROM A TO B := go; END_TRANSITION\nSTEP B: END_STEP\n"
+    chart += "TRANSITION FROM B TO A := NOT go; END_TRANSITION\n"
+    for bodies, told in (([chart, chart], 1), (["go := TRUE;\n"], 0)):
+        text = "".join(program.format(f"P{number}", body) for number, body in enumerate(bodies))
+        data, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "codesys-export")
+        found = [item for item in report.items if "unverified" in item.why]
+        assert [(item.outcome, item.path) for item in found] == [(Outcome.TRANSLATED, "project")] * told
+        written = sfc.loads(data)
+        written.pous[0].comment = "new"
+        assert "unverified" not in str(sfc.convert(written).report.items)  # an edit of a file is no conversion
+
+
 def test_drawn_bodies_stay_as_they_are() -> None:
     data = MIXER.read_bytes()
     start = data.index(b"{3b83b776", data.index(b'Name="SpecialFunc"'))
