@@ -7,7 +7,7 @@ corpus is one. What is known of them is from programs of others that read and wr
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import PurePosixPath
 
 from lxml import etree
@@ -224,6 +224,7 @@ class TwincatCodec(FolderCodec):
             holder = folders[-1].getparent() if folders else etree.SubElement(after, f"{space}ItemGroup")
             if holder is not None:
                 folders.append(etree.SubElement(holder, f"{space}Folder", Include=name.replace("/", "\\")))
+        _take_out_folders(after, {folder for name in without for folder in PurePosixPath(name).parents})
         return patch_xml(data, before, after)
 
     def parts(self, project: Project) -> list[ProjectPart]:
@@ -256,6 +257,22 @@ class TwincatCodec(FolderCodec):
         tasks = [adapted_task(task, report) for task in project.tasks()]
         take_out_others(project)
         project.applications = task_document(*(task for task in tasks if task is not None)).applications
+
+
+def _take_out_folders(root: etree._Element, left: Collection[PurePosixPath]) -> None:
+    """Take out the folders among `left`, in lower case, in which nothing is listed any more."""
+    entries = [each for each in root.iterfind("{*}ItemGroup/{*}*") if each.get("Include")]
+    places = {each: PurePosixPath(_path_in(each).casefold()) for each in entries}
+    for folder in sorted(entries, key=lambda each: -len(places[each].parts)):  # inner ones first
+        is_folder = etree.QName(folder).localname == "Folder" and places[folder] in left
+        if not is_folder or any(places[folder] in place.parents for place in places.values()):
+            continue
+        del places[folder]
+        group = folder.getparent()
+        if group is not None:
+            group.remove(folder)
+            if not len(group):
+                root.remove(group)
 
 
 def _path_in(element: etree._Element) -> str:

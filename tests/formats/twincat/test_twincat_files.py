@@ -303,6 +303,37 @@ def test_new_files_are_entered_in_the_project_file_and_old_ones_taken_out(saved_
     assert [Path(name).name for name in sfc.save(again, tmp_path / saved_to).written] == ["Ablauf_Band.TcPOU"]
 
 
+@pytest.mark.parametrize(
+    ("listed", "left"),
+    [
+        (["GVLs"], []),
+        (["GVLs", "POUs"], ["POUs"]),
+        (["gvls\\", "Plans"], ["Plans"]),  # one that had no file before is the user's
+        (["GVLs", "GVLs\\Old"], ["GVLs", "GVLs\\Old"]),
+    ],
+)
+def test_a_folder_whose_last_file_is_gone_is_taken_out(listed: list[str], left: list[str], tmp_path: Path) -> None:
+    shutil.copytree(BELT, tmp_path / "belt")
+    listing = tmp_path / "belt" / "PLC.plcproj"
+    entry = '    <Folder Include="{}" />\r\n'
+    text = LISTED.replace(entry.format("POUs"), "".join(map(entry.format, listed)))
+    listing.write_bytes(text.encode())
+    project = sfc.load(listing)
+    project.global_variables = []
+    sfc.save(project, listing)
+    assert re.findall('<Folder Include="(.*?)"', listing.read_text()) == left
+    assert listing.read_text().count("<ItemGroup>") == (2 if left else 1)
+    other = text.replace(
+        "</ItemGroup>\r\n  <ItemGroup>", '  <None Include="GVLs\\notes.txt" />\r\n  </ItemGroup>\r\n  <ItemGroup>'
+    )
+    shutil.copytree(BELT, tmp_path / "belt", dirs_exist_ok=True)
+    listing.write_bytes(other.encode())
+    project = sfc.load(listing)
+    project.global_variables = []
+    sfc.save(project, listing)
+    assert re.findall('<Folder Include="(.*?)"', listing.read_text()) == listed  # a file of another kind is there
+
+
 def test_tasks_are_edited_in_their_files(tmp_path: Path) -> None:
     shutil.copytree(BELT, tmp_path / "belt")
     before = _read(tmp_path, "Visu")
