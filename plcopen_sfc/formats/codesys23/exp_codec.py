@@ -17,7 +17,7 @@ import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 
 from plcopen_sfc.errors import EncodingError, Location
 from plcopen_sfc.formats.codesys23.chart_text import ChartNames, body_text, chart_blocks
@@ -27,6 +27,7 @@ from plcopen_sfc.formats.codesys23.exp_reader import (
     DIVIDER,
     HEADER,
     KINDS,
+    ONE_BYTE_PAGES,
     central_letters,
     footer_of,
     read_export,
@@ -83,12 +84,26 @@ class CodePageText(SourceText):
     def encode(self, text: str) -> tuple[bytes, bool]:
         """Return `text` in the code page of the file, and False. Raises `EncodingError`."""
         try:
+            if self.encoding in ONE_BYTE_PAGES:
+                data, _ = codecs.charmap_encode(text, "strict", codecs.charmap_build(_characters(self.encoding)))
+                return data, False
             return text.encode(self.encoding), False
         except UnicodeEncodeError as error:
             raise EncodingError(
                 f"{text[error.start]!r} is not in the code page {self.encoding} of this file",
                 hint="CoDeSys 2.3 has one code page in a file, and no Unicode. Use characters of that code page.",
             ) from error
+
+
+@cache
+def _characters(page: str) -> str:
+    """Return the 256 characters of a code page; for a byte that has none, the control character of its number.
+
+    No page of Windows has these, so a damaged file comes back byte for byte. `\ufffe` is for bytes from 16#A0 on.
+    """
+    return "".join(
+        bytes([byte]).decode(page, "ignore") or (chr(byte) if byte < 0xA0 else "\ufffe") for byte in range(256)
+    )
 
 
 def decode_export(data: bytes, page: str = "") -> CodePageText:
@@ -114,7 +129,11 @@ def decode_export(data: bytes, page: str = "") -> CodePageText:
         encoding = "cp1251" if _is_cyrillic(data) else "cp1250" if _is_central(data) else USUAL
         encoding = "utf-8" if _is_utf8(data) else encoding
     try:
-        return CodePageText(data.decode(encoding), encoding, guessed=named is None)
+        if encoding in ONE_BYTE_PAGES:
+            text, _ = codecs.charmap_decode(data, "strict", _characters(encoding))
+        else:
+            text = data.decode(encoding)
+        return CodePageText(text, encoding, guessed=named is None)
     except (UnicodeDecodeError, LookupError):
         found = decode_text(data)
         return CodePageText(found.text, found.encoding, guessed=found.guessed)

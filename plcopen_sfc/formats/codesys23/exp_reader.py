@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from itertools import islice
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
@@ -71,6 +72,9 @@ HEADER = "\n".join(
 )
 """Pragmas of an object without properties of its own."""
 DIVIDER = "(* @END_DECLARATION := '0' *)"
+ONE_BYTE_PAGES = ("cp1250", "cp1251", "cp1252", "cp1253", "cp1254", "cp1257")
+DAMAGED_CHARACTER = re.compile("[\x80-\x9f]")
+"""A byte that is no character, as text in one of these code pages has it."""
 CODE_PAGE = "code_page"
 """Name of the code page in a comment of this package."""
 
@@ -109,6 +113,7 @@ class _Reader:
             message = f"the file names no code page; taken as {self.source.encoding}, which is a guess{self._share()}"
             self._note("EXP200", Severity.WARNING, message, 0)
             self._tell_mixture()
+        self._tell_damage()
         outline = outline_of(self.source.text)
         self.text = outline.text
         for problem in outline.problems:
@@ -128,11 +133,21 @@ class _Reader:
         spans = block_span(("file", ""), (0, len(self.text)), self.places)
         return ReadText(project, spans, self.diagnostics)
 
+    def _tell_damage(self) -> None:
+        """Report bytes that are no characters of the code page."""
+        is_possible = self.source.encoding in ONE_BYTE_PAGES
+        for found in islice(DAMAGED_CHARACTER.finditer(self.text), _MANY) if is_possible else ():
+            byte = f"16#{ord(found.group()):02X}"
+            message = f"the byte {byte} is no character of the code page {self.source.encoding}; it is kept"
+            self._note("EXP205", Severity.WARNING, message, found.start())
+
     def _tell_mixture(self) -> None:
         """Report a word in another code page than the one that was guessed, such as one that was pasted."""
         guess = self.source.encoding
         for found in _WORD.finditer(self.text) if guess in _GUESSES else ():
             word = found.group()
+            if DAMAGED_CHARACTER.search(word):
+                continue
             page = _page_of(word.encode(guess))
             if page == "cp1252" and guess == "cp1250":  # no letter of a single word tells them apart
                 continue
@@ -150,7 +165,7 @@ class _Reader:
         if self.source.encoding not in _GUESSES or not letters:
             return ""
         if self.source.encoding == "cp1250":
-            share = sum(map(len, central_letters(self.text.encode("cp1250")))) / letters
+            share = sum(map(len, central_letters(self.source.encode(self.text)[0]))) / letters
             return f": {share:.0%} of its letters beyond ASCII are inside words with ł, ą, š or ő, as in Central Europe"
         runs = _RUNS[self.source.encoding]
         share = sum(len(found.group()) for found in runs.finditer(self.text)) / letters

@@ -271,6 +271,39 @@ def test_a_guessed_code_page_says_how_sure_it_is() -> None:
     assert "in utf-8" in next(each.message for each in pasted.diagnostics if each.code == "EXP204")
 
 
+@pytest.mark.parametrize(
+    ("text", "page", "byte"),
+    [
+        ("счётчик деталей на ленте", "cp1251", b"\x98"),
+        ("Błąd pompy, zamknięty zawór", "cp1250", b"\x81"),
+        ("Zähler für Größe", "cp1252", b"\x81"),
+        ("plain", "cp1252", b"\x81"),
+    ],
+)
+@pytest.mark.parametrize("own", ["", "(* {{plcopen_sfc code_page := '{}'}} *)\r\n"], ids=["guessed", "named"])
+def test_a_damaged_byte_does_not_change_the_code_page(text: str, page: str, byte: bytes, own: str) -> None:
+    start, end = f"{HEADER}PROGRAM A\r\nVAR\r\n\tx:INT;\t(* ", " *)\r\nEND_VAR\r\nx := 1;\r\nEND_PROGRAM\r\n"
+    data = f"{start}{text}, ".encode(page) + b"a" + byte + b"b" + f"{end}{own.format(page)}".encode()
+    project = sfc.loads(data)
+    assert (project.pous[0].variables()[0].comment or "").startswith(text)
+    guessed = [each.message for each in project.diagnostics if each.code == "EXP200"]
+    assert all(f"taken as {page}, which is a guess: " in message for message in guessed)
+    assert bool(guessed) is not bool(own)
+    (damage,) = [each for each in project.diagnostics if each.code != "EXP200"]
+    assert f"the byte 16#{byte[0]:02X} is no character of the code page {page}" in damage.message
+    assert (damage.code, damage.location.line, damage.location.column) == ("EXP205", 5, 12 + len(text) + 3)
+    assert sfc.dumps(project) == data
+    body = project.pous[0].body
+    assert isinstance(body, m.StBody)
+    body.text = "x := 2;"
+    edited = sfc.dumps(project)
+    assert b"a" + byte + b"b" in edited
+    assert own or edited == data.replace(b"x := 1", b"x := 2")
+    project.pous[0].variables()[0].comment = "\x80"
+    with pytest.raises(sfc.SfcError, match="is not in the code page"):
+        sfc.dumps(project)
+
+
 @pytest.mark.parametrize("number", range(6))
 def test_damaged_files_are_read_and_come_back(number: int) -> None:
     """A file that ends early, lacks a line, or has one twice: never an error of Python, and no byte is lost.
