@@ -35,7 +35,7 @@ from plcopen_sfc.conversion.executed_parts import (
     UNDECLARED_TYPE,
 )
 from plcopen_sfc.conversion.reporting import in_the_source
-from plcopen_sfc.conversion.scan_order import chart_pairs, is_begun_for_good, may_race, reads_inputs
+from plcopen_sfc.conversion.scan_order import chart_pairs, is_begun_again, is_begun_for_good, may_race, reads_inputs
 from plcopen_sfc.errors import ComparisonInterrupt, SfcError
 from plcopen_sfc.languages.binding import names_in
 from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
@@ -357,6 +357,9 @@ class _ComparedChart(NamedTuple):
                 as_run = compared(delay=Delay(verdict.delay.scans), limit=limit) if verdict.equal else verdict
             elif is_cut and other and may_race(self.chart, verdict.inputs):
                 *before, last = self._in_sequence(compared, verdict, limit)
+                if not last.different and is_begun_again(verdict.inputs):  # before a step has acted
+                    before.append(last)
+                    last = compared(delay=Delay(verdict.delay.scans, settled=True), limit=limit)
                 if last.different:
                     as_run = last
                     verdict = verdict if verdict.equal else as_run

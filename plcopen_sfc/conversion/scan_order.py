@@ -27,6 +27,8 @@ _KEPT = (SectionKind.LOCAL, SectionKind.EXTERNAL, SectionKind.GLOBAL)
 _OPERATING = MEMBER_NAMES | {flag.variable.casefold() for flag in SfcFlag}
 """Names of variables by which people operate a chart: a run keeps them at rest, or the report names them."""
 
+_BEGINNING = {SfcFlag.INIT.variable.casefold(), SfcFlag.RESET.variable.casefold()}
+
 _OF_SUPERVISIONS = (ActionEvent.V1, ActionEvent.V0, ActionEvent.A1)
 _PULSES = (Qualifier.P, Qualifier.P0, Qualifier.P1)
 _SHOWN = 5
@@ -167,6 +169,11 @@ def may_race(chart: Chart, inputs: Iterable[str]) -> bool:
         if any(s.entry_action or s.main_action or s.exit_action or any(map(acts, s.actions)) for s in inner.steps):
             return True
     return not _OPERATING.isdisjoint(name.casefold() for name in inputs)
+
+
+def is_begun_again(inputs: Iterable[str]) -> bool:
+    """True if one of the `inputs` of a run begins a chart of CODESYS again."""
+    return not _BEGINNING.isdisjoint(name.casefold() for name in inputs)
 
 
 def _initial(chart: Chart) -> Iterator[Step]:

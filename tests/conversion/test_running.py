@@ -362,6 +362,20 @@ def test_a_caller_of_an_instance_data_block_is_run() -> None:
     assert [item.path for item in report.losses if item.what == "calls of charts"] == ["POU Main"]
 
 
+@pytest.mark.parametrize("target", ["plcopen-2.01", "simaticml"])
+@pytest.mark.parametrize(("flag", "action", "differs"), [("SFCInit", "q(P1);", True), ("SFCReset", "q(N);", False)])
+def test_a_flag_that_comes_behind_a_transition_is_told(flag: str, action: str, target: str, *, differs: bool) -> None:
+    """A transition was fired in both, and CODESYS had not executed the step yet: nothing of it was told."""
+    body = "ACTION Set: q := TRUE; END_ACTION" if differs else ""
+    text = f"""PROGRAM Main VAR_INPUT a, b, {flag} : BOOL; END_VAR VAR_OUTPUT q : BOOL; END_VAR
+    INITIAL_STEP S0: END_STEP TRANSITION FROM S0 TO S1 := a; END_TRANSITION
+    STEP S1: {action.replace("q", "Set") if differs else action} END_STEP
+    TRANSITION FROM S1 TO S0 := b; END_TRANSITION {body} END_PROGRAM"""
+    source = sfc.loads(sfc.dumps(sfc.loads(text.encode(), format="iec-text"), format="codesys"), as_tool=True)
+    report = saved(source, target)
+    assert [item.path for item in report.losses if item.what == "chart"] == ["POU Main"] * differs
+
+
 def test_a_chart_in_a_step_is_told_that_s7_graph_holds_when_it_is_called_first() -> None:
     chart = """INITIAL_STEP S0: END_STEP TRANSITION FROM S0 TO S1 := a; END_TRANSITION STEP S1: Call(N); END_STEP
     TRANSITION FROM S1 TO S2 := m.x; END_TRANSITION TRANSITION FROM S1 TO S3 := S1.T >= T#10ms; END_TRANSITION
