@@ -82,7 +82,7 @@ def test_a_called_program_is_a_block_with_one_instance(target: str, flavour: str
         limit=5,
     )
     assert not verdict.different, verdict
-    assert verdict.scans
+    assert verdict.proven or verdict.scans
 
 
 @pytest.mark.parametrize("target", ["plcopen-2.01", "plcopen-1.01"])

@@ -269,8 +269,8 @@ def nested(rig: FeatureChart) -> None:
 @pytest.mark.slow
 def test_charts_of_actions_are_blocks_that_do_the_same() -> None:
     source = feature_project(Feature("x", ("plcopen",), nested), "plcopen")
-    converted = sfc.convert(source, "simaticml", strict=True, limit=10)
-    assert converted.report.compared["POU Main"].startswith("equal")
+    converted = sfc.convert(source, "simaticml", limit=10)
+    assert {item.what for item in converted.report.losses} == {"chart of an action", "chart"}  # its first call is held
     tool = sfc.loads(converted.data, as_tool=True)
     assert [pou.name for pou in tool.pous if pou.sfc is not None] == ["Main", "Main_Inner", "Main_Outer"]
     assert [variable.name for variable in tool.pou("Main").variables(m.SectionKind.LOCAL)] == [
