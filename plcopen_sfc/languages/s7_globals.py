@@ -22,7 +22,7 @@ from plcopen_sfc.model.base import ExtensionData, ForeignData
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, PouKind
 from plcopen_sfc.model.project import Project, Tag, TagTable, TreeNode
-from plcopen_sfc.model.types import DataType, DerivedType, ElementaryType, SimpleValue, Variable
+from plcopen_sfc.model.types import DataType, ElementaryType, SimpleValue, StructType, Variable, used_types
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 TABLE = "GlobalVariables"
@@ -237,7 +237,13 @@ def tag_tables_of(project: Project) -> list[TagTable]:
 
 
 def left_out(project: Project) -> Iterator[tuple[str, str, str]]:
-    """Yield the losses of variables in blocks, tags and constants: of what, its name, and what it is."""
+    """Yield the losses of variables in types, blocks, tags and constants: of what, its name, and what it is."""
+    blocks = {pou.name.casefold() for pou in project.pous}
+    for declared in project.data_types:
+        members = declared.type.members if isinstance(declared.type, StructType) else []
+        for member in (each for each in members if _is_instance(each, blocks)):
+            where = f"{declared.report_path} / {member.name}"
+            yield "member", where, "a PLC data type has no instances of function blocks"
     for place, why in _left_out_globals(project):
         yield "global variable", place, why
     tags = local_tags(project)
@@ -340,7 +346,7 @@ def _lists(project: Project) -> Iterator[tuple[str, VariableSection]]:
 
 
 def _is_instance(variable: Variable, blocks: set[str]) -> bool:
-    return isinstance(variable.type, DerivedType) and variable.type.name.casefold() in blocks
+    return not blocks.isdisjoint(map(str.casefold, used_types(variable.type)))
 
 
 def type_named(text: str) -> DataType | None:

@@ -71,6 +71,7 @@ def test_an_edited_function_stays_one_and_what_calls_it() -> None:
     [
         ("run := Toggle();", "it calls itself"),
         ("run := THIS^.old > 0;", "its text cannot be read"),
+        ("THIS^(run := TRUE);", "it uses THIS, the block itself, which no function has"),
         ("Start();", "it calls the action Start, which only its block executes"),
         ("timer(IN := run);", "timer is an instance, which functions do not get in TC6 tools"),
     ],

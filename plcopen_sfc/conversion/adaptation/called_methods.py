@@ -183,6 +183,9 @@ class _Functions:
         parsed = parse_statements(found.text, self.project.dialect)
         if text is None or parsed.problems or found.problems:
             return found.problems[0] if found.problems else "its text cannot be read"
+        names = {each.identifier.upper() for each in walk(parsed.tree) if isinstance(each, n.Name)}
+        if whole := sorted(names & {"THIS", "SUPER"}):
+            return f"it uses {' and '.join(whole)}, the block itself, which no function has"
         made = (each.block for each in self._found.values() if isinstance(each, _Made))
         functions: dict[Path, Pou] = {(each.name.casefold(),): each for each in (*self.project.pous, *made)}
         effect = effects(parsed.tree.statements)

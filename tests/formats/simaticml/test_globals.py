@@ -173,3 +173,21 @@ def test_documents_of_a_folder_know_the_whole_project(tmp_path: Path) -> None:
     assert chart_seen is not None
     rows = [(each.target, each.value) for each in chart_seen.step("Go").actions]
     assert rows == [("#motor.run", "FALSE")] * 2  # the second one is the final scan
+
+
+@pytest.mark.parametrize(
+    ("declared", "path"),
+    [
+        ("TYPE G : STRUCT s : Motor; END_STRUCT; END_TYPE", "type G / s"),
+        ("TYPE G : STRUCT s : ARRAY [0..1] OF Motor; END_STRUCT; END_TYPE", "type G / s"),
+        ("VAR_GLOBAL s : ARRAY [0..1] OF Motor; END_VAR", "s"),
+    ],
+)
+@pytest.mark.parametrize("target", ["simaticml", "scl"])
+def test_what_is_global_has_no_instances_of_function_blocks(declared: str, path: str, target: str) -> None:
+    """Types of structures and global data blocks of S7 have none; these were written, and nothing was told."""
+    text = f"{declared} FUNCTION_BLOCK Motor VAR_OUTPUT q : BOOL; END_VAR q := TRUE; END_FUNCTION_BLOCK"
+    project = sfc.loads(text.encode(), format="iec-text")
+    report = sfc.convert(project, target, partial=True).report
+    told = [item.path for item in report.losses if "no instances of function blocks" in item.why]
+    assert told == [path]
