@@ -65,9 +65,14 @@ class Delay:
     def queued(self) -> int:
         """The scans that observations of the earlier side wait for those of the later one; less than 0: of the first.
 
-        Retimed sides are in step with the other side already; those that are run jointly look back themselves.
+        Retimed sides are in step with the other side already, and those that are joined are not compared so.
         """
-        return 0 if self.retimed or self.in_sequence or self.settled else self.scans
+        return 0 if self.retimed or self.is_joined else self.scans
+
+    @property
+    def is_joined(self) -> bool:
+        """True if both sides are not compared scan by scan; see `plcopen_sfc.analysis.sequences.Joined`."""
+        return self.in_sequence or self.settled
 
     @property
     def is_held(self) -> bool:
@@ -77,7 +82,7 @@ class Delay:
     @property
     def is_apart(self) -> bool:
         """True if both sides are compared in different scans."""
-        return self.queued != 0 or self.in_sequence or self.settled
+        return self.queued != 0 or self.is_joined
 
     def __str__(self) -> str:
         """The delay, as ``second 1 scan later``; empty: there is none."""
@@ -106,7 +111,7 @@ class Delay:
                 late = ", ".join(each for each in operated if each not in ASKED_FOR)
                 cut.append(f"the {other} gets {late} 1 scan later")
             return (start, *cut)
-        if self.in_sequence:
+        if self.in_sequence and not self.settled:
             return ("scans of a side that is ahead of the other wait, and so do inputs until both rest",)
         if self.settled:
             until = ", which they do until both rest" if self.in_sequence else ""

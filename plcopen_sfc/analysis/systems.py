@@ -542,8 +542,9 @@ class ProgramSystem:
 
     def _scan(self, read: InputReader, *, first: bool) -> None:
         self._source = read
-        self._controller.library.processor.holding = self.holds_start and first
-        self._controller.library.processor.ahead = self.clock.scan_time if self.tests_ahead else 0
+        processor = self._controller.library.processor
+        processor.holding = self.holds_start and first
+        processor.ahead = self.clock.scan_time if self.tests_ahead else 0
         searching = getattr(read, "__self__", None)
         self.unknown_calls.begin_scan(searching if isinstance(searching, Branching) else None)
         if not first:

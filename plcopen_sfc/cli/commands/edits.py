@@ -209,11 +209,10 @@ def rename(screen: Screen, files: ManyFiles, table: Path | None, how: EditOption
     """Rename what the last two of `files` tell, or a `table`, in files; with `dry_run` only show what would change."""
     if table is not None:
         return _edit(screen, files, _RenameMany(read_names(table)), how)
-    *named, old, new = ("", "", *files.named)
-    named = [each for each in named if each]
-    if not named:
+    if len(files.named) < len(("FILE", "OLD", "NEW")):
         hint = "Write FILE... OLD NEW, or FILE... --table names.csv with OLD and NEW in each row."
         raise InputError("a file, an object and its new name are needed", hint=hint)
+    *named, old, new = files.named
     return _edit(screen, ManyFiles(tuple(named), files.jobs), _Rename(old, new), how)
 
 

@@ -19,8 +19,7 @@ def reached_pous(pou: Pou, names: Set[str], project: Project) -> Iterator[tuple[
     """
     pous = {each.name.casefold(): each for each in project.pous}
     types = {declared.name.casefold(): declared.type for declared in project.data_types}
-    blocks = [each for each in project.data_blocks if each.type_name]
-    instances = {each.name.casefold(): DerivedType(name=each.type_name or "") for each in blocks}
+    instances = {b.name.casefold(): DerivedType(name=b.type_name) for b in project.data_blocks if b.type_name}
     global_ = [variable for section in project.global_sections() for variable in section.variables]
     waiting = [(pou, set(names))]
     seen, family = {pou.name.casefold()}, {pou.name.casefold()}
