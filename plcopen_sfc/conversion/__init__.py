@@ -11,6 +11,8 @@
 `reporting`               differences as items of a `ConversionReport`
 `running`                 source and result run against each other
 `assumed_types`           structures in the place of types that no file declares, for these runs
+`chart_runs`              a single chart in these runs
+`compared_names`          what has other names on both sides
 `callers`                 what calls charts, run as a whole
 `causes`                  differences that a run has shown, in words, with their causes
 `scan_order`              charts whose actions see other inputs, as they are executed before the transitions

@@ -13,15 +13,13 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from plcopen_sfc.conversion.causes import told_example, told_held_calls
+from plcopen_sfc.conversion.chart_runs import is_whole, settled
 from plcopen_sfc.conversion.reporting import in_the_source
-from plcopen_sfc.errors import SfcError
 from plcopen_sfc.languages.binding import names_in
 from plcopen_sfc.languages.binding.reached_pous import reached_pous
-from plcopen_sfc.languages.task_schedules import nanoseconds, schedule_of
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.pou import Pou, PouKind
-from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import SfcBody
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import DerivedType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -30,10 +28,6 @@ from plcopen_sfc.semantics.subjects import Subject, resolve
 
 if TYPE_CHECKING:
     from plcopen_sfc.analysis.verdict import Verdict
-
-
-_SCAN_TIME = 10_000_000
-"""Nanoseconds of a scan where no task of the source declares its interval."""
 
 
 def callers(project: Project) -> Iterator[tuple[Pou, set[str]]]:
@@ -63,14 +57,6 @@ class _Together(NamedTuple):
     programs: list[str]
     charts: set[str]
     is_exact: bool = True
-
-
-def calls_charts(chart: Chart, project: Project) -> bool:
-    """True if a chart calls another one, or one that is an action of its POU."""
-    if any(isinstance(action.body, SfcBody) for action in chart.pou.actions):
-        return True
-    reached = reached_pous(chart.pou, names_in(chart.pou, project.dialect), project)
-    return any(pou.chart is not None for pou, _ in reached if pou is not chart.pou)
 
 
 def _together(project: Project) -> Iterator[_Together]:
@@ -200,48 +186,3 @@ def report_callers(
             for path in report.compared:
                 if path.removeprefix("POU ").partition(" / ")[0].casefold() in each.charts:
                     report.compared[path] += f"\ngiven: what calls it was not compared in all situations: {each.path}"
-
-
-def is_whole(verdict: Verdict) -> bool:
-    """True for a proof that leaves nothing out."""
-    from plcopen_sfc.analysis.sequences import RESTLESS  # noqa: PLC0415  # most conversions run nothing
-
-    return verdict.proven and not any(RESTLESS in note for note in verdict.notes)
-
-
-def longer_scans(source: Project, verdict: Verdict) -> list[int]:
-    """Return the scan times of the tasks of a project, else the usual one, that are longer than that of a verdict."""
-    declared = {nanoseconds(schedule_of(task).interval) for task in source.tasks()}
-    times = {each for each in declared if each is not None} or {_SCAN_TIME}
-    return sorted(each for each in times if verdict.timed and each > verdict.scan_time)
-
-
-def settled(compared: Callable[..., Verdict], source: Project, late: int, limit: float) -> Verdict | None:
-    """Return the verdict on what both come to while inputs stay: that which tells least; None where it cannot be run.
-
-    First with inputs of single scans; where there are times with the scans of the tasks of `source` as well, and, if
-    one side is later, with inputs that stay until both rest, and times as they are. `late`: by how many scans the
-    second is later, about.
-    """
-    from plcopen_sfc.analysis.pairing import Delay  # noqa: PLC0415  # most conversions run nothing
-
-    end, found = time.thread_time() + limit, None
-    waiting: list[tuple[int | None, bool]] = [(None, False)]
-    while waiting:
-        left = (end - time.thread_time()) / len(waiting)
-        scan_time, to_rest = waiting.pop(0)
-        delay = Delay(late, settled=True, in_sequence=to_rest)
-        try:
-            verdict = compared(delay=delay, scan_time=scan_time, limit=left) if left > 0 else None
-        except SfcError:
-            return None
-        if verdict is None or verdict.different:
-            return verdict
-        if verdict.interrupted:
-            raise KeyboardInterrupt
-        if found is None and verdict.timed:
-            times = None, *longer_scans(source, verdict)
-            waiting += [(each, to_rest) for each in times for to_rest in ((False, True) if late else (False,))][1:]
-        if found is None or (is_whole(found) and not is_whole(verdict)):
-            found = verdict
-    return found

@@ -76,8 +76,8 @@ def _causes(
     # From the surest explanation to the vaguest. Only what the report lists and what can change what differs, or what
     # the profiles are known for, is called a cause; else these are places to look at.
     evolves = any(each.name.endswith(".X") for each in example.differences)
-    if evolves and len(example.inputs) <= _FIRST_SCANS and (held := _told_held(profiles, tool)):
-        return held
+    if evolves and len(example.inputs) <= _FIRST_SCANS and (held := told_held(profiles, tool)):
+        return [held]
     first = [item for item in losses if item.what == FIRST_SCAN and concerns(item, chart.report_path)]
     if first and not evolves and len(example.inputs) == 1:
         return [_told_item(FIRST_SCAN)]
@@ -422,13 +422,13 @@ def _read_inputs(example: Counterexample, chart: Chart) -> Iterator[str]:
 
 def told_apart(example: Counterexample, chart: Chart, profiles: tuple[Profile, Profile], tool: str) -> list[str]:
     """Return why tools differ that are equal with actions that see earlier inputs, and a first scan at rest."""
-    held, early = _told_held(profiles, tool), acting_early(profiles, tool)
+    held, early = told_held(profiles, tool), acting_early(profiles, tool)
     evolves = any(each.name.endswith(".X") for each in example.differences)
     if len(example.inputs) > _FIRST_SCANS and early:  # actions that see other inputs need a step that was entered
-        held = []
+        held = ""
     elif held and evolves:  # steps are others because of a transition
         early = ""
-    return [*held, *([_told_early(example, chart, profiles, tool)] if early else [])]
+    return [*([held] if held else []), *([_told_early(example, chart, profiles, tool)] if early else [])]
 
 
 def _told_early(example: Counterexample, chart: Chart, profiles: tuple[Profile, Profile], tool: str) -> str:
@@ -483,6 +483,7 @@ def told_held_calls(profiles: tuple[Profile, Profile], tool: str) -> str:
     return held and f"{held} tests no transition of a chart in the scan that calls it first"
 
 
-def _told_held(profiles: tuple[Profile, Profile], tool: str) -> list[str]:
+def told_held(profiles: tuple[Profile, Profile], tool: str) -> str:
+    """Return which of two tools holds the initial situation in the first scan; empty where both or none do."""
     held = only_one(profiles, tool, lambda each: each.initial_situation_held)
-    return [f"{held} tests no transition in its first scan"] if held else []
+    return held and f"{held} tests no transition in its first scan"

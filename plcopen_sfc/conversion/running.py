@@ -7,10 +7,10 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from plcopen_sfc.conversion.assumed_types import assumed_types, with_inputs, with_types
-from plcopen_sfc.conversion.callers import calls_charts, is_whole, longer_scans, report_callers, settled
+from plcopen_sfc.conversion.callers import report_callers
 from plcopen_sfc.conversion.causes import (
     ToolRule,
     acting_first,
@@ -18,14 +18,20 @@ from plcopen_sfc.conversion.causes import (
     differing_rules,
     held_inputs,
     told_apart,
-    told_difference,
     told_held_calls,
+)
+from plcopen_sfc.conversion.chart_runs import IN_IT, ChartRun, ComparedChart
+from plcopen_sfc.conversion.compared_names import (
+    executed_inputs,
+    hidden_flags,
+    kept_inside,
+    listed_variables,
+    renamed_variables,
+    step_names,
 )
 from plcopen_sfc.conversion.executed_parts import (
     BOOLEAN_ACTIONS,
     FIRST_SCAN,
-    HIDDEN_FLAG,
-    OPERATING_INPUT,
     OPERATING_KINDS,
     SELECTION,
     SHOWN_STATE,
@@ -34,18 +40,12 @@ from plcopen_sfc.conversion.executed_parts import (
     UNDECLARED,
     UNDECLARED_TYPE,
 )
-from plcopen_sfc.conversion.reporting import in_the_source
-from plcopen_sfc.conversion.scan_order import chart_pairs, is_begun_again, is_begun_for_good, may_race, reads_inputs
+from plcopen_sfc.conversion.scan_order import chart_pairs
 from plcopen_sfc.errors import ComparisonInterrupt, SfcError
-from plcopen_sfc.languages.binding import names_in
-from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
 from plcopen_sfc.languages.st.literals import time_literal
 from plcopen_sfc.model.chart_settings import SfcFlag
-from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.types import ElementaryType, used_types
-from plcopen_sfc.model.variables import SectionKind
-from plcopen_sfc.object_path import ObjectPath
+from plcopen_sfc.model.types import used_types
 from plcopen_sfc.report import (
     ARITHMETIC,
     CHART_OF_ACTION,
@@ -59,7 +59,6 @@ from plcopen_sfc.report import (
     Item,
     Outcome,
 )
-from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import (
     Evolution,
     Profile,
@@ -70,7 +69,6 @@ from plcopen_sfc.semantics.profile import (
 )
 from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from plcopen_sfc.semantics.subjects import resolve
-from plcopen_sfc.whole_numbers import counted
 
 if TYPE_CHECKING:
     from plcopen_sfc.analysis.verdict import Counterexample, Verdict
@@ -80,10 +78,6 @@ _CAP, _RUNS, _MOST_RUNS, _SCANS = 2_000, 10, 100, 100
 
 _LEAST_LIMIT, _LIMIT_OF_STEP = 5.0, 0.1
 """Seconds for which charts are simulated if no limit is given: 300 steps are entered and compared in 20."""
-
-_IN_IT = "what the report names as approximated is in it"
-SHIFTED = "the same but for the inputs and times that actions see, and the first scan"
-"""Part of the verdict on a chart that does the same in both tools if its actions get the same inputs."""
 
 _APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, FIRST_SCAN, CHART_OF_ACTION, ORDER_OF_ACTIONS, FALLING_EDGE}
 _APART |= {
@@ -139,8 +133,8 @@ def report_running(
     undeclared -= {declaration.name.casefold() for declaration in assumed}
     pairs = list(chart_pairs(source, result, called))
     cap = round(_CAP * max(limit / usual_limit(source), 1))  # who gives more time wants a proof of more states
-    asked = with_inputs(result, _kept_inside(pairs, called))
-    listed = _listed_variables(source, result)
+    asked = with_inputs(result, kept_inside(pairs, called))
+    listed = listed_variables(source, result)
     running = [with_types(project, assumed) if assumed else project for project in (source, asked)]
     delays, differs = [0], False
     options = partial(equivalent, profile=profiles, free_inputs=ALL_FREE, cap=cap, runs=_RUNS, most_runs=_MOST_RUNS)
@@ -157,17 +151,17 @@ def report_running(
                 continue
             left = (end_of_all - time.thread_time()) / (len(pairs) - number)  # a large chart leaves time for the others
             end = time.thread_time() + left
-            chart = _ComparedChart(report, there, source, profiles, tool)
+            chart = ComparedChart(report, there, source, profiles, tool)
             compared = partial(
                 chart.ask,
                 options,
                 resolve(running[0], there.name),
                 resolve(running[1], here.name),
-                step_flags=_step_flags(there, here, called, _hidden_flags(report, there)),
-                inputs=listed | _renamed_variables(here.pou, called) | _executed_inputs(report, there),
+                step_flags=step_names(there, here, called, hidden_flags(report, there)),
+                inputs=listed | renamed_variables(here.pou, called) | executed_inputs(report, there),
                 scans=_SCANS,
             )
-            found = chart.run_with_commands(compared, _renamed_variables(here.pou, called), end)
+            found = chart.run_with_commands(compared, renamed_variables(here.pou, called), end)
             if found is None:
                 continue
             run, by, given = found
@@ -188,7 +182,7 @@ def report_running(
         if not differs:  # else the charts tell that something is another one
             report_callers(
                 *(report, running, called, options),
-                inputs=lambda pou: listed | _renamed_variables(pou, called),
+                inputs=lambda pou: listed | renamed_variables(pou, called),
                 late=max(delays, key=abs),
                 profiles=profiles,
                 tool=tool,
@@ -208,7 +202,7 @@ def _told_when_interrupted(report: ConversionReport, charts: Iterable[Chart]) ->
 
 
 def _note_verdict(
-    chart: _ComparedChart, run: _Run, compared: Callable[..., Verdict], losses: Sequence[Item] | None, end: float
+    chart: ComparedChart, run: ChartRun, compared: Callable[..., Verdict], losses: Sequence[Item] | None, end: float
 ) -> list[str]:
     """Put the verdict on a run into the report; return how the chart compares under other rules.
 
@@ -223,7 +217,7 @@ def _note_verdict(
         alike = _told_alike(compared, run, every, end - time.thread_time())
     if run.verdict.kind is VerdictKind.UNTESTED:
         seen, *unreached = str(run.verdict).splitlines()
-        chart.note_untested("\n".join([seen, *([] if losses is None else [_IN_IT])]), *unreached)
+        chart.note_untested("\n".join([seen, *([] if losses is None else [IN_IT])]), *unreached)
     elif losses is None:
         _report_run(chart.report, run, alike.causes_in(every), held or alike.rules)
     else:
@@ -252,36 +246,6 @@ def _never_entered(verdict: Verdict) -> list[str]:
     return [*lines, *([f"given: not reached with scans of {time_literal(verdict.scan_time)}"] * is_timed)]
 
 
-def _asked_in_vain(there: Chart, source: Project, verdict: Verdict) -> list[str]:
-    """Return the variables that keep steps from being entered, as nothing but the chart itself writes them in a run.
-
-    Most are commands that an operator or another controller gives, and that the chart takes back.
-    """
-    from plcopen_sfc.analysis.coverage import STEP, TRANSITION  # noqa: PLC0415  # most conversions run nothing
-
-    if not verdict.proven:
-        return []
-    never = [each for each in verdict.coverage[0].unreached if each.impossible and not each.follows]
-    if not any(each.kind == STEP for each in never):
-        return []
-    missed = tuple(each.name for each in never if each.kind == TRANSITION)
-    names: set[str] = set()
-    for inner in with_inner_charts(there.chart):
-        labels = inner.labels()
-        for transition in inner.transitions:
-            label = labels.get(transition.id, "")
-            if label and any(each.endswith(label) for each in missed):
-                names |= names_in(transition, source.dialect)
-    for named in there.pou.transitions:
-        names |= names_in(named, source.dialect) if named.name.casefold() in names else set()
-    names -= {name.casefold() for name in (*verdict.inputs, *(flag.variable for flag in SfcFlag))}
-    declared = [each for section in source.global_sections() for each in section.variables]
-    kinds = (SectionKind.LOCAL, SectionKind.EXTERNAL)  # outputs are for others to read
-    declared += [variable for kind in kinds for variable in there.pou.variables(kind)]
-    plain = (each for each in declared if isinstance(each.type, ElementaryType))
-    return sorted({each.name for each in plain if each.name.casefold() in names})
-
-
 def _why_not_compared(
     there: Chart, here: Chart | None, named: Collection[Outcome], untyped: str | None, tool: str
 ) -> str:
@@ -295,135 +259,7 @@ def _why_not_compared(
     return f"not all of it is executed; change that in the source, or test it in {tool}"
 
 
-class _ComparedChart(NamedTuple):
-    """A chart of the source to be run, and where its verdict goes."""
-
-    report: ConversionReport
-    chart: Chart
-    source: Project
-    profiles: tuple[Profile, Profile]
-    tool: str
-
-    def ask(self, compare: Callable[..., Verdict], *subjects: Any, **options: Any) -> Verdict:
-        """Compare the chart. An interruption ends that of all charts, with what is known of this one."""
-        found = compare(*subjects, **options)
-        if found.interrupted:
-            if self.chart.report_path not in self.report.compared:
-                self.note_untested(*str(found).splitlines())
-            raise KeyboardInterrupt
-        return found
-
-    def run_with_commands(
-        self, compared: Callable[..., Verdict], renamed: Mapping[str, str], end: float
-    ) -> tuple[_Run, Callable[..., Verdict], list[str]] | None:
-        """Run the chart, and once more with what only commands from outside reach; None where it cannot be run.
-
-        `renamed`: names in the source of variables of the result. Also returned are how it was compared, and what that
-        rests on, in words.
-        """
-        run = self.run(compared, end - time.thread_time())
-        if run is None:
-            return None
-        self.note(*run.seen)
-        commands = _asked_in_vain(self.chart, self.source, run.as_run)
-        if not commands:
-            return run, compared, []
-        others = [name for name, old in renamed.items() if old in commands]
-        compared = partial(compared, free_inputs=(ALL_FREE, *commands, *others))
-        outside = f"{', '.join(f'`{name}`' for name in commands)} written from outside as well"
-        again = self.run_from_outside(compared, run, outside, end - time.thread_time())
-        return (again, compared, [f"given: {outside}"]) if again is not None else None
-
-    def run(self, compared: Callable[..., Verdict], limit: float) -> _Run | None:
-        """Run the chart for at most `limit` seconds; None, and in the report why, where it cannot be run."""
-        from plcopen_sfc.analysis.pairing import Delay, in_retiming  # noqa: PLC0415  # most conversions run nothing
-
-        if limit <= 0:
-            self.note_untested("not run: the time limit was reached")
-            return None
-        try:
-            verdict = self._at_intervals(compared, compared(delay="auto", limit=limit), limit)
-            as_run, unseen, stays, is_cut = verdict, "", "", verdict.delay.retimed and not verdict.different
-            if verdict.different and calls_charts(self.chart, self.source):  # which may be a scan late in its steps
-                late = in_retiming(self.profiles)
-                again = settled(compared, self.source, late, limit) if late is not None else None
-                if again is not None and again.different:
-                    verdict = as_run = again
-                elif again is not None and is_whole(again):
-                    stays = f"in what both come to while inputs stay: {again.summary}"
-            other = self.profiles[0].order is not self.profiles[1].order
-            reads = other and reads_inputs(self.chart, self.source, verdict.inputs)
-            if is_cut and (is_begun_for_good(self.chart) or reads):  # which the report names where it is not proven
-                as_run = compared(delay=Delay(verdict.delay.scans), limit=limit) if verdict.equal else verdict
-            elif is_cut and other and may_race(self.chart, verdict.inputs):
-                *before, last = self._in_sequence(compared, verdict, limit)
-                if not last.different and is_begun_again(verdict.inputs):  # before a step has acted
-                    before.append(last)
-                    last = compared(delay=Delay(verdict.delay.scans, settled=True), limit=limit)
-                if last.different:
-                    as_run = last
-                    verdict = verdict if verdict.equal else as_run
-                elif not all(map(is_whole, (*before, last))):
-                    unseen = "times that actions and transitions wait for were not compared in all situations"
-        except SfcError as error:
-            self.note_untested(f"not run: {error.message}")
-            return None
-        return _Run(self.chart, verdict, as_run, self.profiles, self.tool, unseen, stays)
-
-    def _at_intervals(self, compared: Callable[..., Verdict], verdict: Verdict, limit: float) -> Verdict:
-        """Return a difference that shows in scans as long as those of the tasks, or usual ones, else the verdict."""
-        end = time.thread_time() + limit
-        for scan_time in longer_scans(self.source, verdict) if verdict.equal else ():
-            again = compared(delay=verdict.delay, scan_time=scan_time, limit=max(end - time.thread_time(), 0))
-            if again.different:
-                return again
-        return verdict
-
-    def _in_sequence(self, compared: Callable[..., Verdict], verdict: Verdict, limit: float) -> list[Verdict]:
-        """Compare what comes one after another, at the scan time of a verdict and of tasks, up to a difference.
-
-        With longer scans times that are not the same may end in one.
-        """
-        longer = longer_scans(self.source, verdict)
-        delay = replace(verdict.delay, retimed=False, operated_later=False, in_sequence=True)
-        end = time.thread_time() + limit
-        found: list[Verdict] = []
-        for scan_time in (*reversed(longer), verdict.scan_time):
-            found.append(compared(delay=delay, scan_time=scan_time, limit=max(end - time.thread_time(), 0)))
-            if found[-1].different:
-                break
-        return found
-
-    def run_from_outside(
-        self, compared: Callable[..., Verdict], first: _Run, outside: str, limit: float
-    ) -> _Run | None:
-        """Run a chart again that reaches more with commands from `outside`; None, and in the report why, if not equal.
-
-        What keeps steps from being entered is written by the chart alone in its `first` run.
-        """
-        found = self.run(compared, limit)
-        if found is not None and found.as_run.equal:
-            return found
-        seen, *unreached = str(first.verdict).splitlines()
-        told = found.seen if found is not None else self.report.compared[self.chart.report_path].splitlines()
-        self.note_untested(f"not all steps are reached, {seen}", *unreached, f"with {outside}: {told[0]}", *told[1:])
-        return None
-
-    def note(self, *lines: str) -> None:
-        """Put the verdict into the report: one short line, and details below."""
-        self.report.compared[self.chart.report_path] = "\n".join(lines)
-
-    def note_more(self, *lines: str) -> None:
-        """Put more details below the verdict."""
-        self.note(self.report.compared[self.chart.report_path], *lines)
-
-    def note_untested(self, found: str, *unreached: str) -> None:
-        """Put a verdict into the report that does not cover all."""
-        self.note(found)
-        self.report.untested[self.chart.report_path] = list(unreached)
-
-
-def _told_while_held(compared: Callable[..., Verdict], run: _Run, losses: Sequence[Item], end: float) -> list[str]:
+def _told_while_held(compared: Callable[..., Verdict], run: ChartRun, losses: Sequence[Item], end: float) -> list[str]:
     """Return how a chart that differs compares while inputs stay that tools see at other times; empty if no better."""
     example = run.verdict.counterexample
     if example is None:
@@ -455,7 +291,7 @@ class _Alike(NamedTuple):
         return [each for each in losses if each.what not in self.no_causes]
 
 
-def _told_alike(compared: Callable[..., Verdict], run: _Run, losses: Sequence[Item], limit: float) -> _Alike:
+def _told_alike(compared: Callable[..., Verdict], run: ChartRun, losses: Sequence[Item], limit: float) -> _Alike:
     """Return how a chart that differs compares under one more rule of the target, or all, and the rules as causes.
 
     Nothing where it differs yet: what is left of a difference then is one of the conversion. With the search for
@@ -524,51 +360,8 @@ def _is_same(one: Counterexample | None, other: Counterexample | None) -> bool:
     return one.differences == other.differences and len(one.inputs) == len(other.inputs)
 
 
-class _Run(NamedTuple):
-    """A chart of the source that was run against its result.
-
-    `verdict`: what was found; `as_run`: the same with a constant delay only, where that is another question. `unseen`:
-    what was not run as it is, in words. `stays`: how a chart that differs compares in what stays, in words.
-    """
-
-    chart: Chart
-    verdict: Verdict
-    as_run: Verdict
-    profiles: tuple[Profile, Profile]
-    tool: str
-    unseen: str = ""
-    stays: str = ""
-
-    @property
-    def seen(self) -> list[str]:
-        """The verdict in one short line, and what it rests on."""
-        example = self.as_run.counterexample
-        if example is None or not self.verdict.equal:
-            given = [f"given: {self.unseen}"] if self.unseen else []
-            return [self.as_run.summary, *self.as_run.premises, *given]
-        head = f"different after {counted(len(example.inputs), 'scan')}; {SHIFTED}"
-        other = self.as_run.scan_time != self.verdict.scan_time
-        given = [f"given: for the difference scans of {time_literal(self.as_run.scan_time)}"] if other else []
-        return [head, f"but for these: {self.verdict.summary}", *self.verdict.premises, *given]
-
-    def told_with(self, losses: Sequence[Item], rules: Sequence[str]) -> list[str]:
-        """Return the verdict on a chart in which the report names something as approximated; see `_told_while_held`."""
-        example = self.as_run.counterexample
-        if example is None:
-            told = self.seen
-        elif self.verdict.equal:
-            told = [*self.seen, *told_apart(example, self.chart, self.profiles, self.tool)]
-        else:
-            told = self.told(example, losses, rules)
-        return [*told, _IN_IT]
-
-    def told(self, example: Counterexample, losses: Sequence[Item], rules: Sequence[str] = ()) -> list[str]:
-        """Return a difference in words, with its cause: the `rules` of tools where some are given."""
-        return told_difference(example, self.chart, losses, self.profiles, self.tool, rules=rules)
-
-
-def _report_run(report: ConversionReport, run: _Run, losses: Sequence[Item], rules: Sequence[str]) -> None:
-    """Report the verdict on a chart of which the report names no loss; `losses` and `rules`: see `_Run.told`."""
+def _report_run(report: ConversionReport, run: ChartRun, losses: Sequence[Item], rules: Sequence[str]) -> None:
+    """Report the verdict on a chart of which the report names no loss; `losses` and `rules`: see `ChartRun.told`."""
     from plcopen_sfc.analysis.product import NEVER_STABLE  # noqa: PLC0415  # most conversions run nothing
 
     verdict, as_run, path = run.verdict, run.as_run, run.chart.report_path
@@ -631,76 +424,6 @@ def _note_proven(report: ConversionReport, path: str, what: str, how: str) -> No
         if item.what == what and f"{item.path} / ".startswith(f"{path} / "):
             why = f"with all inputs the target, {how}, does the same"
             report.items[at] = replace(item, outcome=Outcome.TRANSLATED, why=why)
-
-
-def _hidden_flags(report: ConversionReport, chart: Chart) -> set[str]:
-    """Return the steps whose flags are FALSE in the result where others are active in their place."""
-    paths = [ObjectPath.of(item.path) for item in report.items if item.what == HIDDEN_FLAG]
-    return {path.last.removeprefix("step ") for path in paths if path.around == chart.report_path}
-
-
-def _step_flags(there: Chart, here: Chart, called: Mapping[str, str], hidden: Collection[str]) -> dict[str, str] | None:
-    """Return the steps of the result by those of the source but for `hidden` ones; None where all have their names."""
-    net, other = Net.of(there.chart), Net.of(here.chart)
-    paths = zip(other.steps, other.report_paths(here.report_path)[0], strict=True)
-    result = {in_the_source(path, called): step.path for step, path in paths}
-    own = zip(net.steps, net.report_paths(there.report_path)[0], strict=True)
-    found = {step.path: (step.step.name, result[path]) for step, path in own if path in result}
-    if not hidden and all(path == step for path, (_, step) in found.items()):
-        return None
-    return {path: step for path, (name, step) in found.items() if name not in hidden}
-
-
-def _renamed_variables(here: Pou, called: Mapping[str, str]) -> dict[str, str]:
-    """Return the names in the source of variables that a POU of the result sees and that have others there."""
-    own, shared = f"{here.report_path} / ", "global variable "
-    found = {
-        new.removeprefix(shared): old.removeprefix(shared) for new, old in called.items() if new.startswith(shared)
-    }
-    plain = [path.removeprefix(own) for path in called if path.startswith(own) and "step " not in path]
-    external = {variable.name for variable in here.variables(SectionKind.EXTERNAL)}
-    for variable in here.variables():  # which hides a tag
-        if variable.name not in external:
-            found.pop(variable.name, None)
-    return found | {name: ObjectPath.of(called[own + name]).last for name in plain if " / " not in name}
-
-
-def _listed_variables(source: Project, result: Project) -> dict[str, str]:
-    """Return the names in the source of global variables and data blocks in no list there, and in one of the result."""
-    here, there = (
-        [(each.name, variable.name) for each in project.global_sections() for variable in each.variables]
-        for project in (source, result)
-    )
-    unlisted = {name.casefold(): name for of_list, name in here if not of_list}
-    unlisted |= {block.name.casefold(): block.name for block in source.data_blocks}
-    return {f"{of}.{name}": unlisted[name.casefold()] for of, name in there if of and name.casefold() in unlisted}
-
-
-def _kept_inside(pairs: Sequence[tuple[Chart, Chart | None]], called: Mapping[str, str]) -> dict[str, set[str]]:
-    """Return the inputs of the source that are static variables in the result, by POUs of it: S7 writes no inputs.
-
-    Nothing passes them: in both tools others write them between calls.
-    """
-    found: dict[str, set[str]] = {}
-    for there, here in pairs:
-        if here is not None:
-            renamed = _renamed_variables(here.pou, called)
-            inputs = {each.name.casefold() for each in there.pou.variables(SectionKind.INPUT)}
-            inside = {each.name for each in here.pou.variables(SectionKind.LOCAL)}
-            found[here.pou.name] = {name for name in inside if renamed.get(name, name).casefold() in inputs}
-    return {pou: names for pou, names in found.items() if names}
-
-
-def _executed_inputs(report: ConversionReport, chart: Chart) -> dict[str, str]:
-    """Return the inputs that operate a chart of S7-GRAPH and are executed in the target; all others rest."""
-    executed = [item for item in report.with_outcome(Outcome.TRANSLATED) if item.what == OPERATING_INPUT]
-    paths = [ObjectPath.of(item.path) for item in executed]
-    found = {path.last: path.last for path in paths if path.around == chart.report_path}
-    enables = SfcFlag.ENABLE_LIMIT.variable
-    is_asked = any((each.what, each.path) == (enables, chart.report_path) for each in report.items)
-    if is_asked and any(each.name == enables for each in chart.pou.variables(SectionKind.INPUT)):
-        found[enables] = enables
-    return found
 
 
 def _is_apart(item: Item) -> bool:

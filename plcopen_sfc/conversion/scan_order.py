@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from plcopen_sfc.conversion.callers import calls_charts
-from plcopen_sfc.conversion.causes import acting_early, only_one, told_held_calls
+from plcopen_sfc.conversion.causes import acting_early, only_one, told_held, told_held_calls
 from plcopen_sfc.conversion.executed_parts import FIRST_SCAN
 from plcopen_sfc.conversion.reporting import in_the_source
 from plcopen_sfc.languages.binding import actions_by_name, bind, names_in, step_effects
@@ -15,7 +14,7 @@ from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.sfc import ActionAssociation, Step
+from plcopen_sfc.model.sfc import ActionAssociation, SfcBody, Step
 from plcopen_sfc.model.types import SimpleValue, used_types
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import CHART_OF_ACTION, INPUTS_OF_ACTIONS, START_OF_CHART, ConversionReport, Outcome
@@ -51,7 +50,7 @@ def report_scan_order(
     is_entered = profiles[1].initial_steps_entered and not profiles[0].initial_steps_entered
     begun = {item.path for item in report.items if item.what == FIRST_SCAN}
     # of a source that holds first calls, what is written holds them, too
-    holds = profiles[1].initial_situation_held and not early and bool(start)
+    holds = told_held_calls(profiles, tool) if profiles[1].initial_situation_held and not early else ""
     for there, here in chart_pairs(source, result, called) if early or start or is_entered else ():
         if here is None:
             continue
@@ -62,8 +61,7 @@ def report_scan_order(
             why = f"its initial step has pulses, which the source does not execute at the start: {tool} does"
             report.add(Outcome.APPROXIMATED, START_OF_CHART, there.report_path, why)
         if holds and calls_charts(there, source):
-            why = f"it calls charts: {told_held_calls(profiles, tool)}"
-            report.add(Outcome.APPROXIMATED, CHART_OF_ACTION, there.report_path, why)
+            report.add(Outcome.APPROXIMATED, CHART_OF_ACTION, there.report_path, f"it calls charts: {holds}")
         read = _inputs_read(there, source) if early else []
         if read:
             shown = ", ".join(read[:_SHOWN]) + (", .." if len(read) > _SHOWN else "")
@@ -73,8 +71,8 @@ def report_scan_order(
 
 def _start(profiles: tuple[Profile, Profile], tool: str) -> str:
     """Return what one of two tools alone does in the first scan of a chart; empty where both do the same."""
-    if held := only_one(profiles, tool, lambda each: each.initial_situation_held):
-        return f"{held} tests no transition in its first scan"
+    if held := told_held(profiles, tool):
+        return held
     early = only_one(profiles, tool, lambda each: each.order is ScanOrder.ACTIONS_FIRST)
     return early and f"{early} executes its actions in the first scan before a transition is tested"
 
@@ -174,6 +172,14 @@ def may_race(chart: Chart, inputs: Iterable[str]) -> bool:
 def is_begun_again(inputs: Iterable[str]) -> bool:
     """True if one of the `inputs` of a run begins a chart of CODESYS again."""
     return not _BEGINNING.isdisjoint(name.casefold() for name in inputs)
+
+
+def calls_charts(chart: Chart, project: Project) -> bool:
+    """True if a chart calls another one, or one that is an action of its POU."""
+    if any(isinstance(action.body, SfcBody) for action in chart.pou.actions):
+        return True
+    reached = reached_pous(chart.pou, names_in(chart.pou, project.dialect), project)
+    return any(pou.chart is not None for pou, _ in reached if pou is not chart.pou)
 
 
 def _initial(chart: Chart) -> Iterator[Step]:

@@ -7,8 +7,8 @@ from datetime import date
 from enum import StrEnum
 from hashlib import sha256
 
+from plcopen_sfc.conversion.chart_runs import SHIFTED
 from plcopen_sfc.conversion.executed_parts import OPERATING_KINDS
-from plcopen_sfc.conversion.running import SHIFTED
 from plcopen_sfc.documents.sources import FileSource, FolderSource
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import Project

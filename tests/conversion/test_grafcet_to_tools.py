@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 import plcopen_sfc as sfc
+from plcopen_sfc.conversion.chart_runs import SHIFTED
 from plcopen_sfc.conversion.reporting import UNSAID
-from plcopen_sfc.conversion.running import SHIFTED
 from plcopen_sfc.errors import LossError
 from plcopen_sfc.model import (
     Elementary,

@@ -18,7 +18,8 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.cli.app import run
-from plcopen_sfc.conversion.running import SHIFTED, report_running
+from plcopen_sfc.conversion.chart_runs import SHIFTED
+from plcopen_sfc.conversion.running import report_running
 from plcopen_sfc.errors import ComparisonInterrupt, LossError, SfcError
 from plcopen_sfc.pages.conversion_overview import ChartVerdict, verdict_of
 from plcopen_sfc.pages.report_words import german

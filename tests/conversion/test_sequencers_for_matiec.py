@@ -9,7 +9,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import equivalent
-from plcopen_sfc.conversion.running import SHIFTED
+from plcopen_sfc.conversion.chart_runs import SHIFTED
 from plcopen_sfc.report import Outcome
 from tests.conversion.features import FEATURES, Feature, feature_project
 from tests.judges.matiec import require_matiec

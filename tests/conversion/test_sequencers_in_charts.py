@@ -9,7 +9,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.conversion.running import SHIFTED
+from plcopen_sfc.conversion.chart_runs import SHIFTED
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.report import START_OF_CHART, Outcome
 from tests.conversion.features import FEATURES, Feature, FeatureChart, drawn, feature_project
