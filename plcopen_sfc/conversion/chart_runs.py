@@ -63,7 +63,7 @@ class ChartRun(NamedTuple):
         return [head, f"but for these: {self.verdict.summary}", *self.verdict.premises, *given]
 
     def told_with(self, losses: Sequence[Item], rules: Sequence[str]) -> list[str]:
-        """Return the verdict on a chart in which the report names something as approximated; see `_told_while_held`."""
+        """Return the verdict on a chart in which the report names something as approximated; see `told`."""
         example = self.as_run.counterexample
         if example is None:
             told = self.seen
