@@ -291,13 +291,16 @@ PULSED = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("target", ["codesys", "simaticml"])
-@pytest.mark.parametrize("code", PULSED)
+@pytest.mark.parametrize(
+    ("code", "target"),
+    # a PLC data type has no instances of blocks: S7-GRAPH gets no structure with a chart
+    [(code, tool) for code in PULSED for tool in ("codesys", "simaticml") if "g.s" not in code or tool == "codesys"],
+)
 def test_a_caller_that_needs_a_pulse_of_an_input_is_told(code: str, target: str) -> None:
     """Inputs stayed in the run of callers; those of S7-GRAPH, which holds the first call of a chart, were not run."""
     call = "" if "m(a" in code else "m(a := a);"
-    around = "VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT p : BOOL; END_VAR VAR m : A; g : G; n : INT; t : TON; END_VAR"
-    holder = "TYPE G : STRUCT s : A; END_STRUCT; END_TYPE"
+    holder, held = ("TYPE G : STRUCT s : A; END_STRUCT; END_TYPE", "g : G;") if "g.s" in code else ("", "")
+    around = f"VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT p : BOOL; END_VAR VAR m : A; {held} n : INT; t : TON; END_VAR"
     text = f"{holder} {SUB} PROGRAM Main {around} {call} {code} END_PROGRAM"
     report = saved(sfc.loads(text.encode(), format="iec-text"), target)
     assert report.compared["POU A"].startswith("equal")
