@@ -267,6 +267,7 @@ def _search(
             left.restore(before_left)
             right.restore(before_right)
             ended = scan(left, right, branching.read, first=number == 0)
+            runs += ended.more
             if ended.is_different:
                 _check_domains(tried)  # a shorter trace may need a value that was not known yet
                 inputs = [*_inputs(origins, number), {name: plain(value) for name, value in values.items()}]
@@ -307,12 +308,14 @@ def _check_domains(domains: Iterable[Domain]) -> None:
 class ScanEnd(NamedTuple):
     """End of one step of a search: both sides are the same, or not, or `failure` is why they are not followed.
 
-    `note` tells of the failure what a proof then leaves out, or which side alone ends with it.
+    `note` tells of the failure what a proof then leaves out, or which side alone ends with it. `more`: what it took
+    beyond one step, in steps.
     """
 
     is_different: bool = False
     note: str = ""
     failure: SfcError | None = None
+    more: int = 0
 
 
 NEVER_STABLE = "situations that never become stable are left out"

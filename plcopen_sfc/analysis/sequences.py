@@ -34,6 +34,8 @@ _AT_REST = 2
 """Scans without a change for which both are at rest: what a timer does in the next one comes before new inputs."""
 _MOST_SCANS = 1000
 """Scans for which two sides that never rest are followed."""
+_STEPS_RESTLESS = _MOST_SCANS // 10
+"""Steps of a search that this takes as long as: sides that rest do so within about ten scans."""
 _MOST_SETTLING = 40
 """Scans behind a scan that are looked at for what stays."""
 RESTLESS = "what never rests with inputs that stay"
@@ -130,7 +132,7 @@ class Settled:
             self.differences = {place: (seen[0][place], seen[1][place]) for place in resting}
             return ScanEnd(is_different=True)
         if self._to_rest and quiet <= _BEHIND:
-            return ScanEnd(False, f"{RESTLESS} is left out", SimulationError(RESTLESS))
+            return ScanEnd(False, f"{RESTLESS} is left out", SimulationError(RESTLESS), _STEPS_RESTLESS)
         for system, state in zip((left, right), at_rest if self._to_rest else behind, strict=True):
             system.restore(state)
         return ScanEnd()
@@ -222,7 +224,7 @@ def run_in_turn(
             left.restore(rest[0])
             right.restore(rest[1])
             return ScanEnd()
-    return ScanEnd(False, f"{RESTLESS} is left out", SimulationError(RESTLESS))
+    return ScanEnd(False, f"{RESTLESS} is left out", SimulationError(RESTLESS), _STEPS_RESTLESS)
 
 
 def _taken(left: Side, right: Side) -> bool:
