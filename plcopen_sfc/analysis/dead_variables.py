@@ -103,8 +103,7 @@ def _listed(body: IlBody, dialect: Dialect) -> Sequence[n.Statement] | None:
 
 def _is_divided(chart: SfcNetwork) -> bool:
     """True if a chart has parts that are executed in another way than its steps."""
-    operations = chart.permanent_pre or chart.permanent_post
-    return bool(chart.partial_charts or operations or any(step.macro for step in chart.steps))
+    return bool(chart.partial_charts or chart.permanent or any(step.macro for step in chart.steps))
 
 
 _WRITTEN = {"R_TRIG": ("q",), "F_TRIG": ("q",), "CTU": ("q",), "CTD": ("q",), "CTUD": ("qu", "qd")}

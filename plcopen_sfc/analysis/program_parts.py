@@ -344,9 +344,8 @@ class ChartParts:
             if step.id in steps:
                 times = self._times(step.min_time, step.max_time, step.warning_time)
                 found |= ProgramPart(times, self._name(step))
-                for checked in (step.interlock, step.supervision) if self._is_graph else ():
-                    if checked is not None:
-                        found |= self._tested(read, checked.condition)
+                for condition in step.conditions.values() if self._is_graph else ():
+                    found |= self._tested(read, condition)
         return found
 
     def _tested(self, read: Callable[[Condition], NetworkExpression], condition: Condition | None) -> ProgramPart:

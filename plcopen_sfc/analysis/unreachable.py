@@ -293,7 +293,7 @@ class Unreachable:
     def _always_said(self) -> set[str]:
         """Return the names in what every scan may execute: permanent instructions, and conditions that do something."""
         chart = self._pou.chart
-        owners: list[Model] = [*chart.permanent_pre, *chart.permanent_post] if chart is not None else []
+        owners: list[Model] = [*chart.permanent] if chart is not None else []
         for net in self._nets.values():
             owners += [each.transition for each in net.transitions if self._condition(each) is None]
         owners += self._pou.transitions if owners else []

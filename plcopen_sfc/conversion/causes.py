@@ -237,8 +237,11 @@ _WORDS = frozenset(
 
 def _permanent_names(chart: Chart) -> set[str]:
     project = chart.pou.project
-    operations = (*chart.chart.permanent_pre, *chart.chart.permanent_post)
-    return {name for each in operations for name in names_in(each, project.dialect)} if project is not None else set()
+    return (
+        {name for each in chart.chart.permanent for name in names_in(each, project.dialect)}
+        if project is not None
+        else set()
+    )
 
 
 def _read_at(places: Iterable[str], chart: Chart) -> Iterator[str]:

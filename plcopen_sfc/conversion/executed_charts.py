@@ -177,10 +177,9 @@ class ExecutedChartReader:
                     self.owner.tell_text(part, f"alarm of the {aspect}", supervised.alarm)
                     self._tell_title(part, f"title of the {aspect}", supervised.title)
             self._tell_all(part, step)
-        for aspect, supervised in (("interlock", step.interlock), ("supervision", step.supervision)):
-            if supervised is not None and supervised.condition is not None:
-                part.tell(aspect, self._condition(supervised.condition))
-                self._tell_networks(part, aspect, supervised.condition)
+        for aspect, condition in step.conditions.items():
+            part.tell(aspect, self._condition(condition))
+            self._tell_networks(part, aspect, condition)
         for event, action in (("S1", step.entry_action), ("", step.main_action), ("S0", step.exit_action)):
             is_empty = isinstance(action, StBody) and not action.text.strip()
             if action is not None and (self.owner.detail or not is_empty):
@@ -276,8 +275,8 @@ class ExecutedChartReader:
             part.tell("condition", self._condition(association.condition))
         if association.interlock and self.is_written:
             part.tell("interlock", Meaning.of(True, "needed"))
-        elif association.interlock and of.interlock is not None and of.interlock.condition is not None:
-            part.tell("interlock", self._condition(of.interlock.condition))
+        elif association.interlock and "interlock" in of.conditions:
+            part.tell("interlock", self._condition(of.conditions["interlock"]))
         if association.negated:
             part.tell("negation", Meaning.of(True, "negated"))
         if association.forcing is not None:

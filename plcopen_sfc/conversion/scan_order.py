@@ -160,7 +160,7 @@ def may_race(chart: Chart, inputs: Iterable[str]) -> bool:
     if chart.chart.partial_charts:
         return True
     for inner in with_inner_charts(chart.chart):
-        if inner.permanent_pre or inner.permanent_post or len(inner.initial_steps) > 1:
+        if inner.permanent or len(inner.initial_steps) > 1:
             return True
         if any(len(each.targets) > 1 for each in inner.transitions):
             return True

@@ -8,7 +8,7 @@ from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model.conditions import WiredCondition
 from plcopen_sfc.model.drawing import Symbol, SymbolKind
 from plcopen_sfc.model.network import Block, InputPin, Node, RightPowerRail
-from plcopen_sfc.model.sfc import Condition, SfcNetwork
+from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.reachability import needed_first
 
 
@@ -112,11 +112,7 @@ def _give_numbers(chart: SfcNetwork, symbols: list[Symbol], numbers: dict[int, i
 def _input_pins(chart: SfcNetwork, symbols: Iterable[Symbol]) -> Iterator[InputPin]:
     """Yield every input pin once: symbol and condition may share theirs."""
     seen: set[int] = set()
-    conditions: list[Condition | None] = [t.condition for t in chart.transitions]
-    conditions += [a.condition for _, a in chart.associations()]
-    for step in chart.steps:
-        conditions += [part.condition for part in (step.interlock, step.supervision) if part is not None]
-    pins = [condition.input for condition in conditions if isinstance(condition, WiredCondition)]
+    pins = [condition.input for condition in chart.conditions() if isinstance(condition, WiredCondition)]
     for symbol in symbols:
         pins += symbol.inputs
         if symbol.condition is not None:

@@ -137,9 +137,8 @@ class Wording:
         yield from (line for line, _ in self.step_actions(step))
         for association in step.actions:
             yield self.association(association)
-        for label, part in (("interlock", step.interlock), ("supervision", step.supervision)):
-            if part is not None and part.condition is not None:
-                yield ActionLine(self.condition(part.condition), self.told(label))
+        for label, condition in step.conditions.items():
+            yield ActionLine(self.condition(condition), self.told(label))
         if step.macro is not None:
             yield ActionLine(step.macro.expansion or "", self.told("macro"))
         for enclosure in step.encloses or ():

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from plcopen_sfc.languages.binding import Names
-from plcopen_sfc.languages.binding.name_scopes import charts_inside
+from plcopen_sfc.languages.binding.name_scopes import every_chart
 from plcopen_sfc.languages.effects import Effects, effects, may_change
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.languages.translation.translation_context import family
@@ -63,8 +63,7 @@ def sharing(pou: Pou, action: Action, dialect: Dialect) -> list[Action]:
     """
     if family(dialect) is not Dialect.CODESYS:
         return []
-    charts = [chart for _, _, body in pou.named_bodies() for chart in charts_inside(body)]
-    ordered = {(row.target or "").casefold() for chart in charts for _, row in chart.associations()}
+    ordered = {(row.target or "").casefold() for chart in every_chart(pou) for _, row in chart.associations()}
     if action.name.casefold() not in ordered:
         return []
     others = [each for each in pou.actions if each is not action and each.name.casefold() in ordered]

@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import cache
 from typing import Any, NamedTuple
 
+from plcopen_sfc.languages.binding.name_scopes import with_inner_charts
 from plcopen_sfc.languages.grafcet_conditions import program_parts
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.lowering.code.lowered_code import names_of, without_marks
@@ -198,7 +199,7 @@ class _Chart:
 
     def losses(self) -> Iterator[Item]:
         """Yield the objects that are excluded from the build, and times and numbers that no code asks for."""
-        for chart in _charts(self._chart):
+        for chart in with_inner_charts(self._chart):
             for step in chart.steps:
                 yield from self._of_step(step)
             for transition in chart.transitions:
@@ -227,14 +228,3 @@ class _Chart:
 
     def _dropped(self, what: str, path: str, why: str) -> Item:
         return Item(Outcome.DROPPED, what, f"{self._path} / {path}", why)
-
-
-def _charts(chart: SfcNetwork) -> Iterator[SfcNetwork]:
-    """Yield a chart, those of its macro-steps, and its partial charts."""
-    yield chart
-    for partial in chart.partial_charts:
-        yield from _charts(partial.chart)
-    for step in chart.steps:
-        body = step.macro.body if step.macro is not None else None
-        if isinstance(body, SfcBody):
-            yield from _charts(body.chart)

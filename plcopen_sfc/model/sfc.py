@@ -198,6 +198,12 @@ class Step(OwnedName, Element):
         found = {kind: getattr(self, f"{kind}_action") for kind in STEP_ACTIONS}
         return {kind: action for kind, action in found.items() if action is not None}
 
+    @property
+    def conditions(self) -> dict[str, Condition]:
+        """The conditions that guard the step: by ``interlock`` and ``supervision``, as far as it has them."""
+        found = {"interlock": self.interlock, "supervision": self.supervision}
+        return {kind: check.condition for kind, check in found.items() if check is not None and check.condition}
+
     def action_labels(self) -> list[str]:
         """Return a label for each action: its target, what it forces, or ``inline``; numbered where several have it."""
         found: dict[str, int] = {}
@@ -463,6 +469,17 @@ class SfcNetwork(LateElement):
     def _those(self, ids: Set[int]) -> list[Step]:
         return [step for step in self.steps if step.id in ids]
 
+    @property
+    def permanent(self) -> list[PermanentOperation]:
+        """Its permanent operations: those before the sequences, then those after them."""
+        return [*self.permanent_pre, *self.permanent_post]
+
+    def conditions(self) -> Iterator[Condition]:
+        """Yield the conditions of its transitions, of its action associations, and those that guard its steps."""
+        parts: list[Transition | ActionAssociation] = [*self.transitions, *(row for _, row in self.associations())]
+        yield from (part.condition for part in parts if part.condition is not None)
+        yield from (condition for step in self.steps for condition in step.conditions.values())
+
     def associations(self) -> Iterator[tuple[Step, ActionAssociation]]:
         """Yield every action association with its step."""
         for step in self.steps:
@@ -664,9 +681,7 @@ def placed_conditions(chart: SfcNetwork) -> Iterator[tuple[str, Condition]]:
         if transition.condition is not None:
             yield f"transition {labels[transition.id]}", transition.condition
     for step in chart.steps:
-        for kind, check in (("interlock", step.interlock), ("supervision", step.supervision)):
-            if check is not None and check.condition is not None:
-                yield f"step {step.name} / {kind}", check.condition
+        yield from ((f"step {step.name} / {kind}", condition) for kind, condition in step.conditions.items())
 
 
 def connected_parts(steps: Collection[Step], transitions: Iterable[Transition]) -> list[list[Step]]:

@@ -173,8 +173,9 @@ class PageIndex:
             for step in part.chart.steps:
                 told = [each for row in step.actions for each in (row, row.condition, row.body)]
                 actions = step.step_actions.values()
-                supervised = (each.condition for each in (step.interlock, step.supervision) if each is not None)
-                found[self.anchor(step)] = self._named(step) | self._names_in(step, *told, *actions, *supervised)
+                found[self.anchor(step)] = self._named(step) | self._names_in(
+                    step, *told, *actions, *step.conditions.values()
+                )
         return found
 
     def _named(self, thing: Step | Transition) -> dict[str, str]:

@@ -114,8 +114,8 @@ class StepCells:
 
     def permanent(self) -> Html:
         """Return the permanent instructions of the chart."""
-        operations = [*self.chart.permanent_pre, *self.chart.permanent_post]
-        items = [element("li", comment_lines(each.title), self._bodies.content(each.body)) for each in operations]
+        permanent = self.chart.permanent
+        items = [element("li", comment_lines(each.title), self._bodies.content(each.body)) for each in permanent]
         return joined(element("h4", self.words("Permanent instructions")), element("ul", *items)) if items else Html("")
 
     def _excluded(self, thing: sfc.Step | sfc.Transition | sfc.ActionAssociation) -> Html:

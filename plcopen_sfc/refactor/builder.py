@@ -278,7 +278,7 @@ def _wanted(
     for association in associations:
         yield from ((name, "TIME", SectionKind.INPUT) for name in _operands(association.duration, names))
     conditions = [each.condition for each in transitions]
-    conditions += [each.condition for step in steps for each in (step.interlock, step.supervision) if each is not None]
+    conditions += [condition for step in steps for condition in step.conditions.values()]
     texts = [each.text for each in conditions if isinstance(each, Expression)]
     for text in texts:
         yield from ((name, "BOOL", SectionKind.INPUT) for name in _operands(text, names))

@@ -56,7 +56,6 @@ from plcopen_sfc.model import (
     Project,
     SfcBody,
     SfcNetwork,
-    Step,
     Tag,
 )
 from plcopen_sfc.model.actions import SWITCHES
@@ -618,16 +617,12 @@ def _types(site: Site) -> dict[str, str]:
 def _steps(
     site: Site, source: Dialect, target: Dialect, renames: Renames, declared: list[str]
 ) -> StepReferences | None:
-    names = {step.name: step.name for chart in _charts(site) for step in chart.steps}
+    steps = [step for chart in _charts(site) for step in chart.steps]
+    names = {step.name: step.name for step in steps}
     if source is Dialect.SCL and target is not Dialect.SCL:
         taken = {name.casefold() for name in declared}
         names = {name: renames.legal_name(NameScope.LOCAL, name, taken, target) for name in names}
     elif target is Dialect.SCL:
         names = {name: renames.old_name(NameScope.LOCAL, name) or name for name in names}
-    disturbed = {step.name.casefold() for chart in _charts(site) for step in chart.steps if _can_be_disturbed(step)}
+    disturbed = {s.name.casefold() for s in steps if not all(map(is_empty_network, s.conditions.values()))}
     return StepReferences(names, _NOTATIONS[source], _NOTATIONS[target], disturbed=disturbed) if names else None
-
-
-def _can_be_disturbed(step: Step) -> bool:
-    checks = (each.condition for each in (step.interlock, step.supervision) if each is not None)
-    return any(condition is not None and not is_empty_network(condition) for condition in checks)

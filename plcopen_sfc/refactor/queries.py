@@ -11,7 +11,7 @@ from typing import Annotated, Any, get_args, get_origin
 
 from plcopen_sfc.errors import ModelError, check_argument, nearest
 from plcopen_sfc.languages.binding import Declaration, Effects, Kind, Names, actions_by_name, step_effects
-from plcopen_sfc.languages.binding.name_scopes import charts_inside
+from plcopen_sfc.languages.binding.name_scopes import every_chart
 from plcopen_sfc.languages.binding.name_uses import dialect_of
 from plcopen_sfc.languages.effects import effects
 from plcopen_sfc.languages.networks.condition_reading import condition_reader, shown_condition
@@ -127,8 +127,7 @@ def where(
 
 def charts_of(project: Project) -> Iterator[SfcNetwork]:
     """Yield every chart of a project, those of macro-steps and partial charts too."""
-    for _, _, body in project.bodies():
-        yield from charts_inside(body)
+    return (chart for pou in project.pous for chart in every_chart(pou))
 
 
 def pou_of(thing: Owned) -> Pou | None:

@@ -252,13 +252,11 @@ def _events(chart: CheckedChart) -> Iterator[Finding]:
 def _guards(chart: CheckedChart) -> Iterator[Finding]:
     for sheet, step, association in chart.actions():
         place = sheet.at(step, association)
-        interlock = step.interlock is not None and step.interlock.condition is not None
-        supervision = step.supervision is not None and step.supervision.condition is not None
-        if (association.interlock or association.event is ActionEvent.C) and not interlock:
+        if (association.interlock or association.event is ActionEvent.C) and "interlock" not in step.conditions:
             yield Finding(place, "the action depends on the interlock, and the step has none")
-        elif association.event in (ActionEvent.L0, ActionEvent.L1) and not interlock:
+        elif association.event in (ActionEvent.L0, ActionEvent.L1) and "interlock" not in step.conditions:
             yield Finding(place, f"the event {association.event} never comes: the step has no interlock")
-        elif association.event in (ActionEvent.V0, ActionEvent.V1) and not supervision:
+        elif association.event in (ActionEvent.V0, ActionEvent.V1) and "supervision" not in step.conditions:
             yield Finding(place, f"the event {association.event} never comes: the step has no supervision")
 
 

@@ -21,7 +21,7 @@ from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.binding import Declaration, Names, bind, texts_in
 from plcopen_sfc.languages.binding.compile_mistakes import constant_written, type_mistakes, value_kind, value_mistake
-from plcopen_sfc.languages.binding.name_scopes import charts_inside
+from plcopen_sfc.languages.binding.name_scopes import every_chart
 from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite
 from plcopen_sfc.languages.effects import path_of
@@ -275,7 +275,7 @@ class CheckedProject:
         if flag is None or self.project.dialect not in (Dialect.CODESYS, Dialect.TWINCAT):
             return False
         base = self.named.resolver.type_of(reference.base, site) if reference.base is not None else site.pou
-        charts = self.charts_of(base) if isinstance(base, Pou) else ()
+        charts = every_chart(base) if isinstance(base, Pou) else ()
         stated = [chart.settings.flags.get(flag) if chart.settings is not None else None for chart in charts]
         return any(each is None or (each.use and each.declare) for each in stated)
 
@@ -370,13 +370,8 @@ class CheckedProject:
 
         Where there is no chart, that is the POU itself, or the first POU of the project.
         """
-        first = next(self._charts() if pou is None else self.charts_of(pou), None)
+        first = next(self._charts() if pou is None else every_chart(pou), None)
         return first is checked.chart if first is not None else (pou or self.project.pous[0]) is checked.pou
-
-    def charts_of(self, pou: Pou) -> Iterator[sfc.SfcNetwork]:
-        """Yield the charts of a POU, those of macro-steps and partial charts too."""
-        for _, _, body in pou.named_bodies():
-            yield from charts_inside(body)
 
     @cached_property
     def written(self) -> frozenset[str]:
@@ -401,8 +396,7 @@ class CheckedProject:
         return path[-1] if path else ""
 
     def _charts(self) -> Iterator[sfc.SfcNetwork]:
-        for pou in self.project.pous:
-            yield from self.charts_of(pou)
+        return (chart for pou in self.project.pous for chart in every_chart(pou))
 
 
 MOST_TOGETHER = 8
@@ -536,7 +530,7 @@ class CheckedChart:
     @cached_property
     def steps_of_pou(self) -> frozenset[str]:
         """The names of all steps in the POU, in lower case."""
-        charts = self.around.charts_of(self.pou) if self.pou is not None else ()
+        charts = every_chart(self.pou) if self.pou is not None else ()
         return frozenset(step.name.casefold() for chart in charts for step in chart.steps)
 
     @cached_property

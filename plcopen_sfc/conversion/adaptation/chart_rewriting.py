@@ -107,7 +107,7 @@ class ChartRewriting:
     def interlock(self, step: Step) -> str | None:
         """Return the interlock of a step: TRUE where it has none, None where it is no expression."""
         if step.id not in self._interlocks:
-            condition = step.interlock.condition if step.interlock is not None else None
+            condition = step.conditions.get("interlock")
             self._interlocks[step.id] = "TRUE" if condition is None else self.text(condition)
         return self._interlocks[step.id]
 
@@ -194,7 +194,7 @@ def is_network(condition: Condition | None) -> bool:
 
 def is_supervised(step: Step) -> bool:
     """True if a step has a supervision with a condition."""
-    condition = step.supervision.condition if step.supervision is not None else None
+    condition = step.conditions.get("supervision")
     return condition is not None and not is_empty_network(condition)
 
 

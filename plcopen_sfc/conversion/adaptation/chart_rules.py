@@ -66,7 +66,7 @@ def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> boo
         return True
     if steps_to_start(chart, host, options) or undrawable(chart, host, options):
         return True
-    if any(has_program(operation.body) for operation in (*chart.permanent_pre, *chart.permanent_post)):
+    if any(has_program(operation.body) for operation in chart.permanent):
         return True
     if any(row.qualifier is Qualifier.R0 for _, row in chart.associations()):
         return True

@@ -38,11 +38,10 @@ def with_condition(
     chart: SfcNetwork, step: Step, action: ActionAssociation, objects: Iterable[NamedTransition]
 ) -> ActionAssociation:
     """Return an action N that acts only with the interlock of its step (NC of S7-GRAPH) as one with a condition."""
-    condition = step.interlock.condition if step.interlock is not None else None
     is_continuous = action.qualifier in (Qualifier.N, Qualifier.NONE) and action.event is None and action.value is None
     if not action.interlock or not is_continuous:
         return action
-    expression = expression_of(chart, condition, objects)
+    expression = expression_of(chart, step.conditions.get("interlock"), objects)
     return action if expression is None else action.model_copy(update={"interlock": False, "condition": expression})
 
 

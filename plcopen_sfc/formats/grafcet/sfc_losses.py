@@ -69,7 +69,7 @@ def report_unexpressed(project: Project, report: ConversionReport) -> None:
         for flag in sorted({name for owner, name in named if owner is pou} | _declared(pou, flags)):
             why = "a GRAFCET has no flags that operate or watch it"
             report.add(Outcome.NOT_EXECUTED, "SFC flag", f"{pou.report_path} / {flag}", why)
-        if any(has_program(each.body) for each in (*chart.permanent_pre, *chart.permanent_post)):
+        if any(has_program(each.body) for each in chart.permanent):
             why = "IEC 60848 has no instructions that are always executed"
             report.add(Outcome.NOT_EXECUTED, "permanent instruction", pou.report_path, why)
         for step in _competing(chart):
@@ -184,7 +184,7 @@ def _of_steps(chart: SfcNetwork) -> Iterator[tuple[str, str, str]]:
         if step.min_time:
             why = f"IEC 60848 has none: write {step.min_time}/X{step.name} into the conditions that leave the step"
             yield place, "minimum time", why
-        watched = step.supervision.condition if step.supervision is not None else None
+        watched = step.conditions.get("supervision")
         if watched is not None and not is_empty_network(watched):
             yield place, "supervision", "no fault holds a step of a GRAFCET"
         if step.exclude or step.negated:

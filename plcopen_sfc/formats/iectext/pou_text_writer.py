@@ -140,7 +140,7 @@ class ChartTextWriter:
         return any(
             part.extension_data is not None
             or (isinstance(part, Transition) and _is_drawn(part.condition))
-            or (isinstance(part, Step) and any(_is_drawn(s.condition) for s in (part.interlock, part.supervision) if s))
+            or (isinstance(part, Step) and any(map(_is_drawn, part.conditions.values())))
             for part in parts
         )
 

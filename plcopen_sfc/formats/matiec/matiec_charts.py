@@ -322,8 +322,8 @@ class ChartFitter:
             lines += self._association(step, association, f"{step.name}_action_{number}", path)
         step.actions = lines
         gone = [
-            (step.interlock is not None and step.interlock.condition, "interlock", False),
-            (step.supervision is not None and step.supervision.condition, "supervision", True),
+            ("interlock" in step.conditions, "interlock", False),
+            ("supervision" in step.conditions, "supervision", True),
             (step.macro, "macro-step", True),
             (step.encloses, "enclosed charts", True),
         ]
@@ -383,7 +383,7 @@ class ChartFitter:
             wrong.append(f"it has no time for {found.qualifier}")
         if found.event is not None:
             wrong.append(f"matiec has no event {found.event}")
-        if found.interlock and step.interlock is not None and step.interlock.condition is not None:
+        if found.interlock and "interlock" in step.conditions:
             wrong.append("matiec has no interlock")
         if found.kind is not None or found.forcing is not None:
             wrong.append("matiec has no actions of GRAFCET")

@@ -153,7 +153,7 @@ def _boxes(project: Project) -> Iterator[tuple[Pou, Block]]:
     """Yield the boxes in blocks and in permanent instructions, each with its block."""
     drawn: list[tuple[Pou, object]] = [(pou, body) for _, pou, body in project.bodies()]
     for chart in project.charts():
-        drawn += [(chart.pou, each.body) for each in (*chart.chart.permanent_pre, *chart.chart.permanent_post)]
+        drawn += [(chart.pou, each.body) for each in chart.chart.permanent]
     for pou, body in drawn:
         yield from ((pou, node) for network in networks_of(body) for node in network.nodes if isinstance(node, Block))
 

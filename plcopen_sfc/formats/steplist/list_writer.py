@@ -66,7 +66,7 @@ def _report_more(pou: Pou, chart: SfcNetwork, report: ConversionReport) -> None:
         ("method", pou.methods),
         ("body", pou.bodies[1:]),
         ("partial chart", chart.partial_charts),
-        ("permanent instruction", [*chart.permanent_pre, *chart.permanent_post]),
+        ("permanent instruction", chart.permanent),
     ):
         for part in parts:
             name = getattr(part, "name", "")
@@ -77,9 +77,8 @@ def _report_more(pou: Pou, chart: SfcNetwork, report: ConversionReport) -> None:
         path = f"{pou.report_path} / step {step.name}"
         if step.macro is not None or step.encloses or step.exclude or step.negated:
             report.add(Outcome.NOT_EXECUTED, "step", path, _NO_PLACE)
-        for word in ("interlock", "supervision"):
-            supervised = getattr(step, word)
-            if supervised is not None and supervised.condition is not None and not _expression(supervised.condition):
+        for word, condition in step.conditions.items():
+            if not _expression(condition):
                 report.add(Outcome.NOT_EXECUTED, word, path, "no expression has its meaning")
     for transition in chart.transitions:
         if transition.exclude or not transition.sources:
@@ -121,8 +120,8 @@ def _step(step: Step) -> dict[str, str]:
         "Min time": step.min_time or "",
         "Max time": step.max_time or "",
         "Warning time": step.warning_time or "",
-        "Interlock": _expression(step.interlock.condition if step.interlock is not None else None),
-        "Supervision": _expression(step.supervision.condition if step.supervision is not None else None),
+        "Interlock": _expression(step.conditions.get("interlock")),
+        "Supervision": _expression(step.conditions.get("supervision")),
     }
 
 

@@ -249,15 +249,11 @@ class ChartTexts:
 
     def _conditions(self, chart: SfcNetwork) -> None:
         read = condition_reader(chart, self._dialect)
-        supervised = [each for step in chart.steps for each in (step.interlock, step.supervision) if each is not None]
-        conditions = [each.condition for each in chart.transitions]
-        conditions += [each.condition for _, each in chart.associations()] + [each.condition for each in supervised]
-        for condition in conditions:
-            if condition is not None:
-                found = read(condition)
-                self.trees += found.before if found.tree is None else (*found.before, found.tree)
-                self.unknown += [problem.message for problem in found.obstacles]
-                self.helpers += found.helpers
+        for condition in chart.conditions():
+            found = read(condition)
+            self.trees += found.before if found.tree is None else (*found.before, found.tree)
+            self.unknown += [problem.message for problem in found.obstacles]
+            self.helpers += found.helpers
 
     def _actions(self, chart: SfcNetwork) -> None:
         for step in chart.steps:
@@ -271,7 +267,7 @@ class ChartTexts:
             self._action(association.body)
             self._values(association.value, association.duration)
             self._action(association.indicator)
-        for operation in (*chart.permanent_pre, *chart.permanent_post):
+        for operation in chart.permanent:
             self._action(operation.body)
 
     def _action(self, action: str | Body | None) -> None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from plcopen_sfc.languages.binding.bound_bodies import bind
 from plcopen_sfc.languages.binding.name_resolution import Resolver, Type
-from plcopen_sfc.languages.binding.name_scopes import charts_inside
+from plcopen_sfc.languages.binding.name_scopes import every_chart
 from plcopen_sfc.languages.binding.name_sites import named
 from plcopen_sfc.languages.binding.text_sites import Site, TextSite
 from plcopen_sfc.languages.declarations.kept_texts import kept
@@ -136,8 +136,7 @@ class _TypesAt:
         first, step, pou = name.identifier[:1], name.identifier[1:].casefold(), self._site.pou
         if first not in "Xx" or pou is None or self._resolver.lookup(named(name), self._site).declaration is not None:
             return False
-        charts = (chart for _, _, body in pou.named_bodies() for chart in charts_inside(body))
-        return any(each.name.casefold() == step for chart in charts for each in chart.steps)
+        return any(each.name.casefold() == step for chart in every_chart(pou) for each in chart.steps)
 
     def dimensions_of(self, value: n.Expression) -> list[t.Dimension]:
         """Return the dimensions of an array; none where it is not known."""

@@ -407,6 +407,12 @@ def charts_inside(body: Body | None) -> Iterator[SfcNetwork]:
         yield from with_inner_charts(body.chart)
 
 
+def every_chart(pou: Pou) -> Iterator[SfcNetwork]:
+    """Yield the charts of a POU and of its parts, those of macro-steps and partial charts too."""
+    for _, _, body in pou.named_bodies():
+        yield from charts_inside(body)
+
+
 def with_inner_charts(chart: SfcNetwork) -> Iterator[SfcNetwork]:
     """Yield a chart and those of macro-steps and partial charts in it."""
     waiting = [chart]

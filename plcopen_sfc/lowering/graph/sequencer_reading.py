@@ -208,9 +208,7 @@ class _Reader(TextReader):
 
     def _conditions(self, kind: str) -> Iterator[tuple[int, ConditionText]]:
         for step in self._net.steps:
-            model = step.step.interlock if kind == "interlock" else step.step.supervision
-            path = f"{kind} of step {step.path}"
-            found = self._stated(step.chart, model.condition if model is not None else None, path)
+            found = self._stated(step.chart, step.step.conditions.get(kind), f"{kind} of step {step.path}")
             if found is not None:
                 yield step.index, found
 

@@ -108,7 +108,7 @@ class _Reader(TextReader):
             (searches, "the search for stability is lowered for GRAFCETs only", _OTHER_PROFILE),
             (foreign, f"{profile.name} has no enclosing steps, forcing orders and sequencers", _OF_OTHERS),
             (flags, "SFC flags are lowered only where actions come before transitions", _OF_CODESYS),
-            (chart.permanent_pre or chart.permanent_post, f"{profile.name} has no permanent operations", _OF_GRAPH),
+            (chart.permanent, f"{profile.name} has no permanent operations", _OF_GRAPH),
             # rules that a user can compose and that no construction has
             (profile.initial_situation_held, f"{profile.name} holds the initial situation", _OTHER_PROFILE),
             (delays, f"R does not end the times of SD and SL under {profile.name}", _OTHER_PROFILE),

@@ -29,14 +29,13 @@ Condition = Callable[[Frame], bool]
 def check_no_graph(net: Net, profile: Profile, path: str) -> None:
     """Refuse what only sequencers of S7-GRAPH have. Raises `UnknownBehaviourError`."""
     chart = net.chart
-    if any(operation.body is not None for operation in [*chart.permanent_pre, *chart.permanent_post]):
+    if any(operation.body is not None for operation in chart.permanent):
         raise UnknownBehaviourError(
             f"the chart has permanent operations, which the profile {profile.name} does not have",
             location=Location(path=path),
         )
     for step in net.steps:
-        supervision = step.step.supervision
-        if supervision is not None and programmed(supervision.condition) is not None:
+        if programmed(step.step.conditions.get("supervision")) is not None:
             raise UnknownBehaviourError(
                 f"step {step.path} has a supervision, which the profile {profile.name} does not have",
                 location=Location(path=f"{path} / step {step.path}"),
@@ -79,11 +78,8 @@ class StepConditions:
         """Prepare the conditions."""
         for step in self._net.steps:
             where = f"{path} / step {step.path}"
-            for supervised, found in (
-                (step.step.interlock, self._interlocks),
-                (step.step.supervision, self._supervisions),
-            ):
-                condition = programmed(supervised.condition if supervised is not None else None)
+            for kind, found in (("interlock", self._interlocks), ("supervision", self._supervisions)):
+                condition = programmed(step.step.conditions.get(kind))
                 if condition is not None:
                     found[step.index] = Routines(scope).condition(condition, where, chart=step.chart)
 
