@@ -1,7 +1,7 @@
 """Drawings of charts: derived from a chart, kept up to date after its edits, placed on the page.
 
 * `drawing_upkeep`: a drawing that fits its chart before a writer needs it: an old drawing follows the edits, with
-  `attached_symbols`, action blocks and expressions
+  `attached_symbols`, action blocks and expressions, and `added_branches`, new ways beside those that are drawn
 * `drawing_style`: the two styles, and whether a drawing fits its chart
 * `new_drawing` from `chart_nesting` (a chart as nested branches) and `forward_edges` (those that a drawing runs along)
 * `symbol_layout`: places and sizes of symbols, pins and wires

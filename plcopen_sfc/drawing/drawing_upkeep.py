@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
+from plcopen_sfc.drawing.added_branches import with_added_branches
 from plcopen_sfc.drawing.attached_symbols import AttachedSymbols, block_owner, draw_step_actions, erase_step_actions
 from plcopen_sfc.drawing.drawing_style import (
     DrawingStyle,
@@ -100,14 +101,27 @@ _FIELDS = (
 def take_over(
     gone: list[Symbol], fresh: list[Symbol], old: Mapping[int, Symbol], new: Mapping[int, Symbol]
 ) -> dict[int, int]:
-    """Give each of `fresh` what one of `gone` with the same role had. Returns the ids that changed."""
+    """Give each of `fresh` what one of `gone` with the same role had, or with most of it. Returns the ids that changed.
+
+    A branch that is drawn elsewhere is the same one: its name, its comment and its exclusion stay.
+    """
     before, after = _Roles(old), _Roles(new)
     free = grouped((before.role(symbol), symbol) for symbol in gone)
     pairs: list[tuple[Symbol, Symbol]] = []
+    others: list[Symbol] = []
     for symbol in fresh:
         candidates = free.get(after.role(symbol))
         if candidates:
             pairs.append((symbol, candidates.pop(0)))
+        elif symbol.kind in DIVERGENCES:
+            others.append(symbol)
+    left = [symbol for each in free.values() for symbol in each if symbol.kind in DIVERGENCES]
+    for symbol in others:
+        begun = after.below(symbol)
+        shared = [(len(begun & before.below(each)), i) for i, each in enumerate(left) if each.kind is symbol.kind]
+        most, place = max(shared, default=(0, 0))
+        if most:
+            pairs.append((symbol, left.pop(place)))
     numbers = {symbol.id: other.id for symbol, other in pairs}
     for symbol, other in pairs:
         symbol.id = other.id
@@ -160,6 +174,10 @@ class _Roles:
             return symbol.kind, self.reach(symbol.id, self.producers)
         return symbol.kind, self.reach(symbol.id, self.consumers)
 
+    def below(self, divergence: Symbol) -> frozenset[int]:
+        """Return the steps and transitions at which the branches of a divergence begin."""
+        return self.reach(divergence.id, self.consumers)
+
     def reach(self, number: int, neighbours: Mapping[int, Iterable[int]]) -> frozenset[int]:
         """Return the steps and transitions next to a bar or jump in one direction; to jumps, what they lead to."""
 
@@ -180,6 +198,8 @@ def redraw(chart: SfcNetwork, style: DrawingStyle) -> None:
     old = chart.drawing
     if old is None or len({symbol.id for symbol in old.symbols}) != len(old.symbols):
         chart.drawing = draw(chart, style)
+    elif not fits(chart, style) and (added := with_added_branches(chart, old, style)) is not None:
+        chart.drawing = added
     elif not fits(chart, style):
         _Redrawing(chart, old, style).run()
         if not fits(chart, style):  # ids that the chart and its drawing use for different things

@@ -202,9 +202,9 @@ class ChartHost:
     negated. Other tools take bodies in place, with the qualifiers P1 and P0. `has_tasks`: its files hold tasks.
     `has_main`: its controller executes the program PLC_PRG in every cycle where there is no task.
     `has_methods`: its language is object-oriented, with the keywords for that. `il_conditions`: conditions may be
-    instruction list. `keeps_bodies`: a step without associations has its main action in place. `by_bytes`: words at
-    direct addresses have the number of a byte. `names_lists`: texts name a variable with its list, ``GVL_IO.x``.
-    `is_s7`: its texts are in SCL.
+    instruction list. `keeps_bodies`: a step without associations has its main action in place. `excludes`: its elements
+    may be excluded from the program. `by_bytes`: words at direct addresses have the number of a byte. `names_lists`:
+    texts name a variable with its list, ``GVL_IO.x``. `is_s7`: its texts are in SCL.
     """
 
     title: str
@@ -215,6 +215,7 @@ class ChartHost:
     has_methods: bool = True
     il_conditions: bool = False
     keeps_bodies: bool = False
+    excludes: bool = False
     by_bytes: bool = False
     names_lists: bool = True
 

@@ -133,7 +133,7 @@ FORMATS: tuple[Format, ...] = (
         one_sheet=True,
         standard="TC6",
         il_conditions=False,
-        charts=ChartHost("CODESYS", is_codesys=True),
+        charts=ChartHost("CODESYS", is_codesys=True, excludes=True),
         extends=True,
     ),
     Format(
@@ -211,7 +211,7 @@ FORMATS: tuple[Format, ...] = (
         il_conditions=False,
         il_bodies=False,
         extension_data=False,
-        charts=ChartHost("TwinCAT", is_codesys=True, by_bytes=True),
+        charts=ChartHost("TwinCAT", is_codesys=True, excludes=True, by_bytes=True),
         extends=True,
     ),
     Format(
@@ -230,7 +230,7 @@ FORMATS: tuple[Format, ...] = (
         il_conditions=False,
         il_bodies=False,
         extension_data=False,
-        charts=ChartHost("CODESYS", is_codesys=True, has_tasks=False),
+        charts=ChartHost("CODESYS", is_codesys=True, excludes=True, has_tasks=False),
         extends=True,
     ),
     Format(

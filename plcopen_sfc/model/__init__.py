@@ -3,7 +3,8 @@
 `plcopen_sfc.model.project.Project` is the root; `plcopen_sfc.model.sfc.SfcNetwork` is a chart.
 
 * Projects: `project`, `pou`, `variables`, `types`, `body`, `network`, `dialect`; `declaration`, what of it has a name.
-* Charts: `sfc`, `chart_settings`, `actions`, `conditions`, `times`; `drawing`, and `wiring`, the meaning of its wires.
+* Charts: `sfc`, `chart_settings`, `actions`, `conditions`, `times`; `drawing`, and `wiring`, the meaning of its wires;
+  `exclusion`, of branches.
 * Every object: `base`, `checked` (fields are checked), `owners` (what it is in), `text` (comments), `late` (read at the
   first access), `compare`, `numbering`.
 """

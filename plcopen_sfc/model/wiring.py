@@ -17,9 +17,11 @@ from itertools import product
 from typing import NamedTuple
 
 from plcopen_sfc.grouping import grouped
-from plcopen_sfc.model.drawing import BARS, STEPS, Drawing, SymbolKind
+from plcopen_sfc.model.drawing import BARS, CONVERGENCES, DIVERGENCES, STEPS, Drawing, SymbolKind
 
 _TRANSITION, _JUMP = SymbolKind.TRANSITION.value, SymbolKind.JUMP.value
+FLOW = STEPS | BARS | {SymbolKind.TRANSITION, SymbolKind.JUMP}
+"""Kinds of symbols that a situation runs through."""
 _MAX_ALTERNATIVES = 4096
 """A convergence of convergences multiplies alternatives; a chart that needs more than this is damaged."""
 
@@ -64,9 +66,14 @@ def trace_drawing(drawing: Drawing) -> Wiring:
     """Follow the wires of `drawing`."""
     return trace(
         {s.id: s.kind for s in drawing.symbols},
-        {s.id: [c.source for pin in s.inputs for c in pin.connections] for s in drawing.symbols},
+        inputs_of(drawing),
         {s.id: s.target for s in drawing.symbols if s.kind is SymbolKind.JUMP},
     )
+
+
+def inputs_of(drawing: Drawing) -> dict[int, list[int]]:
+    """Return the ids wired to the inputs of each symbol, by its id."""
+    return {s.id: [c.source for pin in s.inputs for c in pin.connections] for s in drawing.symbols}
 
 
 class _Tracer:
@@ -154,3 +161,51 @@ class _Tracer:
 
     def _problem(self, code: str, symbol: int, detail: str) -> None:
         self.wiring.problems.append(WiringProblem(code, symbol, detail))
+
+
+class Branches:
+    """Nested branches of a drawing in which every divergence has its convergence.
+
+    `kinds` gives the kind of each symbol by id, `inputs` the ids wired to its inputs.
+    """
+
+    def __init__(self, kinds: Mapping[int, SymbolKind], inputs: Mapping[int, Iterable[int]]) -> None:
+        self._kinds = kinds
+        self._inputs = inputs
+        self._followers = grouped((source, number) for number, sources in inputs.items() for source in sources)
+
+    @classmethod
+    def of(cls, drawing: Drawing) -> Branches:
+        """Return the branches of `drawing`."""
+        return cls({symbol.id: symbol.kind for symbol in drawing.symbols}, inputs_of(drawing))
+
+    def followers(self, symbol: int) -> list[int]:
+        """Return the symbols of the flow that a symbol is wired to, in the order in which they are drawn."""
+        return [each for each in self._followers.get(symbol, ()) if self._kinds.get(each) in FLOW]
+
+    def end(self, divergence: int) -> int | None:
+        """Return the convergence at which the branches below a divergence meet."""
+        depth, seen = 0, {divergence}
+        below = self.followers(divergence)
+        while below and below[0] not in seen:
+            seen.add(below[0])
+            kind = self._kinds[below[0]]
+            if kind in CONVERGENCES and depth == 0:
+                return below[0]
+            depth += (kind in DIVERGENCES) - (kind in CONVERGENCES)
+            below = self.followers(below[0])
+        return None
+
+    def held_by(self, symbol: int) -> set[int]:
+        """Return the steps and transitions in the branches of a divergence, or before a jump: those that lead to it."""
+        end = self.end(symbol) if self._kinds[symbol] in DIVERGENCES else None
+        found, pending = {symbol}, [symbol]
+        for each in pending:  # grows while it is walked
+            further = self._joined_before(each) if end is None else self.followers(each) if each != end else []
+            pending += [other for other in further if other not in found]
+            found.update(further)
+        return {each for each in found if self._kinds.get(each) in STEPS or self._kinds.get(each) == _TRANSITION}
+
+    def _joined_before(self, symbol: int) -> list[int]:
+        kind = self._kinds.get(symbol)
+        return [*self._inputs.get(symbol, ())] if kind in (_JUMP, SymbolKind.SELECTION_CONVERGENCE) else []

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from plcopen_sfc import model as m
+from plcopen_sfc.drawing import DrawingStyle, draw
 from plcopen_sfc.languages.networks import DrawingRules, draw_fbd, draw_fbd_expression, draw_ld
 from plcopen_sfc.languages.st import parse_expression, parse_statements
+from plcopen_sfc.model.wiring import Branches
 
 SOURCES = {
     "codesys": m.Dialect.CODESYS,
@@ -424,6 +426,21 @@ def _excluded(rig: FeatureChart) -> None:
     rig.act("Work", "q")
 
 
+def _excluded_branch(rig: FeatureChart) -> None:
+    """Excluded as a tool writes it: at the divergence alone, from which its steps and transitions have it."""
+    rig.chart.add_step("Test")
+    rig.go("Done", "Test", "g")
+    rig.go("Test", "Idle", "c")
+    rig.act("Test", "r")
+    rig.act("Work", "q")
+    rig.chart.drawing = draw(rig.chart, DrawingStyle.STRUCTURED)
+    (bar,) = (each for each in rig.chart.drawing.symbols if each.kind is m.SymbolKind.SELECTION_DIVERGENCE)
+    bar.exclude = True
+    held = Branches.of(rig.chart.drawing).held_by(bar.id)
+    for thing in (each for group in (rig.chart.steps, rig.chart.transitions) for each in group if each.id in held):
+        thing.exclude = True
+
+
 def _retain(rig: FeatureChart) -> None:
     rig.declare(m.SectionKind.LOCAL, variable("total", "INT"), retain=True)
     rig.action("Count", st(rig, "total := total + 1; n := total"))
@@ -634,6 +651,7 @@ def _features() -> Iterator[Feature]:
     yield Feature("global variable", ("codesys", "simaticml"), _globals)
     yield Feature("enumeration", ("codesys", "plcopen"), _enumeration)
     yield Feature("excluded element", ("codesys",), _excluded)
+    yield Feature("excluded branch", ("codesys",), _excluded_branch)
     yield Feature("retain", ("codesys", "plcopen", "iec-text"), _retain)
     yield Feature("retained member", ("simaticml",), _retained_member)
     yield Feature("negated action", ("plcopen",), _negated_action)

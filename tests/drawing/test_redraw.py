@@ -193,3 +193,30 @@ def test_a_jump_keeps_its_comment_when_its_branch_changes() -> None:
     chart.add_transition(chart.step("S0"), chart.step("S2"), "skip")
     redraw(chart, DrawingStyle.STRUCTURED)
     assert "again" in [s.comment for s in chart.drawing.symbols if s.id == jump.id]
+
+
+@pytest.mark.parametrize("source", range(12))
+def test_a_new_transition_is_one_branch_more_and_all_else_stays(source: int) -> None:
+    """Also where the drawing is not as a new one would be: that one moved branches that nobody had edited."""
+    for target in range(12):
+        chart = long_chart(DrawingStyle.STRUCTURED)
+        for number, (start, end) in enumerate([(1, 7), (source, target)]):
+            before = chart.drawing.model_copy(deep=True).symbols
+            chart.add_transition(chart.step(f"S{start}"), chart.step(f"S{end}"), f"way{number}")
+            redraw(chart, DrawingStyle.STRUCTURED)
+            gone, come = difference(before, chart.drawing.symbols)
+            assert {symbol.id for symbol in before} <= {symbol.id for symbol in chart.drawing.symbols}
+            assert len(gone) <= 2, (source, target, [(each.kind, each.id) for each in gone])
+            assert len(come) <= len(gone) + 5
+
+
+def test_a_branch_that_is_drawn_elsewhere_is_the_same_branch() -> None:
+    chart = make(5, [([0], [1]), ([1], [2]), ([1], [3]), ([2], [4]), ([3], [4]), ([4], [0])])
+    chart.drawing = draw(chart, DrawingStyle.STRUCTURED)
+    bar = next(s for s in chart.drawing.symbols if s.kind is SymbolKind.SELECTION_DIVERGENCE)
+    bar.comment, bar.name = "by weight", "Weight"
+    chart.add_transition(chart.step("S4"), chart.step("S1"), "again")
+    chart.transitions[1].sources = [chart.step("S4").id]  # and that one no longer begins in it
+    chart.add_transition(chart.step("S1"), chart.step("S2"), "other")
+    redraw(chart, DrawingStyle.STRUCTURED)
+    assert [(s.id, s.name) for s in chart.drawing.symbols if s.comment == "by weight"] == [(bar.id, "Weight")]

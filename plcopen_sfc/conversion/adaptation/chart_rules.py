@@ -70,6 +70,9 @@ def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> boo
         return True
     if any(row.qualifier is Qualifier.R0 for _, row in chart.associations()):
         return True
+    excluded = any(s.exclude for s in chart.steps) or any(t.exclude for t in chart.transitions)
+    if not host.excludes and (excluded or any(row.exclude for _, row in chart.associations())):
+        return True
     if host.is_codesys:
         bodies: list[object] = [row.body for _, row in chart.associations()]
         bodies += [action for s in chart.steps for action in (s.entry_action, s.exit_action)]
@@ -88,10 +91,9 @@ def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> boo
         return True
     if any(step.entry_action or step.exit_action for step in chart.steps) and shared_step_actions(chart):
         return True
-    excluded = any(s.exclude for s in chart.steps) or any(t.exclude for t in chart.transitions)
     if options.of_codesys and flags_in_use(place):
         return True
-    return excluded or chart.settings is not None or any(row.exclude for _, row in chart.associations())
+    return chart.settings is not None
 
 
 def _is_foreign(condition: Condition | None, host: ChartHost) -> bool:
@@ -258,7 +260,7 @@ class _ChartRewriter:
     def _rewrite_condition(self, transition: Transition, sources: list[Step]) -> list[tuple[int, str]]:
         """Change a condition; the ids of steps and the fields of them that it executes now."""
         condition = transition.condition
-        if not self._host.is_codesys and (transition.exclude or any(step.exclude for step in sources)):
+        if not self._host.excludes and (transition.exclude or any(step.exclude for step in sources)):
             transition.condition = Expression(text="FALSE")
             place = f"transition {self._chart.label(transition)}"
             self._note(
@@ -500,7 +502,7 @@ CHART_RULES = (
         "networks, wired and negated conditions in CODESYS; supervisions; operating modes; minimum times in TC6; "
         "excluded elements",
         "expressions, with `AND NOT <supervision>`, the mode and T_PUSH, and `AND <Step>.T >= <time>`; FALSE for what "
-        "is excluded in TC6",
+        "is excluded in tools that know no exclusion",
         _ChartRewriter.conditions,
     ),
     ChartRule(

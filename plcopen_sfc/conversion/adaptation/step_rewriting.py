@@ -131,7 +131,7 @@ class StepRewriter:
         """Change a step; what the tool cannot execute is in the report."""
         source = self._rewriting.source_steps[step.id]
         uses = self._uses[step.id] = []
-        if step.exclude and not self._host.is_codesys and self._is_entered(step):
+        if step.exclude and not self._host.excludes and self._is_entered(step):
             step.actions, step.entry_action, step.main_action, step.exit_action = [], None, None, None
             why = "nothing is executed in it and nothing leaves it: CODESYS leaves the step out"
             self._rewriting.note(Outcome.TRANSLATED, "exclude", f"step {step.name}", why)
@@ -466,7 +466,7 @@ class StepRewriter:
 
     def _row(self, step: Step, row: ActionAssociation, rows: _Rows) -> None:
         """Sort a row into `rows`: kept, kept with another qualifier, as a statement, or left out with a reason."""
-        if row.exclude and not self._host.is_codesys:
+        if row.exclude and not self._host.excludes:
             why = f"`{_called(row)}` is left out: CODESYS excludes it"
             self._rewriting.note(Outcome.TRANSLATED, "excluded action", f"step {step.name}", why)
             return

@@ -62,6 +62,7 @@ from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.chart_settings import RuntimeLibrary, SfcFlag, SfcSettings
 from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.drawing import CONVERGENCES, DIVERGENCES, STEPS, Symbol, SymbolKind
+from plcopen_sfc.model.exclusion import told_by_others
 from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.report import Outcome
@@ -414,6 +415,7 @@ class ChartWriter:
             (connection.source, symbol.id) for symbol in flow for pin in symbol.inputs for connection in pin.connections
         )
         self._placed: set[int] = set()
+        self._told = told_by_others(chart)
 
     def write(self) -> etree._Element:
         """Return the ``XmlArchive`` of the chart."""
@@ -513,7 +515,7 @@ class ChartWriter:
                 held = new_object("SFCElementList", "ElementList")
                 add_list(held, "InnerList", [self._segment(one, bar.id) for one in segments])
                 written.append(held)
-                values = {**_drawn(bar), "parallel": bar.kind is SymbolKind.SIMULTANEOUS_DIVERGENCE}
+                values = {**self._drawn(bar), "parallel": bar.kind is SymbolKind.SIMULTANEOUS_DIVERGENCE}
                 return self._finished(written, BRANCH, bar.id, parent, values)
             case _Macro(number=number, fields=fields, segment=segment):
                 written = new_object(MACRO)
@@ -526,7 +528,7 @@ class ChartWriter:
         target = self._symbols.get(part.target) if part.target is not None else None
         name = self._steps[target.id].name if target is not None and target.id in self._steps else None
         name = name or (target.name if target is not None else None) or part.name or ""
-        return self._finished(new_object(JUMP), JUMP, part.id, parent, {**_drawn(part), "name": name})
+        return self._finished(new_object(JUMP), JUMP, part.id, parent, {**self._drawn(part), "name": name})
 
     def _step(self, step: Step, parent: int) -> etree._Element:
         for what, lacking in (("macro-step", step.macro), ("negated step output", step.negated or None)):
@@ -539,7 +541,7 @@ class ChartWriter:
         held = new_object("SFCElementList", "ElementList")
         add_list(held, "InnerList", [self._association(step, each) for each in step.actions])
         written.append(held)
-        values = _values(step, STEP)
+        values = self._values(step, STEP)
         for action in ("main_action", "entry_action", "exit_action"):
             if values[action] is not None and not isinstance(values[action], str):
                 why = "step actions in CODESYS are actions of the POU, not code in place"
@@ -560,7 +562,7 @@ class ChartWriter:
         for what in lacking:
             self._note(Outcome.NOT_EXECUTED, what, place, "associations of actions in CODESYS have none")
         self._note(Outcome.KEPT, "action", place, "")
-        values = _values(association, ASSOCIATION)
+        values = self._values(association, ASSOCIATION)
         values["name"] = association.target
         values["qualifier"] = " ".join(filter(None, (qualifier, association.duration)))
         return self._finished(new_object(ASSOCIATION), ASSOCIATION, association.id, step.id, values)
@@ -582,8 +584,17 @@ class ChartWriter:
             why = "conditions in CODESYS are expressions and transition objects; nothing that is right can be written"
             self._note(Outcome.NOT_EXECUTED, "condition", place, why)
         self._note(Outcome.KEPT, "transition", place, "")
-        values = {**_values(transition, TRANSITION), "name": text}
+        values = {**self._values(transition, TRANSITION), "name": text}
         return self._finished(written, TRANSITION, transition.id, parent, values)
+
+    def _values(self, thing: Step | Transition | ActionAssociation, kind: str) -> dict[str, Any]:
+        """Return the values of the fields that an element has in the model."""
+        values = {name: getattr(thing, name, None) for name in ELEMENTS[kind]}
+        return {**values, "comment": plain(thing.comment), "exclude": thing.exclude and thing.id not in self._told}
+
+    def _drawn(self, symbol: Symbol) -> dict[str, Any]:
+        exclude = symbol.exclude and symbol.id not in self._told
+        return {"name": symbol.name, "comment": plain(symbol.comment), "exclude": exclude}
 
     def _finished(
         self, written: etree._Element, kind: str, number: int, parent: int, values: dict[str, Any]
@@ -607,16 +618,6 @@ class ChartWriter:
 _OFFERED = "N R S L D P SD DS SL"
 _PULSES = frozenset({"P0", "P1", "DL"})
 """Qualifiers of IEC 61131-3 and TC6 that an archive can hold; no file shows one."""
-
-
-def _values(thing: Step | Transition | ActionAssociation, kind: str) -> dict[str, Any]:
-    """Return the values of the fields that an element has in the model."""
-    values = {name: getattr(thing, name, None) for name in ELEMENTS[kind]}
-    return {**values, "comment": plain(thing.comment)}
-
-
-def _drawn(symbol: Symbol) -> dict[str, Any]:
-    return {"name": symbol.name, "comment": plain(symbol.comment), "exclude": symbol.exclude}
 
 
 # -- settings ---------------------------------------------------------------------------------------------------------

@@ -242,11 +242,15 @@ def _modern(ctx: Tc6WriteContext, *version: int) -> bool:
 
 
 def _chart_data(
-    thing: Step | Transition | ActionAssociation | Symbol, name: str | None, *more: tuple[str, str | None]
+    ctx: Tc6WriteContext,
+    thing: Step | Transition | ActionAssociation | Symbol,
+    name: str | None,
+    *more: tuple[str, str | None],
 ) -> Iterator[Written]:
     """Yield the attributes of the SFC editor at an element of a chart: those that all of these have, and `more`."""
     comment = thing.comment if isinstance(thing.comment, str) else getattr(thing.comment, "text", None)
-    pairs = [(names.NAME, name), (names.COMMENT, comment), (names.EXCLUDE, _truth(thing.exclude))]
+    exclude = thing.exclude and id(thing) not in ctx.told_by_others
+    pairs = [(names.NAME, name), (names.COMMENT, comment), (names.EXCLUDE, _truth(exclude))]
     if not isinstance(thing, Symbol):
         pairs.append((names.SYMBOL, _SYMBOLS[thing.symbol]))
     yield names.SFC_ELEMENT, UnknownDataRule.IMPLEMENTATION, _attribute_table(thing.extension_data, [*pairs, *more])
@@ -255,6 +259,7 @@ def _chart_data(
 def _write_step(ctx: Tc6WriteContext, step: Step, _owner: str) -> Iterator[Written]:
     duplicate = step.duplicate or _modern(ctx, 3, 5, 10)
     return _chart_data(
+        ctx,
         step,
         step.name,
         (names.INITIAL, _truth(step.initial)),
@@ -271,6 +276,7 @@ def _write_transition(ctx: Tc6WriteContext, transition: Transition, _owner: str)
     duplicate = transition.duplicate or _modern(ctx, 3, 5, 10)
     monitoring = transition.monitoring is not Monitoring.NONE or _modern(ctx, 3, 5, 13)
     return _chart_data(
+        ctx,
         transition,
         transition.shown_condition,
         (names.DUPLICATION, _truth(transition.duplicate) if duplicate else None),
@@ -278,17 +284,17 @@ def _write_transition(ctx: Tc6WriteContext, transition: Transition, _owner: str)
     )
 
 
-def _write_association(_ctx: Tc6WriteContext, association: ActionAssociation, _owner: str) -> Iterator[Written]:
+def _write_association(ctx: Tc6WriteContext, association: ActionAssociation, _owner: str) -> Iterator[Written]:
     qualifier = " ".join(filter(None, (association.qualifier.value, association.duration)))
-    return _chart_data(association, association.target, (names.QUALIFIER, qualifier))
+    return _chart_data(ctx, association, association.target, (names.QUALIFIER, qualifier))
 
 
 def _write_symbol(ctx: Tc6WriteContext, symbol: Symbol, owner: str) -> Iterator[Written]:
     if symbol.kind is SymbolKind.JUMP:
-        yield from _chart_data(symbol, ctx.jump_name)
+        yield from _chart_data(ctx, symbol, ctx.jump_name)
     elif owner in ("selectionDivergence", "simultaneousDivergence"):
         is_parallel = symbol.kind is SymbolKind.SIMULTANEOUS_DIVERGENCE
-        yield from _chart_data(symbol, symbol.name, (names.PARALLEL, _truth(is_parallel)))
+        yield from _chart_data(ctx, symbol, symbol.name, (names.PARALLEL, _truth(is_parallel)))
 
 
 def read_settings(_ctx: Tc6ReadContext, data: etree._Element, fields: Fields, _owner: str) -> bool:

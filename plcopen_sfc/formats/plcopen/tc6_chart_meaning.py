@@ -24,7 +24,8 @@ from plcopen_sfc.formats.xml.extension_data import extension_data, markup
 from plcopen_sfc.grouping import Clusters
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.drawing import Places, StepActionKind, SymbolKind
-from plcopen_sfc.model.wiring import trace
+from plcopen_sfc.model.exclusion import HOLDERS
+from plcopen_sfc.model.wiring import Branches, trace
 from plcopen_sfc.whole_numbers import xml_number
 
 Line = tuple[Fields, Fields, str | None]
@@ -83,6 +84,7 @@ class DrawnChart:
         self._resolve_conditions()
         self._resolve_blocks()
         self._resolve_jumps()
+        self._resolve_exclusion()
         self._resolve_wiring()
         self._check()
         # a tool that exports no layout puts everything at 0, 0
@@ -213,6 +215,17 @@ class DrawnChart:
             symbol["target"] = target
             if names[target] == symbol["name"]:
                 del symbol["name"]
+
+    def _resolve_exclusion(self) -> None:
+        holders = [symbol["id"] for symbol in self.symbols if symbol.get("exclude") and symbol["kind"] in HOLDERS]
+        if not holders:
+            return
+        kinds = {symbol["id"]: symbol["kind"] for symbol in self.symbols}
+        branches = Branches(kinds, {symbol["id"]: self.wires[id(symbol)] for symbol in self.symbols})
+        held = set().union(*(branches.held_by(number) for number in holders))
+        for thing in (*self.steps, *self.transitions):
+            if thing["id"] in held:
+                thing["exclude"] = True
 
     def _resolve_wiring(self) -> None:
         kinds = {symbol["id"]: symbol["kind"] for symbol in self.symbols}

@@ -37,6 +37,7 @@ from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.drawing import STEPS, ActionEntry, Drawing, StepActionKind, Symbol, SymbolKind
+from plcopen_sfc.model.exclusion import told_by_others
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.report import Outcome
 
@@ -66,6 +67,10 @@ class Tc6ChartWriter:
         self.nodes: dict[int, Node] = {node.id: node for node in chart.logic if is_known(ctx, node)}
         # TC6 1.01 has no execution order at symbols of charts
         self.symbol_fields = _SYMBOL - ({"execution_order"} if ctx.version.first_generation else set())
+        told = told_by_others(chart)
+        drawn = chart.drawing.symbols if chart.drawing is not None else []
+        things = {**{symbol.id: symbol for symbol in drawn}, **self.steps, **self.transitions} if told else {}
+        ctx.told_by_others |= {id(things[number]) for number in told}
         self.unchanged = ctx.unchanged.get(id(chart), _NONE)
         self.conditions = _drawn_conditions(chart)
         self.drawn_step_actions = self._drawn_step_actions()

@@ -33,6 +33,7 @@ from plcopen_sfc.formats.xml.extension_data import (
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.model.base import ExtensionData, ForeignData, Model, UnknownDataRule
+from plcopen_sfc.model.drawing import DIVERGENCES
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.text import MarkupText, MultilingualText, Text, is_direct
 from plcopen_sfc.model.variables import VariableSection
@@ -107,6 +108,8 @@ class Tc6WriteContext:
         self.resource_place = ""
         """`Pou.place` of POUs in the resource being written."""
         self.jump_name = ""
+        self.told_by_others: set[int] = set()
+        """Identities (`id`) of the elements of charts whose exclusion is that of a branch or a jump."""
         """The name of what the jump being written leads to."""
 
     def version_tag(self, name: str) -> str:
@@ -271,7 +274,7 @@ def _written(
 
 _WITHOUT_DATA = frozenset({"parameter"})
 """Elements without ``addData`` in every version of TC6: their extension data are in an XML comment."""
-_REWRITTEN = frozenset({"step", "transition", "action"})
+_REWRITTEN = frozenset({"step", "transition", "action", "jumpStep", *DIVERGENCES})
 """Elements whose exclusion from the build `plcopen_sfc.conversion.adaptation` has seen to."""
 _WHY = {"priority": "CODESYS tries transitions from left to right, and they are written in that order"}
 """Fields for which TC6 has a place that not all of its tools read."""
