@@ -9,6 +9,9 @@ from pydantic import Field
 
 from plcopen_sfc.model.base import Model
 
+STEP_ACTION_ENDINGS = {"entry_action": "_entry", "exit_action": "_exit"}
+"""Endings of the names of actions that a step of CoDeSys 2.3 executes when it is entered and left."""
+
 
 class Qualifier(StrEnum):
     """Action qualifiers.

@@ -26,14 +26,16 @@ from plcopen_sfc.languages.st.nodes import Quoting
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.languages.words import needs_quotes
+from plcopen_sfc.model.actions import STEP_ACTION_ENDINGS
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.chart_settings import GRAPH_INPUTS, GRAPH_OUTPUTS, SfcFlag
 from plcopen_sfc.model.declaration import Declaration, Kind, check_kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcBody, SfcNetwork
+from plcopen_sfc.model.sfc import SfcBody, SfcNetwork, Step
 from plcopen_sfc.model.variables import SectionKind, sections_of
+from plcopen_sfc.operations import provided
 from plcopen_sfc.refactor.journal import EDITS, Journal
 from plcopen_sfc.report import RenameResult, Undecided, Use
 
@@ -242,12 +244,17 @@ def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: 
 
     `is_shared`: something beside them may have the new name.
     """
-    overrides = {each: names.resolver.scopes.overrides(each) for each in table}
+    overrides = {each: [*names.resolver.scopes.overrides(each)] for each in table}
     whole = dict(table)
     for declaration, others in overrides.items():
         for other in others:
             if whole.setdefault(other, table[declaration]) != table[declaration]:
                 _refuse(declaration, table[declaration], [f"the {other} overrides it, and gets another name"])
+    for declaration, new in table.items():
+        for action, name in _named_after(names, declaration, new):
+            if action not in whole:
+                whole[action] = name
+                overrides[declaration].append(action)
     wanted = {declaration: new for declaration, new in whole.items() if new != declaration.name}
     for declaration, new in wanted.items():
         _check_name(names, declaration, new)
@@ -298,8 +305,20 @@ def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: 
     return [_with_overrides(results[each], [results[other] for other in overrides[each]]) for each in table]
 
 
+def _named_after(names: Names, declaration: Declaration, new: str) -> Iterator[tuple[Declaration, str]]:
+    """Yield the entry and exit actions that CoDeSys 2.3 finds by the name of their step, with their new names."""
+    step = declaration.holders[0] if declaration.holders else None
+    if not isinstance(step, Step) or provided("default_profile")(names.project).name != "codesys23":
+        return
+    for field, ending in STEP_ACTION_ENDINGS.items():
+        name = getattr(step, field)
+        action = declaration.pou.find_action(name) if declaration.pou is not None and isinstance(name, str) else None
+        if action is not None and action.name.casefold() == f"{step.name}{ending}".casefold():
+            yield names.declaration_of(action), f"{new}{ending}"
+
+
 def _with_overrides(own: RenameResult, others: Iterable[RenameResult]) -> RenameResult:
-    """Return the result for a declaration and those that override it, which have its name."""
+    """Return the result for a declaration and those that follow it: that override it, or are named after it."""
     for other in others:
         place = Use(other.path.rpartition(".")[0], "declaration", (0, 0), 1, 1, other.old)
         own = replace(own, changed=(*own.changed, place, *other.changed), undecided=own.undecided + other.undecided)

@@ -1,7 +1,8 @@
 """Charts of CoDeSys 2.3 in simple steps and in IEC steps (manual of CoDeSys V2.3, "Simplified steps", "IEC steps").
 
-A simple step has one action, which may be code in place, an entry and an exit action, and a flag called like the step.
-An IEC step has associations, which execute an action once more when their step was left, and members (``Wait.x``).
+A simple step has one action, which may be code in place, and a flag called like the step. An IEC step has associations,
+which execute an action once more when their step was left, and members (``Wait.x``). Both may have an entry and an exit
+action. The initial step takes no association (textbook on CoDeSys 2.3), so it stays simple where it has an action.
 Which kind a chart has decides the notation, so charts are switched as a whole. The last execution matters where an
 action counts or adds, say: code that asks for the step first does nothing then.
 """
@@ -50,41 +51,37 @@ _MOST_ASSOCIATIONS = 9
 def use_iec_steps(journal: Journal, chart: SfcNetwork, *, guarded: bool = False) -> list[str]:
     """Make the action of each step an association with N; return the paths of texts with another notation now.
 
+    The initial step keeps its action, and is a simple step then: CoDeSys 2.3 takes no association at it.
     `guarded`: the code asks if the step is active, so that it is not executed once more.
     """
     what = "the steps cannot become IEC steps"
     project, pou = owners(chart)
     _check_tool(project, what)
+    with_action = [step for step in chart.steps if step.main_action is not None]
+    becoming = [step for step in with_action if not step.initial]
     reasons = [
-        f"the {field.replace('_', ' ')} of {step.name}: an IEC step has none"
-        for step in chart.steps
-        for field in ("entry_action", "exit_action")
-        if getattr(step, field) is not None
-    ]
-    reasons += [
         f"{step.name} has {_MOST_ASSOCIATIONS} associations: CoDeSys 2.3 takes no more"
-        for step in chart.steps
-        if step.main_action is not None and len(step.actions) >= _MOST_ASSOCIATIONS
+        for step in becoming
+        if len(step.actions) >= _MOST_ASSOCIATIONS
     ]
-    if not any(step.main_action is not None for step in chart.steps):
-        reasons.append("no step has an action")
+    if not becoming:
+        reasons.append(_nothing_to_do(chart, with_action))
 
     def by_name(row: Row) -> Place | None:
         step, association = row
-        is_main = step.main_action is not None and all(each is not association for each in step.actions)
+        is_main = any(step is each for each in becoming) and all(each is not association for each in step.actions)
         is_code = guarded or not isinstance(step.main_action, str)
         return place_of_name(f"{step.name}_active" if is_code else f"{step.main_action}") if is_main else None
 
     reasons += changed_places(chart, pou, dialect_of(project), by_name)
     if not guarded:
-        own = [(step, step.main_action) for step in chart.steps if isinstance(step.main_action, str)]
+        own = [(step, step.main_action) for step in becoming if isinstance(step.main_action, str)]
         reasons += _executed_once(chart, pou, dialect_of(project), own)
     if reasons:
         raise refused(what, reasons)
-    changed = write_notation(project, simple_steps(chart.steps), journal, members=True)
-    for step in chart.steps:
-        if step.main_action is None:
-            continue
+    switched = [step for step in simple_steps(chart.steps) if step.main_action is None or not step.initial]
+    changed = write_notation(project, switched, journal, members=True)
+    for step in becoming:
         action = step.main_action
         if guarded:
             journal.put(step, "main_action", StBody(text=_guarded(step, dialect_of(project))))
@@ -94,6 +91,13 @@ def use_iec_steps(journal: Journal, chart: SfcNetwork, *, guarded: bool = False)
         association = ActionAssociation(id=chart.new_id(), qualifier=Qualifier.N, target=action)
         journal.put(step, "actions", [association, *step.actions])
     return changed
+
+
+def _nothing_to_do(chart: SfcNetwork, with_action: list[Step]) -> str:
+    """Return why no step of a chart becomes an IEC step."""
+    if with_action:
+        return f"only {with_action[0].name} has an action, and the initial step takes no association"
+    return "they are IEC steps already" if any(step.actions for step in chart.steps) else "no step has an action"
 
 
 def _executed_once(chart: SfcNetwork, pou: Pou, dialect: Dialect, called: list[tuple[Step, str]]) -> list[str]:

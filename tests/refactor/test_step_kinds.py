@@ -240,7 +240,52 @@ def test_tools_without_step_actions_have_no_simple_steps(path: str, tool: str, e
     assert sfc.dumps(project) == before
 
 
-def test_entry_and_exit_actions_keep_steps_simple() -> None:
-    project = project_of(SIMPLE + "ACTION Fill_exit:\nlamp := FALSE;\nEND_ACTION\n")
-    with pytest.raises(sfc.SfcError, match="the exit action of Fill: an IEC step has none"):
+ENTERED = SIMPLE.replace("lamp := TRUE;\n", "") + (
+    "ACTION Fill_entry:\nlamp := TRUE;\nEND_ACTION\nACTION Fill_exit:\nlamp := FALSE;\nEND_ACTION\n"
+)
+"""A step with an entry and an exit action."""
+
+
+def test_iec_steps_have_entry_and_exit_actions_too() -> None:
+    """The textbook, 11.5.2: they are possible in addition, as at simple steps."""
+    project = project_of(ENTERED)
+    editor = project.edit(prove=True)
+    editor.use_iec_steps(chart_of(project), guarded=True)
+    assert all(proof.equal for proof in editor.proofs)
+    back = sfc.loads(sfc.dumps(project))
+    step = chart_of(back).step("Fill")
+    assert (step.entry_action, step.exit_action) == ("Fill_entry", "Fill_exit")
+    assert [row.target for row in step.actions] == ["Fill_active"]
+    for target in ("codesys", "twincat", "plcopen", "simaticml"):
+        report = sfc.convert(back, target, limit=20).report
+        assert not report.losses, target
+        assert [kind.split(" ")[0].rstrip(",") for kind in report.compared.values()] == ["equal"], target
+    editor = back.edit(clean=True, prove=True)
+    editor.use_simple_steps(chart_of(back))
+    assert all(proof.equal for proof in editor.proofs)
+    assert re.sub(r"\s*\n", "\n", sfc.dumps(back).decode()).rstrip() == ENTERED.rstrip()
+
+
+def test_the_initial_step_takes_no_association() -> None:
+    """The textbook, 11.5.2: it cannot be associated with actions, so that it stays a simple step."""
+    project = project_of(SIMPLE.replace("done AND Fill", "done AND Fill AND NOT Wait"))
+    editor = project.edit(prove=True)
+    editor.use_iec_steps(chart_of(project), guarded=True)
+    assert all(proof.equal for proof in editor.proofs)
+    text = sfc.dumps(project).decode()
+    assert "INITIAL_STEP Wait:\r\nlamp := FALSE;\r\nEND_STEP" in text
+    assert "done AND Fill.x AND NOT Wait\r\n" in text
+    assert not [each for each in sfc.check(project) if each.code == "ACT15"]
+    with pytest.raises(sfc.ModelError, match="only Wait has an action, and the initial step takes no association"):
         project.edit().use_iec_steps(chart_of(project))
+    lone = project_of(IEC.replace("alarm(R);\n", ""))
+    with pytest.raises(sfc.ModelError, match="they are IEC steps already"):
+        lone.edit().use_iec_steps(chart_of(lone))
+
+
+def test_entry_and_exit_actions_follow_the_name_of_their_step() -> None:
+    """Two actions that call those with the old name were added, which stayed."""
+    project = project_of(ENTERED + "ACTION Other:\nFill_exit();\nEND_ACTION\n")
+    before = sfc.dumps(project).decode()
+    chart_of(project).rename_step("Fill", "Pour")
+    assert sfc.dumps(project).decode() == before.replace("Fill", "Pour")

@@ -36,7 +36,7 @@ from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.st.parsing import parse_expression, statement_problems
 from plcopen_sfc.languages.words import take_name
 from plcopen_sfc.model import sfc
-from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.actions import STEP_ACTION_ENDINGS, Qualifier
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
@@ -47,8 +47,6 @@ from plcopen_sfc.whole_numbers import whole_number
 
 SOURCE = EXPORTS
 """Source of the bodies that are kept as they are."""
-ENTRY, EXIT = "_entry", "_exit"
-"""Endings of the names of actions that a step executes when it is entered and left."""
 Note = Callable[[str, str, int], None]
 """Takes a finding: the code of an error, its message, and the offset."""
 
@@ -255,7 +253,7 @@ class _ChartReader:
             position = pragma.end(1)
         step = step.model_copy(update=given)  # no assignment validates: times in files may be invalid
         step.extension_data = keep({"pragmas": "\n".join(others)} if others else {})
-        for ending, attribute in ((ENTRY, "entry_action"), (EXIT, "exit_action")):
+        for attribute, ending in STEP_ACTION_ENDINGS.items():
             own = f"{name}{ending}"
             if own.casefold() in self.names.stand_ins:
                 self.names.replaced.add(own.casefold())
@@ -462,7 +460,8 @@ def _step_block(step: sfc.Step, names: ChartNames, path: str) -> WrittenBlock:
         if not isinstance(step.main_action, str):
             names.note_call(text, path)
         blocks.append(WrittenBlock(("body", ""), text, verbatim=True))
-    for ending, content in ((ENTRY, step.entry_action), (EXIT, step.exit_action)):
+    for attribute, ending in STEP_ACTION_ENDINGS.items():
+        content = getattr(step, attribute)
         if content is not None:
             names.note("step action", path)
             names.action(f"{step.name}{ending}", content, path)

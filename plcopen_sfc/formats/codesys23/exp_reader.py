@@ -9,8 +9,6 @@ from itertools import islice
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.codesys23.chart_text import (
-    ENTRY,
-    EXIT,
     PouNames,
     body_problems,
     called_alone,
@@ -49,6 +47,7 @@ from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.networks.exported_networks import KNOWN_SECTIONS
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
+from plcopen_sfc.model.actions import STEP_ACTION_ENDINGS
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou, PouKind
@@ -218,7 +217,7 @@ class _Reader:
         found: dict[str, str] = {}
         known = {action.name.casefold(): action.name for action in one.actions}
         for action in one.actions:
-            if not action.name.casefold().endswith((ENTRY, EXIT)):
+            if not action.name.casefold().endswith(tuple(STEP_ACTION_ENDINGS.values())):
                 continue
             called = called_alone(self.text, core(self.text, action.body.span))
             word = re.compile(rf"\b{action.name}\b", re.IGNORECASE)

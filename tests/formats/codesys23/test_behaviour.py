@@ -130,9 +130,9 @@ def test_a_simple_step_beside_iec_steps_has_a_flag_of_its_name() -> None:
     assert "lamp := Wait;" in back
     assert "IF Wait AND NOT Run.x THEN" in back
     assert "a AND NOT Run.x" in back
-    # IEC steps of all steps: each is a structure
-    project.edit().use_iec_steps(project.pou("Main").chart)
-    assert "IF Wait.x AND NOT Run.x THEN" in sfc.dumps(project).decode()
+    # the initial step, which takes no association, stays simple beside IEC steps
+    with pytest.raises(sfc.ModelError, match="only Wait has an action"):
+        project.edit().use_iec_steps(project.pou("Main").chart)
 
 
 @pytest.mark.parametrize("association", ["", "q(N);"])
