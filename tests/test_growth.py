@@ -18,7 +18,7 @@ from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.languages.binding import Row, SharedScans, shared_scans, told_orders
 from plcopen_sfc.languages.st import parsing
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.pages.report_words import german
+from plcopen_sfc.pages.page_words import german
 
 
 def ring(steps: int, qualifier: str = "N") -> sfc.Project:

@@ -8,8 +8,8 @@
 * `page_index`: anchors of objects, links in program text, places that use an object
 * `timing_diagram`: a trace as a picture, and in the page of its project, to play on the chart
 * `html_text`: elements and documents; `page.css` and `page.js` for the browser
-* `page_words`: English and German; `report_words` and `verdict_words`: the messages of reports and `check`, and of
-  comparisons, which `phrases` recognises; the tables are JSON files in ``german/``
+* `page_words`: English and German, messages too; `verdict_words`: those of comparisons, which are composed; `phrases`
+  recognises them by the tables in ``german/``
 """
 
 from plcopen_sfc.pages.comparison_page import conversion_page, diff_page

@@ -105,7 +105,7 @@ def conversion_page(
     pairs = list(_pairs(left, right))
     places = ((side.index.parts[prefix][0].path, n) for n, pair in enumerate(pairs) for side, prefix in pair if prefix)
     pictures = {path: f"chart-{number}" for path, number in places}
-    tools = " \u2192 ".join(words.tool(tool_of(name)) for name in (report.source_format, report.target_format))
+    tools = " \u2192 ".join(words(tool_of(name)) for name in (report.source_format, report.target_format))
     title = f"{title_of(source)}: {tools}"
     lists = ItemLists(report, left.index, words)
     outcomes = [outcome for outcome in (*_MARKS, Outcome.EXTENSION_DATA) if report.with_outcome(outcome)]
@@ -128,7 +128,7 @@ def conversion_page(
 
 
 def _caption(side: str, project: Project | None, format_name: str, words: Words) -> str:
-    told = f"{words(side)}: {words.tool(tool_of(format_name))}"
+    told = f"{words(side)}: {words(tool_of(format_name))}"
     name = file_name_of(project) if project is not None else ""
     return f"{told}, {name}" if name else told
 

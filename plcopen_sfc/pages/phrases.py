@@ -2,7 +2,8 @@
 
 In a message of a table ``{}`` is the place of a text that is shown as it is, such as a name, ``{+}`` for something that
 is German too, ``{|}`` for several of these with commas and "or" between them, ``{&}`` for names with "and" between
-them or "and 2 more" behind them, and ``{#}`` for a number. In the German text ``{}`` or ``{0}`` are their places.
+them or "and 2 more" behind them, ``{#}`` for a number, and ``{.}`` for a text without blanks. In the German text ``{}``
+or ``{0}`` are their places.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ class Phrases:
     def _read_pattern(self, message: str) -> tuple[re.Pattern[str], list[str], str]:
         places = _PLACES.findall(message)
         first, *others = map(re.escape, _PLACES.split(message))
-        values = [_NUMBER if place == "{#}" else "(.+?)" for place in places]
+        values = [_VALUES.get(place, "(.+?)") for place in places]
         pattern = first + "".join(f"{value}{own}" for value, own in zip(values, others, strict=True))
         return re.compile(pattern, re.DOTALL), places, self._table[message]
 
@@ -95,7 +96,7 @@ def german_label(text: str) -> str:
 
 
 _FROM_NOWHERE, _TO_NOWHERE = re.compile(r"\bnowhere -> "), re.compile(r" -> nowhere\b")
-_PLACES = re.compile(r"\{[+|&#]?\}")
+_PLACES = re.compile(r"\{[+|&#.]?\}")
 _MORE = re.compile(r" and (\d+) more$")
 _THOUSANDS = re.compile(r"(?<=\d),(?=\d{3}\b)")
-_NUMBER = r"(\d[\d,.]*)"
+_VALUES = {"{#}": r"(\d[\d,.]*)", "{.}": r"(\S+)"}

@@ -384,13 +384,13 @@ class _ProjectContent:
     def _finding(self, finding: Diagnostic, *, linked: bool) -> Html:
         place = finding.location
         title = element("b", f"{self.words(finding.severity.value)} {finding.code}")
-        parts: list[str] = [title, " ", with_code(self.words.finding(finding.message))]
+        parts: list[str] = [title, " ", with_code(self.words.message(finding.message))]
         if linked and place.path:
             parts += [" ", link(self.index.anchor_at(place.path), self.words.place(place.path))]
         if place.line:
             parts += [" ", element("small", self.words("line {}", place.line))]
         if finding.hint:
-            parts.append(element("div", with_code(self.words.finding(finding.hint)), class_="comment"))
+            parts.append(element("div", with_code(self.words.message(finding.hint)), class_="comment"))
         return element("li", *parts, class_=f"is-{finding.severity}")
 
 

@@ -110,7 +110,7 @@ def trace_section(trace: Trace, index: PageIndex, words: Words) -> Html:
         trace.profile or "-",
     )
     heading = element("h2", element("small", words("Simulation")), " ", trace.name)
-    reason = words.failure(trace.ended)
+    reason = words.message(trace.ended)
     ended = element("p", words("The run ended with an error: {}", reason), class_="ended") if reason else ""
     section = element("section", heading, element("p", told), ended, figure, picture, values, id="trace")
     return joined(section, player, data_element("trace-data", data))  # outside: what contains a section fixes in it

@@ -17,7 +17,7 @@ from plcopen_sfc.languages.networks import DrawingRules, draw_fbd, draw_ld
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.pages.report_words import german
+from plcopen_sfc.pages.page_words import german
 from plcopen_sfc.refactor.dialect_translation import translate_project
 from plcopen_sfc.report import Outcome
 from plcopen_sfc.semantics.programs import Controller

@@ -11,7 +11,7 @@ from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import equivalent
 from plcopen_sfc.languages.networks import DrawingRules, draw_ld
 from plcopen_sfc.languages.st import parse_statements
-from plcopen_sfc.pages.report_words import german
+from plcopen_sfc.pages.page_words import german
 from plcopen_sfc.report import Item, Outcome
 
 RING = """FUNCTION_BLOCK Main

@@ -9,7 +9,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.errors import LossError
-from plcopen_sfc.pages.report_words import german
+from plcopen_sfc.pages.page_words import german
 from plcopen_sfc.report import START_OF_CHART, Item, Outcome
 from tests.conversion.features import Feature, FeatureChart, feature_project, variable
 from tests.conversion.matrix import converted, same_behaviour

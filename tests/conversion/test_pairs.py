@@ -6,7 +6,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.pages.report_words import german
+from plcopen_sfc.pages.page_words import german
 from plcopen_sfc.report import Item, Outcome
 from tests.conversion.features import Feature, FeatureChart, feature_project
 from tests.conversion.matrix import judge

@@ -9,7 +9,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.pages.report_words import german
+from plcopen_sfc.pages.page_words import german
 from plcopen_sfc.report import Cause, CauseKind, Item, Outcome, grouped_by_reason
 from tests.conversion.features import drawn
 from tests.samples import FIXTURES

@@ -22,7 +22,7 @@ from plcopen_sfc.conversion.chart_runs import SHIFTED
 from plcopen_sfc.conversion.running import report_running
 from plcopen_sfc.errors import ComparisonInterrupt, LossError, SfcError
 from plcopen_sfc.pages.conversion_overview import ChartVerdict, verdict_of
-from plcopen_sfc.pages.report_words import german
+from plcopen_sfc.pages.page_words import german
 from plcopen_sfc.report import START_OF_CHART, ConversionReport, Outcome
 from tests.corpus import corpus_files
 from tests.samples import FIXTURES

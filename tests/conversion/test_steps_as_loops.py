@@ -10,7 +10,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.model.compare import differences
-from plcopen_sfc.pages.report_words import german
+from plcopen_sfc.pages.page_words import german
 from plcopen_sfc.report import Outcome
 from tests.conversion.features import Feature, FeatureChart, feature_project, variable
 from tests.conversion.matrix import same_behaviour

@@ -16,7 +16,7 @@ from plcopen_sfc.formats.plcopen.tc6_versions import validate_tc6
 from plcopen_sfc.model import FbdBody, LdBody, Project, Qualifier, SfcNetwork
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.drawing import SymbolKind
-from plcopen_sfc.pages.report_words import german
+from plcopen_sfc.pages.page_words import german
 from plcopen_sfc.report import Outcome
 from tests.corpus import corpus_files, require_corpus
 from tests.samples import accepting

@@ -558,7 +558,7 @@ END_PROGRAM
 
 def test_findings_are_told_in_german() -> None:
     words = Words("de")
-    assert {rule.code for rule in all_rules() if words.finding(rule.hint) == rule.hint} == set()
+    assert {rule.code for rule in all_rules() if words.message(rule.hint) == rule.hint} == set()
     tree = parse(sfc.page(sfc.load(FIXTURES / "iectext" / "distribution_belt.st"), lang="de"))
     found = words_of(tree.xpath("//section[@id='findings']")[0])
     assert "Warnung ACT02 GVL_EA.K2_BandLinks wird hier gesetzt (SD), und Schritt Zurueck_Platz1 schreibt" in found, (
@@ -590,7 +590,7 @@ def test_findings_tell_kinds_of_actions_in_german() -> None:
         "is assigned here, and stored ({0}) in step 2",
     ):
         for kind in kinds:
-            told = words.finding(f"K2 {form.format(kind)}")
+            told = words.message(f"K2 {form.format(kind)}")
             assert "K2 wird hier" in told
             assert kind not in told
     project = sfc.loads(

@@ -114,8 +114,8 @@ def test_a_line_is_german_but_for_its_code(line: str) -> None:
 
 
 def test_a_tool_in_a_heading_is_in_the_nominative() -> None:
-    assert Words("de").tool("tools that read the text") == "Werkzeuge für Text"
-    assert Words("de").tool("CODESYS") == Words("en").tool("CODESYS") == "CODESYS"
+    assert Words("de")("tools that read the text") == "Werkzeuge für Text"
+    assert Words("de")("CODESYS") == Words("en")("CODESYS") == "CODESYS"
 
 
 def test_a_line_is_a_sentence() -> None:
@@ -155,4 +155,4 @@ def test_tables_have_each_message_once_and_german_with_values_that_it_has(file: 
     assert len(messages) == len({english for english, _ in messages}) > 100
     assert sum(map(len, german_tables(file.stem).values())) == len(messages)
     for english, german in messages:
-        german.format(*["value"] * len(re.findall(r"\{[+|&#]?\}", english)))  # it asks for no value that there is not
+        german.format(*["value"] * len(re.findall(r"\{[+|&#.]?\}", english)))  # it asks for no value that there is not

@@ -11,7 +11,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc.analysis.checks import Rule, all_rules
 from plcopen_sfc.analysis.checks.checked_chart import FAMILIES
 from plcopen_sfc.analysis.checks.rule_table import catalogue
-from plcopen_sfc.pages.report_words import german_finding
+from plcopen_sfc.pages.page_words import german
 from tests.analysis.checks.charts import project_of
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "checks.md"
@@ -49,11 +49,11 @@ def test_examples_break_their_rule(rule: Rule) -> None:
         assert {finding.severity for finding in findings} <= {rule.severity_for(name)}
     told = {text for findings in found.values() for finding in findings for text in (finding.message, finding.hint)}
     for text in told:
-        german = german_finding(text)
-        assert german != text
-        kept = set(WORD.findall(german)) & set(WORD.findall(text)) - {"was"}
+        told_of_it = german(text)
+        assert told_of_it != text
+        kept = set(WORD.findall(told_of_it)) & set(WORD.findall(text)) - {"was"}
         # names of the example are kept, and nothing else is English
-        assert [word for word in kept if not re.search(rf"\b{word}\b", rule.example)] == [], german
+        assert [word for word in kept if not re.search(rf"\b{word}\b", rule.example)] == [], told_of_it
 
 
 def test_the_page_is_made_of_the_rules() -> None:
