@@ -120,8 +120,7 @@ def decode_export(data: bytes, page: str = "") -> CodePageText:
             raise EncodingError(
                 message, location=Location(None, line), hint="Name another code page, or none."
             ) from error
-    named = _NAMED.search(data)
-    encoding = named[1].decode() if named is not None and named[1].decode() in CODE_PAGES else ""
+    encoding = named = _named_page(data)
     marked = data.startswith((codecs.BOM_UTF8, codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     if not encoding and not marked:
         if data.isascii():
@@ -133,10 +132,16 @@ def decode_export(data: bytes, page: str = "") -> CodePageText:
             text, _ = codecs.charmap_decode(data, "strict", _characters(encoding))
         else:
             text = data.decode(encoding)
-        return CodePageText(text, encoding, guessed=named is None)
+        return CodePageText(text, encoding, guessed=not named)
     except (UnicodeDecodeError, LookupError):
         found = decode_text(data)
         return CodePageText(found.text, found.encoding, guessed=found.guessed)
+
+
+def _named_page(data: bytes) -> str:
+    """Return the code page that a comment of this package in a file names; empty without one."""
+    named = _NAMED.search(data)
+    return named[1].decode() if named is not None and named[1].decode() in CODE_PAGES else ""
 
 
 def _is_taken_as_usual(text: str) -> bool:
@@ -191,12 +196,14 @@ def write_blocks(
     report: ConversionReport,
     page: str = "",
     baseline: Project | None = None,
+    named: str = "",
 ) -> WrittenBlock:
     """Return the text of a project, in the blocks that an edit replaces.
 
     `meant` comes back from it: the project itself, or what it was before it was put into the terms of the tool.
     `page`: characters that this code page does not have are replaced, and are in comments. `baseline` is what was read
-    from a text without such comments, so that what is as it was there needs none.
+    from a text without such comments, so that what is as it was there needs none. `named` is the code page that the
+    comments name in any case.
     """
     blocks = [_in_page(block, page) if page else block for block in numbered_blocks(_objects(project, report))]
     if baseline is None:
@@ -212,7 +219,9 @@ def write_blocks(
     for change, path in left:
         report.add(Outcome.EXTENSION_DATA, change.field, path, "CoDeSys 2.3 cannot express it; it is in a comment")
     if page and not (page == USUAL and _is_taken_as_usual("\n".join(block.whole() for block in blocks))):
-        left.insert(0, (RemainderEntry((CODE_PAGE,), page), ""))
+        named = page
+    if named:
+        left.insert(0, (RemainderEntry((CODE_PAGE,), named), ""))
     if left:
         rest = "\n".join(f"(* {_ascii(f'{{plcopen_sfc {change}}}')} *)" for change, _ in left)
         blocks.append(WrittenBlock(("rest", ""), rest, apart=True))
@@ -645,7 +654,8 @@ class ExpCodec(TextCodec):
     def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
         # in comments of this package an object may be named with its neighbours
         known = options.baseline if not OWN_LINE.search(self.decode(options.source).text) else None
-        return write_blocks(project, options.rewritten or project, report, baseline=known)
+        named = _named_page(options.source)
+        return write_blocks(project, options.rewritten or project, report, baseline=known, named=named)
 
     def located(self, content: bytes) -> tuple[Project, SourceText, BlockSpan]:
         source = self.decode(content)
