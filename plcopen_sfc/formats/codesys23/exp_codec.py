@@ -195,6 +195,7 @@ def write_blocks(
     meant: Project,
     report: ConversionReport,
     page: str = "",
+    *,
     baseline: Project | None = None,
     named: str = "",
 ) -> WrittenBlock:

@@ -238,8 +238,9 @@ def test_pragmas_before_a_body_and_lists_that_cannot_be_read_survive_an_edit() -
 
 def test_an_edit_keeps_the_comment_that_names_the_code_page() -> None:
     """It was taken out by any edit, and the code page was a guess when the file was read again."""
-    text = "(* @PATH := '' *)\nPROGRAM Main\nVAR\n\ta : BOOL; (* %s *)\nEND_VAR\n(* @END_DECLARATION := '0' *)\na := TRUE;\nEND_PROGRAM\n"
-    project = sfc.loads((text % "x").encode(), format="codesys23")
+    declared = "(* @PATH := '' *)\nPROGRAM Main\nVAR\n\ta : BOOL;\nEND_VAR\n"
+    text = f"{declared}(* @END_DECLARATION := '0' *)\na := TRUE;\nEND_PROGRAM\n"
+    project = sfc.loads(text.encode(), format="codesys23")
     project.pous[0].variables()[0].comment = "Łódź"
     written = sfc.dumps(project, format="codesys23-cp1250")
     assert b"code_page := 'cp1250'" in written
