@@ -209,7 +209,7 @@ def _best_of(wanted: Sequence[Delay], compared: _Compared, tries: _Tries) -> Ver
     likeliest delay comes first, and no other where that one shows no difference. A delay that no time is left for is
     not known to make a difference.
     """
-    longest: tuple[tuple[int, bool], Delay, Verdict | None] | None = None
+    longest: tuple[tuple[bool, int, bool], Delay, Verdict | None] | None = None
     likely = in_retiming(compared.profiles) or 0
     best: Verdict | None = None
     end = spent() + tries.limit if tries.limit is not None else None
@@ -240,10 +240,9 @@ def _best_of(wanted: Sequence[Delay], compared: _Compared, tries: _Tries) -> Ver
                 continue
             assert found.counterexample is not None  # noqa: S101  # it is different
             length = len(found.counterexample.inputs)
-        if each.scans * likely < 0:
-            continue  # the side whose actions come first is the later one, if any
         length -= abs(each.queued)  # scans without a counterpart
-        rank = length, each.scans == likely
+        # the side whose actions come first is the later one, if any
+        rank = each.scans * likely >= 0, length, each.scans == likely
         if longest is None or rank > longest[0]:
             longest = rank, each, found
     if best is not None:

@@ -10,6 +10,7 @@ states, in which more can happen than really does. A proof there is a proof; a d
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Mapping
+from operator import itemgetter
 from typing import Any
 
 from plcopen_sfc.analysis.domains import Domain, NotProvableError, Symbolic, with_each
@@ -27,6 +28,8 @@ MOST_STATES = 2_000
 
 Key = tuple[Hashable, ...]
 Operator = Callable[["Term", object], "Term"]
+_Asked = tuple[tuple[tuple[str, Any], ...], ...]
+"""Names and values of the inputs that were asked for in the last scans, the oldest first."""
 
 
 class Answers:
@@ -154,24 +157,87 @@ class _Names:
         return with_each(state, Term, self.of)
 
 
-class _Abstract:
-    """A system in which some variables may have any value at the beginning of each scan."""
+class _Lagging:
+    """Inputs that one side gets some scans after the other one.
 
-    def __init__(self, system: ProgramSystem, numbers: Iterable[str], names: _Names, *, first: bool) -> None:
+    What the other one has asked for is remembered. Of others it gets any value: nobody knows which was the right one.
+    """
+
+    def __init__(self, scans: int) -> None:
+        self._scans = scans
+        self._asked: _Asked = ()
+        self._now: dict[str, Any] = {}
+
+    def reset(self) -> None:
+        """Go to the state before the first scan."""
+        self._asked, self._now = ((),) * self._scans, {}
+
+    def remembering(self, read: InputReader) -> InputReader:
+        """Return how the side that gets them at once reads its inputs in this scan."""
+        self._now = now = {}
+
+        def remembered(name: str) -> Any:
+            now[name] = value = read(name)
+            return value
+
+        return remembered
+
+    def remembered(self, read: InputReader) -> InputReader:
+        """Return how the side that gets them later reads its inputs in this scan."""
+        then: dict[str, Any] = dict(self._asked[0])
+        return lambda name: then[name] if name in then else read(_lagging(name))
+
+    def snapshot(self) -> Any:
+        """Return what was asked for in the last scans."""
+        return (*self._asked[1:], tuple(sorted(self._now.items(), key=itemgetter(0))))
+
+    def restore(self, snapshot: Any) -> None:
+        """Go back to a state."""
+        self._asked = snapshot
+
+
+def _lagging(name: str) -> str:
+    return f"{name} some scans before"
+
+
+class _Abstract:
+    """A system in which some variables may have any value at the beginning of each scan.
+
+    `lagging`: inputs that it remembers for the other side, or that this one has remembered where it `is_later`.
+    """
+
+    def __init__(
+        self,
+        system: ProgramSystem,
+        numbers: Iterable[str],
+        names: _Names,
+        lagging: _Lagging | None,
+        *,
+        first: bool,
+        is_later: bool,
+    ) -> None:
         self._system = system
         self._cells = [system.instance.cell(name) for name in numbers]
         self._names = names
         self._first = first
-        self.reset = system.reset
-        self.restore = system.restore
+        self._lagging, self._is_later = lagging, is_later
+
+    def reset(self) -> None:
+        """Go to the state before the first scan."""
+        self._system.reset()
+        if self._lagging is not None:
+            self._lagging.reset()
 
     def scan(self, read: InputReader, *, first: bool) -> None:
         """Run one scan."""
+        if self._lagging is not None:
+            read = self._lagging.remembered(read) if self._is_later else self._lagging.remembering(read)
         self._system.scan(read, first=first)
 
-    def observed(self) -> tuple[Any, ...]:
-        """Return the value to compare: of terms their calculation."""
-        return tuple([each.key() if isinstance(each, Term) else each for each in self._system.observed_now()])
+    def observed(self) -> tuple[Any, ...] | None:
+        """Return the values to compare, of terms their calculation; None: this scan has no counterpart."""
+        found = self._system.observed()
+        return None if found is None else tuple([each.key() if isinstance(each, Term) else each for each in found])
 
     def snapshot(self) -> Any:
         """Return the state; both sides are asked one after the other."""
@@ -181,7 +247,15 @@ class _Abstract:
         for cells, slot in self._cells:
             if isinstance(cells[slot], Term | int | float):  # else nothing uses it
                 cells[slot] = self._names.of(cells[slot])
-        return self._names.in_all(self._system.snapshot())
+        asked = () if self._lagging is None else self._lagging.snapshot()
+        return self._names.in_all((self._system.snapshot(), asked))
+
+    def restore(self, snapshot: Any) -> None:
+        """Go back to a state."""
+        state, asked = snapshot
+        self._system.restore(state)
+        if self._lagging is not None:
+            self._lagging.restore(asked)
 
 
 def _same_numbers(left: ProgramSystem, right: ProgramSystem) -> list[str]:
@@ -215,20 +289,27 @@ def explore_terms(
     None where that is not possible, or there are no numbers: a difference that is found, and an error that both end
     with, may be none.
     """
-    if left.is_delayed or right.is_delayed:
-        return None  # what both keep is not the same in the same scan
+    lags = [each.lag for each in (left, right) if each.lag is not None]
+    if len(lags) < len((left, right)) or all(lags):
+        return None
     kept = _same_numbers(left, right)
     unknown = left.unknown or right.unknown
+    if unknown and any(lags):
+        return None  # their results are those of another scan
     if not kept and not unknown and not any(signal.kind in _NUMBERS for signal in signals.values()):
         return None
     reached = left.reached(), right.reached()
     answers = Answers()
     names = _Names(answers)
-    sides = [_Abstract(each, kept, names, first=each is left) for each in (left, right)]
+    lagging = _Lagging(max(lags)) if any(lags) else None
+    given = signals if lagging is None else {**signals, **{_lagging(name): each for name, each in signals.items()}}
     domains = {
         name: TermDomain(name, signal, answers) if signal.kind in _NUMBERS else Domain(name, signal)
-        for name, signal in signals.items()
+        for name, signal in given.items()
     }
+    sides = [
+        _Abstract(each, kept, names, lagging, first=each is left, is_later=bool(each.lag)) for each in (left, right)
+    ]
 
     def follow(branching: Branching) -> None:
         answers.branching = branching
@@ -239,7 +320,13 @@ def explore_terms(
     calls = (left.unknown_calls, right.unknown_calls)
     for each in calls:
         each.number = number
+    for system, lag in zip((left, right), lags, strict=True):
+        if lag:  # its inputs come later, rather than that what it does waits: so both have the same numbers at one time
+            system.delay(begins=lag)
     found = ended(search(sides[0], sides[1], domains, min(cap, MOST_STATES), follow=follow), look)
+    for system, lag in zip((left, right), lags, strict=True):
+        if lag:
+            system.delay(kept=lag)
     for each in calls:
         each.number = None
     if found.complete and not found.notes:

@@ -450,6 +450,11 @@ class ProgramSystem:
         self._late, self._held = late, dict(late)
 
     @property
+    def lag(self) -> int | None:
+        """By how many scans it is compared with what the other side does later; None: it begins otherwise, too."""
+        return None if self._kept and (self._begins or self._alone or self._late) else self._kept
+
+    @property
     def is_retimable(self) -> bool:
         """True if its scans can be cut behind the actions: it is a chart, and the only one that it executes."""
         paths = [path for path, _, _ in self.instance.charts()]

@@ -105,6 +105,47 @@ def test_a_chart_that_counts_is_proven() -> None:
         assert found.kind is outcome, str(found)
 
 
+COUNTING = """INITIAL_STEP S0: END_STEP TRANSITION FROM S0 TO S1 := c; END_TRANSITION
+STEP S1: Count(P1); b(N); END_STEP TRANSITION FROM S1 TO S0 := n > i; END_TRANSITION
+ACTION Count: n := n + 1; m := n * 2; END_ACTION
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("n + 1", "n + 2"),
+        ("n * 2", "n + n - 1"),
+        ("n > i", "n >= i"),
+        ("n > i", "n > i + 1"),
+        ("n > i", "m > i"),
+        ("Count(P1)", "Count(P)"),
+        ("Count(P1)", "Count(N)"),
+        ("FROM S0 TO S1 := c", "FROM S0 TO S1 := NOT c"),
+        ("m := n * 2", "IF n > 3 THEN m := n * 2; END_IF"),
+    ],
+)
+def test_a_counter_is_proven_though_one_tool_is_a_scan_later(old: str, new: str) -> None:
+    """40 seconds were spent on the values of a counter, and behind them was no proof."""
+    text = f"PROGRAM P VAR_INPUT c : BOOL; i : INT; END_VAR VAR_OUTPUT n, m : INT; b : BOOL; END_VAR {COUNTING}"
+    text += "END_PROGRAM"
+    one, other = (sfc.loads(each.encode(), format="iec-text").pous[0] for each in (text, text.replace(old, new)))
+    same = equivalent(one, one, ("iec", "codesys"), delay=1, cap=300, runs=6, scans=30)
+    assert same.proven, str(same)
+    for tools in (("iec", "codesys"), ("codesys", "iec")):
+        found = equivalent(one, other, tools, delay="auto", cap=300, runs=12, scans=60)
+        assert found.kind is VerdictKind.DIFFERENT, str(found)
+
+
+def test_a_delay_of_the_side_that_is_never_later_is_a_difference() -> None:
+    """A given delay that no tool makes ended with an error of the library."""
+    text = f"PROGRAM P VAR_INPUT c : BOOL; i : INT; END_VAR VAR_OUTPUT n, m : INT; b : BOOL; END_VAR {COUNTING}"
+    one = sfc.loads(f"{text}END_PROGRAM".encode(), format="iec-text").pous[0]
+    found = equivalent(one, one, ("iec", "codesys"), delay=-1, cap=300, runs=6, scans=30)
+    assert found.kind is VerdictKind.DIFFERENT
+    assert found.counterexample is not None
+
+
 def test_whatever_is_asked_of_a_term_holds_for_its_numbers() -> None:
     """Terms and numbers side by side: a way through the answers is the one that the numbers take."""
     random = Random(1)  # noqa: S311
@@ -159,3 +200,55 @@ def test_proofs_with_terms_agree_with_searches_of_all_numbers(monkeypatch: pytes
         different += exact.kind is VerdictKind.DIFFERENT
     assert proven > 0
     assert different > 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tools", [("iec", "codesys"), ("codesys", "iec")])
+def test_proofs_with_terms_of_charts_a_scan_apart_agree_with_searches(
+    tools: tuple[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where one side gets its inputs later no number may be taken for that of another scan."""
+    random = Random(5)  # noqa: S311
+    conditions = ["c", "NOT c", "n > i", "n > 2", "n = m", "c AND n >= i", "TRUE"]
+    statements = [
+        "n := n + 1;",
+        "n := n + i;",
+        "m := n;",
+        "m := i;",
+        "IF c THEN n := 0; END_IF;",
+        "IF n > i THEN m := 1; END_IF;",
+    ]
+    head = "PROGRAM P VAR_INPUT c : BOOL; i : INT (0..2); END_VAR VAR_OUTPUT n, m : INT (0..4); b : BOOL; END_VAR "
+    bound = " IF n > 4 THEN n := 0; END_IF; IF m > 4 THEN m := 4; END_IF;"
+
+    def drawn() -> list[str]:
+        steps = [f"s{place} ({random.choice(['N', 'P1', 'P'])})" for place in range(2)]
+        return [*random.choices(conditions, k=2), *steps, *random.choices(statements, k=2)]
+
+    def chart(parts: list[str]) -> sfc.model.Pou:
+        first, second, one, other, *bodies = parts
+        text = (
+            f"INITIAL_STEP S0: {one.replace('s0', 'A0')}; END_STEP TRANSITION FROM S0 TO S1 := {first}; END_TRANSITION "
+        )
+        text += f"STEP S1: {other.replace('s1', 'A1')}; b(N); END_STEP "
+        text += f"TRANSITION FROM S1 TO S0 := {second}; END_TRANSITION "
+        text += " ".join(f"ACTION A{place}: {body}{bound} END_ACTION" for place, body in enumerate(bodies))
+        return sfc.loads(f"{head}{text} END_PROGRAM".encode(), format="iec-text").pous[0]
+
+    outcomes = {True: 0, False: 0}
+    for _ in range(15):
+        parts = drawn()
+        changed = [*parts]
+        if random.random() < 0.7:
+            place = random.randrange(6)
+            changed[place] = drawn()[place]
+        for delay in (1, -1, "auto"):
+            sides = chart(parts), chart(changed)
+            with monkeypatch.context() as patch:
+                patch.setattr(equivalence, "race", lambda *_: Explored(0, 0, complete=False, capped=True))
+                found = equivalent(*sides, tools, delay=delay, cap=4_000, runs=0)
+            if found.proven:
+                exact = equivalent(*sides, tools, delay=found.delay, cap=4_000, runs=0)
+                assert exact.kind is not VerdictKind.DIFFERENT, (parts, changed, str(exact))
+            outcomes[found.proven] += 1
+    assert min(outcomes.values()) > 0
