@@ -215,10 +215,16 @@ def _stated(attribute: etree._Element) -> tuple[str, str, str | None]:
         if name == "AttributeId":
             guid = text_of(child) or ""
         elif name == "Value":
-            kind, text = child.get("t", ""), text_of(member(child, "Value"))
+            kind, text = child.get("t", ""), _quoted(member(child, "Value"))
             if guid:  # the rest are numbers
                 break
     return guid, kind, text
+
+
+def _quoted(value: etree._Element | None) -> str | None:
+    """Return the text of a string; None where it has no quotes, which no file has shown."""
+    text = (value.text or "") if value is not None and value.tag == "v" else ""
+    return text[1:-1] if text[:1] == text[-1:] == '"' and len(text) > 1 else None
 
 
 def objection(attribute: etree._Element, kind: str) -> str:
@@ -231,7 +237,10 @@ def objection(attribute: etree._Element, kind: str) -> str:
         return f"the attribute {guid} of an element is not understood: no file has shown it"
     if kind_of_value != known.kind:
         return f"the attribute {known.name} is a {kind_of_value or 'value without a type'}, and not a {known.kind}"
-    return f"the attribute {known.name} cannot be {text or 'without a value'}"
+    if text is not None:
+        return f"the attribute {known.name} cannot be {text or 'without a value'}"
+    value = next((text_of(member(each, "Value")) for each in attribute if each.get("n") == "Value"), None)
+    return f"the value of the attribute {known.name} is no text in quotes, but {value or 'nothing'}"
 
 
 def attribute_numbers(element: etree._Element) -> Iterator[tuple[str, int]]:

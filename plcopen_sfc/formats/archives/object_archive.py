@@ -69,12 +69,17 @@ def unknown_type(archive: etree._Element) -> etree._Element | None:
     return None
 
 
+def has_types(archive: etree._Element) -> bool:
+    """True if an archive lists the types of its objects."""
+    return archive.find("TypeList/Type") is not None
+
+
 def unlisted_type(archive: etree._Element) -> str:
     """Return the first type of the objects, by name, that the ``TypeList`` does not have; empty without any.
 
     Exports of CODESYS V3 have no list: there each object has the identity of its type.
     """
-    if archive.find("TypeList") is None:
+    if not has_types(archive):
         return ""
     used = {*cast("list[str]", _TYPES_OF_OBJECTS(archive)), *cast("list[str]", _TYPES_OF_ITEMS(archive))}
     listed = {entry.get("n", "") for entry in archive.iterfind("TypeList/Type")}

@@ -17,7 +17,14 @@ from lxml import etree
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import FormatError, Location, StructureError
 from plcopen_sfc.formats.archives.archived_charts import ChartReader, ChartWriter, read_settings, write_settings
-from plcopen_sfc.formats.archives.object_archive import archived, kept_data, kept_in, unknown_type, unlisted_type
+from plcopen_sfc.formats.archives.object_archive import (
+    archived,
+    has_types,
+    kept_data,
+    kept_in,
+    unknown_type,
+    unlisted_type,
+)
 from plcopen_sfc.formats.archives.object_identities import add_code, identity, identity_of
 from plcopen_sfc.formats.archives.property_elements import (
     edited_property,
@@ -210,7 +217,9 @@ class _Reader:
             if wrong is not None:
                 self._ctx.error("TWC103", f"the type {wrong.get('n')} is another one than in any known file", wrong)
             unlisted = unlisted_type(archive)
-            if unlisted:
+            if not has_types(archive) and self._source == "twincat":
+                self._ctx.error("TWC103", "the archive of the chart has no list of types (TypeList)", archive)
+            elif unlisted:
                 self._ctx.error("TWC103", f"the list of types lacks {unlisted}, which the archive uses", archive)
             fields = ChartReader(self._ctx, names).read(chart)
             settings = owner.find("ObjectProperties/XmlArchive")
@@ -221,7 +230,9 @@ class _Reader:
                 network.settings = SfcSettings.model_validate(stated)
             return SfcBody(chart=network)
         kept = OpaqueBody(source=self._source, content=markup(body))
-        if kept.source not in SOURCES or network_statements(kept.content) is None:
+        if body.tag == "SFC":
+            self._ctx.error("TWC101", "the archive of the chart has no objects (Data): nothing of it is read", body)
+        elif kept.source not in SOURCES or network_statements(kept.content) is None:
             self._ctx.warn("TWC104", f"a body in {body.tag} is kept as it is, and not understood", body)
         return kept
 

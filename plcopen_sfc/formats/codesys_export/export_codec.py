@@ -17,7 +17,6 @@ from functools import partial
 from lxml import etree
 from pydantic import ValidationError
 
-from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import FormatError, Location, StructureError
 from plcopen_sfc.formats.archives.object_elements import (
     identities_in,
@@ -205,7 +204,7 @@ class _Reader:
     def read(self) -> ReadResult:
         project = Project(dialect=Dialect.CODESYS)
         applications: dict[str, Resource] = {}
-        kept: Counter[str] = Counter()
+        kept: dict[str, list[Entry]] = {}
         names = {entry.guid: entry.name for entry in self._entries}
         for guid in (guid for guid, count in Counter(entry.guid for entry in self._entries).items() if count > 1):
             second = [entry for entry in self._entries if entry.guid == guid][1]
@@ -220,13 +219,14 @@ class _Reader:
             elif kind in _READ:
                 self._take(project, entry)
             elif kind not in INNER and kind not in TREE:
-                kept[kind] += 1
+                kept.setdefault(kind, []).append(entry)
         project.applications = list(applications.values())
         project.adopt()  # each object was in a project of its own
         if kept:
-            what = ", ".join(f"{count} of {kind}" for kind, count in sorted(kept.items()))
+            what = ", ".join(f"{len(held)} of {kind} ({held[0].name})" for kind, held in sorted(kept.items()))
             message = f"objects that are kept in the file as they are, and nowhere else: {what}"
-            self._ctx.diagnostics.append(Diagnostic("CEX103", Severity.WARNING, message, Location(self._file)))
+            first = min((held[0] for held in kept.values()), key=self._entries.index)
+            self._ctx.warn("CEX103", message, first.element)
         return ReadResult(project, self._ctx.diagnostics)
 
     def _take(self, project: Project, entry: Entry) -> None:

@@ -61,7 +61,20 @@ def test_an_export_is_read_whole() -> None:
     assert all(pou.project is project for pou in project.pous)
     assert sfc.simulate(project.pou("Mischer"), scans=3) is not None
     assert [found.code for found in project.diagnostics] == ["CEX103"]
-    assert "library manager" in project.diagnostics[0].message
+    assert "1 of library manager (" in project.diagnostics[0].message
+    assert project.diagnostics[0].location.line
+
+
+def test_an_object_of_a_kind_that_is_not_known_is_named_at_its_line() -> None:
+    """A block whose kind was damaged was no more in the model, and only the identity of the kind was told."""
+    kind = b"6f9dac99-8de1-4efc-8465-68ac443b7d08"
+    data = MIXER.read_bytes()
+    project = sfc.loads(data.replace(kind, kind[:-2] + b"ff", 1))
+    found = next(each for each in project.diagnostics if each.code == "CEX103")
+    assert "1 of 6f9dac99-8de1-4efc-8465-68ac443b7dff (Ruehrwerk)" in found.message
+    assert found.location.line is not None
+    assert found.location.line <= data[: data.index(kind)].count(b"\n") + 1
+    assert sfc.dumps(project) == data.replace(kind, kind[:-2] + b"ff", 1)
 
 
 def test_it_comes_back_byte_for_byte_and_is_written_from_the_model_as_it_was() -> None:
@@ -227,7 +240,7 @@ def test_drawn_bodies_stay_as_they_are() -> None:
     start = data.index(b"{3b83b776", data.index(b'Name="SpecialFunc"'))
     drawn = data[:start] + b"{25e509de-33d4-4447-93f8-c9e4ea381c8b}" + data[start + 38 :]
     project = sfc.loads(drawn)
-    assert [found.code for found in project.diagnostics] == ["CEX103", "TWC104"]
+    assert [found.code for found in project.diagnostics] == ["TWC104", "CEX103"]  # by line
     assert sfc.dumps(project) == drawn
     _condition(project)
     assert len(changed(drawn, sfc.dumps(project))) == 2
@@ -244,7 +257,12 @@ DAMAGED = {
         "TWC102",
         "type nothing",
     ),
-    "an attribute of the wrong type": ('"string">P</Single>', '"long">7</Single>', "TWC102", "7"),
+    "an attribute of the wrong type": (
+        '"string">P</Single>',
+        '"long">7</Single>',
+        "TWC102",
+        "no text in quotes, but 7",
+    ),
     "an unknown attribute": ("38391c6d", "08391c6d", "TWC102", "08391c6d"),
     "a jump to nowhere": ("Bereit</Single>", "Nirgends</Single>", "SFC103", "Bereit"),
     "a declaration that does not parse": ("Wasser : REAL := 12.5;", "Wasser : REAL := ;", "IEC", ""),

@@ -407,9 +407,35 @@ DAMAGED = {
         "TWC102",
         "Exclude is a StringValue, and not a BoolValue",
     ),
+    "a text without quotes": (
+        b'"Bereitschaft"</v>',
+        b"Bereitschaft</v>",
+        "TWC102",
+        "Name is no text in quotes, but Bereitschaft",
+    ),
     "no qualifier": (b'"D T#3s"', b'"Q T#3s"', "TWC102", "Q is no qualifier"),
     "a jump to nowhere": (b'"Grundstellung"</v>', b'"Nirgends"</v>', "SFC103", "Grundstellung"),
 }
+
+
+@pytest.mark.parametrize(
+    ("parts", "code", "words"),
+    [
+        (("<Data>", "</Data>"), "TWC101", "no objects (Data): nothing of it is read"),
+        (("<TypeList>", "</TypeList>"), "TWC103", "no list of types (TypeList)"),
+    ],
+)
+def test_an_archive_without_its_parts_is_an_error(parts: tuple[str, str], code: str, words: str) -> None:
+    """The first was a body that is not understood, as a warning; the second was read without a word."""
+    start, end = (part.encode() for part in parts)
+    data = CHART.read_bytes()
+    cut = data[: data.index(start)] + data[data.index(end) + len(end) :]
+    project = sfc.loads(cut)
+    (found,) = [each for each in project.diagnostics if each.code == code]
+    assert words in found.message
+    assert found.severity.value == "error"
+    assert found.location.line
+    assert sfc.dumps(project) == cut
 
 
 @pytest.mark.parametrize("damage", DAMAGED)
