@@ -412,14 +412,21 @@ def _read_as(project: Project, data: bytes, kind: Format, version: str) -> Proje
 def _blocks(
     project: Project, codec: TextCodec, kind: Format, options: WriteOptions, report: ConversionReport
 ) -> WrittenBlock:
-    """Return the text of a project, in the terms of the tool where the format has a place for the source beside it."""
+    """Return the text of a project, in the terms of the tool where the format has a place for the source beside it.
+
+    A file of the tool itself that has something else, as a damaged one, keeps the terms that it has.
+    """
     if kind.charts is None:
         return codec.to_blocks(project, options, report)
-    from plcopen_sfc.conversion.adaptation import rewrite_project  # noqa: PLC0415  # only to save edits
+    from plcopen_sfc.conversion.adaptation import needs_rewriting, rewrite_project  # noqa: PLC0415  # for edits
     from plcopen_sfc.documents.writer_preparation import for_source  # noqa: PLC0415
     from plcopen_sfc.semantics.profile import default_profile  # noqa: PLC0415
 
     options = for_source(options, default_profile(project))
+    is_of_tool = codec.as_tool_sees(options.source) == options.source
+    before = options.baseline.charts() if options.baseline is not None and is_of_tool else ()
+    if any(needs_rewriting(chart, kind.charts, options) for chart in before):
+        return codec.to_blocks(project, options, report)
     written, _ = rewrite_project(project, kind, options, report)
     return codec.to_blocks(written, replace(options, rewritten=project), report)
 

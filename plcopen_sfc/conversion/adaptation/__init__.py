@@ -24,6 +24,7 @@ The abilities of the target are those of its record (`formats.format_interface.C
 source beside it (`formats.plcopen.source_marks`).
 """
 
+from plcopen_sfc.conversion.adaptation.chart_rules import needs_rewriting
 from plcopen_sfc.conversion.adaptation.project_rewriting import (
     has_rewritten_charts,
     is_rewritten_throughout,
@@ -31,4 +32,4 @@ from plcopen_sfc.conversion.adaptation.project_rewriting import (
     rule_tables,
 )
 
-__all__ = ["has_rewritten_charts", "is_rewritten_throughout", "rewrite_project", "rule_tables"]
+__all__ = ["has_rewritten_charts", "is_rewritten_throughout", "needs_rewriting", "rewrite_project", "rule_tables"]

@@ -24,7 +24,15 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import takewhile
 
-from plcopen_sfc.formats.codesys23.exp_outline import PRAGMA, Span, after_comments, core, find_end, is_in_comment
+from plcopen_sfc.formats.codesys23.exp_outline import (
+    PRAGMA,
+    Span,
+    after_comments,
+    core,
+    find_end,
+    is_in_comment,
+    open_comment,
+)
 from plcopen_sfc.formats.text_patch import Key, Place, WrittenBlock, block_span, plain_lines
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.il import OPERATORS, is_il
@@ -66,7 +74,8 @@ _ASSOCIATION = re.compile(
 _CALL = re.compile(r"([\w.]+)\(\);")
 """Call of an action: of the POU, or of an instance, which has no methods in CoDeSys 2.3."""
 _STEP_PRAGMAS = {"SFCMAXTIME": "max_time", "SFCMINTIME": "min_time", "SFCCOMMENT": "comment"}
-_STEP_PRAGMA = re.compile(r"\s*(\(\*[ \t]*@(SFC\w+)[ \t]*:=[ \t]*'(.*?)'[ \t]*\*\))", re.DOTALL)
+_STEP_PRAGMA = re.compile(r"\s*(\(\*[ \t]*@(SFC\w+)[ \t]*:=[ \t]*(?:'((?:[^*]|\*(?!\)))*?)'|[^*\n]*?)[ \t]*\*\))")
+"""A pragma behind a step; the third group is its text, which is missing where a quote is."""
 _FIRST_WORD = re.compile(r"(?:\w+\s*:\s*)?(\w+)")
 _MARKED = re.compile(r"\s*_[A-Z]+_BODY\b")
 
@@ -184,7 +193,9 @@ class _ChartReader:
             solid = after_comments(self.text, position, limit)
             if self.text[position:solid].strip():
                 start = position + len(self.text[position:solid]) - len(self.text[position:solid].lstrip())
-                comments.append((start, start + len(self.text[start:solid].rstrip())))
+                span = (start, start + len(self.text[start:solid].rstrip()))
+                if open_comment(self.text, *span) is None:  # else the file was cut off in it
+                    comments.append(span)
             if solid >= limit:
                 break
             element = _ELEMENT.match(self.text, solid, limit)
@@ -244,8 +255,10 @@ class _ChartReader:
         others: list[str] = []
         given: dict[str, str] = {}
         while (pragma := _STEP_PRAGMA.match(self.text, position, following)) is not None:
-            place, value = _STEP_PRAGMAS.get(pragma[2].upper()), plain_lines(pragma[3])
-            if place is None:
+            place, value = _STEP_PRAGMAS.get(pragma[2].upper()), plain_lines(pragma[3] or "")
+            if pragma[3] is None:
+                self.note("EXP108", f"{pragma[2]} of the step {name} has no text in quotes", pragma.start(1))
+            elif place is None:
                 others.append(pragma[1])
             elif value:
                 given[place] = value

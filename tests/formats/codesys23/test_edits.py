@@ -252,3 +252,20 @@ def test_an_edit_keeps_the_comment_that_names_the_code_page() -> None:
     back = sfc.loads(edited)
     assert back.diagnostics == ()
     assert back.pous[0].variables()[0].comment == "Łódź"
+
+
+def test_a_file_that_was_cut_off_or_damaged_can_be_edited() -> None:
+    """The first was refused as not executed, and the second got comments about steps that nobody had edited."""
+    data = BELT.read_bytes()
+    place = data.index(b"(* @SFCCOMMENT := ", data.index(b"STEP Warten:"))
+    damaged = data.replace(
+        b"Platz3\r\n\r\nEND_TRANSITION\r\nSTEP Pendel_Zurueck", b"Platz3\r\n\r\nEND_<TRANSITION\r\nSTEP Pendel_Zurueck"
+    )
+    assert damaged != data
+    for text in (data[: place + 18], damaged):
+        project = sfc.loads(text, format="codesys23")
+        assert any(each.code in {"EXP101", "EXP102"} for each in project.diagnostics)
+        project.pou("Ablauf").chart.rename_step("Zu_Platz3", "Hin")
+        assert sfc.dumps(project) == text.replace(b"STEP Zu_Platz3", b"STEP Hin").replace(
+            b"TO Zu_Platz3", b"TO Hin"
+        ).replace(b"FROM Zu_Platz3", b"FROM Hin")

@@ -139,6 +139,7 @@ def test_actions_of_steps_and_conditions_in_other_languages() -> None:
         ("STEP A:\nEND_STEP\nTRANSITION A TO A:=\nTRUE\nEND_TRANSITION", "EXP103", 10, "TRANSITION FROM steps TO"),
         ("STEP A:\nEND_STEP\nx := 1;", "EXP104", 10, "belongs to no step"),
         ("STEP A:\nEND_STEP\nTRANSITION FROM A TO C:=\nTRUE\nEND_TRANSITION", "EXP105", 10, "called C"),
+        ("STEP A:\nEND_STEP\n(* @SFCCOMMENT := 'x *)\n", "EXP108", 10, "SFCCOMMENT of the step A"),
         ("x := 1\ny := 2;", "EXP110", 9, ""),
     ],
 )
