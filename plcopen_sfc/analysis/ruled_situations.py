@@ -12,14 +12,11 @@ from operator import or_
 from typing import TypeAlias
 
 from plcopen_sfc.errors import ForcingConflictError, UnknownBehaviourError
-from plcopen_sfc.semantics.charts.chart_actions import Owner
 from plcopen_sfc.semantics.charts.grafcet.partial_charts import Hierarchy
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
 
 Firings: TypeAlias = Callable[[Sequence[NetTransition], int, int], Iterator[tuple[NetTransition, ...]]]
 """The sets of enabled transitions that may fire together in a situation of some steps: all that it tells of."""
-
-_NO_SLOT = -1
 
 
 def _one_by_one(enabled: Sequence[NetTransition], _: int, __: int) -> Iterator[tuple[NetTransition, ...]]:
@@ -37,14 +34,11 @@ class RuledSituations:
     def __init__(
         self, net: Net, cap: int, *, around: int = -1, asked: Sequence[int] = (), firings: Firings = _one_by_one
     ) -> None:
-        owners = [(Owner(s.path, s.bit, _NO_SLOT, s.step.negated), s.step.actions) for s in net.steps]
-        owners += [(Owner(m.path, m.steps, _NO_SLOT, m.step.negated), m.step.actions) for m in net.macros]
-        owned = [(owner, model) for owner, models in owners for model in models if not model.exclude]
         self._seen: set[int] = set()
         self.part = around
         self.complete = False
         try:
-            self._hierarchy = Hierarchy(net, owned, "")
+            self._hierarchy = Hierarchy(net, "")
         except UnknownBehaviourError:
             return
         try:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property, lru_cache, reduce
 from operator import or_
+from typing import TypeAlias
 
 from plcopen_sfc.model import sfc
 
@@ -41,6 +42,11 @@ class NetStep:
     def bit(self) -> int:
         """Its bit in a marking."""
         return 1 << self.index
+
+    @property
+    def steps(self) -> int:
+        """What is active while it is: its own bit."""
+        return self.bit
 
 
 @dataclass(frozen=True)
@@ -87,6 +93,10 @@ class NetMacro:
     steps: int
     entry: int | None
     exit: int | None
+
+
+Owner: TypeAlias = NetStep | NetMacro
+"""A step or a macro-step, with its associations."""
 
 
 class NetProblemKind(StrEnum):
@@ -175,6 +185,14 @@ class Net:
             if str(name).isalnum() and name is not None:
                 found.setdefault(str(name).casefold(), (f"X{name}", bits))
         return dict(found.values())
+
+    def owners(self) -> tuple[Owner, ...]:
+        """Return its steps and macro-steps, which have associations."""
+        return (*self.steps, *self.macros)
+
+    def owned(self) -> list[tuple[Owner, sfc.ActionAssociation]]:
+        """Return the associations that are not excluded, each with its step or macro-step."""
+        return [(owner, model) for owner in self.owners() for model in owner.step.actions if not model.exclude]
 
     def steps_of(self, chart: sfc.SfcNetwork) -> int:
         """Return the steps (bits) of a chart: its own, and those in its macro-steps."""

@@ -720,6 +720,17 @@ def test_charts_that_rule_others_do_the_same_in_one_chart(form: str, order: str)
         assert verdict.kind == "equal (proof)", verdict
 
 
+def test_an_order_that_is_excluded_rules_nothing() -> None:
+    source = sfc.loads(HIERARCHY.encode())
+    orders = [each for step in source.steps() for each in step.actions if each.forcing is not None]
+    assert len(orders) == 1
+    orders[0].exclude = True
+    data, report = sfc.convert(source, "plcopen", partial=True)
+    assert losses(report).keys() == {START}
+    verdict = sfc.equivalent(source, sfc.loads(data), ("grafcet", "iec"), delay="auto", cap=2000, runs=5, scans=60)
+    assert verdict.kind == "equal (proof)", verdict
+
+
 MIXED = """GRAFCET M
 INPUTS
     a

@@ -23,7 +23,6 @@ from plcopen_sfc.lowering.code.boolean_logic import FALSE, conjunction, disjunct
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step, Transition, by_priority
 from plcopen_sfc.reachability import reached
-from plcopen_sfc.semantics.charts.chart_actions import Owner
 from plcopen_sfc.semantics.charts.grafcet.partial_charts import Hierarchy, RuledChart
 from plcopen_sfc.semantics.net import Net, indexes
 
@@ -54,8 +53,7 @@ class FlatChart:
         twice = next((step.step.name for step in net.steps if names.count(step.step.name.casefold()) > 1), None)
         if twice is not None:
             raise HierarchyError(f"two steps are called {twice}: conditions could not tell them apart")
-        owned = [(Owner(s.path, s.bit, 0, inverted=False), each) for s in net.steps for each in s.step.actions]
-        hierarchy = Hierarchy(net, owned, path)
+        hierarchy = Hierarchy(net, path)
         self.ruled = hierarchy.charts
         self._initial = hierarchy.start(net.initial)
         flags = ((name.removeprefix("X").casefold(), bits) for name, bits in net.flags.items())

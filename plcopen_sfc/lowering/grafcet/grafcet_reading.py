@@ -31,22 +31,17 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, Condition, SfcBody, SfcNetwork
-from plcopen_sfc.semantics.charts.chart_actions import Owner
 from plcopen_sfc.semantics.charts.grafcet.grafcet_program import CONTINUOUS, STORED, has_grafcet
 from plcopen_sfc.semantics.charts.grafcet.partial_charts import Hierarchy
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import EdgeTerm, TermTexts, TimeTerm, is_term, rising
-from plcopen_sfc.semantics.net import Net, NetTransition, indexes
+from plcopen_sfc.semantics.net import Net, NetTransition, Owner, indexes
 from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder, StepVariables
 from plcopen_sfc.semantics.subjects import Subject
-
-Owned = tuple[Owner, SfcNetwork, ActionAssociation]
 
 
 def is_grafcet(chart: SfcNetwork, profile: Profile) -> bool:
     """Return True if a chart has something of GRAFCET, or the profile searches for stability."""
-    net = Net.of(chart)
-    owned = [(owner, model) for owner, _, model in _owned(net)]
-    return profile.evolution is Evolution.UNTIL_STABLE or has_grafcet(net, owned, profile)
+    return profile.evolution is Evolution.UNTIL_STABLE or has_grafcet(Net.of(chart), profile)
 
 
 def read_grafcet(
@@ -78,13 +73,6 @@ def read_grafcet(
     return replace(plain, pou=pou, net=ruled, grafcet=grafcet)
 
 
-def _owned(net: Net) -> list[Owned]:
-    """Return every association with what it belongs to, in the order of the interpreter."""
-    owners = [(Owner(s.path, s.bit, 0, s.step.negated), s.chart, s.step.actions) for s in net.steps]
-    owners += [(Owner(m.path, m.steps, 0, m.step.negated), m.chart, m.step.actions) for m in net.macros]
-    return [(owner, chart, model) for owner, chart, models in owners for model in models if not model.exclude]
-
-
 class _Reader(TextReader):
     """Reader that takes everything out of a copy of the chart that `read_chart` does not know."""
 
@@ -92,7 +80,7 @@ class _Reader(TextReader):
         super().__init__(pou, chart, dialect)
         self._profile, self._targets = profile, targets
         net = self._net = Net.of(chart)
-        self._owned = _owned(net)
+        self._owned = net.owned()
         self._terms = TermTexts()
         self._flags = frozenset(map(str.casefold, net.flags))
         if profile.order is ScanOrder.ACTIONS_FIRST:
@@ -102,7 +90,7 @@ class _Reader(TextReader):
                 "Take the profile grafcet: --profile grafcet.",
             )
         try:
-            self.hierarchy = Hierarchy(net, [(owner, model) for owner, _, model in self._owned], pou.name)
+            self.hierarchy = Hierarchy(net, pou.name)
         except UnknownBehaviourError as error:
             raise LoweringError(error.message, location=error.location, hint=error.hint) from error
 
@@ -114,7 +102,7 @@ class _Reader(TextReader):
                 transition.transition.condition = self._termless(transition.transition.condition, path)
         stored = tuple(self._stored())
         continuous = tuple(self._continuous())
-        for step in [*(s.step for s in self._net.steps), *(m.step for m in self._net.macros)]:
+        for step in (owner.step for owner in self._net.owners()):
             step.actions = [a for a in step.actions if a.kind is None and a.forcing is None]
         edges = [self._edge(term) for term in self._terms.edges]
         delays = [self._delay(term) for term in self._terms.timers]
@@ -147,7 +135,7 @@ class _Reader(TextReader):
         return condition.model_copy(update={"text": text})
 
     def _stored(self) -> Iterator[StoredAction]:
-        for owner, chart, model in self._owned:
+        for owner, model in self._owned:
             if model.kind not in STORED:
                 continue
             path = f"step {owner.path} / action {model.target or ''}".rstrip()
@@ -157,7 +145,7 @@ class _Reader(TextReader):
                     self.refuse(
                         "the stored action has no event that could be lowered", path, "Give it one, such as ↑a."
                     )
-                event = self.condition(chart, self._termless(rising(model.condition), path), path).value
+                event = self.condition(owner.chart, self._termless(rising(model.condition), path), path).value
             statements: tuple[n.Statement, ...] = ()
             if model.body is not None:
                 statements = self.statements(model.body, path)
@@ -191,12 +179,12 @@ class _Reader(TextReader):
         """Yield the actions: associations with the same target are one, every body in place is one of its own."""
         found: list[tuple[ActionSource, list[ActionUse]]] = []
         by_target: dict[str, list[ActionUse]] = {}
-        for owner, chart, model in self._owned:
+        for owner, model in self._owned:
             if model.kind not in CONTINUOUS:
                 continue
             path = f"step {owner.path} / action {model.target or ''}".rstrip()
             self._refuse_flag(model.target or "", path)
-            use = self._use(owner, chart, model, path)
+            use = self._use(owner, model, path)
             if model.target is not None:
                 uses = by_target.get(model.target.casefold())
                 if uses is None:
@@ -217,7 +205,7 @@ class _Reader(TextReader):
         statements = self.statements(action.body, f"action {target}")
         return ActionSource(target, None, statements, (), comment=action.comment)
 
-    def _use(self, owner: Owner, chart: SfcNetwork, model: ActionAssociation, path: str) -> ActionUse:
+    def _use(self, owner: Owner, model: ActionAssociation, path: str) -> ActionUse:
         assert model.kind is not None  # noqa: S101  # the caller has looked
         if model.value is not None and model.value.strip().upper() not in ("TRUE", "1"):
             self.refuse(
@@ -226,7 +214,7 @@ class _Reader(TextReader):
                 "Take a stored action for other values.",
             )
         qualifier = CONTINUOUS[model.kind]
-        inverted = owner.inverted is not model.negated
+        inverted = owner.step.negated is not model.negated
         duration: n.Expression | None = None
         if qualifier is not Qualifier.N:
             if model.duration is None:
@@ -240,7 +228,7 @@ class _Reader(TextReader):
             duration = self.expression(model.duration, path)
         condition = ConditionText(TRUE, ())
         if model.condition is not None:
-            condition = self.condition(chart, self._termless(model.condition, path), path)
+            condition = self.condition(owner.chart, self._termless(model.condition, path), path)
         return ActionUse(
             tuple(indexes(owner.steps)),
             inverted,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import replace
-from typing import NamedTuple
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, walk
@@ -27,10 +26,10 @@ from plcopen_sfc.model.conditions import Expression as TextCondition
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import ActionAssociation, Body, Condition, SfcBody, SfcNetwork, Step
+from plcopen_sfc.model.sfc import ActionAssociation, Body, Condition, SfcBody, SfcNetwork
 from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.semantics.charts.sfc_flags import flags_in_use
-from plcopen_sfc.semantics.net import Net, NetTransition, indexes
+from plcopen_sfc.semantics.net import Net, NetTransition, Owner, indexes
 from plcopen_sfc.semantics.profile import ActionControl, Evolution, Profile, ScanOrder
 
 
@@ -61,15 +60,6 @@ _OF_OTHERS = "Take the profile of their tool: --profile grafcet, s7graph."
 _OF_CODESYS = "Take the profile of their tool: --profile codesys."
 
 
-class _Owner(NamedTuple):
-    """Step or macro-step with associations: its model, its name in messages, and its steps in the net."""
-
-    step: Step
-    chart: SfcNetwork
-    path: str
-    steps: tuple[int, ...]
-
-
 class _Reader(TextReader):
     def __init__(
         self,
@@ -96,7 +86,7 @@ class _Reader(TextReader):
         net, profile, chart = self._net, self._profile, self.chart
         if net.problems:
             self.refuse(f"the chart is broken: {net.problems[0].message}", net.problems[0].path, REPAIR)
-        used = {a.qualifier for owner in self._owners() for a in owner.step.actions if not a.exclude}
+        used = {association.qualifier for _, association in net.owned()}
         shared = profile.action_control is ActionControl.PER_ACTION
         delays = shared and not profile.reset_cancels_delays and used & {Qualifier.SD, Qualifier.SL}
         searches = profile.evolution is Evolution.UNTIL_STABLE
@@ -182,17 +172,11 @@ class _Reader(TextReader):
 
     # -- actions
 
-    def _owners(self) -> Iterator[_Owner]:
-        for step in self._net.steps:
-            yield _Owner(step.step, step.chart, step.path, (step.index,))
-        for macro in self._net.macros:
-            yield _Owner(macro.step, macro.chart, macro.path, tuple(indexes(macro.steps)))
-
     def _actions(self) -> Iterator[ActionSource]:
         """Yield the actions: associations with the same target are one, every body in place is one of its own."""
         targets: dict[str, tuple[str, str, str, list[ActionUse]]] = {}
         found: list[str | ActionSource] = []
-        for owner in self._owners():
+        for owner in self._net.owners():
             for number, association in enumerate(owner.step.actions, 1):
                 if association.exclude:
                     continue
@@ -253,7 +237,7 @@ class _Reader(TextReader):
         # more
         return not asks and any(isinstance(node, n.ReturnStatement) for node in parts)
 
-    def _use(self, owner: _Owner, association: ActionAssociation, path: str) -> ActionUse:
+    def _use(self, owner: Owner, association: ActionAssociation, path: str) -> ActionUse:
         qualifier = Qualifier.N if association.qualifier is Qualifier.NONE else association.qualifier
         name, kind = self._profile.name, association.kind
         events = association.event is not None or association.interlock or association.forcing is not None
@@ -271,9 +255,8 @@ class _Reader(TextReader):
         guard = self._guard(owner.chart, association.condition, path)
         # a negated association of a negated step acts while the step is active
         inverted = owner.step.negated is not association.negated
-        return ActionUse(
-            owner.steps, inverted, qualifier, guard.value, duration, association.comment, guard.preparation
-        )
+        steps, comment = tuple(indexes(owner.steps)), association.comment
+        return ActionUse(steps, inverted, qualifier, guard.value, duration, comment, guard.preparation)
 
     def _guard(self, chart: SfcNetwork, condition: Condition | None, path: str) -> ConditionText:
         if condition is None:

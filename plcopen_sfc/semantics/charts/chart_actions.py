@@ -23,9 +23,9 @@ from plcopen_sfc.semantics.charts.qualifier_control import (
     plain_control,
     standard_control,
 )
-from plcopen_sfc.semantics.charts.step_state import ActionOrigin, Reached
+from plcopen_sfc.semantics.charts.step_state import ActionOrigin, Reached, Steps
 from plcopen_sfc.semantics.charts.transition_firing import Plans, Run, Write, execution
-from plcopen_sfc.semantics.net import Net, indexes
+from plcopen_sfc.semantics.net import Net, Owner, indexes
 from plcopen_sfc.semantics.profile import ActionControl, ActionOrder, BooleanTargets, Profile, ScanOrder
 from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.runtime_types import ELEMENTARY, INSTANT, LINT, Frame, ScalarType, default
@@ -36,16 +36,6 @@ if TYPE_CHECKING:
 
 _OUT = ON | PULSE
 _PULSES = (Qualifier.P, Qualifier.P1, Qualifier.P0)
-
-
-@dataclass(frozen=True, slots=True)
-class Owner:
-    """A step or macro-step with associations: its name for people, its bits, and the slot of its start."""
-
-    path: str
-    steps: int
-    since: int
-    inverted: bool
 
 
 @dataclass(slots=True, eq=False)
@@ -98,6 +88,7 @@ class Actions:
     def __init__(
         self,
         owned: Sequence[tuple[Owner, ActionAssociation]],
+        steps: Steps,
         scope: Scope,
         path: str,
         profile: Profile,
@@ -105,6 +96,7 @@ class Actions:
         reached: Reached,
         continuous: bool = False,
     ) -> None:
+        self._steps = steps
         self._scope = scope
         self._path = path
         self._profile = profile
@@ -146,8 +138,7 @@ class Actions:
         return sorted(drafts, key=place)
 
     def _action(self, index: int, draft: _Draft) -> ExecutedAction:
-        associations = [_association(owner, model) for owner, model in draft.model]
-
+        associations = [self._association(owner, model) for owner, model in draft.model]
         memory: list[tuple[int, Any]] = []
 
         def reserve(name: str, type_: ScalarType) -> int:
@@ -165,6 +156,11 @@ class Actions:
         origins = [ActionOrigin(owner.steps, model) for owner, model in draft.model]
         noted = self._reached.action(draft.name or f"{draft.model[0][0].path}: action in place", origins)
         return ExecutedAction(draft.name, 1 << index, noted, out, memory, control, associations, draft.model)
+
+    def _association(self, owner: Owner, model: ActionAssociation) -> Association:
+        inverted = owner.step.negated is not model.negated
+        condition, since = _not_yet if model.condition is not None else None, self._steps.since_of(owner)
+        return Association(model.qualifier, owner.steps, inverted, condition, lambda _: 0, since)
 
     @property
     def step_times(self) -> set[int]:
@@ -304,12 +300,6 @@ def _kept(slot: int, frame: Frame) -> bool:
     return bool(frame.v[slot])
 
 
-def _association(owner: Owner, model: ActionAssociation) -> Association:
-    inverted = owner.inverted is not model.negated
-    condition = _not_yet if model.condition is not None else None
-    return Association(model.qualifier, owner.steps, inverted, condition, lambda _: 0, owner.since)
-
-
 def _not_yet(_: Frame) -> bool:
     raise AssertionError("a condition is asked before it is translated")
 
@@ -323,10 +313,10 @@ def missing_time(message: str, where: str) -> Callable[[Frame], int]:
     return fail
 
 
-def check_associations(owned: Sequence[tuple[Owner, ActionAssociation]], profile: Profile, path: str) -> None:
+def check_associations(net: Net, profile: Profile, path: str) -> None:
     """Refuse what the profile does not know. Raises `UnknownBehaviourError`."""
     knows_grafcet = profile.order is ScanOrder.TRANSITIONS_FIRST and not profile.graph_parameters
-    for owner, model in owned:
+    for owner, model in net.owned():
         where = Location(path=f"{path} / step {owner.path}")
         what = model.target or "a body"
         lacking = f"which the profile {profile.name} does not have"

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterator
+from collections.abc import Callable, Container
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.errors import Location, SimulationError, UnknownBehaviourError, UnstableChartError
-from plcopen_sfc.model import ActionAssociation, SfcFlag, SfcNetwork
+from plcopen_sfc.model import SfcFlag, SfcNetwork
 from plcopen_sfc.model.sfc import Condition as Stated
 from plcopen_sfc.semantics.charts.chart_actions import (
     Actions,
-    Owner,
     StepActions,
     check_associations,
     check_step_actions,
@@ -50,18 +49,17 @@ class ChartProgram(RunningChart):
         super().__init__(Net.of(chart), chart, scope, path, profile)
         self._profile = profile
         self._paused = scope.declare(f"{path}: paused", INSTANT, hidden=True)
-        self._owned = [*self._associations(), *self._of_macros()]
         self._grafcet: Grafcet | None = None
         try:
-            check_associations(self._owned, profile, path)
+            check_associations(self.net, profile, path)
             check_step_actions(self.net, profile, path)
             check_no_graph(self.net, profile, path)
-            if has_grafcet(self.net, self._owned, profile):
-                self._grafcet = Grafcet(self.net, self._owned, scope, path, profile, reached=self.reached)
+            if has_grafcet(self.net, profile):
+                self._grafcet = Grafcet(self._steps, scope, path, profile, reached=self.reached)
         except UnknownBehaviourError as error:
             self._refused = error
-        plain = [(owner, model) for owner, model in self._owned if model.kind is None and model.forcing is None]
-        self._actions = Actions(plain, scope, path, profile, reached=self.reached)
+        plain = [(owner, model) for owner, model in self.net.owned() if model.kind is None and model.forcing is None]
+        self._actions = Actions(plain, self._steps, scope, path, profile, reached=self.reached)
         self._flags = Flags(chart, scope, path, profile)
         self._has_flags = bool(self._flags.used)
         self._step_actions = StepActions(self.net, self.reached)
@@ -85,13 +83,6 @@ class ChartProgram(RunningChart):
         whole = self._refused is not None or self._grafcet is not None or self._has_flags or self._logic is not None
         simple = self._profile.step_variables is not StepVariables.FLAG and not self.net.macros
         return simple and not whole and not self._until_stable
-
-    def _of_macros(self) -> Iterator[tuple[Owner, ActionAssociation]]:
-        for macro in self.net.macros:
-            name = macro.step.name.casefold()
-            since = next(n.since for n in self._steps.names if n.name.casefold() == name)
-            owner = Owner(macro.path, macro.steps, since, macro.step.negated)
-            yield from ((owner, model) for model in macro.step.actions if not model.exclude)
 
     def forgetting(
         self, anywhere: Container[str], read: Container[str], _names: Container[str]

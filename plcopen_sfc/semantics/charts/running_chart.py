@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Container, Iterator, Mapping
+from collections.abc import Callable, Container, Mapping
 from typing import Any
 
 from plcopen_sfc.errors import UnknownBehaviourError
-from plcopen_sfc.model.sfc import ActionAssociation, Condition, SfcNetwork
-from plcopen_sfc.semantics.charts.chart_actions import Owner
+from plcopen_sfc.model.sfc import Condition, SfcNetwork
 from plcopen_sfc.semantics.charts.step_state import Reached, Steps
 from plcopen_sfc.semantics.charts.transition_firing import Move, Plans, choice, watched
 from plcopen_sfc.semantics.net import Net, NetTransition
@@ -59,12 +58,6 @@ class RunningChart(CompiledChart):
     @abstractmethod
     def _stated(self, transition: NetTransition) -> Condition | None:
         """Return the condition that is translated; None where there is none."""
-
-    def _associations(self) -> Iterator[tuple[Owner, ActionAssociation]]:
-        """Yield the associations of the steps that are not excluded."""
-        for step in self.net.steps:
-            owner = Owner(step.path, step.bit, self._steps.since[step.index], step.step.negated)
-            yield from ((owner, model) for model in step.step.actions if not model.exclude)
 
     def _move(self, transition: NetTransition, missing: Callable[[str], Callable[[Frame], bool]]) -> Move:
         """Return a transition, ready to run; `missing` gives the condition of one that has none at a place."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from plcopen_sfc.errors import Location, UnknownBehaviourError
 from plcopen_sfc.model.sfc import ActionAssociation, simple_steps
 from plcopen_sfc.semantics.charts.graph import step_data
-from plcopen_sfc.semantics.net import Net, indexes
+from plcopen_sfc.semantics.net import Net, NetStep, Owner, indexes
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, StepVariables
 from plcopen_sfc.semantics.programs.runtime_types import BOOL, ELAPSED, INSTANT, Frame, ScalarType, StructureType, Type
 
@@ -133,6 +133,13 @@ class Steps:
         if bits.bit_count() == 1:
             return self.since[bits.bit_length() - 1]
         return scope.declare(f"{self._path} {name}.since", INSTANT, hidden=True)
+
+    def since_of(self, owner: Owner) -> int:
+        """Return the slot with the start of a step or macro-step."""
+        if isinstance(owner, NetStep):
+            return self.since[owner.index]
+        name = owner.step.name.casefold()
+        return next(each.since for each in self.names if each.name.casefold() == name)
 
     def _flags(self, scope: Scope) -> Iterator[StepName]:
         for name, bits in self.net.flags.items():

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 
 from plcopen_sfc.errors import Location, UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, ActionKind, Condition, Qualifier
-from plcopen_sfc.semantics.charts.chart_actions import Actions, Owner
+from plcopen_sfc.semantics.charts.chart_actions import Actions
 from plcopen_sfc.semantics.charts.grafcet.partial_charts import Hierarchy
 from plcopen_sfc.semantics.charts.grafcet.term_evaluation import ChartTerms
 from plcopen_sfc.semantics.charts.qualifier_control import SituationChange
-from plcopen_sfc.semantics.charts.step_state import ActionOrigin, Reached
+from plcopen_sfc.semantics.charts.step_state import ActionOrigin, Reached, Steps
 from plcopen_sfc.semantics.charts.transition_firing import Move, Run
-from plcopen_sfc.semantics.net import Net
+from plcopen_sfc.semantics.net import Net, Owner
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.runtime_types import Frame
@@ -64,7 +64,7 @@ class GrafcetActions:
 
     def __init__(
         self,
-        owned: Sequence[tuple[Owner, ActionAssociation]],
+        steps: Steps,
         scope: Scope,
         path: str,
         terms: ChartTerms | None,
@@ -75,7 +75,7 @@ class GrafcetActions:
         self._reached = reached
         self._scope = scope
         self._path = path
-        own = [(owner, model) for owner, model in owned if model.kind in CONTINUOUS]
+        own = [(owner, model) for owner, model in steps.net.owned() if model.kind in CONTINUOUS]
         for owner, model in own:
             if model.value is not None and model.value.strip().upper() not in ("TRUE", "1"):
                 raise UnknownBehaviourError(
@@ -98,7 +98,9 @@ class GrafcetActions:
             for owner, model in own
         ]
         # each action has its own delay, and the OR of them all is written in every scan (4.8.2)
-        self._continuous = Actions(continuous, scope, f"{path}: continuous", profile, reached=reached, continuous=True)
+        self._continuous = Actions(
+            continuous, steps, scope, f"{path}: continuous", profile, reached=reached, continuous=True
+        )
         self._stored = [
             _Stored(
                 owner,
@@ -108,7 +110,7 @@ class GrafcetActions:
                     f"{owner.path}: {model.target or 'action in place'}", [ActionOrigin(owner.steps, model)]
                 ),
             )
-            for owner, model in owned
+            for owner, model in steps.net.owned()
             if model.kind in STORED
         ]
 
@@ -162,24 +164,15 @@ class GrafcetActions:
 class Grafcet:
     """ChartTerms, actions and hierarchy of a chart."""
 
-    def __init__(
-        self,
-        net: Net,
-        owned: Sequence[tuple[Owner, ActionAssociation]],
-        scope: Scope,
-        path: str,
-        profile: Profile,
-        *,
-        reached: Reached,
-    ) -> None:
+    def __init__(self, steps: Steps, scope: Scope, path: str, profile: Profile, *, reached: Reached) -> None:
         self.terms = ChartTerms(scope, path)
         self._reads = profile.grafcet_terms
         self._conditions = {
-            t.index: self.read(t.transition.condition, f"{path} / transition {t.path}") for t in net.transitions
+            t.index: self.read(t.transition.condition, f"{path} / transition {t.path}") for t in steps.net.transitions
         }
-        self._hierarchy = Hierarchy(net, owned, path)
+        self._hierarchy = Hierarchy(steps.net, path)
         self._actions = GrafcetActions(
-            owned, scope, path, self.terms if self._reads else None, profile, reached=reached
+            steps, scope, path, self.terms if self._reads else None, profile, reached=reached
         )
 
     def read(self, condition: Condition | None, where: str) -> Condition | None:
@@ -231,8 +224,7 @@ class Grafcet:
         self._actions.act(frame, now, situation)
 
 
-def has_grafcet(net: Net, owned: Sequence[tuple[Owner, ActionAssociation]], profile: Profile) -> bool:
+def has_grafcet(net: Net, profile: Profile) -> bool:
     """True if a chart needs all this."""
-    if net.hierarchy or any(model.kind is not None or model.forcing is not None for _, model in owned):
-        return True
-    return profile.grafcet_terms
+    has_actions = any(model.kind is not None or model.forcing is not None for _, model in net.owned())
+    return net.hierarchy or has_actions or profile.grafcet_terms

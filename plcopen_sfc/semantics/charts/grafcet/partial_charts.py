@@ -9,7 +9,6 @@ from operator import or_
 
 from plcopen_sfc.errors import ForcingConflictError, Location, UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, ForcedSituation, PartialChart, SfcNetwork
-from plcopen_sfc.semantics.charts.chart_actions import Owner
 from plcopen_sfc.semantics.net import Net
 
 
@@ -44,12 +43,12 @@ class RuledChart:
 class Hierarchy:
     """Forcing orders and enclosures of a chart, applied from the top down in the evolution that activates them."""
 
-    def __init__(self, net: Net, owned: Sequence[tuple[Owner, ActionAssociation]], path: str) -> None:
+    def __init__(self, net: Net, path: str) -> None:
         self._net = net
         self._path = path
         self._charts: dict[str, RuledChart] = {}
         self._partials = {p.name.casefold(): p for p in net.chart.partial_charts}
-        for owner, model in owned:
+        for owner, model in net.owned():
             if model.forcing is not None:
                 ruled = self._subordinate(model.forcing.chart, owner.path)
                 ruled.orders.append(ForcedCharts(owner.path, owner.steps, self._imposed(model, owner.path)))

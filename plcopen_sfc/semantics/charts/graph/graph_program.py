@@ -11,7 +11,7 @@ wants it so.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Sequence
+from collections.abc import Callable, Container
 from dataclasses import dataclass
 from functools import reduce
 from operator import or_
@@ -22,12 +22,12 @@ from plcopen_sfc.model import ActionAssociation, ActionEvent, Qualifier, SfcNetw
 from plcopen_sfc.model.actions import COILS, COUNTERS, NEED_EVENT, NEED_TIME, SWITCHES, TIMERS
 from plcopen_sfc.model.chart_settings import GraphSettings
 from plcopen_sfc.model.sfc import Condition as Stated
-from plcopen_sfc.semantics.charts.chart_actions import Owner, check_associations, check_step_actions, missing_time
+from plcopen_sfc.semantics.charts.chart_actions import check_associations, check_step_actions, missing_time
 from plcopen_sfc.semantics.charts.graph import step_data
 from plcopen_sfc.semantics.charts.graph.graph_parameters import Commands, Mode, Parameters
 from plcopen_sfc.semantics.charts.graph.interlock_conditions import CheckedSteps, StepConditions, programmed
 from plcopen_sfc.semantics.charts.running_chart import RunningChart
-from plcopen_sfc.semantics.charts.step_state import ActionOrigin, Reached, forgetting, override, tick
+from plcopen_sfc.semantics.charts.step_state import ActionOrigin, Reached, Steps, forgetting, override, tick
 from plcopen_sfc.semantics.charts.transition_firing import (
     NOTHING,
     Move,
@@ -36,7 +36,7 @@ from plcopen_sfc.semantics.charts.transition_firing import (
     Write,
     execution,
 )
-from plcopen_sfc.semantics.net import Net, NetTransition, indexes
+from plcopen_sfc.semantics.net import Net, NetTransition, Owner, indexes
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.runtime import fail
@@ -99,28 +99,21 @@ class _Row:
 class GraphActions:
     """The actions of a sequencer."""
 
-    def __init__(
-        self,
-        net: Net,
-        owned: Sequence[tuple[Owner, ActionAssociation]],
-        scope: Scope,
-        path: str,
-        reached: Reached,
-    ) -> None:
-        self._net = net
+    def __init__(self, steps: Steps, scope: Scope, path: str, reached: Reached) -> None:
+        self._net = steps.net
         self._reached = reached
         self._scope = scope
         self._path = path
-        self._rows: list[list[tuple[_Row, ActionAssociation]]] = [[] for _ in net.steps]
+        self._rows: list[list[tuple[_Row, ActionAssociation]]] = [[] for _ in steps.net.steps]
         self._timers: dict[str, _Timer] = {}
         self.trailing = scope.declare(f"{path}: steps left before", ELEMENTARY["LINT"], hidden=True)
-        for owner, model in owned:
+        for owner, model in steps.net.owned():
             self._check(owner, model)
             name = f"{owner.path}: {model.qualifier} {model.target or 'action in place'}"
             label = f"{name} at {model.event}" if model.event is not None else name
             noted = reached.action(label, [ActionOrigin(owner.steps, model)])
             key = (model.target or "").casefold()
-            row = _Row(model.qualifier, model.event, model.interlock, owner.since, key, noted)
+            row = _Row(model.qualifier, model.event, model.interlock, steps.since_of(owner), key, noted)
             if model.event is ActionEvent.C:  # no event: the row acts as one with the interlock
                 row.event, row.interlock = None, True
             if model.qualifier in TIMERS:
@@ -135,7 +128,7 @@ class GraphActions:
             raise UnknownBehaviourError(f"{model.qualifier} of {model.target} needs an event", location=where)
         if model.qualifier in (Qualifier.D, Qualifier.L, Qualifier.TF) and model.event not in (None, ActionEvent.C):
             raise UnknownBehaviourError(f"{model.qualifier} of {model.target} has no event", location=where)
-        if owner.inverted or model.negated or model.condition is not None:
+        if owner.step.negated or model.negated or model.condition is not None:
             raise UnknownBehaviourError(
                 f"{model.target or 'an action'} is negated or has a condition, which S7-GRAPH does not know",
                 location=where,
@@ -337,13 +330,12 @@ class GraphProgram(RunningChart):
         self._pre: tuple[Run, ...] = ()
         self._post: tuple[Run, ...] = ()
         self._actions: GraphActions | None = None
-        owned = [*self._associations()]
         try:
             if self.net.macros or self.net.hierarchy:
                 raise UnknownBehaviourError("S7-GRAPH has no macro-steps, enclosing steps and forcing orders")
-            check_associations(owned, profile, path)
+            check_associations(self.net, profile, path)
             check_step_actions(self.net, profile, path)
-            self._actions = GraphActions(self.net, owned, scope, path, self.reached)
+            self._actions = GraphActions(self._steps, scope, path, self.reached)
         except UnknownBehaviourError as error:
             self._refused = error
 
