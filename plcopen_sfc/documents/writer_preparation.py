@@ -10,7 +10,7 @@ from plcopen_sfc.conversion import Part, executed
 from plcopen_sfc.conversion.adaptation import rewrite_project
 from plcopen_sfc.conversion.adaptation.called_methods import adapt_calls
 from plcopen_sfc.conversion.adaptation.extended_types import include_bases
-from plcopen_sfc.conversion.adaptation.main_programs import give_task
+from plcopen_sfc.conversion.adaptation.main_programs import give_task, take_task
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.documents.legal_names import give_legal_names
 from plcopen_sfc.documents.target_differences import has_task_configuration, note_differences, note_final_scans
@@ -80,6 +80,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         name_results(copy, report)
     if project.tool_format == EXPORTS != kind.name and kind.tool and not has_task_configuration(project):
         give_task(copy, report)
+    if kind.name == EXPORTS and not options.same:
+        take_task(copy, report)
     if kind.tool and not options.same:
         # letters of a GRAFCET follow rules of their own
         give_legal_names(copy, kind.dialect, kind.tool, report, with_letters=not of_grafcet)

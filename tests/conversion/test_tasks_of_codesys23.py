@@ -7,6 +7,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.report import ConversionReport, Outcome
+from tests.samples import FIXTURES
 
 PROGRAMS = """PROGRAM Main VAR n : INT; END_VAR n := n + 1; END_PROGRAM
 PROGRAM Other VAR n : INT; END_VAR n := n + 2; END_PROGRAM
@@ -69,3 +70,20 @@ def test_plc_prg_of_an_export_without_tasks_is_executed_elsewhere(target: str) -
     called = [instance.name for resource in read.resources() for instance in resource.every_instance()]
     called += [pou.name for pou in read.pous if pou.kind is m.PouKind.ORGANIZATION_BLOCK]
     assert called == [{"simaticml": "MainTask"}.get(target, "PLC_PRG")]
+
+
+@pytest.mark.parametrize("target", ["codesys", "plcopen"])
+def test_the_task_that_other_tools_get_does_not_come_home(target: str) -> None:
+    """It came back in a comment, as a task that the project had not had; lists of variables went to the front."""
+    belt = sfc.load(FIXTURES / "codesys23" / "distribution_belt.EXP")
+    data, report = sfc.convert(belt, target, partial=True)
+    away = sfc.loads(data)
+    assert [task.name for task in away.tasks()] == ["MainTask"]
+    home, report = sfc.convert(away, "codesys23", partial=True)
+    assert str(sfc.diff(belt, sfc.loads(home))) == "no differences"
+    assert not report.losses
+    assert b"plcopen_sfc configurations" not in home
+    places = [home.index(word) for word in (b"PROGRAM Ablauf", b"PROGRAM PLC_PRG", b"GLOBAL_VARIABLE_LIST")]
+    assert places == sorted(places)
+    away.tasks()[0].settings.kind, away.tasks()[0].settings.interval = "Cyclic", "t#10ms"
+    assert b"plcopen_sfc configurations" in sfc.convert(away, "codesys23", partial=True)[0]

@@ -27,12 +27,27 @@ def give_task(project: Project, report: ConversionReport) -> None:
     if any(project.resources()) or MAIN.casefold() not in _programs(project):
         return
     name = _programs(project)[MAIN.casefold()]
-    called = [PouInstance(name=name, type_name=name)]
-    task = Task(name="MainTask", settings=TaskSettings(kind=FREEWHEELING), instances=called)
-    resource = Resource(name="Application", tasks=[task])
-    project.configurations = [*project.configurations, Configuration(name="Device", resources=[resource])]
+    project.configurations = [*project.configurations, _given(name)]
     why = f"it calls {name}, which CoDeSys 2.3 executes in every cycle without one"
-    report.add(Outcome.TRANSLATED, "task", f"task {task.name}", why)
+    report.add(Outcome.TRANSLATED, "task", f"task {_TASK}", why)
+
+
+def take_task(project: Project, report: ConversionReport) -> None:
+    """Take from `project`, a copy for CoDeSys 2.3, the task that `give_task` gives a project from there."""
+    name = _programs(project).get(MAIN.casefold(), "")
+    stated = [each.model_dump(exclude_defaults=True) for each in project.configurations]
+    if stated == [_given(name).model_dump(exclude_defaults=True)] and not project.applications:
+        project.configurations = []
+        report.add(Outcome.TRANSLATED, "task", f"task {_TASK}", f"{MAIN} is executed in every cycle of the controller")
+
+
+_TASK = "MainTask"
+
+
+def _given(name: str) -> Configuration:
+    called = [PouInstance(name=name, type_name=name)]
+    task = Task(name=_TASK, settings=TaskSettings(kind=FREEWHEELING), instances=called)
+    return Configuration(name="Device", resources=[Resource(name="Application", tasks=[task])])
 
 
 def executes_without_tasks(project: Project) -> bool:

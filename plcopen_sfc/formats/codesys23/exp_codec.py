@@ -273,10 +273,10 @@ def _objects(project: Project, report: ConversionReport) -> Iterator[WrittenBloc
     for declaration in project.data_types:
         report.add(Outcome.KEPT, "data type", f"type {declaration.name}")
         yield _data_type(declaration)
-    yield from _global_lists(project, report)
     for pou in project.pous:
         report.add(Outcome.KEPT, "POU", f"POU {pou.name}")
         yield WrittenBlock(("POU", pou.name), blocks=numbered_blocks(_pou(pou, report)), apart=True)
+    yield from _global_lists(project, report)
     for name, text in kept(project.extension_data).items():
         if re.fullmatch(r"section\d+", name):
             yield WrittenBlock(("other", name), text, apart=True, verbatim=True)
