@@ -34,39 +34,40 @@ class ConfigurationError(SfcError):
 
 
 @dataclass(frozen=True)
-class CheckSettings:
-    """The values of the table, None for those that it does not have. `path` is its file."""
+class CheckOptions:
+    """Options of the command, or those that a table has: None for the others. `path`: the file of the table."""
 
-    path: str | None = None
-    select: tuple[str, ...] | None = None
-    ignore: tuple[str, ...] | None = None
+    select: Sequence[str] | None = None
+    ignore: Sequence[str] | None = None
     profile: str | None = None
     fail_on: str | None = None
+    form: str = "text"
     externals: tuple[str, ...] = ()
+    path: str | None = None
 
 
 class Configurations:
     """The configuration for each file: that of its folder or of the nearest one above that has the table."""
 
     def __init__(self) -> None:
-        self._of_folder: dict[Path, CheckSettings] = {}
+        self._of_folder: dict[Path, CheckOptions] = {}
 
-    def of(self, file: str) -> CheckSettings:
+    def of(self, file: str) -> CheckOptions:
         """Return the configuration for a file or folder. Raises `ConfigurationError`."""
         path = Path(file).absolute()
         return self._of(path if folder_exists(path) else path.parent)
 
-    def _of(self, folder: Path) -> CheckSettings:
+    def _of(self, folder: Path) -> CheckOptions:
         found = self._of_folder.get(folder)
         if found is None:
             found = _read(folder / _FILE)
             if found is None:
-                found = self._of(folder.parent) if folder.parent != folder else CheckSettings()
+                found = self._of(folder.parent) if folder.parent != folder else CheckOptions()
             self._of_folder[folder] = found
         return found
 
 
-def _read(path: Path) -> CheckSettings | None:
+def _read(path: Path) -> CheckOptions | None:
     """Return the table in this file; None where there is no file or no table."""
     if not file_exists(path):
         return None
@@ -83,7 +84,7 @@ def _read(path: Path) -> CheckSettings | None:
     return _checked(path, table)
 
 
-def _checked(path: Path, table: Mapping[str, Any]) -> CheckSettings:
+def _checked(path: Path, table: Mapping[str, Any]) -> CheckOptions:
     known = {
         "select": "a list of codes",
         "ignore": "a list of codes",
@@ -101,14 +102,10 @@ def _checked(path: Path, table: Mapping[str, Any]) -> CheckSettings:
         fits = isinstance(value, list) and all(isinstance(i, str) for i in value) if listed else isinstance(value, str)
         if not fits:
             raise _wrong(path, key, known[key])
-    return CheckSettings(
-        path=str(path),
-        select=tuple(table["select"]) if "select" in table else None,
-        ignore=tuple(table["ignore"]) if "ignore" in table else None,
-        profile=table.get("profile"),
-        fail_on=table.get("fail-on"),
-        externals=tuple(table.get("externals", ())),
-    )
+    given: dict[str, Any] = {
+        key.replace("-", "_"): tuple(each) if isinstance(each, list) else each for key, each in table.items()
+    }
+    return CheckOptions(path=str(path), **given)
 
 
 def _wrong(path: Path, key: str, wanted: str) -> ConfigurationError:
@@ -233,18 +230,6 @@ FORMATS = ("text", "json", "sarif", "github")
 FAIL_ON = ("error", "warning", "info", "never")
 
 
-@dataclass(frozen=True)
-class CheckOptions:
-    """Options of the command; None: the value of the configuration."""
-
-    select: Sequence[str] | None = None
-    ignore: Sequence[str] | None = None
-    profile: str | None = None
-    fail_on: str | None = None
-    form: str = "text"
-    externals: tuple[str, ...] = ()
-
-
 def _codes(texts: Sequence[str] | None) -> tuple[str, ...] | None:
     """Codes that were given in several options, or in one with commas between."""
     if not texts:
@@ -315,22 +300,14 @@ def _validate(how: CheckOptions) -> None:
         raise ModelError(f"there is no format {how.form!r} of results", hint=f"There are: {', '.join(FORMATS)}")
 
 
-def _with(how: CheckOptions, configuration: CheckSettings) -> CheckOptions:
+def _with(how: CheckOptions, configuration: CheckOptions) -> CheckOptions:
     """Return the options, completed by the configuration."""
     try:
-        _validate(
-            CheckOptions(configuration.select, configuration.ignore, configuration.profile, configuration.fail_on)
-        )
+        _validate(configuration)
     except ModelError as error:
         raise ModelError(error.message, location=Location(configuration.path), hint=error.hint) from None
-    return CheckOptions(
-        select=how.select if how.select is not None else configuration.select,
-        ignore=how.ignore if how.ignore is not None else configuration.ignore,
-        profile=how.profile or configuration.profile,
-        fail_on=how.fail_on or configuration.fail_on,
-        form=how.form,
-        externals=configuration.externals,
-    )
+    given = {name: each for name, each in vars(how).items() if each is not None and name != "externals"}
+    return replace(configuration, **given)
 
 
 def _exit_code(found: Sequence[Diagnostic], others: Sequence[Diagnostic], fail_on: str) -> int:
