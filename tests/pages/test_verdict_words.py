@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from plcopen_sfc.pages.page_words import Words
-from plcopen_sfc.pages.phrases import german_tables
+from plcopen_sfc.pages.phrases import german_table, german_tables
 
 ENGLISH = re.compile(
     r"\b(?:the|and|or|of|is|are|which|needs?|never|not|reached|with|has|have|both|first|second|different|after|scans?|equal)\b"
@@ -156,3 +156,13 @@ def test_tables_have_each_message_once_and_german_with_values_that_it_has(file: 
     assert sum(map(len, german_tables(file.stem).values())) == len(messages)
     for english, german in messages:
         german.format(*["value"] * len(re.findall(r"\{[+|&#.]?\}", english)))  # it asks for no value that there is not
+
+
+def test_a_message_has_one_german_in_all_tables() -> None:
+    told: dict[str, set[str]] = {}
+    for english, german in (each for name in MESSAGES for each in german_table(name).items()):
+        told.setdefault(english, set()).add(german)
+    assert {english: german for english, german in told.items() if len(german) > 1} == {}
+
+
+MESSAGES = ("reports", "rules", "runs", "verdicts")
