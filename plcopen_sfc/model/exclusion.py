@@ -14,6 +14,9 @@ from plcopen_sfc.model.wiring import Branches
 HOLDERS = frozenset({*DIVERGENCES, SymbolKind.JUMP})
 """Kinds of symbols whose exclusion is that of steps and transitions."""
 
+IS_EXECUTED = "a step or transition of it is not excluded, so it is not either: exclude these"
+"""What reports tell of a branch or jump that is excluded by itself alone."""
+
 
 def told_by_others(chart: SfcNetwork) -> frozenset[int]:
     """Return the ids of elements whose `exclude` a file does not repeat.

@@ -62,7 +62,7 @@ from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.chart_settings import RuntimeLibrary, SfcFlag, SfcSettings
 from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.drawing import CONVERGENCES, DIVERGENCES, STEPS, Symbol, SymbolKind
-from plcopen_sfc.model.exclusion import told_by_others
+from plcopen_sfc.model.exclusion import IS_EXECUTED, told_by_others
 from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.report import Outcome
@@ -594,6 +594,8 @@ class ChartWriter:
 
     def _drawn(self, symbol: Symbol) -> dict[str, Any]:
         exclude = symbol.exclude and symbol.id not in self._told
+        if symbol.exclude and not exclude:
+            self._note(Outcome.TRANSLATED, "exclude", symbol.name or "", IS_EXECUTED)
         return {"name": symbol.name, "comment": plain(symbol.comment), "exclude": exclude}
 
     def _finished(

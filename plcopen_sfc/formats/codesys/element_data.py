@@ -22,8 +22,10 @@ from plcopen_sfc.model.actions import Monitoring, SymbolAccess
 from plcopen_sfc.model.base import ExtensionData, Model, UnknownDataRule
 from plcopen_sfc.model.chart_settings import SfcFlag, SfcSettings
 from plcopen_sfc.model.drawing import Symbol, SymbolKind
+from plcopen_sfc.model.exclusion import IS_EXECUTED
 from plcopen_sfc.model.network import Block, BlockCall, VendorElement
 from plcopen_sfc.model.sfc import ActionAssociation, SfcBody, Step, Transition
+from plcopen_sfc.report import Outcome
 
 _FLAGS = {flag.value for flag in SfcFlag}
 
@@ -250,6 +252,8 @@ def _chart_data(
     """Yield the attributes of the SFC editor at an element of a chart: those that all of these have, and `more`."""
     comment = thing.comment if isinstance(thing.comment, str) else getattr(thing.comment, "text", None)
     exclude = thing.exclude and id(thing) not in ctx.told_by_others
+    if thing.exclude and not exclude and isinstance(thing, Symbol):
+        ctx.note(Outcome.TRANSLATED, "exclude", name or "", IS_EXECUTED)
     pairs = [(names.NAME, name), (names.COMMENT, comment), (names.EXCLUDE, _truth(exclude))]
     if not isinstance(thing, Symbol):
         pairs.append((names.SYMBOL, _SYMBOLS[thing.symbol]))

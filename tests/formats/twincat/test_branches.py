@@ -155,6 +155,15 @@ def test_a_branch_stays_excluded_and_is_executed_again_when_the_edit_says_so() -
     assert not holding(back, "Wait").exclude
 
 
+@pytest.mark.parametrize("tool", ["twincat", "codesys"])
+def test_a_branch_that_is_excluded_alone_is_told(tool: str) -> None:
+    project, _ = branched(tool)
+    holding(chart_of(project), "Wait").exclude = True
+    data, report = sfc.convert(project, tool)
+    assert ["not excluded" in each.why for each in report.items if each.what == "exclude"] == [True]
+    assert not holding(chart_of(sfc.loads(data)), "Wait").exclude
+
+
 def test_a_transition_before_an_excluded_jump_is_excluded_with_it() -> None:
     project, _ = branched()
     chart = chart_of(project)
