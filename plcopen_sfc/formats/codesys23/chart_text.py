@@ -413,11 +413,14 @@ class ChartNames:
         why = f"{also}in a form that no known export shows; see it after the import"
         self._report.add(Outcome.TRANSLATED, what, path, why)
 
-    def note_associations(self, count: int, path: str) -> None:
+    def note_associations(self, count: int, path: str, *, initial: bool) -> None:
         """Report an IEC step, with so many associations."""
         self.note(
             "action associations", path, "an IEC step, for which the library Iecsfc.lib has to be in the project: "
         )
+        if initial:
+            why = "the initial step takes none, says a textbook: if it is refused, put a step with TRUE behind it"
+            self._report.add(Outcome.TRANSLATED, "action associations", path, why)
         if count > _MOST_ASSOCIATIONS:
             why = f"CoDeSys 2.3 takes {_MOST_ASSOCIATIONS} associations at a step, and this one has {count}"
             self._report.add(Outcome.NOT_EXECUTED, "action associations", path, why)
@@ -467,7 +470,7 @@ def _step_block(step: sfc.Step, names: ChartNames, path: str) -> WrittenBlock:
     word = "INITIAL_STEP" if step.initial else "STEP"
     blocks = [WrittenBlock(("head", ""), f"{word} {step.name}:")]
     if associations := [*_associations(step, names, path)]:
-        names.note_associations(len(associations), path)
+        names.note_associations(len(associations), path, initial=step.initial)
         blocks.append(WrittenBlock(("associations", ""), "\n".join(associations)))
     elif text := f"{step.main_action}();" if isinstance(step.main_action, str) else body_text(step.main_action):
         if not isinstance(step.main_action, str):

@@ -11,6 +11,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.numbering import numbered_in_order
+from plcopen_sfc.refactor.builder import jump, step
 from plcopen_sfc.report import Outcome
 from tests.corpus import ROOT
 from tests.formats.codesys23.test_reading import BELT
@@ -239,7 +240,7 @@ def test_iec_steps_need_a_library_and_take_nine_associations() -> None:
     names = [f"v{number}" for number in range(10)]
     declared = "".join(f"{name}, " for name in names[:-1]) + names[-1]
     lines = "\n".join(f"{name}(N);" for name in names)
-    text = f"PROGRAM Main\nVAR {declared} : BOOL; END_VAR\nINITIAL_STEP A:\n{lines}\nEND_STEP\nEND_PROGRAM\n"
+    text = f"PROGRAM Main\nVAR {declared} : BOOL; END_VAR\nSTEP A:\n{lines}\nEND_STEP\nEND_PROGRAM\n"
     nine = text.replace("v9(N);\n", "")
     for source, lost in ((text, ["CoDeSys 2.3 takes 9 associations at a step, and this one has 10"]), (nine, [])):
         _, report = sfc.convert(sfc.loads(source.encode(), format="iec-text"), "codesys23", partial=True)
@@ -352,3 +353,13 @@ def test_a_drawn_condition_with_a_timer_does_not_compile_there() -> None:
     assert [(item.what, item.path) for item in report.with_outcome(Outcome.NOT_EXECUTED)] == [
         ("condition", "POU Main / transition S -> S")
     ]
+
+
+@pytest.mark.parametrize(("associations", "told"), [(["N q"], True), ([], False)])
+def test_a_report_names_an_initial_step_with_associations(associations: list[str], told: bool) -> None:
+    project = m.Project(dialect="codesys")
+    project.add_program("Main", step("Wait", initial=True, actions=associations), "go", jump("Wait"))
+    items = sfc.convert(project, "codesys23").report.items
+    assert (
+        any(item.path == "POU Main / step Wait" and "takes none, says a textbook" in item.why for item in items) is told
+    )
