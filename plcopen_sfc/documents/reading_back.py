@@ -21,6 +21,7 @@ from plcopen_sfc.model.base import ExtensionData, Model
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.compare import differences, in_order_of
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.late import models_in
 from plcopen_sfc.model.network import LogicNetwork, Node
 from plcopen_sfc.model.numbering import number_in_order, numbered_in_order
 from plcopen_sfc.model.project import Project
@@ -205,18 +206,6 @@ def _comparable(network: LogicNetwork, dialect: Dialect) -> Any:
     if not found.complete or found.open_ends:
         return None
     texts = sorted(text for _, text in found.comments)
-    annotations = sorted(map(repr, _annotations(network.nodes)))
+    values = (each.__dict__.get(name) for each in models_in(network.nodes) for name in _ANNOTATIONS)
+    annotations = sorted(repr(value) for value in values if value is not None)
     return print_node(found.tree), found.helpers, dict(found.instances), texts, annotations
-
-
-def _annotations(thing: Any) -> Iterator[Any]:
-    """Yield the values of the fields that nothing executes, of all elements."""
-    if isinstance(thing, list):
-        for item in thing:
-            yield from _annotations(item)
-    elif isinstance(thing, Model):
-        for name, value in thing.__dict__.items():
-            if name not in _ANNOTATIONS:
-                yield from _annotations(value)
-            elif value is not None:
-                yield value

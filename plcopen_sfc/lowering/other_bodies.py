@@ -21,10 +21,10 @@ from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.lowering.construction import Constructed, construct, errors_of
 from plcopen_sfc.lowering.lowering_options import LOCAL, Construction, LoweringRules, Style
-from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.late import models_in
 from plcopen_sfc.model.network import Contact
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
@@ -55,27 +55,20 @@ class _Replacing:
     def __init__(self, flags: Mapping[str, str], dialect: Dialect, path: str) -> None:
         self._flags, self._dialect, self._path = flags, dialect, path
 
-    def replace_in(self, thing: object) -> None:
-        """Replace them in all texts of a part of the model."""
-        if isinstance(thing, list):
-            for each in thing:
-                self.replace_in(each)
-        elif isinstance(thing, Model):
-            texts = ("text",) if isinstance(thing, StBody | Expression) else ("variable", "expression")
-            for name in type(thing).model_fields:
-                value = getattr(thing, name)
-                if name in texts and isinstance(value, str):
-                    replaced = self._replaced(value)
-                    if replaced != value:
-                        if isinstance(thing, Contact) and not _OPERAND.fullmatch(replaced):
-                            raise LoweringError(
-                                f"a contact cannot ask for {value}, which is {replaced} in the code",
-                                location=Location(path=self._path),
-                                hint="Step bits and flip-flops can be asked for.",
-                            )
-                        setattr(thing, name, replaced)
-                else:
-                    self.replace_in(value)
+    def replace_in(self, body: Body) -> None:
+        """Replace them in all texts of a body."""
+        for thing in models_in(body):
+            for name in ("text",) if isinstance(thing, StBody | Expression) else ("variable", "expression"):
+                value = getattr(thing, name, None)
+                if not isinstance(value, str) or (replaced := self._replaced(value)) == value:
+                    continue
+                if isinstance(thing, Contact) and not _OPERAND.fullmatch(replaced):
+                    raise LoweringError(
+                        f"a contact cannot ask for {value}, which is {replaced} in the code",
+                        location=Location(path=self._path),
+                        hint="Step bits and flip-flops can be asked for.",
+                    )
+                setattr(thing, name, replaced)
 
     def _replaced(self, text: str) -> str:
         if "." not in text:

@@ -9,7 +9,7 @@ renaming, must not miss an element because it has not been read. See docs/decisi
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
@@ -19,7 +19,7 @@ from pydantic import PrivateAttr, SerializerFunctionWrapHandler, model_serialize
 from pydantic_core import PydanticSerializationError, to_json
 
 from plcopen_sfc.errors import SfcError
-from plcopen_sfc.model.base import Element
+from plcopen_sfc.model.base import Element, Model
 from plcopen_sfc.model.owners import Owned, OwnedName
 
 
@@ -198,3 +198,17 @@ def _bare(model: type[Late]) -> Any:
     thing.__dict__.clear()
     thing.__pydantic_fields_set__.clear()
     return thing
+
+
+def models_in(thing: Any) -> Iterator[Model]:
+    """Yield an object of the model and all that is in it."""
+    if isinstance(thing, Model):
+        if isinstance(thing, LateElement):
+            thing.read()
+        yield thing
+        for value in [*thing.__dict__.values()]:
+            if isinstance(value, Model | list):
+                yield from models_in(value)
+    elif isinstance(thing, list):
+        for item in thing:
+            yield from models_in(item)

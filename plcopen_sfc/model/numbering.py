@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from itertools import count, zip_longest
 from typing import Any
 
 from plcopen_sfc.model.base import Model
-from plcopen_sfc.model.late import LateElement
+from plcopen_sfc.model.late import models_in
 from plcopen_sfc.model.network import Connection, Node
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, SfcNetwork, Step, Transition
@@ -32,20 +32,6 @@ def number_in_order(project: Project) -> None:
             _number_chart(thing)
         elif (nodes := thing.__dict__.get("nodes")) is not None:
             _number_nodes(nodes)
-
-
-def models_in(thing: Any) -> Iterator[Model]:
-    """Yield an object of the model and all that is in it."""
-    if isinstance(thing, Model):
-        if isinstance(thing, LateElement):
-            thing.read()
-        yield thing
-        for value in [*thing.__dict__.values()]:
-            if isinstance(value, Model | list):
-                yield from models_in(value)
-    elif isinstance(thing, list):
-        for item in thing:
-            yield from models_in(item)
 
 
 def _numbers(ids: Iterable[int]) -> dict[int, int]:

@@ -15,7 +15,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, print_node
 from plcopen_sfc.languages.words import objection, take_name
 from plcopen_sfc.model.body import StBody
-from plcopen_sfc.model.numbering import models_in
+from plcopen_sfc.model.late import models_in
 from plcopen_sfc.model.pou import Action, NamedTransition, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, SfcBody, SfcNetwork, Step

@@ -29,8 +29,8 @@ from plcopen_sfc.model.base import Element, Model
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.late import models_in
 from plcopen_sfc.model.network import Connection, InputPin, OutputPin
-from plcopen_sfc.model.numbering import models_in
 from plcopen_sfc.model.pou import Action, NamedTransition, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.variables import SectionKind, VariableSection

@@ -14,7 +14,7 @@ from plcopen_sfc import model as m
 from plcopen_sfc.errors import ArgumentError, ModelError
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.model import Dialect
-from plcopen_sfc.model.numbering import models_in
+from plcopen_sfc.model.late import models_in
 from plcopen_sfc.refactor.editor import Editor
 from plcopen_sfc.semantics.programs.variable_use import ALL_FREE
 from tests.samples import FIXTURES

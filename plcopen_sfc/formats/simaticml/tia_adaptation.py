@@ -20,6 +20,7 @@ from plcopen_sfc.model import sfc
 from plcopen_sfc.model.base import ExtensionData, Model
 from plcopen_sfc.model.body import BodyBase, FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import WiredCondition
+from plcopen_sfc.model.late import models_in
 from plcopen_sfc.model.network import LogicNetwork
 from plcopen_sfc.model.numbering import wires_in
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou
@@ -142,18 +143,12 @@ def _note_versions(project: Project) -> None:
             variable.attributes = {"Version": version} | variable.attributes
 
 
-def _languages(thing: Any, language: str) -> None:
+def _languages(thing: Model, language: str) -> None:
     """Give every text that people read its language."""
-    if isinstance(thing, Model):
-        for name in type(thing).model_fields:
-            value = getattr(thing, name)
-            if name in _TEXTS and isinstance(value, str) and isinstance(thing, _WITH_TEXTS):
-                setattr(thing, name, MultilingualText(texts={language: value}))
-            else:
-                _languages(value, language)
-    elif isinstance(thing, list):
-        for item in thing:
-            _languages(item, language)
+    for each in (each for each in models_in(thing) if isinstance(each, _WITH_TEXTS)):
+        for name in _TEXTS:
+            if isinstance(value := getattr(each, name, None), str):
+                setattr(each, name, MultilingualText(texts={language: value}))
 
 
 def _numbers(

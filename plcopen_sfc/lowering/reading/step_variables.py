@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Protocol, TypeVar
 
@@ -24,9 +24,9 @@ from plcopen_sfc.lowering.code.boolean_logic import (
 )
 from plcopen_sfc.lowering.code.lowered_code import TIME, LoweredCode, StepValue
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
-from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import LdBody
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.late import models_in
 from plcopen_sfc.model.network import Contact
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcBody, simple_steps
@@ -316,18 +316,9 @@ _QUANTITIES = frozenset({"x", "_x", "t", "_t"})
 def asked_by_contacts(pou: Pou, net: Net) -> frozenset[int]:
     """Return the steps that a contact in a body of the POU asks for: it can read a variable, but not compare."""
     by_name = {f"{step.step.name}.x".casefold(): step.index for step in net.steps}
-
-    def asked(thing: object) -> Iterator[int]:
-        if isinstance(thing, Contact):
-            step = by_name.get((thing.variable or "").casefold())
-            yield from () if step is None else (step,)
-        elif isinstance(thing, Model):
-            for name in type(thing).model_fields:
-                yield from asked(getattr(thing, name))
-        elif isinstance(thing, list):
-            yield from (step for each in thing for step in asked(each))
-
-    return frozenset(step for _, _, body in pou.named_bodies() if isinstance(body, LdBody) for step in asked(body))
+    drawn = [node for _, _, body in pou.named_bodies() if isinstance(body, LdBody) for node in models_in(body)]
+    names = {(node.variable or "").casefold() for node in drawn if isinstance(node, Contact)}
+    return frozenset(step for name, step in by_name.items() if name in names)
 
 
 def _bits_by_name(net: Net) -> dict[str, int]:
