@@ -255,8 +255,6 @@ class ChartReader:
     def _macro(self, element: etree._Element, above: int | None) -> int | None:
         fields, unknown = read_attributes(element, MACRO)
         self._refuse(element, MACRO, unknown)
-        if "exclude" in fields:
-            self._ctx.error("TWC102", "a macro is excluded, which is not understood", element)
         inside = member(element, "Segment")
         held = member(inside, "ElementList") if inside is not None else None
         found = items(held, "InnerList") if held is not None else []  # `_segment` reports one without
@@ -266,8 +264,12 @@ class ChartReader:
         numbers = [number_of(member(each, "Id")) for each in found]
         kept = {"elements": " ".join(str(number) for number in numbers if number is not None)}
         kept |= {"id": str(number_of(member(element, "Id")) or 0)}
-        kept |= {name: str(value) for name, value in fields.items() if name != "exclude"}
+        kept |= {name: str(value) for name, value in fields.items()}
+        before = len(self._drawn.steps), len(self._drawn.transitions)
         above = self._segment(inside, above)
+        if "exclude" in fields:
+            for thing in (*self._drawn.steps[before[0] :], *self._drawn.transitions[before[1] :]):
+                thing["exclude"] = True
         self._macros.append(etree.Element("macro", kept))  # inner ones first
         return above
 
@@ -386,7 +388,7 @@ class _Branch:
 @dataclass
 class _Macro:
     number: int
-    fields: dict[str, str]
+    fields: dict[str, object]
     segment: _Segment
 
 
@@ -424,6 +426,7 @@ class ChartWriter:
         self._report_missing()
         for macro in self._macros():
             self._fold(root, macro)
+        self._exclude_macros(root)
         implementation = new_object("SFCImplementationObject")
         implementation.append(self._segment(root, -1, "Root"))
         add_descriptions(implementation)
@@ -491,12 +494,31 @@ class ChartWriter:
         if places:
             first, last = places[0], places[-1]
             inside = _Segment(segment.parts[first : last + 1])
-            fields = {name: value for name, value in macro.items() if name in ("name", "comment")}
+            fields: dict[str, object] = {name: macro[name] for name in ("name", "comment") if name in macro}
+            fields["exclude"] = "exclude" in macro
             segment.parts[first : last + 1] = [_Macro(whole_number(macro.get("id")) or 0, fields, inside)]
             return True
         inner = [one for part in segment.parts if isinstance(part, _Branch) for one in part.segments]
         inner += [part.segment for part in segment.parts if isinstance(part, _Macro)]
         return any(self._fold(one, macro) for one in inner)
+
+    def _exclude_macros(self, segment: _Segment) -> set[int]:
+        """Let excluded macros tell the exclusion of what is in them; return the steps and transitions of a segment."""
+        held: set[int] = set()
+        for part in segment.parts:
+            match part:
+                case _Branch(segments=segments):
+                    held = held.union(*map(self._exclude_macros, segments))
+                case _Macro(fields=fields, segment=inside):
+                    own = self._exclude_macros(inside)
+                    held |= own
+                    if fields["exclude"]:
+                        things = [self._steps.get(each) or self._transitions[each] for each in own]
+                        fields["exclude"] = all(thing.exclude for thing in things)
+                        self._told |= own if fields["exclude"] else set()
+                case Symbol(id=number, kind=kind) if kind in STEPS or kind is SymbolKind.TRANSITION:
+                    held.add(number)
+        return held
 
     # -- from segments to the archive -------------------------------------------------------------------------------
 

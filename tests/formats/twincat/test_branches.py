@@ -15,8 +15,10 @@ from plcopen_sfc.model.wiring import Branches
 from plcopen_sfc.refactor.builder import jump, selection, step
 from plcopen_sfc.report import Outcome
 from tests.corpus import corpus_files
+from tests.samples import FIXTURES
 from tests.sweeps import some_of
 
+CHART = FIXTURES / "twincat-belt" / "POUs" / "Ablauf_Band.TcPOU"
 REAL = [path for path in corpus_files("twincat") if path.suffix == ".TcPOU"]
 EXCLUDE = "{01580b27"
 
@@ -175,3 +177,26 @@ def test_a_transition_before_an_excluded_jump_is_excluded_with_it() -> None:
     data = sfc.dumps(project)
     assert exclusions(data) == 1
     assert chart_of(sfc.loads(data)).transition("Wait -> Work").exclude
+
+
+def test_nothing_of_an_excluded_macro_is_executed() -> None:
+    """It was an error, and executed all the same."""
+    data = CHART.read_bytes()
+    place = data.index(b'"FALSE"', data.index(EXCLUDE.encode(), data.index(b'"Hinweg"')))
+    data = data[:place] + b'"TRUE"' + data[place + 7 :]
+    project = sfc.loads(data)
+    assert [each.code for each in project.diagnostics if each.severity.value == "error"] == []
+    chart = chart_of(project)
+    left_out = [each.name for each in chart.steps if each.exclude]
+    assert left_out
+    assert len(left_out) < len(chart.steps)
+    assert sfc.dumps(project) == data
+    chart.add_transition(chart.steps[-1].name, chart.steps[0].name, "zz")
+    edited = sfc.dumps(project)
+    away = sfc.loads(sfc.dumps(sfc.loads(edited), format="codesys"))
+    for back in (edited, sfc.dumps(away, format="twincat")):
+        assert exclusions(back) == 1
+        assert [each.name for each in chart_of(sfc.loads(back)).steps if each.exclude] == left_out
+    chart.step(left_out[0]).exclude = False
+    assert exclusions(sfc.dumps(project)) > 1
+    assert [each.name for each in chart_of(sfc.loads(sfc.dumps(project))).steps if each.exclude] == left_out[1:]
