@@ -194,6 +194,14 @@ class Net:
         """Return the associations that are not excluded, each with its step or macro-step."""
         return [(owner, model) for owner in self.owners() for model in owner.step.actions if not model.exclude]
 
+    def named(self) -> dict[str, tuple[str, int]]:
+        """Return what a name in lower case means: as it is written first, and the steps (bits) of all that have it."""
+        found: dict[str, tuple[str, int]] = {}
+        for owner in self.owners():
+            name, bits = found.get(owner.step.name.casefold(), (owner.step.name, 0))
+            found[name.casefold()] = name, bits | owner.steps
+        return found
+
     def steps_of(self, chart: sfc.SfcNetwork) -> int:
         """Return the steps (bits) of a chart: its own, and those in its macro-steps."""
         steps = reduce(or_, (step.bit for step in self.steps if step.chart is chart), 0)

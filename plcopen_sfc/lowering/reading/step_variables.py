@@ -233,8 +233,7 @@ class _StepVariables:
         announced = profile.order is ScanOrder.ACTIONS_FIRST and not source.logic
         self._quantities = {"x", "_x"} if announced else {"x"}
         declared = {v.name.casefold() for v in source.pou.variables()}
-        steps = _bits_by_name(source.net)
-        self._steps = {name: bits for name, bits in steps.items() if name not in declared}
+        self._steps = {name: bits for name, (_, bits) in source.net.named().items() if name not in declared}
         self._flags: Mapping[str, int] = {}
         if profile.step_variables is StepVariables.FLAG:
             names = [step.name.casefold() for step in simple_steps([step.step for step in source.net.steps])]
@@ -319,13 +318,3 @@ def asked_by_contacts(pou: Pou, net: Net) -> frozenset[int]:
     drawn = [node for _, _, body in pou.named_bodies() if isinstance(body, LdBody) for node in models_in(body)]
     names = {(node.variable or "").casefold() for node in drawn if isinstance(node, Contact)}
     return frozenset(step for name, step in by_name.items() if name in names)
-
-
-def _bits_by_name(net: Net) -> dict[str, int]:
-    """Return the steps that a name means: those of this name, in a macro-step all of its expansion."""
-    found: dict[str, int] = {}
-    for step in net.steps:
-        found[step.step.name.casefold()] = found.get(step.step.name.casefold(), 0) | step.bit
-    for macro in net.macros:
-        found[macro.step.name.casefold()] = found.get(macro.step.name.casefold(), 0) | macro.steps
-    return found

@@ -82,13 +82,6 @@ class Steps:
         self.net = net
         self._path = path
         self.since = tuple(scope.declare(f"{path} {step.path}.since", INSTANT, hidden=True) for step in net.steps)
-        named: dict[str, tuple[str, int]] = {}
-        for step in net.steps:
-            name, bits = named.get(step.step.name.casefold(), (step.step.name, 0))
-            named[name.casefold()] = (name, bits | step.bit)
-        for macro in net.macros:
-            name, bits = named.get(macro.step.name.casefold(), (macro.step.name, 0))
-            named[name.casefold()] = (name, bits | macro.steps)
         has_simple = profile.step_variables is StepVariables.FLAG
         simple = simple_steps([step.step for step in net.steps]) if has_simple else []
         all_simple = has_simple and len(simple) == len(net.steps)
@@ -103,7 +96,8 @@ class Steps:
         structure = None if all_simple else scope.structure(_STRUCTURE, members)
         self._has_flags = profile.step_variables is StepVariables.GRAFCET
         self.names = tuple(
-            self._declare(scope, name, bits, None if key in flags else structure) for key, (name, bits) in named.items()
+            self._declare(scope, name, bits, None if key in flags else structure)
+            for key, (name, bits) in net.named().items()
         )
         if self._has_flags:
             self.names += tuple(self._flags(scope))

@@ -352,7 +352,7 @@ class GraphProgram(RunningChart):
         ahead = self._skips or any(a.qualifier in SWITCHES for s in self.net.steps for a in s.step.actions)
         used = {self._steps.since[s.index] for s in self.net.steps if any(a.duration for a in s.step.actions)}
         times = forgetting(self._steps, read if ahead else anywhere, read, used)
-        rows = [(step.bit, row) for step in self.net.steps for row in step.step.actions if not row.exclude]
+        rows = self.net.owned()
         # each cycle clears the events of the last one before anything but permanent operations and other texts
         # sees them, and the coils of S0 alone look back at the steps that were left before
         shown = [step_data.EVENT_NAMES, step_data.TRANSITION, (step.step.name.casefold() for step in self.net.steps)]
@@ -361,7 +361,7 @@ class GraphProgram(RunningChart):
         looks_back = any(row.event is ActionEvent.S0 for _, row in rows)
         # that an interlock was not satisfied in the cycle before makes its events, and nothing else
         told = (ActionEvent.L1, ActionEvent.L0)
-        watched = reduce(or_, (bit for bit, row in rows if row.event in told), 0)
+        watched = reduce(or_, (owner.steps for owner, row in rows if row.event in told), 0)
         unwatched = [self._slots[s.index] for s in self.net.steps if not watched & s.bit and not sees_events]
 
         def forget(frame: Frame, now: int) -> None:
