@@ -51,7 +51,7 @@ def _added_ways(chart: SfcNetwork, drawing: Drawing) -> list[_Way] | None:
     steps = {step.id: step for step in chart.steps if step.id not in drawn}
     ways: list[_Way] = []
     for first in transitions:
-        if len(first.sources) != 1 or first.sources[0] in steps:
+        if len(first.sources) != 1 or first.sources[0] not in drawn:
             continue
         way = _Way(first.sources[0], [first], -1)
         last = first

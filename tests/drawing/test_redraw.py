@@ -210,6 +210,25 @@ def test_a_new_transition_is_one_branch_more_and_all_else_stays(source: int) -> 
             assert len(come) <= len(gone) + 5
 
 
+def test_a_new_sequence_is_one_branch_more_and_all_else_stays() -> None:
+    chart = long_chart(DrawingStyle.STRUCTURED)
+    chart.add_transition("S1", "S7", "way")
+    redraw(chart, DrawingStyle.STRUCTURED)
+    before = chart.drawing.model_copy(deep=True).symbols
+    first, second = chart.add_step("New1", actions=["N Lamp"]), chart.add_step("New2")
+    for source, target in (("S6", first), (first, second), (second, "S3")):
+        chart.add_transition(source, target, "on")
+    redraw(chart, DrawingStyle.STRUCTURED)
+    gone, come = difference(before, chart.drawing.symbols)
+    assert {symbol.id for symbol in before} <= {symbol.id for symbol in chart.drawing.symbols}
+    assert len(gone) <= 2
+    new = [symbol.kind for symbol in come if symbol.id not in {each.id for each in before}]
+    assert new.count(SymbolKind.STEP) == 2
+    assert new.count(SymbolKind.TRANSITION) == 3
+    assert new.count(SymbolKind.JUMP) == 1
+    assert new.count(SymbolKind.ACTION_BLOCK) == 1
+
+
 def test_a_branch_that_is_drawn_elsewhere_is_the_same_branch() -> None:
     chart = make(5, [([0], [1]), ([1], [2]), ([1], [3]), ([2], [4]), ([3], [4]), ([4], [0])])
     chart.drawing = draw(chart, DrawingStyle.STRUCTURED)
