@@ -308,12 +308,14 @@ def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: 
 def _named_after(names: Names, declaration: Declaration, new: str) -> Iterator[tuple[Declaration, str]]:
     """Yield the entry and exit actions that CoDeSys 2.3 finds by the name of their step, with their new names."""
     step = declaration.holders[0] if declaration.holders else None
-    if not isinstance(step, Step) or provided("default_profile")(names.project).name != "codesys23":
+    if not isinstance(step, Step) or declaration.pou is None:
         return
     for field, ending in STEP_ACTION_ENDINGS.items():
-        name = getattr(step, field)
-        action = declaration.pou.find_action(name) if declaration.pou is not None and isinstance(name, str) else None
-        if action is not None and action.name.casefold() == f"{step.name}{ending}".casefold():
+        called = getattr(step, field)
+        is_own = isinstance(called, str) and called.casefold() == f"{step.name}{ending}".casefold()
+        action = declaration.pou.find_action(called) if is_own else None
+        # asked last: to find the tool, all charts may be read
+        if action is not None and provided("default_profile")(names.project).name == "codesys23":
             yield names.declaration_of(action), f"{new}{ending}"
 
 
