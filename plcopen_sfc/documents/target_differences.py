@@ -9,15 +9,17 @@ from plcopen_sfc.formats.format_interface import Format, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_library import note_functions
 from plcopen_sfc.formats.matiec.matiec_statements import note_loops
 from plcopen_sfc.formats.registry import TIA_FORMAT
-from plcopen_sfc.languages.binding import told_step_actions
+from plcopen_sfc.languages.binding import bind, told_step_actions
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.text_sites import Site
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.networks.exported_networks import EXPORTS, KNOWN_SECTIONS
-from plcopen_sfc.languages.st import parse_expression
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_expression, walk
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.types import Elementary, ElementaryType, used_types
 from plcopen_sfc.report import ARITHMETIC, COUNTER, FALLING_EDGE, ORDER_OF_ACTIONS, ConversionReport, Outcome
@@ -35,6 +37,8 @@ _SECTION = re.compile(r"(?:\s|\(\*.*?\*\))*(?P<word>\w+)", re.DOTALL)
 
 _FALLING = re.compile("F_TRIG", re.IGNORECASE)
 _COUNTS_DOWN = re.compile("CTU?D(_INT)?", re.IGNORECASE)
+_COUNTS_UP = re.compile(r"CTUD?(_\w+)?", re.IGNORECASE)
+_COUNTERS = re.compile(r"CT(U|D|UD)(_\w+)?", re.IGNORECASE)
 _COUNTS_UNSIGNED = re.compile("CTU?D_UINT", re.IGNORECASE)
 
 _SWITCHING = frozenset(Qualifier) - {Qualifier(name) for name in "CALL ON OFF CS CU CD CR TL TD TR TF".split()}
@@ -49,7 +53,7 @@ def note_differences(
         note_loops(project, report, kind.tool)  # a TC6 file is one of Beremiz by its header still
         if kind.dialect is None:  # others get what counts seconds in them, too
             note_functions(project, report, kind.tool, with_texts=True)
-    _note_wider_arithmetic(project, kind, dialect, report)
+    _note_wider_arithmetic(project, kind, dialect, options, report)
     _note_operands(project, kind, options, report)
     _note_sections(project, kind, report)
     _note_bodies(project, kind, options, report)
@@ -64,9 +68,12 @@ def note_differences(
     as_it_is = flavour or profile_as(project, kind.name)
     _note_overlapping_words(project, as_it_is, options.flavour or kind.tool, report)
     _note_falling_edges(project, kind, dialect, report)
-    _note_counters(project, kind, dialect, report)
+    target = as_it_is if dialect is None else flavour or profile_of_format(kind.name)
+    if default_profile(project).matiec_library is target.matiec_library:
+        _note_counters(project, kind, dialect, report)
+    else:
+        _note_ends_of_counters(project, target, options.flavour or kind.tool, report)
     if default_profile(project).flags and (kind.charts is None or not kind.charts.is_codesys):
-        target = as_it_is if dialect is None else flavour or profile_of_format(kind.name)
         _note_step_actions(project, target, report)
 
 
@@ -248,6 +255,37 @@ def _note_counters(project: Project, kind: Format, dialect: Dialect | None, repo
         report.add(Outcome.APPROXIMATED, COUNTER, path, why)
 
 
+def _note_ends_of_counters(project: Project, target: Profile, tool: str, report: ConversionReport) -> None:
+    """Report counters between matiec, where they end at PV and at 0, and others; those of CODESYS end at 0, too.
+
+    Their outputs Q are the same as long as PV is.
+    """
+    if not any(_counts_matter(pou, project.dialect) for pou in project.pous):
+        return
+    tools = (tool, "the source") if target.matiec_library else ("the source", tool)
+    is_codesys = family(project.dialect) is Dialect.CODESYS or bool(target.flags)
+    for path, name in _instances(project, _COUNTS_UP if is_codesys else _COUNTERS):
+        why = f"{name} counts to PV and to 0 at most in {tools[0]}, and on in {tools[1]}"
+        report.add(Outcome.APPROXIMATED, COUNTER, path, why)
+
+
+def _counts_matter(pou: Pou, dialect: Dialect) -> bool:
+    """True if a POU may read the count of a counter, or have a preset that is no number."""
+    for _, _, body in pou.named_bodies():
+        bound = bind(body, dialect)
+        if bound.unknown:
+            return True
+        for node in (each for tree in bound.trees for each in walk(tree)):
+            if isinstance(node, n.Member) and node.name.identifier.upper() in ("CV", "PV"):
+                return True
+            if isinstance(node, n.CallStatement) and isinstance(node.call, n.Call):
+                for argument in node.call.arguments:  # those without a name may be a preset
+                    name = argument.name.identifier.upper() if argument.name is not None else "PV"
+                    if name == "CV" or (name == "PV" and not isinstance(argument.value, n.Literal)):
+                        return True
+    return False
+
+
 def _instances(project: Project, blocks: re.Pattern[str]) -> Iterator[tuple[str, str]]:
     """Yield the first instance of some standard blocks in each POU and list, unless the project has blocks so named."""
     own = {pou.name.casefold() for pou in project.pous}
@@ -270,12 +308,16 @@ def _elementary_type(resolver: Resolver, chart: Chart, name: str) -> Elementary 
     return found.name if isinstance(found, ElementaryType) else None
 
 
-def _note_wider_arithmetic(project: Project, kind: Format, dialect: Dialect | None, report: ConversionReport) -> None:
+def _note_wider_arithmetic(
+    project: Project, kind: Format, dialect: Dialect | None, options: WriteOptions, report: ConversionReport
+) -> None:
     """Report the operations that stay as they are where CODESYS calculates in 32 bits, and other tools in the types.
 
-    `dialect`: that of the file; None where it has the texts as they are.
+    `dialect`: that of the file; None where it has the texts as they are. matiec calculates as CODESYS does.
     """
-    sides = family(project.dialect), family(dialect or Dialect.IEC)
+    sides = family(project.dialect), Dialect.CODESYS if options.flavour else family(dialect or Dialect.IEC)
+    if default_profile(project).matiec_library and sides[1] is Dialect.CODESYS:
+        return
     why = {
         (Dialect.CODESYS, Dialect.IEC): "CODESYS calculates with 32 bits where {tool} may do it in the types of the"
         " operands",
@@ -292,4 +334,6 @@ def _note_wider_arithmetic(project: Project, kind: Format, dialect: Dialect | No
     is_translated = dialect is not None and sides[0] is Dialect.CODESYS
     texts = () if is_translated else texts_that_calculate_otherwise(project, sides[1])
     for path, other in (*texts, *boxes_that_calculate_otherwise(project, sides[1])):
-        report.add(Outcome.APPROXIMATED, ARITHMETIC, path, other or why.format(tool=kind.tool))
+        if other and options.flavour:
+            continue  # of the times of CODESYS
+        report.add(Outcome.APPROXIMATED, ARITHMETIC, path, other or why.format(tool=options.flavour or kind.tool))

@@ -48,24 +48,31 @@ EDGES = frozenset({"R_EDGE", "F_EDGE"})
 TRANSLATED_KEYWORDS = KEYWORDS | frozenset("AND_THEN OR_ELSE GOTO JMP REGION END_REGION VAR_STAT EN ENO".split())
 """Words that are no names of variables in CODESYS or SCL; many tools take the others of IEC 61131-3 as names."""
 
-CODESYS23_KEYWORDS = KEYWORDS | {"JMP", "VAR_STAT"}
+CODESYS23_KEYWORDS = KEYWORDS | frozenset(
+    """
+    ABS ACOS ACTION ADD ADR ANDN ASIN ATAN BITADR CAL CALC CALCN COS DIV END_ACTION END_FUNCTION END_FUNCTION_BLOCK
+    END_PROGRAM EQ EXP EXPT GE GT INDEXOF INI JMP JMPC JMPCN LD LDN LE LIMIT LN LOG LT MAX MIN MOVE MUL MUX NE NOT ORN
+    PARAMS PERSISTENT READ_ONLY READ_WRITE RET RETC RETCN ROL ROR SEL SHL SHR SIN SIZEOF SQRT ST STN SUB TAN TRUNC
+    VAR_ACCESS VAR_CONFIG VAR_STAT XORN
+    """.split()
+)
 CODESYS_KEYWORDS = CODESYS23_KEYWORDS | frozenset(
     """
     ABSTRACT AND_THEN END_INTERFACE END_METHOD END_PROPERTY EXTENDS FINAL IMPLEMENTS INTERNAL OR_ELSE OVERRIDE PRIVATE
-    PROPERTY PROTECTED PUBLIC REFERENCE VAR_INST
+    PROPERTY PROTECTED PUBLIC REFERENCE TRUNC_INT VAR_INST XSIZEOF
     """.split()
 )
-"""Words that are no names in CODESYS V3 and TwinCAT 3: no project in reach has one, but for names such as ``Step``."""
+"""Words that are no names in CoDeSys 2.3, and in CODESYS V3 and TwinCAT 3: of scopes, types, and operators.
+
+Documented by CODESYS and Beckhoff (keywords). ``Step`` is none: projects have that name. Beckhoff has ``R`` and ``S``,
+which are operators of IL alone, and common names of variables.
+"""
 
 _IEC_WORDS = frozenset(block.name for block in standard_blocks()) | frozenset(
     """STEP INITIAL_STEP END_STEP TRANSITION END_TRANSITION ACTION END_ACTION FROM WITH ON CONFIGURATION RESOURCE TASK
     PRIORITY READ_ONLY READ_WRITE R_EDGE F_EDGE""".split()
 )
 """Standard functions and blocks, and words of textual charts and configurations; many tools take these as names."""
-_CODESYS_WORDS = CODESYS_KEYWORDS | frozenset(
-    """ADD MUL SUB DIV MOVE NOT SHL SHR ROL ROR SEL MAX MIN LIMIT MUX GT LT LE GE EQ NE ADR BITADR INI SIZEOF XSIZEOF
-    INDEXOF ABS SQRT LN LOG EXP SIN COS TAN ASIN ACOS ATAN EXPT TRUNC TRUNC_INT""".split()
-)
 _SCL_WORDS = TRANSLATED_KEYWORDS | {"ANY", "BEGIN", "DB", "LABEL"}
 """Words that are names in quotes only in SCL, in declarations as in use; the last four are variables elsewhere."""
 
@@ -105,7 +112,7 @@ def identifier(name: str) -> str:
 def is_reserved(name: str, target: Dialect) -> bool:
     """True if `target` reads a name as something else, so that no variable and no member can have it."""
     word = name.upper()
-    return word in TRANSLATED_KEYWORDS or word in (_IEC_WORDS if target is Dialect.IEC else _CODESYS_WORDS)
+    return word in TRANSLATED_KEYWORDS or word in (_IEC_WORDS if target is Dialect.IEC else CODESYS_KEYWORDS)
 
 
 def objection(name: str, dialect: Dialect) -> str:

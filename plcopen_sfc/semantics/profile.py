@@ -274,13 +274,19 @@ class Profile:
     """True if steps, with their actions, and transitions count in the order in which they are reached from the initial
     step instead of that of the file. The converter of Beremiz writes them so."""
 
+    skips_operands: bool = False
+    """True if AND and OR of Booleans end with the operand that decides, so that a function behind it is not called. IEC
+    allows both (ed. 2, 3.3.1). CODESYS evaluates all, but for AND_THEN and OR_ELSE. matiec: seen in its C code."""
+
     for_asks_ahead: bool = False
     """True if each turn of a FOR, the first too, needs the next value of its variable to be within the end, which is
     evaluated again in each turn: a loop of one turn is left out, and its variable ends a turn earlier than in IEC
     61131-3, 7.3.3.4.2. matiec: seen in the C code of 2024."""
 
     matiec_library: bool = False
-    """True if standard functions do what those in the library of matiec do (2024, compiled and run).
+    """True if standard functions and blocks do what those in the library of matiec do (2024, compiled and run).
+
+    Counters end at PV and at 0. Integers of 8 and 16 bits are calculated with as an int of C.
 
     TIME and numbers become each other in seconds, integers without the fraction: ``TIME_TO_DINT(T#2s5ms)`` is 2, where
     all others count milliseconds (IEC 61131-3 leaves it open). FIND and REPLACE, and texts from and to numbers and
@@ -377,6 +383,7 @@ _MATIEC = Profile(
     action_control=ActionControl.SEQUENTIAL,
     reset_cancels_delays=False,
     boolean_targets=BooleanTargets.WHEN_DECIDED,
+    skips_operands=True,
     for_asks_ahead=True,
     matiec_library=True,
     overlapping_addresses=OverlappingAddresses.APART,

@@ -551,6 +551,19 @@ END_PROGRAM
     assert {item.path.split(" ")[-1] for item in lost} == words
 
 
+@pytest.mark.parametrize("target", ["codesys", "codesys23", "twincat"])
+def test_operators_of_the_target_are_no_names_there(target: str) -> None:
+    """A step ``Move`` and a variable ``max`` were written, though a step of that name from S7-GRAPH was renamed."""
+    text = """PROGRAM Main VAR max, Step, s : INT; END_VAR
+INITIAL_STEP Move: Action(N); END_STEP TRANSITION FROM Move TO Limits := max > 3; END_TRANSITION
+STEP Limits: END_STEP TRANSITION FROM Limits TO Move := TRUE; END_TRANSITION
+ACTION Action: max := max + 1; END_ACTION END_PROGRAM
+"""
+    _, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), target, partial=True)
+    lost = [item for item in report.with_outcome(Outcome.NOT_EXECUTED) if "is a keyword" in item.why]
+    assert {item.path.split(" ")[-1] for item in lost} == {"max", "Move", "Action"}
+
+
 def test_what_only_codesys_compiles_is_told_in_files_of_tc6() -> None:
     """TC6 is read by tools of CODESYS and by others: the text stays, and the report has its lines."""
     text = "PROGRAM Main\nVAR w : WORD; i : INT; END_VAR\ni := i + 1;\nw := w + 1;\nw.0 := w.3;\nEND_PROGRAM\n"

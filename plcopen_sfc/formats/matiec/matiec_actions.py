@@ -183,8 +183,12 @@ class ActionFitter:
         )
 
     def _note_final_scans(self, targets: list[str]) -> None:
+        pulsed = {line.target for step in self._steps() for line in step.actions if line.qualifier in _PULSES}
+        others = {line.target for step in self._steps() for line in step.actions if line.qualifier not in _PULSES}
         left_open = "" if self.final_scan else ", which IEC 61131-3 leaves to the tool"
         for target in targets:
+            if target in pulsed - others:
+                continue  # P1 and P0 have no end
             why = f"matiec does not execute it once more after its end{left_open}"
             self.unit.note(Outcome.APPROXIMATED, "action", f"{self.unit.path} / action {target}", why)
 

@@ -178,7 +178,9 @@ def _programs(project: Project) -> Iterator[tuple[str, str]]:
 
 def _names(project: Project) -> Iterator[tuple[str, str]]:
     for occurrence in Names(project).undeclared():
-        name = occurrence.reference.name
+        name, pou = occurrence.reference.name, occurrence.text_site.site.pou
+        if pou is not None and pou.find_action(name) is not None:
+            continue  # it is told that matiec calls no actions
         if not is_of_library(name) and name.upper() not in t.Elementary.__members__:  # BOOL#TRUE
             yield name, occurrence.text_site.report_path
 
@@ -237,6 +239,9 @@ class TypeFitter:
         return constants
 
     def _variable(self, variable: t.Variable, path: str, constants: Mapping[str, str]) -> None:
+        if edge := kept(variable.extension_data).get("edge"):
+            block = "F_TRIG" if edge.upper() == "F_EDGE" else "R_TRIG"
+            self._lost("variable", path, f"matiec does not compile {edge}: declare an instance of {block}")
         variable.type = self._type(variable.type, path, constants)
         variable.initial = self._value(variable.type, variable.initial, path)
 

@@ -28,7 +28,7 @@ from plcopen_sfc.formats.matiec.matiec_statements import (
     gives_to_operators,
     without_for,
 )
-from plcopen_sfc.languages.binding import Names
+from plcopen_sfc.languages.binding import Names, called_actions
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.declarations.kept_texts import kept
@@ -85,6 +85,7 @@ def fit_project(
     constants = types.sections(project.global_sections(), "", {})
     lists = frozenset(section.name.casefold() for section in project.global_sections() if section.name)
     make_blocks(project, report, of_codesys=options.of_codesys)
+    _note_calls_of_actions(project, report)
     declare_globals(project, report)
     for declaration in project.data_types:
         types.declaration(declaration)
@@ -119,6 +120,16 @@ def _note_steps_of_instances(project: Project, report: ConversionReport) -> None
             if each.text_site.site.pou is not chart.pou and each.meaning.declaration in steps:
                 why = f"`{each.reference.name}` is a step of {chart.pou.name}, and matiec knows steps in their POU only"
                 report.add(Outcome.NOT_EXECUTED, "text", each.text_site.report_path, f"{why}: give it an output")
+
+
+def _note_calls_of_actions(project: Project, report: ConversionReport) -> None:
+    """Report texts that call an action: matiec executes actions by their associations alone."""
+    for pou in project.pous:
+        names = {action.name.casefold(): action.name for action in pou.actions}
+        for place, _, body in pou.named_bodies():
+            for called in [] if isinstance(body, SfcBody) else sorted(called_actions(body, pou, project.dialect)):
+                why = f"matiec has no calls of actions: put the statements of `{names[called]}` there"
+                report.add(Outcome.NOT_EXECUTED, "call of an action", pou.report_path_of(place), why)
 
 
 def _note_arrays_of_blocks(project: Project, report: ConversionReport) -> None:

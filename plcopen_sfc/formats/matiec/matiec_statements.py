@@ -16,6 +16,7 @@ from dataclasses import replace
 from functools import partial
 
 from plcopen_sfc.formats.matiec.matiec_library import in_milliseconds
+from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.expression_types import (
@@ -34,9 +35,12 @@ from plcopen_sfc.languages.st.lexer import Comment, CommentKind, Token, tokenize
 from plcopen_sfc.languages.st.walking import with_statements
 from plcopen_sfc.languages.standard_blocks import S7_COUNTERS_OF_CODESYS
 from plcopen_sfc.languages.text_edits import Edit, apply_edits, without
+from plcopen_sfc.model.conditions import Expression as ConditionText
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import ElementaryType, SimpleValue, StringType
+from plcopen_sfc.model.variables import SectionKind, sections_of
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.whole_numbers import whole_number
 
@@ -283,12 +287,22 @@ def fit_expressions(project: Project, report: ConversionReport, *, same_library:
     `same_library`: standard functions are those of matiec already, in the texts of projects for it.
     """
     resolver = Resolver(project, project.dialect)
+    passing = {pou.name.casefold(): pou.name for pou in project.pous if _passed(pou)}
+    functions = [pou for pou in project.pous if pou.name.casefold() in passing]
+    acting = {pou.name.casefold(): pou.name for pou in functions if _changes(pou, passing, project.dialect)}
     for text_site in list(text_sites(project)):
         if not text_site.is_program_text:
             continue
         parsed = text_site.parsed(project.dialect)
         if parsed.problems:
             continue
+        is_condition = isinstance(text_site.holder, ConditionText) or text_site.site.transition is not None
+        for name in dict.fromkeys(_called(parsed.tree, passing)) if is_condition else ():
+            why = f"matiec does not link `{name}` in a condition: it has VAR_IN_OUT or VAR_OUTPUT"
+            report.add(Outcome.NOT_EXECUTED, "condition", text_site.report_path, why)
+        for name in () if same_library else dict.fromkeys(_skipped(parsed.tree, acting)):
+            why = f"matiec does not call `{name}` behind an operand of AND or OR that decides: assign its result before"
+            report.add(Outcome.APPROXIMATED, "operation", text_site.report_path, why)
         fitter = _ExpressionFitter(text_site, resolver, _written(parsed.tree), same_library=same_library)
         tree = transform(parsed.tree, fitter)
         if not fitter.missing:
@@ -301,6 +315,40 @@ def fit_expressions(project: Project, report: ConversionReport, *, same_library:
             text_site.put(render(parsed, tree))
         for what, why in dict.fromkeys(fitter.missing):
             report.add(Outcome.NOT_EXECUTED, what, text_site.report_path, f"{why}; the text does not compile there")
+
+
+_SKIPPING = {n.Operator.AND_THEN: n.Operator.AND, n.Operator.OR_ELSE: n.Operator.OR}
+"""Operators that end with the operand that decides, as those of matiec do."""
+
+
+def _passed(pou: Pou) -> set[str]:
+    """Variables of a function that are others outside of it, in lower case."""
+    kinds = (SectionKind.IN_OUT, SectionKind.OUTPUT, SectionKind.EXTERNAL)
+    sections = sections_of(pou.interface) if pou.kind is PouKind.FUNCTION else ()
+    return {one.name.casefold() for section in sections if section.kind in kinds for one in section.variables}
+
+
+def _changes(pou: Pou, passing: Mapping[str, str], dialect: Dialect) -> bool:
+    """True if a function may write what is outside of it, by itself or by a call of others that can."""
+    found = [bind(body, dialect) for body in pou.bodies]
+    written = {path[0] for each in found for path in each.effects.writes}
+    called = {path[-1] for each in found for path in each.effects.calls}
+    return not written.isdisjoint(_passed(pou)) or not called.isdisjoint(passing)
+
+
+def _called(tree: n.Node, names: Mapping[str, str]) -> Iterator[str]:
+    """Yield those of some functions that a text calls; `names`: as declared, by those in lower case."""
+    for node in walk(tree):
+        if isinstance(node, n.Call) and node.called.casefold() in names:
+            yield names[node.called.casefold()]
+
+
+def _skipped(tree: n.Node, names: Mapping[str, str]) -> Iterator[str]:
+    """Yield those of some functions that are called behind the first operand of AND and OR."""
+    for node in walk(tree):
+        if isinstance(node, n.Operation) and node.operator in (n.Operator.AND, n.Operator.OR):
+            for operand in node.operands[1:]:
+                yield from _called(operand, names)
 
 
 def _written(tree: n.Node) -> frozenset[str]:
@@ -335,7 +383,7 @@ class _ExpressionFitter:
         if isinstance(node, n.Address):
             self.missing.append(("address", f"matiec takes {node.text} in declarations only"))
         if isinstance(node, n.Operation):
-            return self.converter.operation(node)
+            return self.converter.operation(replace(node, operator=_SKIPPING.get(node.operator, node.operator)))
         if isinstance(node, n.Unary) and isinstance(node.operand, n.Unary):
             return replace(node, operand=n.Parenthesized(node.operand))  # IEC 61131-3 ed. 2, B.3.1: one sign or NOT
         if isinstance(node, n.Assignment):
@@ -619,9 +667,14 @@ class _TypeCheck:
 
 
 def _otherwise(tree: n.Node, type_of: TypeOf) -> Iterator[str]:
-    """Yield what the library of matiec calculates otherwise with times."""
+    """Yield what matiec calculates otherwise: with times, and NOT of a part of an int of C."""
     types = ExpressionTypes(Dialect.IEC, type_of)
+    stored = {id(n.bare(node.value)) for node in walk(tree) if isinstance(node, n.Assignment)}
     for node in walk(tree):
+        if isinstance(node, n.Unary) and node.operator is n.Operator.NOT and id(node) not in stored:
+            kind = types.value(node.operand).type
+            if kind in ("BYTE", "WORD"):
+                yield f"NOT of a {kind} has 32 bits in matiec where it is no value that is assigned: assign it before"
         if not isinstance(node, n.Operation) or node.operator not in CALCULATING:
             continue
         kinds = {types.value(operand).type for operand in node.operands}

@@ -73,7 +73,7 @@ class BlockReader:
         """True if executing it does something even if its outputs are not used."""
         if block.call in _ACTING or block.instance or block.code is not None:
             return True
-        standard = standard_block(block.type_name)
+        standard = _standard(block)
         return standard is None or standard.stateful or any(map(_target, block.parameters.outputs))
 
     def is_written(self, node: Node) -> bool:
@@ -125,7 +125,7 @@ class BlockReader:
             more = n.Assignment(counted, n.Operation(step, (counted, n.Literal("1"))))
             self._execute(guard, more)
             return
-        standard = standard_block(block.type_name)
+        standard = _standard(block)
         self._check_pins(block, standard, arguments)
         memory = next((a for a in arguments if is_memory_pin(block, a.variable)), None)
         if memory is not None and memory.value is not None:
@@ -432,6 +432,12 @@ _ACTING = frozenset(
 )
 _COUNTING = {"INC": Operator.ADD, "DEC": Operator.SUBTRACT}
 """Boxes of S7 that change their operand (TIA Portal help: INC, DEC)."""
+
+
+def _standard(block: Block) -> StandardBlock | None:
+    """The standard function or block of a box; None for an instance of a block that has the name of a function."""
+    found = standard_block(block.type_name)
+    return None if found is not None and block.instance and not found.stateful else found
 
 
 def _is(variable: BlockVariable, name: str) -> bool:

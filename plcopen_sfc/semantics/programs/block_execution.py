@@ -208,10 +208,11 @@ class BlockType:
 
 
 class BlockTypes:
-    """The standard function blocks of a dialect."""
+    """The standard function blocks of a dialect; `of_matiec`: those of its library."""
 
-    def __init__(self, dialect: Dialect, processor: Processor) -> None:
+    def __init__(self, dialect: Dialect, processor: Processor, *, of_matiec: bool) -> None:
         self._dialect = dialect
+        self._of_matiec = of_matiec
         self._processor = processor
         self._made: dict[str, BlockType | None] = {}
 
@@ -284,6 +285,10 @@ class BlockTypes:
             "CTD": lambda frame: count_down(frame, least),
             "CTUD": lambda frame: count_up_down(frame, least, greatest),
         }
+        if self._of_matiec:  # they end at PV and at 0
+            runs["CTU"] = lambda frame: count_up(frame, frame.v[2])
+            runs["CTD"] = lambda frame: count_down(frame, 0)
+            runs["CTUD"] = lambda frame: count_up_down(frame, 0, frame.v[4])
         if kind:
             return BlockType(_layout(name, _COUNTERS[kind], type_, type_), runs[kind], {kind: runs[kind]})
         layout = _layout(name, f"{_COUNTERS['CTUD']} Q:BOOL", type_, type_)

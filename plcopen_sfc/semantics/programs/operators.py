@@ -129,7 +129,8 @@ class Operators:
                     text = f"({text} != {code.text})"
                 return Code(text, t.BOOL, 0, 1, acts=acts)
             # `and` of Python would not call what is behind a FALSE operand: AND calls all of them, AND_THEN does not
-            if operator not in _LAZY and any(code.acts for code in codes[1:]):
+            skips = operator in _LAZY or self._translator.library.profile.skips_operands
+            if not skips and any(code.acts for code in codes[1:]):
                 word = sign
             return Code(f"({f' {word} '.join(code.text for code in codes)})", t.BOOL, 0, 1, acts=acts)
         result = codes[0]
@@ -323,8 +324,10 @@ class Operators:
 
     def _calculated(self, type_: t.ScalarType) -> t.ScalarType:
         """Return the type in which the tool calculates with values of a type."""
-        base = _base(type_)
-        name = calculated_type(self._translator.library.dialect, base.name) if base.name in ORDER else base.name
+        base, library = _base(type_), self._translator.library
+        if library.profile.matiec_library and base.family is t.Family.INTEGER and base.bits < t.DINT.bits:
+            return t.DINT  # an int of C
+        name = calculated_type(library.dialect, base.name) if base.name in ORDER else base.name
         return type_ if name == base.name else t.ELEMENTARY[name]
 
     def common(self, left: Code, right: Code) -> t.ScalarType:

@@ -86,7 +86,7 @@ class TranslatedProject(ABC):
         self.processor = Processor()
         self.linker = Linker()
         self.converter = Converter(self.dialect, self.linker, in_seconds=profile.matiec_library)
-        self.blocks = BlockTypes(self.dialect, self.processor)
+        self.blocks = BlockTypes(self.dialect, self.processor, of_matiec=profile.matiec_library)
         self.globals = Layout("global variables")
         self.frame = Frame(self.globals, [])
         self.undeclared: dict[str, t.Type] = {}
