@@ -36,6 +36,11 @@ from plcopen_sfc.report import Cause, CauseKind, ConversionReport, Outcome
 _NAME = re.compile(r"(?!.*__)(?!.*_$)[A-Za-z_][A-Za-z0-9_]*")
 _KEYWORDS = IEC_KEYWORDS | EDGES | {"ON", "EN", "ENO"}
 _LIBRARY = frozenset({"RTC", "SEMA", "INTEGRAL", "DERIVATIVE", "PID", "RAMP", "HYSTERESIS"})
+_PARAMETERS = frozenset(
+    """AUTO BUSY CD CDT CLAIM CU CV CYCLE DTERM ERROR ET G IN IN1 IN2 ITERM K KP L LD M MN MX N OFFSET OUT P PDT PT PV Q
+    Q1 QD QU R R1 RELEASE RUN S S1 SP T TD TR X0 XIN XOUT""".split()
+)
+"""Parameters in the library of matiec, in which a type of such a name is no name of a variable any more."""
 _TYPED = re.compile(r"([A-Z_]+)_(?:[SDL]?INT|U[SDL]?INT|L?REAL|BOOL|BYTE|[DL]?WORD)")
 
 
@@ -60,15 +65,18 @@ def give_plain_names(project: Project, report: ConversionReport) -> None:
     for path, name in _declared(project):
         if not is_matiec_name(name) or name.casefold() in units or is_of_library(name):
             _rename(partial(project.rename, path), path, name, used, report)
+    types = {one.name for one in project.data_types}
     for path, name in _units(project):
-        if not is_matiec_name(name) or is_of_library(name):
+        is_hidden = name in types and name.upper() in _PARAMETERS
+        if not is_matiec_name(name) or is_of_library(name) or is_hidden:
             _rename(partial(project.rename, path), path, name, used, report)
 
 
 def _rename(rename: Callable[[str], object], path: str, name: str, used: set[str], report: ConversionReport) -> None:
     plain = matiec_name(name)
     tries = chain([plain], (f"{plain}_{number}" for number in count(1)))
-    new = next(each for each in tries if each.casefold() not in used and not is_of_library(each))
+    free = (each for each in tries if each.casefold() not in used and each.upper() not in _PARAMETERS)
+    new = next(each for each in free if not is_of_library(each))
     try:
         rename(new)
     except ModelError as error:
@@ -235,6 +243,9 @@ class TypeFitter:
         for section in sections:
             for variable in section.variables:
                 place = f"{path} / variable {variable.name}" if path else f"variable {variable.name}"
+                if section.kind is SectionKind.TEMP and variable.initial is not None:
+                    self._lost("initial value", place, "matiec has no start values in VAR_TEMP: assign it")
+                    variable.initial = None
                 self._variable(variable, place, constants)
         return constants
 

@@ -86,6 +86,7 @@ def fit_project(
     lists = frozenset(section.name.casefold() for section in project.global_sections() if section.name)
     make_blocks(project, report, of_codesys=options.of_codesys)
     _note_calls_of_actions(project, report)
+    _note_uses_of_programs(project, report)
     declare_globals(project, report)
     for declaration in project.data_types:
         types.declaration(declaration)
@@ -130,6 +131,20 @@ def _note_calls_of_actions(project: Project, report: ConversionReport) -> None:
             for called in [] if isinstance(body, SfcBody) else sorted(called_actions(body, pou, project.dialect)):
                 why = f"matiec has no calls of actions: put the statements of `{names[called]}` there"
                 report.add(Outcome.NOT_EXECUTED, "call of an action", pou.report_path_of(place), why)
+
+
+def _note_uses_of_programs(project: Project, report: ConversionReport) -> None:
+    """Report POUs that call a program or name its variables: matiec executes programs by tasks alone."""
+    programs = {id(pou): pou.name for pou in project.pous if pou.kind is PouKind.PROGRAM}
+    found: dict[tuple[str, str], None] = {}
+    for each in Names(project).occurrences(*programs.values()) if programs else ():
+        declaration, user = each.meaning.declaration, each.text_site.site.pou
+        program = declaration.holder if declaration is not None else None
+        if id(program) in programs and user is not None and user is not program:
+            found[user.report_path, programs[id(program)]] = None
+    for path, name in found:
+        why = f"matiec has no calls of programs: make {name} a function block, and an instance of it"
+        report.add(Outcome.NOT_EXECUTED, "call of a program", path, why)
 
 
 def _note_arrays_of_blocks(project: Project, report: ConversionReport) -> None:

@@ -18,6 +18,7 @@ from functools import partial
 from plcopen_sfc.formats.matiec.matiec_library import in_milliseconds
 from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.binding.name_resolution import Resolver
+from plcopen_sfc.languages.binding.name_scopes import parameters_of
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.expression_types import (
     CALCULATING,
@@ -392,6 +393,8 @@ class _ExpressionFitter:
             if self._is_count(n.bare(node.value)) and (kind := self.converter.kind(node.target)) in _COUNTS:
                 return replace(node, value=_as(kind, "INT", node.value))
             return self.converter.assignment(node)
+        if isinstance(node, n.For):
+            self._look_at_loop(node)
         if isinstance(node, n.Member) and (bit := _BIT.fullmatch(node.name.identifier)):
             return self._bit(node, bit)
         if isinstance(node, n.Call):
@@ -402,6 +405,17 @@ class _ExpressionFitter:
                 return in_milliseconds(converted) or converted
             return converted
         return node
+
+    def _look_at_loop(self, loop: n.For) -> None:
+        """Tell what keeps a loop from being compiled."""
+        name = print_node(loop.variable)
+        if self._type(loop.variable).startswith("U") and (_number(loop.step) or 0) < 0:
+            self.missing.append(("loop", f"matiec does not count {name} down, as it has no sign"))
+        inside = [node for statement in loop.statements for node in walk(statement)]
+        if any(
+            isinstance(node, n.Assignment) and print_node(node.target).casefold() == name.casefold() for node in inside
+        ):
+            self.missing.append(("loop", f"matiec has no assignments to {name}, the variable of the loop"))
 
     def _is_count(self, value: n.Expression) -> bool:
         """True for the count and the preset of a counter, which are of the type INT in matiec."""
@@ -439,8 +453,22 @@ class _ExpressionFitter:
                     target = found.name.value if isinstance(found, ElementaryType) else ""
                     value = self.converter.as_type(target, value) if target in _NUMBERS else value
             arguments.append(argument if value is argument.value else replace(argument, value=value))
+        if len({argument.name is None for argument in arguments}) > 1:  # matiec takes all by name, or all by position
+            arguments = [
+                argument if argument.name is not None else replace(argument, name=self._parameter(call, position))
+                for position, argument in enumerate(arguments)
+            ]
         changed = any(new is not old for new, old in zip(arguments, call.arguments, strict=True))
         return replace(call, arguments=tuple(arguments)) if changed else call
+
+    def _parameter(self, call: n.Call, position: int) -> n.Name | None:
+        """Return the name of the parameter that an argument without one gives."""
+        called = self.resolver.called_type(call.callee, self.text_site.site)
+        parameters = parameters_of(called.interface) if isinstance(called, Pou) and called.interface is not None else []
+        if position < len(parameters):
+            return n.Name(parameters[position].name)
+        self.missing.append(("call", f"matiec takes the arguments of {call.called} all by name or all by position"))
+        return None
 
     def _bit(self, node: n.Member, found: re.Match[str]) -> n.Node:
         """``w.3`` as ``(w AND WORD#16#8) <> WORD#16#0``, where it is read only."""

@@ -623,6 +623,12 @@ def test_functions_behind_an_operand_that_decides_are_called_alike(flavour: str,
          "END_FUNCTION_BLOCK", "variable"),
         ("PROGRAM M VAR n : INT; END_VAR INITIAL_STEP A: V(P1); END_STEP TRANSITION FROM A TO A := n > 3; "
          "END_TRANSITION ACTION V: W(); END_ACTION ACTION W: n := n + 1; END_ACTION END_PROGRAM", "call of an action"),
+        ("FUNCTION_BLOCK T VAR_TEMP x : INT := 3; END_VAR VAR n : INT; END_VAR n := n + x; END_FUNCTION_BLOCK",
+         "initial value"),
+        ("PROGRAM L VAR_INPUT x : BOOL; END_VAR VAR n : INT; END_VAR n := n + 1; END_PROGRAM "
+         "PROGRAM M VAR q : INT; END_VAR L(x := TRUE); q := L.n; END_PROGRAM", "call of a program"),
+        ("PROGRAM M VAR i : USINT; n : INT; END_VAR FOR i := 3 TO 0 BY -1 DO n := n + 1; END_FOR; END_PROGRAM", "loop"),
+        ("PROGRAM M VAR i, k : INT; END_VAR FOR i := 1 TO k DO k := 2; i := i + 1; END_FOR; END_PROGRAM", "loop"),
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("flavour", ["matiec", "beremiz"])
@@ -631,6 +637,18 @@ def test_what_matiec_does_not_compile_or_link_is_told(text: str, what: str, flav
     target = "iec-text" if flavour == "matiec" else "plcopen"
     _, report = sfc.convert(project, target, flavour=flavour, partial=True)
     assert what in {item.what for item in report.with_outcome(Outcome.NOT_EXECUTED)}
+
+
+def test_names_of_types_and_arguments_without_names_are_written_as_matiec_takes_them(tmp_path: Path) -> None:
+    text = (
+        "TYPE P : STRUCT a : INT; END_STRUCT; END_TYPE FUNCTION F : BOOL VAR_INPUT x : INT; END_VAR "
+        "VAR_OUTPUT o : INT; END_VAR o := x; F := x > 2; END_FUNCTION "
+        "PROGRAM Plant VAR s : P; q : BOOL; n : INT; END_VAR s.a := 3; q := F(s.a, o => n); END_PROGRAM"
+    )
+    data, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), "iec-text", flavour="matiec")
+    assert report.losses == []
+    assert b"F(x := s.a, o => n)" in data
+    assert require_matiec().build(data.decode(), tmp_path, program="Plant").run([{}], ["n"])[0]["n"] == 3
 
 
 CALCULATED = [
@@ -782,7 +800,7 @@ PROGRAM Plant {declared} VAR c : CTU; END_VAR
     written, report = _text_for(project)
     require_matiec().translate(written, tmp_path)
     assert "c(CU := x_on, R := c.Q, PV := 11);" in written
-    assert report.losses == []
+    assert [item.what for item in report.losses] == ["counter"]
 
 
 def test_blocks_of_the_library_of_codesys_are_in_the_text(tmp_path: Path) -> None:
