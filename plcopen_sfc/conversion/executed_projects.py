@@ -54,6 +54,7 @@ from plcopen_sfc.languages.s7_types import is_operand_of_s5, is_system_data, pla
 from plcopen_sfc.languages.sfc_flag_uses import flags_at_rest, named_flags
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.translation.call_translation import has_function
+from plcopen_sfc.languages.translation.renames import NameScope, Renames, kept_renames
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.base import Element, ForeignData
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
@@ -427,7 +428,7 @@ class _Reader:
                 continue
             for section in sections:
                 for variable in section.variables:
-                    self._variable(self.whole, "global variable", variable, section, block.name)
+                    self._variable(self.whole, "global variable", self._translated(variable), section, block.name)
         for table in self.project.tag_tables:
             for tag in table.tags:
                 variable = t.Variable(name=tag.name, type=type_named(tag.type) or t.DerivedType(name=tag.type))
@@ -436,6 +437,20 @@ class _Reader:
                     part.tell("address", address_meaning(tag.address, Dialect.SCL))
             for constant in table.constants:
                 self._variable(self.whole, "global variable", constant, VariableSection(constant=True), "")
+
+    def _translated(self, variable: t.Variable) -> t.Variable:
+        """Return a member of a data block as texts name it that are translated already."""
+        if self.dialect is Dialect.SCL or not len(self._renames):
+            return variable
+        type_ = variable.type
+        if isinstance(type_, t.StructType):
+            type_ = type_.model_copy(update={"members": [self._translated(member) for member in type_.members]})
+        name = self._renames.new_name(NameScope.MEMBER, variable.name) or variable.name
+        return variable.model_copy(update={"name": name, "type": type_})
+
+    @cached_property
+    def _renames(self) -> Renames:
+        return kept_renames(self.project)
 
     def _lists(self) -> None:
         """Note the lists of global variables and the data blocks by what they declare."""

@@ -50,10 +50,9 @@ TRANSLATED_KEYWORDS = KEYWORDS | frozenset("AND_THEN OR_ELSE GOTO JMP REGION END
 
 CODESYS23_KEYWORDS = KEYWORDS | frozenset(
     """
-    ABS ACOS ACTION ADD ADR ANDN ASIN ATAN BITADR CAL CALC CALCN COS DIV END_ACTION END_FUNCTION END_FUNCTION_BLOCK
-    END_PROGRAM EQ EXP EXPT GE GT INDEXOF INI JMP JMPC JMPCN LD LDN LE LIMIT LN LOG LT MAX MIN MOVE MUL MUX NE NOT ORN
-    PARAMS PERSISTENT READ_ONLY READ_WRITE RET RETC RETCN ROL ROR SEL SHL SHR SIN SIZEOF SQRT ST STN SUB TAN TRUNC
-    VAR_ACCESS VAR_CONFIG VAR_STAT XORN
+    ABS ACOS ACTION ADD ADR ASIN ATAN BITADR COS DIV END_ACTION END_FUNCTION END_FUNCTION_BLOCK END_PROGRAM EQ EXP
+    EXPT GE GT INDEXOF INI JMP LE LIMIT LN LOG LT MAX MIN MOVE MUL MUX NE NOT PARAMS PERSISTENT READ_ONLY READ_WRITE
+    ROL ROR SEL SHL SHR SIN SIZEOF SQRT SUB TAN TRUNC VAR_ACCESS VAR_CONFIG VAR_STAT
     """.split()
 )
 CODESYS_KEYWORDS = CODESYS23_KEYWORDS | frozenset(
@@ -64,8 +63,8 @@ CODESYS_KEYWORDS = CODESYS23_KEYWORDS | frozenset(
 )
 """Words that are no names in CoDeSys 2.3, and in CODESYS V3 and TwinCAT 3: of scopes, types, and operators.
 
-Documented by CODESYS and Beckhoff (keywords). ``Step`` is none: projects have that name. Beckhoff has ``R`` and ``S``,
-which are operators of IL alone, and common names of variables.
+Documented by CODESYS and Beckhoff (keywords). ``Step`` is none: projects have that name. Operators of IL alone (``R``,
+``ST``), which Beckhoff lists, are common names of variables elsewhere.
 """
 
 _IEC_WORDS = frozenset(block.name for block in standard_blocks()) | frozenset(

@@ -99,7 +99,7 @@ def _declares(name: str, type_: str, initial: str | None = None) -> Callable[[Fe
 
 
 def _shared_variable(rig: FeatureChart) -> None:
-    for name, text in (("Twice", "n := n * 2;"), ("Add", "n := n + 1;")):
+    for name, text in (("Twice", "n := n * 2;"), ("AddOne", "n := n + 1;")):
         rig.action(name, m.StBody(text=text))
         rig.act("Work", name)
 

@@ -684,8 +684,11 @@ def test_branches_that_do_not_nest_and_are_no_loops_are_refused_in_the_family_of
     assert "charts of" in told[0].why
 
 
-def test_renamed_members_of_data_blocks_and_structures_are_the_same_inputs_of_both_sides() -> None:
-    """One was driven apart from the other: a chart was different that is the same."""
+@pytest.mark.parametrize(("value", "inner"), [("val 1", "in 2"), ("min", "max"), ("Limit", "Action")])
+def test_renamed_members_of_data_blocks_and_structures_are_the_same_inputs_of_both_sides(
+    value: str, inner: str
+) -> None:
+    """One was driven apart from the other, or was told to be missing: a chart was different that is the same."""
     project = block([{"qualifier": Qualifier.N, "target": "#q"}])
     (pou,) = project.pous
     assert pou.interface is not None
@@ -694,13 +697,13 @@ def test_renamed_members_of_data_blocks_and_structures_are_the_same_inputs_of_bo
         return Variable.model_validate({"name": name, "type": "BOOL"})
 
     section = VariableSection(
-        variables=[boolean("val 1"), Variable(name="st", type=StructType(members=[boolean("in 2")]))]
+        variables=[boolean(value), Variable(name="st", type=StructType(members=[boolean(inner)]))]
     )
     project.data_blocks.append(
         DataBlock(name="My DB", kind=DataBlockKind.GLOBAL, interface=Interface(sections=[section]))
     )
     pou.interface.sections[0].variables.append(Variable(name="s", type=StructType(members=[boolean("on 3")])))
-    condition = '"My DB"."val 1" AND "My DB".st."in 2" AND #s."on 3"'
+    condition = f'"My DB"."{value}" AND "My DB".st."{inner}" AND #s."on 3"'
     chart_of(project).transitions[0].condition = Expression(text=condition)
     _, report = sfc.convert(project, "codesys", limit=8)
     assert report.losses == []
