@@ -13,10 +13,11 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from plcopen_sfc.conversion.causes import told_example, told_held_calls
-from plcopen_sfc.conversion.chart_runs import is_whole, settled
+from plcopen_sfc.conversion.chart_runs import is_whole, longer_scans, settled
 from plcopen_sfc.conversion.reporting import in_the_source
 from plcopen_sfc.languages.binding import names_in
 from plcopen_sfc.languages.binding.reached_pous import reached_pous
+from plcopen_sfc.languages.st.literals import time_literal
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
@@ -182,7 +183,14 @@ def report_callers(
         if verdict is not None and verdict.counterexample is not None:
             told = told_example(verdict.counterexample, tool)
             report.add(Outcome.APPROXIMATED, "calls of charts", each.path, f"{told}; {why}")
-        elif verdict is None or not (each.is_exact and is_whole(verdict)):
-            for path in report.compared:
-                if path.removeprefix("POU ").partition(" / ")[0].casefold() in each.charts:
-                    report.compared[path] += f"\ngiven: what calls it was not compared in all situations: {each.path}"
+            continue
+        given = []
+        if verdict is None or not (each.is_exact and is_whole(verdict)):
+            given.append(f"given: what calls it was not compared in all situations: {each.path}")
+        if verdict is not None and verdict.timed:
+            times = [verdict.scan_time, *longer_scans(running[0], verdict)]
+            shown = ", ".join(map(time_literal, times))
+            given.append(f"given: what calls it was run with scans of {shown}: {each.path}")
+        for path in report.compared:
+            if path.removeprefix("POU ").partition(" / ")[0].casefold() in each.charts:
+                report.compared[path] += "".join(f"\n{line}" for line in given)

@@ -309,6 +309,16 @@ def test_a_caller_that_needs_a_pulse_of_an_input_is_told(code: str, target: str)
     assert all(german(item.why) != item.why for item in told)
 
 
+def test_scans_with_which_a_caller_was_run_are_told_where_times_matter() -> None:
+    """At 20 ms a file without a task does something else in CODESYS; it was run at 10 ms, and nothing said so."""
+    around = "VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT p : BOOL; END_VAR VAR m : A; t, u : TON; END_VAR"
+    code = "t(IN := a, PT := T#30ms); m(a := t.Q); u(IN := a, PT := T#40ms); IF u.Q AND NOT m.x THEN p := TRUE; END_IF;"
+    text = f"{SUB} PROGRAM Main {around} {code} END_PROGRAM"
+    report = saved(sfc.loads(text.encode(), format="iec-text"), "codesys")
+    assert report.losses == []
+    assert "given: what calls it was run with scans of T#5ms, T#10ms: POU Main" in report.compared["POU A"]
+
+
 @pytest.mark.parametrize("target", ["codesys", "plcopen-2.01"])
 def test_a_caller_whose_input_has_another_name_gets_the_same_values(target: str) -> None:
     """It was run with two inputs, and called different, where a tool takes no spaces in names."""
@@ -767,25 +777,25 @@ def test_only_what_can_change_what_differs_is_called_its_cause(what: str, path: 
     assert told[1] == (named if is_cause else "the cause is not known: look at action Look")
 
 
-INNER = """ACTION Sub: INITIAL_STEP I0: END_STEP TRANSITION FROM I0 TO I1 := b; END_TRANSITION STEP I1: q(N); END_STEP
+INNER = """ACTION Inner: INITIAL_STEP I0: END_STEP TRANSITION FROM I0 TO I1 := b; END_TRANSITION STEP I1: q(N); END_STEP
 TRANSITION FROM I1 TO I0 := NOT b; END_TRANSITION END_ACTION"""
 
 
 def test_charts_of_actions_differ_by_the_order_of_actions_and_transitions_alone() -> None:
     """The inner chart is a scan later than the outer one, which is one later itself: a pulse of ``b`` is missed."""
     inner = INNER.replace("FROM I1 TO I0 := NOT b", "FROM I1 TO I0 := FALSE")
-    text = CHART.format(first="Sub(N);", second="", initial="", edge="", actions=inner)
+    text = CHART.format(first="Inner(N);", second="", initial="", edge="", actions=inner)
     report = saved(sfc.loads(text.encode(), format="iec-text"), "codesys")
     found = report.compared["POU Main"]
     assert found.startswith("it does something else")
     assert "\nwith actions and transitions in the order of CODESYS: equal (proof: " in found
     assert verdict_of(report, "POU Main") is ChartVerdict.DIFFERENT
-    assert verdict_of(report, "POU Main / action Sub") is ChartVerdict.DELAYED
+    assert verdict_of(report, "POU Main / action Inner") is ChartVerdict.DELAYED
 
 
 def test_a_chart_of_an_action_that_only_comes_later_is_told_to_come_to_the_same() -> None:
     """Nothing stays of the pulse that it misses."""
-    text = CHART.format(first="Sub(N);", second="", initial="", edge="", actions=INNER)
+    text = CHART.format(first="Inner(N);", second="", initial="", edge="", actions=INNER)
     report = saved(sfc.loads(text.encode(), format="iec-text"), "codesys")
     assert "\nin what both come to while inputs stay: equal" in report.compared["POU Main"]
     assert verdict_of(report, "POU Main") is ChartVerdict.DIFFERENT
@@ -895,7 +905,7 @@ def test_names_in_another_case_are_no_mistake_of_the_writer() -> None:
 
 def test_global_variables_of_no_list_are_run_where_they_are_in_one(tmp_path: Path) -> None:
     text = CHART.format(first="q(N);", second="", initial="", edge="", actions="")
-    variables = "level AT %IW2 : INT; other AT %IW4 : INT; limit : REAL := 0.5;"
+    variables = "level AT %IW2 : INT; other AT %IW4 : INT; bound : REAL := 0.5;"
     text = text.replace("FUNCTION_BLOCK Main", f"VAR_GLOBAL {variables} END_VAR\nPROGRAM Main")
     text = text.replace("END_FUNCTION_BLOCK", "END_PROGRAM").replace(":= b;", ":= level > 10 AND other < 3;")
     text = text.replace("q : BOOL", "q : BOOL; r : REAL := -1.5")

@@ -50,6 +50,7 @@ LINES = (
     "(--as-tool)",
     "given: not reached with scans of T#5ms",
     "given: what calls it was not compared in all situations: POU Main",
+    "given: what calls it was run with scans of T#5ms, T#10ms: POU Main",
     "in what both come to while inputs stay: equal (proof: 5 states, all inputs)",
     "given: compared is what both come to while the inputs of a scan stay, which they do until both rest",
     "given: compared is what both come to while the inputs of a scan stay",

@@ -29,7 +29,7 @@ from plcopen_sfc.languages.binding.text_sites import Role, Site, SiteKind, TextS
 from plcopen_sfc.languages.grafcet_conditions import OVERLINE
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool
-from plcopen_sfc.languages.words import is_plain, objection
+from plcopen_sfc.languages.words import objection
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.declaration import Declaration, Kind
@@ -45,9 +45,7 @@ from plcopen_sfc.report import Use
 def references(text_site: TextSite, dialect: Dialect) -> Iterator[Reference]:
     """Yield every name in the text of a text site."""
     text = text_site.text
-    if text_site.role is Role.ACTION and is_plain(text):  # also what is a keyword in other texts: ``Continue``
-        yield Reference(text, (0, len(text)), text_site.role)
-    elif text_site.reading is SiteKind.EXPRESSION:
+    if text_site.reading is SiteKind.EXPRESSION:
         yield from in_expression(text, text_site.role, dialect)
     elif text_site.reading is SiteKind.NAME:
         yield Reference(text, (0, len(text)), text_site.role)
