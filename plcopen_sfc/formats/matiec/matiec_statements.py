@@ -648,6 +648,10 @@ class _TypeCheck:
         if not all(kinds) or not kinds:
             return
         known, is_mixed = set(kinds), len(kinds) < len(values)
+        for value in values if len(known) == 1 and known <= set(ORDER) else ():
+            if value.loose and not fits(value, kinds[0]):
+                yield f"{node.operator.value} of {kinds[0]} and {value.low}"
+                return
         if node.operator in CALCULATING:
             scaled = node.operator in (n.Operator.MULTIPLY, n.Operator.DIVIDE)
             if known <= _NUMBERS - set(_BITS) or (known & INSTANTS and not is_mixed):

@@ -628,6 +628,7 @@ def test_functions_behind_an_operand_that_decides_are_called_alike(flavour: str,
         ("PROGRAM L VAR_INPUT x : BOOL; END_VAR VAR n : INT; END_VAR n := n + 1; END_PROGRAM "
          "PROGRAM M VAR q : INT; END_VAR L(x := TRUE); q := L.n; END_PROGRAM", "call of a program"),
         ("PROGRAM M VAR i : USINT; n : INT; END_VAR FOR i := 3 TO 0 BY -1 DO n := n + 1; END_FOR; END_PROGRAM", "loop"),
+        ("PROGRAM M VAR x, y : SINT; n : INT; END_VAR IF x + y > 150 THEN n := 1; END_IF; END_PROGRAM", "operation"),
         ("PROGRAM M VAR i, k : INT; END_VAR FOR i := 1 TO k DO k := 2; i := i + 1; END_FOR; END_PROGRAM", "loop"),
     ],
 )  # fmt: skip
