@@ -107,7 +107,9 @@ class Change:
         return data | ({"lines": list(self.lines)} if self.lines else {})
 
 
-_TELL_THEMSELVES = frozenset({"initial", "excluded", "negation", "retain", "constant", "persistent", "static", "union"})
+_TELL_THEMSELVES = frozenset(
+    {"initial", "excluded", "negation", "retain", "constant", "persistent", "static", "kept", "union"}
+)
 """Aspects whose values tell what they are."""
 
 

@@ -46,6 +46,7 @@ from plcopen_sfc.languages.binding.name_uses import Occurrence
 from plcopen_sfc.languages.binding.text_sites import Role
 from plcopen_sfc.languages.declarations.attributes import typed_attributes
 from plcopen_sfc.languages.declarations.kept_texts import bases_of, kept
+from plcopen_sfc.languages.method_calls import KEPT_IN_METHODS
 from plcopen_sfc.languages.networks.condition_reading import shown_named_condition
 from plcopen_sfc.languages.networks.network_graph import without_places
 from plcopen_sfc.languages.s7_globals import TABLE, is_retained, local_tags, type_named
@@ -510,8 +511,9 @@ class _Reader:
             if section_kind is SectionKind.LOCAL and kind == "variable of a function":
                 section_kind = SectionKind.TEMP  # a function keeps nothing
             part.tell("section", Meaning.of(section_kind.value))
-            if kept(section.extension_data).get("keyword") == "VAR_STAT":
-                part.tell("static", Meaning.of(True, "VAR_STAT"))
+            keyword = kept(section.extension_data).get("keyword")
+            if keyword in KEPT_IN_METHODS:
+                part.tell("static" if keyword == "VAR_STAT" else "kept", Meaning.of(True, keyword))
         return part
 
     def _attributes(self, part: Part, thing: Element, name: str, declaration: str | None = None) -> None:
@@ -569,7 +571,7 @@ class _Reader:
                 self._result(inner, method.interface.return_type if method.interface is not None else None)
                 self.tell_comment(inner, method)
             self._attributes(inner, method, "", typed)
-            for section in method.interface.sections if method.interface is not None and self.detail else ():
+            for section in sections_of(method.interface):
                 for variable in section.variables:
                     self._variable(inner, "variable", variable, section, "")
         is_written = self.detail is Detail.WRITTEN

@@ -380,7 +380,18 @@ def _is_noticed(difference: ExecutionDifference, noticed: set[str], around_notic
 
 
 _LEFT_TO_THE_READER = frozenset(
-    {"address", "static", "arguments", "edge", "extends", "implements", "union", "drawn logic", "order of transitions"}
+    {
+        "address",
+        "static",
+        "kept",
+        "arguments",
+        "edge",
+        "extends",
+        "implements",
+        "union",
+        "drawn logic",
+        "order of transitions",
+    }
     | {"section", "max time", "attributes", BOOLEAN_ACTIONS}
 )
 """Aspects of which no writer speaks: what the target does not say is found when it is read back."""
@@ -555,6 +566,7 @@ _MISSING = {
     "attributes": "attributes of the {kind} that have no effect in {tool}: {left}",
     "static": "each instance gets a `{name}` of its own: this file for {tool} has no VAR_STAT, which is one for all; "
     "declare a global variable instead",
+    "kept": "`{name}` begins anew in each call of the method in {tool}, which has no {left}",
     "arguments": "the program instance does not get its arguments in {tool}: {left}",
     "interval": "{name} does not run every {left} in {tool}",
     "trigger": "{name} does not start at a rising edge of {left} in {tool}",

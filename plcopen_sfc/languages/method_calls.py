@@ -16,7 +16,7 @@ from plcopen_sfc.languages.binding.name_scopes import parameters_of
 from plcopen_sfc.languages.binding.name_sites import named
 from plcopen_sfc.languages.binding.text_sites import Site
 from plcopen_sfc.languages.declarations.attributes import acting_attributes, typed_attributes
-from plcopen_sfc.languages.declarations.kept_texts import bases_of, names_of_bases
+from plcopen_sfc.languages.declarations.kept_texts import bases_of, kept, names_of_bases
 from plcopen_sfc.languages.effects import Path, path_of
 from plcopen_sfc.languages.s7_programs import names_of_programs
 from plcopen_sfc.languages.st import nodes as n
@@ -27,7 +27,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Method, Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import SimpleValue, Variable
-from plcopen_sfc.model.variables import PASSED, Interface, SectionKind, VariableSection
+from plcopen_sfc.model.variables import PASSED, Interface, SectionKind, VariableSection, sections_of
 
 _START = "fb_init"
 _IMPLICIT = frozenset({_START, "fb_reinit", "fb_exit"})
@@ -65,6 +65,10 @@ def _has_attribute(thing: Pou | Method) -> bool:
     return _AFTER_START in acting_attributes(thing, typed_attributes(declaration).get("", ()))
 
 
+KEPT_IN_METHODS = frozenset({"VAR_INST", "VAR_STAT"})
+"""Sections of a method whose variables keep their values from call to call."""
+
+
 def without_function(
     owner: Pou, method: Method, pous: Mapping[str, Pou], declared: Callable[[Pou], Pou] = lambda pou: pou
 ) -> str:
@@ -72,9 +76,13 @@ def without_function(
 
     `pous` are those of `bases_of`; `declared` gives each as its tool declares it, where it keeps that in another form.
     """
-    starting = {each.name for each in called_at_start(declared(owner))}
+    as_declared = declared(owner)
+    starting = {each.name for each in called_at_start(as_declared)}
     if method.name.casefold() in _IMPLICIT or method.name in starting:
         return "its tool calls it when an instance is made or goes"
+    sections = (s for each in as_declared.methods if each.name == method.name for s in sections_of(each.interface))
+    if any(kept(section.extension_data).get("keyword") in KEPT_IN_METHODS for section in sections):
+        return "its variables keep their values"
     key, around = method.name.casefold(), owner.name.casefold()
     for pou in pous.values():
         has_one = any(each.name.casefold() == key for each in pou.methods)

@@ -147,3 +147,25 @@ def test_a_box_that_calls_an_action_is_not_executed_in_beremiz() -> None:
 
     report = sfc.convert(project_of(build), "plcopen-2.01", flavour="beremiz", partial=True).report
     assert any("`Count`" in item.why for item in report.with_outcome(Outcome.NOT_EXECUTED))
+
+
+@pytest.mark.parametrize("section", ["VAR_INST", "VAR_STAT"])
+def test_variables_of_methods_that_keep_their_values_are_lost_nowhere_in_silence(section: str) -> None:
+    """TIA Portal got a function with a temporary variable; the simulator began anew in each call; diff saw nothing."""
+    text = f"""FUNCTION_BLOCK Mot VAR_OUTPUT o : INT; END_VAR o := Up();
+    METHOD Up : INT {section} s : INT := 3; END_VAR s := s + 1; Up := s; END_METHOD END_FUNCTION_BLOCK"""
+    project = sfc.loads(text.encode(), format="iec-text")
+    project.dialect = sfc.model.Dialect.CODESYS
+    for target in ("simaticml", "plcopen-2.01"):
+        _, report = sfc.convert(project, target, partial=True)
+        lost = [item.why for item in report.with_outcome(Outcome.NOT_EXECUTED)]
+        assert any("its variables keep their values" in why for why in lost)
+    _, report = sfc.convert(project, "codesys", partial=True)
+    (lost,) = report.with_outcome(Outcome.NOT_EXECUTED)
+    assert lost.path == "POU Mot / method Up / s"
+    assert section in lost.why
+    with pytest.raises(sfc.SimulationError, match="keeps its value between calls"):
+        sfc.simulate(project.pou("Mot"), scans=2)
+    other = sfc.loads(text.replace(section, "VAR").encode(), format="iec-text")
+    other.dialect = sfc.model.Dialect.CODESYS
+    assert [f"no longer {section}" in str(change) for change in sfc.diff(project, other).changes] == [True]

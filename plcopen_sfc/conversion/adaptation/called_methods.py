@@ -21,7 +21,6 @@ from plcopen_sfc.formats.plcopen.source_marks import pou_digest
 from plcopen_sfc.languages.binding.name_scopes import is_instance
 from plcopen_sfc.languages.binding.text_sites import Site, SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.declarations.attributes import acting_attributes, typed_attributes
-from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.effects import Path, effects
 from plcopen_sfc.languages.method_calls import (
     InlinedText,
@@ -46,9 +45,6 @@ from plcopen_sfc.model.sfc import SfcBody
 from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection, sections_of
 from plcopen_sfc.report import ConversionReport, Outcome
-
-_KEPT_INSIDE = frozenset({"VAR_INST", "VAR_STAT"})
-"""Sections of a method whose variables keep their values."""
 
 
 def adapt_calls(
@@ -174,8 +170,6 @@ class _Functions:
         interface = method.interface or Interface()
         if acting := acting_attributes(method, typed_attributes(interface.declaration).get("", ())):
             return f"it has attributes that no function has: {', '.join(acting)}"
-        if any(kept(section.extension_data).get("keyword") in _KEPT_INSIDE for section in interface.sections):
-            return "its variables keep their values"
         own = {variable.name.casefold() for variable in interface.variables()} | {method.name.casefold()}
         text = self._of_itself(method.body.text if method.body is not None else "", own)
         site = Site(pou=owner, place=owner.place, method=method)

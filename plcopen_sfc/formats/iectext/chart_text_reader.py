@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Container, Iterator
+from contextlib import suppress
+from copy import deepcopy
 from dataclasses import dataclass, field
 from itertools import count
 from typing import Any
@@ -365,7 +367,7 @@ def _finished_step(src: TextSource, element: ElementText, around: ChartReference
     element.annotations.put_into(fields)
     actions: list[Fields] = []
     for association in element.associations:
-        done, step_action = _finished_association(src, association, around)
+        done, step_action = _finished_association(src, association, around, {element.name, fields.get("name", "")})
         if step_action in STEP_ACTIONS:
             fields[f"{step_action}_action"] = done.get("body") or done.get("target", "")
         else:
@@ -377,14 +379,42 @@ def _finished_step(src: TextSource, element: ElementText, around: ChartReference
     return fields
 
 
-def _finished_association(src: TextSource, element: ElementText, around: ChartReferences) -> tuple[Fields, str | None]:
-    fields = element.fields
+def _finished_association(
+    src: TextSource, element: ElementText, around: ChartReferences, step_names: set[str]
+) -> tuple[Fields, str | None]:
+    fields, changes = element.fields, element.annotations.changes
     element.annotations.put_into(fields)
-    if str(fields.get("target", "")).casefold() in around.in_place:
+    if (name := str(fields.get("target", "")).casefold()) in around.in_place:
         fields["body"] = {"body_of": fields.pop("target")}
-    for found in element.annotations.changes:
+        with_changes = deepcopy(fields)
+        for found in changes:
+            with suppress(PathError, StaleError):
+                apply(with_changes, found[0])
+        if _is_edited(str(around.in_place[name].get("text", "")), with_changes, step_names):
+            message = "the statements were changed; what is beside them of a condition or a call is left out"
+            src.note("IEC213", message, element.start, element.path, Severity.WARNING)
+            changes = [found for found in changes if found[0].path[0] not in _IN_STATEMENTS]
+    for found in changes:
         apply_change(src, fields, found, element.path)
     return fields, fields.pop("step_action", None)
+
+
+_IN_STATEMENTS = frozenset({"target", "qualifier", "condition", "body"})
+"""Parts of an association that are statements in an action in place, where the text has no words for them."""
+
+
+def _is_edited(text: str, association: Fields, step_names: set[str]) -> bool:
+    """True if statements in the place of an association with a condition, or of a call, do something else now."""
+    condition, body = association.get("condition"), association.get("body")
+    if body is None and isinstance(condition, dict):
+        sign = "NOT " if condition.get("negated") else ""
+        does = f"{{}}.X AND {sign}({str(condition.get('text', '')).strip()})"
+        made = [f"{association.get('target')} := {does.format(name)};" for name in step_names]
+    elif isinstance(body, dict) and "text" in body:
+        made = [f"IF {name}.X THEN {body['text']} END_IF;" for name in step_names]
+    else:
+        return False
+    return "".join(text.split()) not in {"".join(each.split()) for each in made}
 
 
 def _finished_transition(src: TextSource, element: ElementText, around: ChartReferences) -> Fields:

@@ -16,7 +16,7 @@ from dataclasses import replace
 from functools import partial
 
 from plcopen_sfc.formats.matiec.matiec_library import in_milliseconds
-from plcopen_sfc.languages.binding import bind
+from plcopen_sfc.languages.binding import ANYTHING, bind
 from plcopen_sfc.languages.binding.name_resolution import Resolver
 from plcopen_sfc.languages.binding.name_scopes import parameters_of
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
@@ -332,9 +332,10 @@ def _passed(pou: Pou) -> set[str]:
 def _changes(pou: Pou, passing: Mapping[str, str], dialect: Dialect) -> bool:
     """True if a function may write what is outside of it, by itself or by a call of others that can."""
     found = [bind(body, dialect) for body in pou.bodies]
-    written = {path[0] for each in found for path in each.effects.writes}
-    called = {path[-1] for each in found for path in each.effects.calls}
-    return not written.isdisjoint(_passed(pou)) or not called.isdisjoint(passing)
+    writes = {path for each in found for path in each.effects.writes}
+    called = {path[-1] for each in found for path in each.effects.calls if path}
+    written = {path[0] for path in writes if path}
+    return ANYTHING in writes or not written.isdisjoint(_passed(pou)) or not called.isdisjoint(passing)
 
 
 def _called(tree: n.Node, names: Mapping[str, str]) -> Iterator[str]:

@@ -12,6 +12,7 @@ from typing import Any
 from plcopen_sfc.errors import Location, SimulationError
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.declarations.type_names import is_unreserved
+from plcopen_sfc.languages.method_calls import KEPT_IN_METHODS
 from plcopen_sfc.languages.networks import body_statements, chart_statements, condition_expression
 from plcopen_sfc.languages.networks.exported_networks import SOURCES, network_statements
 from plcopen_sfc.languages.networks.results import NetworkText
@@ -21,7 +22,7 @@ from plcopen_sfc.model import types as m
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.declaration import Kind
 from plcopen_sfc.model.sfc import Body, Condition, SfcBody, SfcNetwork, Transition
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection, sections_of
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.semantics.programs import runtime_types as t
 from plcopen_sfc.semantics.programs.code_generation import Writer
 from plcopen_sfc.semantics.programs.expressions import Translator
@@ -49,9 +50,6 @@ def declare(unit: TranslatedPou, compiler: ChartCompiler | None) -> None:
     _declare_interface(unit, unit.pou.interface)
     for method in unit.pou.methods:
         unit.methods[method.name.casefold()] = TranslatedMethod(unit, method)
-        for section in sections_of(method.interface):
-            if kept(section.extension_data).get("keyword") == "VAR_INST":
-                unit.library.problems.append(SimulationError(f"VAR_INST of {method.name} does not keep its value"))
     for name, _, body in unit.pou.named_bodies():
         if compiler is None or not isinstance(body, SfcBody) or id(body) in unit.executions:
             continue  # that of an action may run as the body
@@ -101,6 +99,8 @@ def _declare_variable(callee: Callee, section: VariableSection, variable: m.Vari
         return
     if section.kind is SectionKind.ACCESS:
         return
+    if isinstance(callee, TranslatedMethod) and kept(section.extension_data).get("keyword") in KEPT_IN_METHODS:
+        raise SimulationError(f"{variable.name} keeps its value between calls of the method: the simulator forgets it")
     if "edge" in kept(variable.extension_data):
         raise SimulationError(f"{variable.name} is an input that watches for an edge: the simulator knows none")
     type_ = callee.library.read_type(variable.type, callee.scope)

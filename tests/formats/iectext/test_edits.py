@@ -233,3 +233,18 @@ def test_a_name_in_other_letters_is_all_that_changes() -> None:
         "+TRANSITION FROM Start TO SECOND := a; END_TRANSITION",
         "+TRANSITION FROM SECOND TO Third := b; END_TRANSITION",
     ]
+
+
+@pytest.mark.parametrize("edit", ["S3.X OR (B5)", "S3.X AND (B4)", "TRUE"])
+def test_statements_in_place_of_a_condition_win_over_its_pragmas(edit: str) -> None:
+    """What beside tools execute was ignored: the condition in the pragmas was taken, and nothing said so."""
+    text = (FIXTURES / "training-chain" / "iec-text.st").read_text("utf-8")
+    assert text.count("Q3 := S3.X AND (B5);") == 1
+    project = sfc.loads(text.replace("S3.X AND (B5)", edit).encode())
+    (row,) = project.pous[0].chart.step("S3").actions
+    assert row.condition is None
+    assert isinstance(row.body, sfc.StBody)
+    assert row.body.text.strip() == f"Q3 := {edit};"
+    assert "IEC213" in {each.code for each in project.diagnostics}
+    (kept,) = sfc.loads(text.encode()).pous[0].chart.step("S3").actions
+    assert (kept.target, kept.condition.text, kept.body) == ("Q3", "B5", None)
