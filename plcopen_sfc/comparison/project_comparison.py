@@ -286,6 +286,8 @@ def _is_run(pou: Pou) -> bool:
 def _not_called(projects: tuple[Project, Project], change: Change) -> str:
     """Return why nothing runs what has changed, such as that nothing calls it; empty if something does."""
     path = ObjectPath.of(change.path)
+    if change.what in ("property", "unit"):
+        return "it is kept as text, and no run executes it"
     for project in projects:
         pou = next((each for each in project.pous if each.report_path.casefold() == path.owner.casefold()), None)
         if pou is None:

@@ -23,7 +23,7 @@ from plcopen_sfc.languages.s7_types import S7Types, number_of
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.translation.translation_context import family
 from plcopen_sfc.model import types as t
-from plcopen_sfc.model.base import Element, ExtensionData, ForeignData
+from plcopen_sfc.model.base import Element, ForeignData
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import DataBlock, Pou
@@ -296,11 +296,19 @@ def tell_acting_attributes(part: Part, thing: Element, typed: Sequence[str] = ()
     part.tell("attributes", Meaning.of(frozenset(map(str.casefold, found)), ", ".join(found)) if found else None)
 
 
-def add_kept(whole: Part, project: Project, text_sites: Iterable[TextSite], tool: Dialect) -> None:
-    """Add what the `tool` of a project executes of what is kept as text, and each type that nothing declares."""
-    texts = list(_units(project.extension_data))
-    for keyword, name in (found[0] for found in texts if found):
-        whole.add("unit", name, f"{keyword} {name}").tell("kind", Meaning.of(keyword))
+def add_kept(
+    whole: Part, project: Project, text_sites: Iterable[TextSite], tool: Dialect, *, with_code: bool = False
+) -> None:
+    """Add what the `tool` of a project executes of what is kept as text, and each type that nothing declares.
+
+    `with_code`: units with their texts; else only that they are there, for tools write them in forms of their own.
+    """
+    units = [(text, _declared_in(text)) for text in texts_from("unit", project.extension_data)]
+    texts = [found for _, found in units]
+    for text, (keyword, name) in ((text, found[0]) for text, found in units if found):
+        part = whole.add("unit", name, f"{keyword} {name}")
+        part.tell("kind", Meaning.of(keyword))
+        part.tell("code", Meaning.of(" ".join(text.split()), text) if with_code else None)
     for pou in project.pous:
         for name, text in properties_of(pou):
             part = whole.add("property", f"{pou.name}.{name}", f"{pou.report_path} / property {name}")
@@ -320,10 +328,9 @@ def add_kept(whole: Part, project: Project, text_sites: Iterable[TextSite], tool
             whole.add(UNDECLARED_TYPE, name, path).tell("name", Meaning.of(name.casefold(), name))
 
 
-def _units(extension_data: ExtensionData | None) -> Iterator[list[tuple[str, str]]]:
-    """Yield declarations of each unit that is kept as text: the unit first, then what is in it, by keyword and name."""
-    for text in texts_from("unit", extension_data):
-        yield [(found[1].upper(), found[2]) for found in _UNIT.finditer(text)]
+def _declared_in(text: str) -> list[tuple[str, str]]:
+    """Return what a unit that is kept as text declares, by keyword and name: itself first."""
+    return [(found[1].upper(), found[2]) for found in _UNIT.finditer(text)]
 
 
 def _bases(project: Project) -> Iterator[tuple[str, str]]:

@@ -181,7 +181,7 @@ class _Reader:
         tasks.read()
         for pou in self.project.pous:
             self._pou(pou)
-        add_kept(self.whole, self.project, self.names.text_sites(), self.tool)
+        add_kept(self.whole, self.project, self.names.text_sites(), self.tool, with_code=bool(self.detail))
         drawn = [text_site.text for text_site in self.names.text_sites() if isinstance(text_site.holder, Block)]
         self.whole.boxes = frozenset(map(plain_name, drawn))
         if self.detail is Detail.WRITTEN:

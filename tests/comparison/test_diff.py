@@ -716,6 +716,24 @@ END_PROGRAM
             assert [each.equal for each in proofs if not each.verdict] == [False], old
             assert reason in str(proofs[0])
 
+    @pytest.mark.parametrize(
+        "text",
+        [
+            "CLASS C VAR k : INT; END_VAR METHOD Up : INT k := k + 1; Up := k; END_METHOD END_CLASS",
+            "NAMESPACE Ns FUNCTION F : INT F := 1; END_FUNCTION END_NAMESPACE",
+            "INTERFACE IRun METHOD Run : INT VAR_INPUT x : INT := 1; END_VAR END_METHOD END_INTERFACE",
+            "FUNCTION_BLOCK Mo VAR k : INT; END_VAR PROPERTY Speed : INT GET Speed := k; END_GET "
+            "SET k := Speed + 1; END_SET END_PROPERTY END_FUNCTION_BLOCK",
+        ],
+    )
+    def test_what_is_kept_as_text_is_compared_and_not_run(self, text: str):
+        """Another text of a class, a namespace or an interface was no difference."""
+        before, after = (sfc.loads(each.encode(), format="iec-text") for each in (text, text.replace("1;", "2;")))
+        found = sfc.diff(before, after, prove=True)
+        assert [change.aspect for change in found.changes] == ["code"]
+        (proof, *_) = found.proofs
+        assert str(proof).endswith("not compared: it is kept as text, and no run executes it")
+
     @pytest.mark.slow
     def test_programs_without_charts_are_run_too(self):
         text = "PROGRAM Calc\nVAR_INPUT x : INT; END_VAR\nVAR_OUTPUT y : INT; END_VAR\ny := x + 1;\nEND_PROGRAM\n"

@@ -21,6 +21,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.model import types as m
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.declaration import Kind
+from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.model.sfc import Body, Condition, SfcBody, SfcNetwork, Transition
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.semantics.programs import runtime_types as t
@@ -101,6 +102,9 @@ def _declare_variable(callee: Callee, section: VariableSection, variable: m.Vari
         return
     if isinstance(callee, TranslatedMethod) and kept(section.extension_data).get("keyword") in KEPT_IN_METHODS:
         raise SimulationError(f"{variable.name} keeps its value between calls of the method: the simulator forgets it")
+    is_shared = isinstance(callee, TranslatedPou) and callee.pou.kind is not PouKind.PROGRAM
+    if is_shared and kept(section.extension_data).get("keyword") == "VAR_STAT":
+        raise SimulationError(f"{variable.name} is one for all instances: the simulator keeps one for each")
     if "edge" in kept(variable.extension_data):
         raise SimulationError(f"{variable.name} is an input that watches for an edge: the simulator knows none")
     type_ = callee.library.read_type(variable.type, callee.scope)

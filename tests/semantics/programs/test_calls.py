@@ -519,3 +519,19 @@ def test_a_property_is_told_by_its_name_and_not_executed_in_other_tools() -> Non
     assert [item.path for item in report.items if item.outcome.value == "not executed"] == [
         "POU Motor / property Speed"
     ]
+
+
+def test_a_variable_that_is_one_for_all_instances_is_not_one_for_each() -> None:
+    """VAR_STAT of a block was executed as VAR, and called equal to it."""
+    text = (
+        "FUNCTION_BLOCK Mot VAR_STAT s : INT; END_VAR VAR_OUTPUT o : INT; END_VAR s := s + 1; o := s; "
+        "END_FUNCTION_BLOCK PROGRAM Main VAR m1, m2 : Mot; END_VAR m1(); m2(); END_PROGRAM"
+    )
+    with pytest.raises(SimulationError, match="s is one for all instances"):
+        sfc.simulate(sfc.loads(text.encode(), format="iec-text").pou("Main"), scans=1)
+    alone = text.replace("FUNCTION_BLOCK Mot", "PROGRAM Mot").replace(
+        "END_FUNCTION_BLOCK PROGRAM Main", "END_PROGRAM --"
+    )
+    alone = alone.partition(" --")[0]
+    trace = sfc.simulate(sfc.loads(alone.encode(), format="iec-text").pou("Mot"), scans=2)
+    assert [row["o"] for row in trace.to_records()] == [1, 2]
