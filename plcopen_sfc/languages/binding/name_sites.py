@@ -22,7 +22,6 @@ from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
 from plcopen_sfc.languages.st.nodes import Quoting, Span
 from plcopen_sfc.languages.st.parsing import parse_declarations
 from plcopen_sfc.languages.st.walking import children, walk
-from plcopen_sfc.languages.words import is_plain
 from plcopen_sfc.model.dialect import Dialect
 
 
@@ -183,9 +182,6 @@ def _in_expression(text: str, role: Role, dialect: Dialect) -> Iterator[Referenc
         yield Reference(text.strip('"'), (quotes, len(text) - quotes), role)
         return
     parsed = parse_condition(text, dialect)
-    if role is Role.ACTION and parsed.problems and is_plain(text):  # a keyword in other texts: ``Continue``
-        yield Reference(text, (0, len(text)), role)
-        return
     is_grafcet = bool(parsed.problems) or (dialect is not Dialect.SCL and _DOT_BESIDE_BLANKS.search(text) is not None)
     if is_grafcet and role is Role.VALUE and (parts := program_parts(text)):
         for start, end in parts:

@@ -29,7 +29,7 @@ from plcopen_sfc.languages.binding.text_sites import Role, Site, SiteKind, TextS
 from plcopen_sfc.languages.grafcet_conditions import OVERLINE
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool
-from plcopen_sfc.languages.words import objection
+from plcopen_sfc.languages.words import is_plain, objection
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.declaration import Declaration, Kind
@@ -37,6 +37,7 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.owners import Owned
 from plcopen_sfc.model.pou import Method, Pou, PouKind
 from plcopen_sfc.model.project import Project, Tag
+from plcopen_sfc.model.sfc import ActionAssociation
 from plcopen_sfc.model.types import DerivedType, StructType, Variable
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.report import Use
@@ -45,7 +46,9 @@ from plcopen_sfc.report import Use
 def references(text_site: TextSite, dialect: Dialect) -> Iterator[Reference]:
     """Yield every name in the text of a text site."""
     text = text_site.text
-    if text_site.reading is SiteKind.EXPRESSION:
+    if isinstance(text_site.holder, ActionAssociation) and text_site.key == "target" and is_plain(text):
+        yield Reference(text, (0, len(text)), text_site.role)  # also what is a keyword elsewhere: ``Continue``
+    elif text_site.reading is SiteKind.EXPRESSION:
         yield from in_expression(text, text_site.role, dialect)
     elif text_site.reading is SiteKind.NAME:
         yield Reference(text, (0, len(text)), text_site.role)
