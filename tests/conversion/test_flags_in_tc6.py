@@ -102,7 +102,10 @@ def test_statements_report_on_the_chart(flag: str, flavour: str) -> None:
     source = chart_with_times(flag)
     data, report = compared(source, flavour=flavour)
     assert not report.with_outcome(Outcome.NOT_EXECUTED)
-    assert beside(source) or all("equal" in verdict for verdict in report.compared.values()), report.compared
+    # at 10 ms the maximum time ends in the scan in which Work is left, which CODESYS does a scan later
+    told = "which the report names" if flavour else "equal"
+    verdicts = report.compared.values()
+    assert beside(source) or all("equal" in verdict or told in verdict for verdict in verdicts), report.compared
     assert not flavour or flag.encode() in data
 
 
