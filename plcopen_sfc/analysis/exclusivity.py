@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TypeAlias
 
-from plcopen_sfc.analysis.formulas import COMPARING, Formula, JudgedCondition, Situation, disjunction, negation
+from plcopen_sfc.analysis.formulas import COMPARING, Formula, JudgedCondition, Situation, negation
 from plcopen_sfc.analysis.knowledge import Knowledge, ValueKind, VariableValues, constant_of
 from plcopen_sfc.analysis.search_limits import Answer
 from plcopen_sfc.languages.effects import targets
@@ -146,7 +146,7 @@ def covered(
         return Answer.UNKNOWN
     formula = Formula(dialect, knowledge)
     first, *rest = formula.terms([r for r in read if isinstance(r, JudgedCondition)])
-    return _not(formula.can_be_true([first, negation(disjunction(rest))]))
+    return _not(formula.can_be_true([first, negation(formula.disjunction(rest))]))
 
 
 def overlapping(
@@ -173,7 +173,7 @@ def overlapping(
         if all(found[place] >= most for place in right):
             return
         if terms.keys() >= {*left, *right}:
-            either = [disjunction([terms[place] for place in side]) for side in (left, right)]
+            either = [formula.disjunction([terms[place] for place in side]) for side in (left, right)]
             if formula.can_be_true(either) is False:
                 return
         if len(left) == len(right) == 1:

@@ -130,20 +130,31 @@ _CONTEXTS = local()
 
 def z3_context() -> tuple[Any, Any]:
     """Return the module, loaded when it is first needed, and a context for this thread."""
+    if not hasattr(_CONTEXTS, "context"):
+        _CONTEXTS.context = new_context()
+    return _z3_module(), _CONTEXTS.context
+
+
+def _z3_module() -> Any:
     import z3  # noqa: PLC0415  # takes a tenth of a second
 
-    if not hasattr(_CONTEXTS, "context"):
-        _CONTEXTS.context = z3.Context()
-    return z3, _CONTEXTS.context
+    return z3
+
+
+def new_context() -> Any:
+    """Return a z3 context of one's own, which takes two milliseconds and some megabytes.
+
+    What z3 finds within a limit depends on what was asked in the same context before.
+    """
+    return _z3_module().Context()
 
 
 _ESCAPED = re.compile(r"\\u\{([0-9a-fA-F]+)\}")
 
 
-def text_term(text: str) -> Any:
+def text_term(text: str, context: Any) -> Any:
     """Return a text as a z3 term."""
-    z3, context = z3_context()
-    return z3.StringVal(text.replace("\\", "\\u{5c}"), ctx=context)  # else z3 reads the text \u{41} as A
+    return _z3_module().StringVal(text.replace("\\", "\\u{5c}"), ctx=context)  # else z3 reads the text \u{41} as A
 
 
 def plain_text(value: Any) -> str:
@@ -154,13 +165,7 @@ def plain_text(value: Any) -> str:
 
 def negation(term: Any) -> Any:
     """Return the opposite of a z3 term."""
-    return z3_context()[0].Not(term)
-
-
-def disjunction(terms: list[Any]) -> Any:
-    """Return the formula that at least one of the z3 terms is true."""
-    z3, context = z3_context()
-    return z3.Or(*terms) if terms else z3.BoolVal(False, ctx=context)
+    return _z3_module().Not(term)
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,11 +218,13 @@ class Formula:
     """Conditions in one formula, each a z3 term. `doubts`: why what z3 finds possible may still be impossible.
 
     `guessing`: only a `model` is wanted; what z3 finds impossible may be possible, as integers have no bounds between.
+    `context`: that of the terms; None: the one of this thread.
     """
 
     dialect: Dialect
     knowledge: Knowledge | None
     guessing: bool = False
+    context: Any = None
     doubts: list[str] = field(default_factory=list)
     _atoms: dict[str, _Atom] = field(default_factory=dict)
     _bounds: list[Any] = field(default_factory=list)
@@ -227,6 +234,15 @@ class Formula:
     _own: frozenset[str] = frozenset()
     _side: int = 0
     _common: Any = None
+
+    def _z3(self) -> tuple[Any, Any]:
+        """Return the module, and the context of all terms."""
+        return z3_context() if self.context is None else (_z3_module(), self.context)
+
+    def disjunction(self, terms: list[Any]) -> Any:
+        """Return the formula that at least one of the terms is true."""
+        z3, context = self._z3()
+        return z3.Or(*terms) if terms else z3.BoolVal(False, ctx=context)
 
     def terms(self, readings: list[JudgedCondition]) -> list[Any]:
         """Return the z3 terms of conditions."""
@@ -261,14 +277,14 @@ class Formula:
             self._common.pop()
 
     def _asker(self) -> Any:
-        z3, context = z3_context()
+        z3, context = self._z3()
         solver = z3.SimpleSolver(ctx=context)
         solver.set("rlimit", _EFFORT)
         solver.add(*self._bounds)
         return solver
 
     def _judged(self, solver: Any, terms: list[Any]) -> tuple[bool | None, str]:
-        z3, _ = z3_context()
+        z3, _ = self._z3()
         solver.add(*terms)
         found = solver.check()
         if found == z3.unsat:
@@ -300,18 +316,15 @@ class Formula:
         not to have.
         """
         z3, solver = self._solver(terms, known)
-        solver.add(
-            *(
-                a.term != avoided[a.text]
-                for a in self._atoms.values()
-                if a.kind is ValueKind.INTEGER and a.text in avoided
-            )
-        )
-        solver.add(
-            *(z3.IsInt(a.term) for a in self._atoms.values() if a.kind is ValueKind.INTEGER and a.term.is_real())
-        )
-        if solver.check() != z3.sat:
-            return None
+        numbers = [a for a in self._atoms.values() if a.kind is ValueKind.INTEGER]
+        solver.add(*(z3.IsInt(a.term) for a in numbers if a.term.is_real()))
+        others = [a for a in numbers if a.text in avoided]
+        # far from them if that can be: what is calculated with a number beside them may be the same
+        far = [z3.Or(a.term > avoided[a.text] + _FAR, a.term < avoided[a.text] - _FAR) for a in others]
+        if not far or solver.check(*far) != z3.sat:
+            solver.add(*(a.term != avoided[a.text] for a in others))
+            if solver.check() != z3.sat:
+                return None
         model = solver.model()
         found: dict[str, Any] = {}
         for atom in self._atoms.values():
@@ -339,7 +352,7 @@ class Formula:
         return bool(solver.check() == z3.unsat)
 
     def _solver(self, terms: list[Any], known: Mapping[str, bool | int | float | str | date | None]) -> tuple[Any, Any]:
-        z3, context = z3_context()
+        z3, context = self._z3()
         solver = z3.SimpleSolver(ctx=context)
         solver.set("rlimit", _EFFORT_FOR_A_MODEL)
         solver.add(*terms, *self._bounds)
@@ -351,12 +364,12 @@ class Formula:
 
     def _is(self, atom: _Atom, value: bool | int | float | str | date) -> list[Any]:
         """Return the formula that an atom has a value, if its kind can have it."""
-        z3, context = z3_context()
+        z3, context = self._z3()
         if atom.kind is ValueKind.BOOL:
             return [atom.term == z3.BoolVal(bool(value), ctx=context)]
         if isinstance(value, str):
             if atom.kind is ValueKind.TEXT:
-                return [atom.term == text_term(value)]
+                return [atom.term == text_term(value, context)]
             if atom.kind is not ValueKind.SYMBOL:
                 return []
             return [atom.term == self._code(LiteralValue(LiteralKind.ENUMERATED, value))]
@@ -397,7 +410,7 @@ class Formula:
     # -- Boolean terms
 
     def _truth(self, tree: Expression) -> Any:
-        z3, context = z3_context()
+        z3, context = self._z3()
         match tree:
             case n.Parenthesized(inner):
                 return self._truth(inner)
@@ -440,7 +453,7 @@ class Formula:
         is_name = isinstance(n.bare(left), n.Name | n.Member | n.Index)
         if is_number and is_name and not self.guessing and self._key(left) == self._key(right):
             # how programs ask for NaN, which no number of z3 is
-            z3, _ = z3_context()
+            z3, _ = self._z3()
             differs = self._atom(n.Operation(Operator.UNEQUAL, (left, right)), ValueKind.BOOL).term
             return differs if operator is Operator.UNEQUAL else z3.Not(differs)
         return COMPARING[operator](self._value(left, kind), self._value(right, kind))
@@ -479,7 +492,7 @@ class Formula:
         return atom.kind if atom is not None else None
 
     def _value(self, tree: Expression, kind: ValueKind) -> Any:
-        z3, context = z3_context()
+        z3, context = self._z3()
         tree = n.bare(tree)
         constant = self._constant(tree)
         if constant is None:
@@ -487,7 +500,7 @@ class Formula:
             return self._atom(tree, kind).term if made is None else made
         value = constant.value
         if isinstance(value, str) and constant.kind is LiteralKind.STRING:
-            return text_term(value)
+            return text_term(value, context)
         if isinstance(value, str):
             return z3.IntVal(self._code(constant), ctx=context)
         if isinstance(value, date):
@@ -518,7 +531,7 @@ class Formula:
 
     def _calculation(self, tree: Expression, kind: ValueKind) -> Any:
         """Return the term of an operation or a standard function, where that is known and wanted; else None."""
-        z3, _ = z3_context()
+        z3, _ = self._z3()
         if isinstance(tree, n.Call) and (name := tree.called.upper()):
             given = [each.value for each in tree.arguments if each.value is not None]
             if name != "LEN" and not self.guessing:
@@ -563,7 +576,7 @@ class Formula:
     # -- atoms
 
     def _atom(self, tree: Expression, kind: ValueKind) -> _Atom:
-        z3, context = z3_context()
+        z3, context = self._z3()
         key = self._key(tree)
         domain = self._domain(tree)
         kind = domain.kind if domain is not None else kind
@@ -607,7 +620,7 @@ class Formula:
         return f"{text} in condition {self._side}" if names_of(tree) & self._own else text
 
     def _unknown(self, tree: Expression, why: str) -> Any:
-        z3, context = z3_context()
+        z3, context = self._z3()
         self._doubt(f"{print_node(tree)} {why}")
         return z3.FreshBool(ctx=context)
 
@@ -637,6 +650,8 @@ class Formula:
 _EFFORT = 20_000_000
 """z3's own measure of work, the same on every machine: some seconds. Conditions of real charts need a thousandth."""
 
+_FAR = 100
+"""How far from numbers that are avoided others are looked for first."""
 _EFFORT_FOR_A_MODEL = 1_000_000
 
 

@@ -19,7 +19,7 @@ from plcopen_sfc.analysis.coverage import counted_charts
 from plcopen_sfc.analysis.deciding_parts import ConditionPart, ConditionParts
 from plcopen_sfc.analysis.domains import plain
 from plcopen_sfc.analysis.exclusivity import association_condition, condition_of
-from plcopen_sfc.analysis.formulas import Formula, JudgedCondition, negation
+from plcopen_sfc.analysis.formulas import Formula, JudgedCondition, negation, new_context
 from plcopen_sfc.analysis.knowledge import ProjectKnowledge
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.analysis.unreachable import Unreachable
@@ -603,7 +603,12 @@ class Goals:
 
     def _formula(self) -> Formula:
         chart = self.system.subject.pou.chart
-        return Formula(self._project.dialect, self._knowledge.at(self.system.subject.pou, chart), guessing=True)
+        knowledge = self._knowledge.at(self.system.subject.pou, chart)
+        return Formula(self._project.dialect, knowledge, guessing=True, context=self._context)
+
+    @cached_property
+    def _context(self) -> Any:
+        return new_context()  # the search is the same whatever was searched before
 
     def _present(self, text: str) -> Any:
         try:
