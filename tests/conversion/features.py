@@ -362,12 +362,12 @@ def _flag(flag: m.SfcFlag) -> Callable[[FeatureChart], None]:
 
 
 def _initial_value(rig: FeatureChart) -> None:
-    rig.declare(m.SectionKind.LOCAL, variable("limit", "INT", initial="3"))
-    rig.action("Count", st(rig, "n := n + limit; limit := 5"))  # what nothing writes is an input
+    rig.declare(m.SectionKind.LOCAL, variable("bound", "INT", initial="3"))
+    rig.action("Count", st(rig, "n := n + bound; bound := 5"))  # what nothing writes is an input
     if rig.project.dialect is m.Dialect.SCL:
         rig.pou.actions.clear()
-        rig.act("Work", "n", "N", value="limit")
-        rig.act("Done", "limit", "N", value="5")
+        rig.act("Work", "n", "N", value="bound")
+        rig.act("Done", "bound", "N", value="5")
     else:
         rig.act("Work", "Count")
     rig.act("Done", "q")
@@ -375,9 +375,9 @@ def _initial_value(rig: FeatureChart) -> None:
 
 def _constant(rig: FeatureChart) -> None:
     kind = m.SectionKind.CONSTANT if rig.project.dialect is m.Dialect.SCL else m.SectionKind.LOCAL
-    rig.declare(kind, variable("LIMIT", "INT", initial="5"), constant=kind is m.SectionKind.LOCAL)
+    rig.declare(kind, variable("BOUND", "INT", initial="5"), constant=kind is m.SectionKind.LOCAL)
     rig.declare(m.SectionKind.INPUT, variable("level", "INT"))
-    _condition("level > LIMIT")(rig)
+    _condition("level > BOUND")(rig)
 
 
 def _address(rig: FeatureChart) -> None:
