@@ -110,6 +110,8 @@ def test_charts_that_are_run_come_to_what_the_page_counts() -> None:
         if WHOLE or pair.startswith(("csv", "xlsx", "codesys23")):
             for name in ("charts", "not executed", "refused", "left out"):
                 assert counts[name] == rows[pair][name], notes
-            assert counts["differs"] <= rows[pair]["differs"], notes
+            # to find a cause takes longer than to find a difference
+            most = rows[pair]["differs"] + (0 if WHOLE else rows[pair]["differs as named"])
+            assert counts["differs"] <= most, notes
         assert not counts["failed"], notes
     assert found
