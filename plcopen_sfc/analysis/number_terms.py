@@ -318,17 +318,18 @@ def explore_terms(
         return Term(("call", question), answers)
 
     calls = (left.unknown_calls, right.unknown_calls)
+    later = [(system, lag) for system, lag in zip((left, right), lags, strict=True) if lag]
     for each in calls:
         each.number = number
-    for system, lag in zip((left, right), lags, strict=True):
-        if lag:  # its inputs come later, rather than that what it does waits: so both have the same numbers at one time
-            system.delay(begins=lag)
-    found = ended(search(sides[0], sides[1], domains, min(cap, MOST_STATES), follow=follow), look)
-    for system, lag in zip((left, right), lags, strict=True):
-        if lag:
+    for system, lag in later:  # rather than that what it does waits: so both have the same numbers at one time
+        system.delay(begins=lag)
+    try:
+        found = ended(search(sides[0], sides[1], domains, min(cap, MOST_STATES), follow=follow), look)
+    finally:
+        for system, lag in later:
             system.delay(kept=lag)
-    for each in calls:
-        each.number = None
+        for each in calls:
+            each.number = None
     if found.complete and not found.notes:
         return found
     for system, before in zip((left, right), reached, strict=True):

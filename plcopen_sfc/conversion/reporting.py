@@ -379,20 +379,8 @@ def _is_noticed(difference: ExecutionDifference, noticed: set[str], around_notic
     return any(around in noticed for around in path.outwards())
 
 
-_LEFT_TO_THE_READER = frozenset(
-    {
-        "address",
-        "static",
-        "kept",
-        "arguments",
-        "edge",
-        "extends",
-        "implements",
-        "union",
-        "drawn logic",
-        "order of transitions",
-    }
-    | {"section", "max time", "attributes", BOOLEAN_ACTIONS}
+_LEFT_TO_THE_READER = {"drawn logic", "order of transitions", "max time", BOOLEAN_ACTIONS}.union(
+    "address static kept arguments edge extends implements union section attributes".split()
 )
 """Aspects of which no writer speaks: what the target does not say is found when it is read back."""
 

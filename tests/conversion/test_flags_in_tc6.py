@@ -66,9 +66,13 @@ def test_no_flag_waits_for_a_minimum_time(flavour: str) -> None:
     source = chart_with("SFCReset", "SFCPause")
     source.pou("Main").chart.step("Work").min_time = "T#40ms"
     data, report = compared(source, flavour=flavour)
+    assert b"T#40ms" in data
+    if flavour:  # where it matters that a step lasts a scan longer, which the report tells
+        told = [("approximated", what, "POU Main") for what in ("order of actions", "chart")]
+        assert losses(report) == [*beside(source), *told]
+        return
     assert losses(report) == beside(source)
     assert all("equal" in verdict and "proof:" in verdict for verdict in report.compared.values()), report.compared
-    assert b"T#40ms" in data
 
 
 @pytest.mark.parametrize("qualifier", ["N", *(pytest.param(each, marks=pytest.mark.slow) for each in ("P0", "P1"))])

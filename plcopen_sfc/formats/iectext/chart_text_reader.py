@@ -403,15 +403,28 @@ _IN_STATEMENTS = frozenset({"target", "qualifier", "condition", "body"})
 """Parts of an association that are statements in an action in place, where the text has no words for them."""
 
 
+def guarded_statement(target: str, step: str, condition: str, *, negated: bool) -> str:
+    """Return what does the same as the qualifier N with a variable under a condition."""
+    return f"{target} := {step}.X AND {'NOT ' if negated else ''}({condition.strip()});"
+
+
+def guarded_call(step: str, statements: str) -> str:
+    """Return statements that are executed in each cycle in which a step is active."""
+    return f"IF {step}.X THEN\n    {statements}\nEND_IF;"
+
+
 def _is_edited(text: str, association: Fields, step_names: set[str]) -> bool:
     """True if statements in the place of an association with a condition, or of a call, do something else now."""
     condition, body = association.get("condition"), association.get("body")
     if body is None and isinstance(condition, dict):
-        sign = "NOT " if condition.get("negated") else ""
-        does = f"{{}}.X AND {sign}({str(condition.get('text', '')).strip()})"
-        made = [f"{association.get('target')} := {does.format(name)};" for name in step_names]
+        made = [
+            guarded_statement(
+                str(association.get("target")), name, str(condition.get("text")), negated=bool(condition.get("negated"))
+            )
+            for name in step_names
+        ]
     elif isinstance(body, dict) and "text" in body:
-        made = [f"IF {name}.X THEN {body['text']} END_IF;" for name in step_names]
+        made = [guarded_call(name, str(body["text"])) for name in step_names]
     else:
         return False
     return "".join(text.split()) not in {"".join(each.split()) for each in made}

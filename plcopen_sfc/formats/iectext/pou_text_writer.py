@@ -14,6 +14,8 @@ from pydantic import BaseModel
 from plcopen_sfc.formats.iectext.chart_text_reader import (
     association_fields,
     body_fields,
+    guarded_call,
+    guarded_statement,
     ids_within,
     named_condition,
     unnegated,
@@ -266,15 +268,14 @@ class ChartTextWriter:
             return None
         if not isinstance(condition, Expression) or not self.printer.is_expression(condition.text.strip()):
             return None
-        text = f"({condition.text.strip()})"
-        return StBody(text=f"{target} := {step.name}.X AND {'NOT ' if condition.negated else ''}{text};")
+        return StBody(text=guarded_statement(target, step.name, condition.text, negated=condition.negated))
 
     def _called(self, association: ActionAssociation, step: Step) -> Body | None:
         """Return a body for the call of a row of S7-GRAPH, in each cycle in which its step is active."""
         if not isinstance(association.body, StBody) or association.target is not None or association.duration:
             return None
         statements = association.body.text.strip()
-        text = f"IF {step.name}.X THEN\n    {statements}\nEND_IF;"
+        text = guarded_call(step.name, statements)
         _, comes_back = self.printer.code(text)
         return StBody(text=text) if comes_back and "\n" not in statements else None
 

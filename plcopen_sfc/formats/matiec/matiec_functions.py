@@ -1,4 +1,6 @@
-"""Functions that use global variables, as matiec has them: it compiles none, so that calls pass them.
+"""Functions that use global variables, as matiec has them, and calls that it does not link or not make.
+
+It compiles no function that uses global variables, so that calls pass them.
 
 A function gets them as parameters of their names: as inputs, or as in-out parameters where it writes them or what it
 calls does::
@@ -11,12 +13,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
+from plcopen_sfc.languages.binding import ANYTHING, bind
 from plcopen_sfc.languages.binding.name_scopes import is_instance
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.effects import effects
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, walk
 from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.conditions import Expression as ConditionText
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
@@ -86,8 +91,11 @@ def _called(text_site: TextSite, functions: Mapping[str, Pou], project: Project)
     """Return the functions that a text calls, in lower case."""
     if not any(name in text_site.text.casefold() for name in functions):
         return set()
-    nodes = walk(text_site.parsed(project.dialect).tree)
-    return {each.called.casefold() for each in nodes if isinstance(each, n.Call)} & functions.keys()
+    return _called_in(text_site.parsed(project.dialect).tree, functions)
+
+
+def _called_in(tree: n.Node, functions: Mapping[str, Pou]) -> set[str]:
+    return {each.called.casefold() for each in walk(tree) if isinstance(each, n.Call)} & functions.keys()
 
 
 def _is_drawn(text_site: TextSite, name: str) -> bool:
@@ -155,3 +163,45 @@ class _Passing:
             return n.Call(node.callee, (*node.arguments, *passed))
 
         return text_site.rewritten(self.project.dialect, change), lacking
+
+
+def note_calls(project: Project, report: ConversionReport, *, own: bool) -> None:
+    """Report calls of functions that write what is outside of them, where matiec does not link or not make them.
+
+    `own`: the texts are of a project for matiec, which does not make them either.
+    """
+    passing = {pou.name.casefold(): pou for pou in project.pous if _passed(pou)}
+    acting = {name: pou for name, pou in passing.items() if _changes(pou, passing, project.dialect)}
+    for text_site in text_sites(project) if passing else ():
+        if not text_site.is_program_text or not (called := _called(text_site, passing, project)):
+            continue
+        is_condition = isinstance(text_site.holder, ConditionText) or text_site.site.transition is not None
+        for name in sorted(called) if is_condition else ():
+            why = f"matiec does not link `{passing[name].name}` in a condition: it has VAR_IN_OUT or VAR_OUTPUT"
+            report.add(Outcome.NOT_EXECUTED, "condition", text_site.report_path, why)
+        behind = [
+            operand
+            for node in walk(text_site.parsed(project.dialect).tree)
+            if isinstance(node, n.Operation) and node.operator in (n.Operator.AND, n.Operator.OR)
+            for operand in node.operands[1:]
+        ]
+        for name in () if own else sorted(set().union(*(_called_in(each, acting) for each in behind))):
+            told = acting[name].name
+            why = f"matiec does not call `{told}` behind an operand of AND or OR that decides: assign its result before"
+            report.add(Outcome.APPROXIMATED, "operation", text_site.report_path, why)
+
+
+def _passed(pou: Pou) -> set[str]:
+    """Variables of a function that are others outside of it, in lower case."""
+    kinds = (SectionKind.IN_OUT, SectionKind.OUTPUT, SectionKind.EXTERNAL)
+    sections = sections_of(pou.interface) if pou.kind is PouKind.FUNCTION else ()
+    return {one.name.casefold() for section in sections if section.kind in kinds for one in section.variables}
+
+
+def _changes(pou: Pou, passing: Mapping[str, Pou], dialect: Dialect) -> bool:
+    """True if a function may write what is outside of it, by itself or by a call of others that can."""
+    found = [bind(body, dialect) for body in pou.bodies]
+    writes = {path for each in found for path in each.effects.writes}
+    called = {path[-1] for each in found for path in each.effects.calls if path}
+    written = {path[0] for path in writes if path}
+    return ANYTHING in writes or not written.isdisjoint(_passed(pou)) or not called.isdisjoint(passing)

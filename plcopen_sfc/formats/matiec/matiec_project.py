@@ -19,12 +19,13 @@ from plcopen_sfc.formats.matiec.matiec_declarations import (
     quote_strings,
     variable_names,
 )
+from plcopen_sfc.formats.matiec.matiec_expressions import fit_expressions
+from plcopen_sfc.formats.matiec.matiec_functions import note_calls
 from plcopen_sfc.formats.matiec.matiec_library import note_functions
 from plcopen_sfc.formats.matiec.matiec_pou import FittedPou
 from plcopen_sfc.formats.matiec.matiec_statements import (
     compilable_instructions,
     compilable_statements,
-    fit_expressions,
     gives_to_operators,
     without_for,
 )
@@ -102,6 +103,7 @@ def fit_project(
         starts = _start_values(unit, project) if keeps_drawings and not own else []
         _fit_pou(unit, final_scan, starts, same_loops=options.of_matiec, relies=options.of_graph or options.of_grafcet)
     _configure(project, report, lists)
+    note_calls(project, report, own=own)
     fit_expressions(project, report, same_library=own)
     if not own:
         note_functions(project, report, "the source")

@@ -116,7 +116,8 @@ class StepTranslator:
         return n.Name(step, Quoting.LOCAL_QUOTED if needs_quotes(step) else Quoting.LOCAL)
 
 
-_BOTH_SIDES = {Operator.AND_THEN: Operator.AND, Operator.OR_ELSE: Operator.OR}
+BOTH_SIDES = {Operator.AND_THEN: Operator.AND, Operator.OR_ELSE: Operator.OR}
+"""Operators that end with the operand that decides, and those that need not."""
 _JUMPS = {Dialect.SCL: "GOTO", Dialect.CODESYS: "JMP"}
 
 
@@ -295,11 +296,11 @@ class TreeTranslator:
     def _operation(self, node: n.Operation) -> Expression:
         if node.operator is Operator.POWER:
             return self._power(node)
-        if node.operator in _BOTH_SIDES and self._target is not Dialect.CODESYS and self._source is Dialect.CODESYS:
+        if node.operator in BOTH_SIDES and self._target is not Dialect.CODESYS and self._source is Dialect.CODESYS:
             if any(_may_fail(operand) for operand in node.operands[1:]):
-                reason = f"{node.operator.value} became {_BOTH_SIDES[node.operator].value}"
+                reason = f"{node.operator.value} became {BOTH_SIDES[node.operator].value}"
                 self._notes.add(Severity.WARNING, f"{reason}, which may evaluate its right side in any case", node)
-            node = replace(node, operator=_BOTH_SIDES[node.operator])
+            node = replace(node, operator=BOTH_SIDES[node.operator])
         return _in_one_row(node)
 
     def _power(self, node: n.Operation) -> Expression:
@@ -356,7 +357,7 @@ class TreeTranslator:
 def _in_one_row(node: n.Operation) -> n.Operation:
     """``(a AND b) AND c`` where the first AND was another operator, as one row of operands."""
     first = node.operands[0]
-    if isinstance(first, n.Operation) and first.operator is node.operator and node.operator in _BOTH_SIDES.values():
+    if isinstance(first, n.Operation) and first.operator is node.operator and node.operator in BOTH_SIDES.values():
         return replace(node, operands=(*first.operands, *node.operands[1:]))
     return node
 

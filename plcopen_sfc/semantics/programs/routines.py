@@ -100,10 +100,10 @@ def _declare_variable(callee: Callee, section: VariableSection, variable: m.Vari
         return
     if section.kind is SectionKind.ACCESS:
         return
-    if isinstance(callee, TranslatedMethod) and kept(section.extension_data).get("keyword") in KEPT_IN_METHODS:
+    keyword = kept(section.extension_data).get("keyword")
+    if isinstance(callee, TranslatedMethod) and keyword in KEPT_IN_METHODS:
         raise SimulationError(f"{variable.name} keeps its value between calls of the method: the simulator forgets it")
-    is_shared = isinstance(callee, TranslatedPou) and callee.pou.kind is not PouKind.PROGRAM
-    if is_shared and kept(section.extension_data).get("keyword") == "VAR_STAT":
+    if keyword == "VAR_STAT" and isinstance(callee, TranslatedPou) and callee.pou.kind is not PouKind.PROGRAM:
         raise SimulationError(f"{variable.name} is one for all instances: the simulator keeps one for each")
     if "edge" in kept(variable.extension_data):
         raise SimulationError(f"{variable.name} is an input that watches for an edge: the simulator knows none")
