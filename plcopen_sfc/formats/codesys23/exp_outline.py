@@ -27,6 +27,8 @@ _HEADER = re.compile(
 _END_OF_DECLARATION = re.compile(r"^[ \t]*(\(\*[ \t]*@END_DECLARATION\b[^*]*\*\))", re.MULTILINE)
 _UNIT = re.compile(r"(PROGRAM|FUNCTION_BLOCK|FUNCTION)[ \t]+(\w+)|(TYPE)\b|(VAR_GLOBAL)\b", re.IGNORECASE)
 _ACTION = re.compile(r"ACTION[ \t]+(\w+)[ \t]*:", re.IGNORECASE)
+_ENDED = r"^|;|\*\)|\bEND_STRUCT"
+"""What may stand in front of an END word, in the same line or not."""
 _MARKER = re.compile(r"[\s\ufeff]*_[A-Z]+_BODY\b")
 _MARKS = re.compile(r"'[^'$\r\n]*+(?:\$.[^'$\r\n]*+)*+'|\"[^\"$\r\n]*+(?:\$.[^\"$\r\n]*+)*+\"|\(\*|\*\)")
 _ENDED_SECTIONS = frozenset({"LIBRARY", "PLC_CONFIGURATION", "RESOURCE", "VISUALISATION"})
@@ -181,7 +183,7 @@ class _Scan:
         made.span = (made.header[0], made.body.end[1])
 
     def _body(self, start: int, limit: int, what: str, closer: str, opener: Span) -> ExpBody:
-        end = find_end(self.text, start, limit, closer)
+        end = find_end(self.text, start, limit, closer) or find_end(self.text, start, limit, closer, before=_ENDED)
         if end is None:
             self.problems.append(Problem(f"{what} is missing", opener))
             stop = solid_end(self.text, start, limit)
@@ -190,7 +192,7 @@ class _Scan:
 
     def _type(self, made: ExpObject, at: Span, limit: int) -> None:
         made.kind = "TYPE"
-        end = find_end(self.text, at[1], limit, "END_TYPE")
+        end = find_end(self.text, at[1], limit, "END_TYPE", before=_ENDED)
         if end is None:
             self.problems.append(Problem("END_TYPE is missing", (at[1], at[1] + len("TYPE"))))
             end = (limit, solid_end(self.text, at[1], limit))
@@ -204,7 +206,7 @@ class _Scan:
         start, position = at
         end = position
         while re.compile("VAR_GLOBAL", re.IGNORECASE).match(self.text, position):
-            found = find_end(self.text, position, limit, "END_VAR")
+            found = find_end(self.text, position, limit, "END_VAR", before=_ENDED)
             if found is None:
                 self.problems.append(Problem("END_VAR of VAR_GLOBAL is missing", (position, position + len(GLOBALS))))
                 end = solid_end(self.text, position, limit)
@@ -225,9 +227,13 @@ class _Scan:
 # -- places in texts
 
 
-def find_end(text: str, start: int, limit: int, word: str) -> Span | None:
-    """Return the place of `word` at the start of a line and in no comment; None if there is none."""
-    found = [m.span(1) for m in re.compile(rf"^[ \t]*({word})\b", re.MULTILINE | re.I).finditer(text, start, limit)]
+def find_end(text: str, start: int, limit: int, word: str, *, before: str = "^") -> Span | None:
+    """Return the place of `word` at the start of a line, or behind what else `before` finds; None if it is nowhere.
+
+    Words in comments do not count.
+    """
+    pattern = re.compile(rf"(?:{before})[ \t]*({word})\b", re.MULTILINE | re.I)
+    found = [each.span(1) for each in pattern.finditer(text, start, limit)]
     if not found or _MARKER.match(text, start):
         return found[0] if found else None
     return next((span for span in found if not is_in_comment(text, start, span[0])), None)

@@ -150,6 +150,25 @@ def test_faults_in_bodies_have_a_place(text: str, code: str, line: int, message:
     assert project.diagnostics[0].location.path == "POU Main"
 
 
+ONE_LINE = [
+    "TYPE T : (a, b := 5); (* no end; END_TYPE *) END_TYPE\n(* @END_DECLARATION := '0' *)",
+    "TYPE T : STRUCT x : INT; END_STRUCT END_TYPE\n(* @END_DECLARATION := '0' *)",
+    "(* @GLOBAL_VARIABLE_LIST := 'G' *)\nVAR_GLOBAL x : INT; END_VAR\n(* @OBJECT_END := 'G' *)",
+    "FUNCTION F : INT VAR_INPUT x : INT; END_VAR\n(* @END_DECLARATION := '0' *)\nF := x; END_FUNCTION",
+]
+
+
+@pytest.mark.parametrize("text", ONE_LINE)
+def test_objects_may_end_in_the_line_of_their_last_statement(text: str) -> None:
+    header = "(* @NESTEDCOMMENTS := 'Yes' *)\n(* @PATH := '' *)\n"
+    data = f"\n{header}{text}\n\n{header}TYPE Last : BOOL;\nEND_TYPE\n".encode()
+    project = sfc.loads(data)
+    assert not [each for each in project.diagnostics if each.code == "EXP101"]
+    assert "Last" in {each.name for each in project.data_types}
+    assert len([*project.pous, *project.data_types, *project.global_variables]) == 2
+    assert sfc.dumps(project) == data
+
+
 def test_a_file_that_ends_too_early_and_one_with_an_unknown_section() -> None:
     whole = BELT.read_bytes()
     cut = sfc.loads(whole[: whole.index(b"STEP Pruefen")], path="cut.EXP")
