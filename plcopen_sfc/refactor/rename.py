@@ -14,6 +14,7 @@ from dataclasses import replace
 from typing import Any
 
 from plcopen_sfc.collector import collecting_rarely
+from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.errors import Location, ModelError, check_argument
 from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.binding.name_resolution import fitting
@@ -277,6 +278,7 @@ def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: 
         undecided = tuple(Undecided(o.use, o.meaning.doubt) for o in own if o.may_refer_to(declaration))
         if declaration in wanted:
             undecided += tuple(_executed_names(names, declaration, wanted, is_shown=is_shown))
+            undecided += tuple(_unread_places(names.project, declaration))
         changed = tuple(occurrence.use for occurrence in uses)
         results[declaration] = RenameResult(declaration.path, declaration.name, new, changed, undecided)
         if declaration in wanted:
@@ -303,6 +305,17 @@ def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: 
         culprit = reasons[0][0]
         _refuse(culprit, wanted[culprit], (reason for _, reason in reasons))
     return [_with_overrides(results[each], [results[other] for other in overrides[each]]) for each in table]
+
+
+def _unread_places(project: Project, declaration: Declaration) -> Iterator[Undecided]:
+    """Yield the errors that kept the reader from a text in which a declaration is visible: it may have the name."""
+    # of the charts, those that mention the name have been read by now; the findings of the project would read all
+    for finding in project.source.diagnostics if project.source is not None else ():
+        path, line = finding.location.path or "", finding.location.line or 1
+        is_visible = declaration.pou is None or path.split(" / ")[0] in ("", f"POU {declaration.pou.name}")
+        if finding.severity is Severity.ERROR and is_visible:
+            place = Use(path, "text", (0, 0), line, 1, finding.message)
+            yield Undecided(place, "it was not read, and may have the name")
 
 
 def _named_after(names: Names, declaration: Declaration, new: str) -> Iterator[tuple[Declaration, str]]:

@@ -58,7 +58,9 @@ SOURCE = EXPORTS
 Note = Callable[[str, str, int], None]
 """Takes a finding: the code of an error, its message, and the offset."""
 
-_ELEMENT = re.compile(r"^[ \t]*(?:(INITIAL_STEP|STEP)[ \t]+(\w+)[ \t]*:|TRANSITION\b)", re.MULTILINE | re.IGNORECASE)
+_ELEMENT = re.compile(r"[ \t]*(?:(INITIAL_STEP|STEP)[ \t]+(\w+)[ \t]*:|TRANSITION\b)", re.IGNORECASE)
+_NEXT_ELEMENT = re.compile(rf"(?:^|(?<=\*\))|(?<=\bEND_STEP)|(?<=\bEND_TRANSITION)){_ELEMENT.pattern}", re.M | re.I)
+"""An element at the start of a line, or behind a comment or the element before it."""
 _NAMES = r"(\w+|\(\s*\w+(?:\s*,\s*\w+)*\s*\))"
 _TRANSITION = re.compile(
     r"[ \t]*TRANSITION\s+(?:(?!FROM\b)(\w+)\s*)?(?:\(\s*PRIORITY\s*:=\s*(\d+)\s*\)\s*)?"
@@ -214,7 +216,7 @@ class _ChartReader:
         return self.found
 
     def _next_element(self, position: int) -> int:
-        for found in _ELEMENT.finditer(self.text, position, self.span[1]):
+        for found in _NEXT_ELEMENT.finditer(self.text, position, self.span[1]):
             if not is_in_comment(self.text, position, found.start()):
                 return found.start()
         return self.span[1]

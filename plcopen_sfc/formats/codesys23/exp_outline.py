@@ -24,6 +24,7 @@ PRAGMA = re.compile(r"\(\*[ \t]*@(?P<name>\w+)(?:[ \t]*:=[ \t]*(?P<value>(?:[^*]
 _HEADER = re.compile(
     r"^[ \t]*(?=\(\*[ \t]*@(?:NESTEDCOMMENTS|GLOBAL_VARIABLE_LIST|PATH|OBJECTFLAGS|SYMFILEFLAGS)\b)", re.MULTILINE
 )
+_PLAIN_COMMENTS = re.compile(r"\(\*[ \t]*@NESTEDCOMMENTS[ \t]*:=[ \t]*'No'", re.IGNORECASE)
 _END_OF_DECLARATION = re.compile(r"^[ \t]*(\(\*[ \t]*@END_DECLARATION\b[^*]*\*\))", re.MULTILINE)
 _UNIT = re.compile(r"(PROGRAM|FUNCTION_BLOCK|FUNCTION)[ \t]+(\w+)|(TYPE)\b|(VAR_GLOBAL)\b", re.IGNORECASE)
 _ACTION = re.compile(r"ACTION[ \t]+(\w+)[ \t]*:", re.IGNORECASE)
@@ -101,6 +102,7 @@ class _Scan:
             position = self._units((0, 0), starts[0][0] if starts else len(self.text))
         for number, (start, behind) in enumerate(starts, 1):
             self._loose(position, start)
+            self._check_nesting((start, behind), starts[number][0] if number < len(starts) else len(self.text))
             position = self._units((start, behind), starts[number][0] if number < len(starts) else len(self.text))
         return ExpOutline(self.text, self.objects, self.problems, (position, len(self.text)))
 
@@ -109,6 +111,21 @@ class _Scan:
         start, end = core(self.text, (start, end))
         if start < end:
             self.objects.append(ExpObject(OTHER, (start, end)))
+
+    def _check_nesting(self, header: Span, end: int) -> None:
+        """Report a comment within a comment where the option of the tool says that comments do not nest."""
+        if _PLAIN_COMMENTS.search(self.text, *header) is None:
+            return
+        opened: int | None = None
+        for mark in _MARKS.finditer(self.text, header[1], end):
+            if mark.group() == "*)":
+                opened = None
+            elif mark.group() == "(*" and opened is not None:
+                message = "this comment has (* in it: it is read as one that nests, and NESTEDCOMMENTS is 'No'"
+                self.problems.append(Problem(message, (opened, mark.end())))
+                return
+            elif mark.group() == "(*":
+                opened = mark.start()
 
     def _headers(self) -> Iterator[Span]:
         """Yield the runs of pragmas that begin an object."""

@@ -150,6 +150,35 @@ def test_faults_in_bodies_have_a_place(text: str, code: str, line: int, message:
     assert project.diagnostics[0].location.path == "POU Main"
 
 
+TWO_STEPS = "INITIAL_STEP A:\nEND_STEP\nTRANSITION FROM A TO B:=\nTRUE\nEND_TRANSITION\nSTEP B:\nEND_STEP\n"
+BACK = "TRANSITION FROM B TO A:=\nFALSE\nEND_TRANSITION"
+
+
+@pytest.mark.parametrize(("word", "commented"), [("STEP B", "(* b *)STEP B"), (BACK, f"(* STEP Q: *) {BACK} (* e *)")])
+def test_comments_may_share_a_line_with_an_element(word: str, commented: str) -> None:
+    project = chart((TWO_STEPS + BACK).replace(word, commented))
+    assert not project.diagnostics
+    assert project.pou("Main").chart == chart(TWO_STEPS + BACK).pou("Main").chart
+    before = sfc.dumps(project)
+    project.rename("Main.B", "C")
+    assert sfc.dumps(project) == re.sub(rb"\bB\b", b"C", before)
+
+
+def test_comments_that_do_not_nest_in_their_project_are_told() -> None:
+    lines = "PROGRAM Main\nVAR END_VAR\n(* @END_DECLARATION := '0' *)\n; (* a (* b *)\n; (* '(*' *)\nEND_PROGRAM\n"
+    project = sfc.loads(f"{HEADER}{lines}".replace("'Yes'", "'No'").encode(), format="codesys23")
+    assert [each.location.line for each in project.diagnostics if "NESTEDCOMMENTS" in each.message] == [6]
+    plain = sfc.loads(f"{HEADER}{lines}".replace("'Yes'", "'No'").replace("a (*", "a").encode(), format="codesys23")
+    assert not plain.diagnostics
+
+
+def test_a_rename_tells_what_could_not_be_read() -> None:
+    project = chart(TWO_STEPS + BACK.replace("FROM", "(* from *) FROM"))
+    (found,) = project.rename("Main.B", "C").undecided
+    assert (found.use.path, found.use.line) == ("POU Main", project.diagnostics[0].location.line)
+    assert not chart(TWO_STEPS + BACK).rename("Main.B", "C").undecided
+
+
 ONE_LINE = [
     "TYPE T : (a, b := 5); (* no end; END_TYPE *) END_TYPE\n(* @END_DECLARATION := '0' *)",
     "TYPE T : STRUCT x : INT; END_STRUCT END_TYPE\n(* @END_DECLARATION := '0' *)",
