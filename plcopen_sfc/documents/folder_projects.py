@@ -113,7 +113,9 @@ def _keep_listed(scan: _Scan, listed: Sequence[str], kind: Format, source: Folde
     for missing in wanted.keys() - {name.casefold() for name in scan.files}:
         name = wanted[missing]
         place = Location(str(Path(source.path, name)))
-        source.unreadable[name] = FileAccessError("the project lists this file, and it is not there", location=place)
+        outside = ".." in PurePosixPath(name).parts
+        why = "it is outside of its folder: load the folder above" if outside else "it is not there"
+        source.unreadable[name] = FileAccessError(f"the project lists this file, and {why}", location=place)
 
 
 def load_listed(path: str, kind: Format, *, progress: Progress | None = None, as_tool: bool = False) -> Project:

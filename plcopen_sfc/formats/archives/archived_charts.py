@@ -75,6 +75,10 @@ _EMBEDDED = {
     STEP: ("EmbeddedMainAction", "EmbeddedEntryAction", "EmbeddedExitAction"),
     TRANSITION: ("EmbeddedTransition",),
 }
+_MEMBERS = frozenset({"Attributes", "Id", "IdParent", "ElementList", "Segment", VARIABLE_NAME}).union(
+    *({name, f"{name}Properties"} for names in _EMBEDDED.values() for name in names)
+)
+"""Members that elements have in known files."""
 _BARS = {
     False: (SymbolKind.SELECTION_DIVERGENCE, SymbolKind.SELECTION_CONVERGENCE),
     True: (SymbolKind.SIMULTANEOUS_DIVERGENCE, SymbolKind.SIMULTANEOUS_CONVERGENCE),
@@ -155,10 +159,13 @@ class ChartReader:
         """Report the content of an element that is not understood, and that the tool may execute."""
         for attribute in unknown:
             self._ctx.error("TWC102", objection(attribute, kind), attribute)
-        for name in _EMBEDDED.get(kind, ()):
-            found = member(element, name)
-            if found is not None and found.tag != "n":
-                self._ctx.error("TWC102", f"{name}: code that is embedded in an element is not understood", found)
+        embedded = _EMBEDDED.get(kind, ())
+        for child in element:
+            name = child.get("n") or ""
+            if name in embedded and child.tag != "n":
+                self._ctx.error("TWC102", f"{name}: code that is embedded in an element is not understood", child)
+            elif name not in _MEMBERS and isinstance(child.tag, str):
+                self._ctx.error("TWC102", f"{name or child.tag}: no known file has it in an element", child)
 
     def _symbol(self, element: etree._Element, kind: SymbolKind, above: int | None, *, own: bool = True) -> Fields:
         """Take in a symbol that the symbol `above` leads to; not `own`: it has no element and no number itself."""
@@ -185,6 +192,8 @@ class ChartReader:
         symbol["outputs"] = [{"name": _FLOW_PIN}]
         number: int = symbol["id"]
         step: Fields = {"name": "", "actions": [], **fields, "symbol_fields": symbol}
+        if not step["name"]:
+            self._ctx.error("TWC102", "a step has no name", element)
         self._drawn.steps.append(step)
         lines = [self._association(each) for each in self._elements(element, f"the step {step['name']}")]
         if lines:
@@ -297,6 +306,8 @@ def read_settings(ctx: Tc6ReadContext, settings: etree._Element) -> Fields | Non
     for flag, data in entries(settings, "Flags"):
         use = {name: _truth(ctx, data, name.capitalize(), f"the flag {flag}") for name in ("use", "declare")}
         fields["flags" if flag in _FLAGS else "other_flags"][flag] = use
+        if use["use"] and flag not in _FLAGS:
+            ctx.report("TWC102", Severity.WARNING, f"{flag} is no SFC flag that any known file has", data)
     return fields
 
 

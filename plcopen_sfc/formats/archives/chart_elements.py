@@ -187,15 +187,17 @@ def read_attributes(element: etree._Element, kind: str) -> tuple[Fields, list[et
     """Return the fields that the attributes of an element state, without defaults, and what is not understood."""
     fields: Fields = {}
     unknown: list[etree._Element] = []
+    given: set[str] = set()
     table = _BY_GUID[kind]
     found_in = items(element, "Attributes")
     shared = type_of_items(found_in[0]) if found_in else ""
     for attribute in found_in:
         guid, kind_of_value, text = _stated(attribute)
         field, known = table.get(guid.strip("{}").casefold(), ("", None))
-        if known is None or kind_of_value != known.kind or text is None:
+        if known is None or kind_of_value != known.kind or text is None or field in given:
             unknown.append(attribute)
             continue
+        given.add(field)
         if attribute.get("t", shared) != "SFCAttribute":
             unknown.append(attribute)
             continue
@@ -235,6 +237,8 @@ def objection(attribute: etree._Element, kind: str) -> str:
         return f"the attribute {guid}: its list does not tell the type of its items"
     if known is None:
         return f"the attribute {guid} of an element is not understood: no file has shown it"
+    if any(_stated(each)[0].casefold() == guid.casefold() for each in attribute.itersiblings("o", preceding=True)):
+        return f"the attribute {known.name} is given twice"
     if kind_of_value != known.kind:
         return f"the attribute {known.name} is a {kind_of_value or 'value without a type'}, and not a {known.kind}"
     if text is not None:

@@ -36,6 +36,7 @@ from plcopen_sfc.formats.iectext.object_declarations import METHOD, PROPERTY, ba
 from plcopen_sfc.formats.plcopen.tc6_reading import Tc6ReadContext
 from plcopen_sfc.formats.xml.extension_data import add_markup, markup
 from plcopen_sfc.formats.xml.xml_parsing import line_of
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.declarations.kept_texts import texts_from
 from plcopen_sfc.languages.networks.condition_reading import shown_body, shown_named_condition
 from plcopen_sfc.languages.networks.exported_networks import SOURCES, network_statements
@@ -192,6 +193,9 @@ class _Reader:
                 self._part(pou.transitions[-1], child, names)
             elif child.tag == "Property":
                 _keep_data(pou).data.append(kept_property(child))
+        for first, *others in grouped((identity_of(each), each) for each in (thing, *thing) if each.get("Id")).values():
+            for each in others:
+                ctx.warn("TWC105", f"{_called(each)} has the Id of {_called(first)}", each)
         others = [child for child in thing if isinstance(child.tag, str) and child.tag not in _OWN_ELEMENTS]
         _keep(pou, dict(set(attributes_of(thing).items()) - {_NOT_SPECIAL}), others)
         ctx.place = []
@@ -205,9 +209,12 @@ class _Reader:
 
     def _body(self, owner: etree._Element, names: frozenset[str]) -> Body | None:
         held = owner.find("Implementation")
-        body = next((child for child in held if isinstance(child.tag, str)), None) if held is not None else None
-        if body is None:
+        bodies = [child for child in held if isinstance(child.tag, str)] if held is not None else []
+        if not bodies:
             return None
+        body, *others = bodies
+        for other in others:
+            self._ctx.error("TWC102", f"a second body in {other.tag}, which is not read", other)
         if body.tag == "ST" and not len(body):
             return StBody(text=body.text or "")
         archive = body.find("XmlArchive")
@@ -240,6 +247,11 @@ class _Reader:
 _OWN_ELEMENTS = frozenset(
     {"Declaration", "Implementation", "ObjectProperties", "LineIds", "Action", "Method", "Transition", "Property"}
 )
+
+
+def _called(thing: etree._Element) -> str:
+    """Return what an object is called in messages."""
+    return f"the {thing.tag} {thing.get('Name', '')}"
 
 
 def declaration_in(element: etree._Element) -> str | None:

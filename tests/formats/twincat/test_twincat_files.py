@@ -413,6 +413,16 @@ DAMAGED = {
         "TWC102",
         "Name is no text in quotes, but Bereitschaft",
     ),
+    "an attribute that is given twice": (
+        b"{a6b08bd8-b696-47e3-9cbf-7408b61c9ff8}",
+        b"{700a583f-b4d4-43e4-8c14-629c7cd3bec8}",
+        "TWC102",
+        "MainAction is given twice",
+    ),
+    "a member that no file has": (b'<n n="EmbeddedMainAction" />', b'<n n="Delay" />', "TWC102", "Delay: no known"),
+    "a step without a name": (b'"Grundstellung"</v>', b'""</v>', "TWC102", "a step has no name"),
+    "a flag that no tool has": (b"<v>Pause</v>", b"<v>Pauze</v>", "TWC102", "Pauze is no SFC flag"),
+    "a second body": (b"<SFC>", b"<ST>;</ST><SFC>", "TWC102", "a second body in SFC"),
     "no qualifier": (b'"D T#3s"', b'"Q T#3s"', "TWC102", "Q is no qualifier"),
     "a jump to nowhere": (b'"Grundstellung"</v>', b'"Nirgends"</v>', "SFC103", "Grundstellung"),
 }
@@ -822,3 +832,21 @@ def test_an_object_with_another_name_than_its_declaration_is_told_and_has_that()
     assert sfc.dumps(project) == data
     project.pous[0].interface.sections[0].variables[0].comment = "any"  # an edit leaves both names
     assert changed(data, sfc.dumps(project))[0].startswith("-\tPart")
+
+
+def test_objects_with_one_identity_are_told() -> None:
+    data = CHART.read_bytes()
+    first, second, *_ = re.findall(rb'<Action Name="\w+" Id="(\{[^"]*\})"', data)
+    project = sfc.loads(data.replace(second, first))
+    (found,) = [each for each in project.diagnostics if each.code == "TWC105"]
+    names = [each.name for each in project.pous[0].actions]
+    assert found.message == f"the Action {names[1]} has the Id of the Action {names[0]}"
+
+
+def test_a_listed_file_outside_of_the_folder_is_told(tmp_path: Path) -> None:
+    shutil.copytree(BELT, tmp_path / "belt")
+    listed = "".join(f'<Compile Include="{each}"/>' for each in ("POUs\\PLC_PRG.TcPOU", "..\\A.TcPOU"))
+    content = f"<Project><ItemGroup>{listed}</ItemGroup></Project>"
+    (tmp_path / "belt" / "Belt.plcproj").write_text(content, encoding="utf-8")
+    (found,) = sfc.load(tmp_path / "belt" / "Belt.plcproj").diagnostics
+    assert "outside of its folder: load the folder above" in found.message
