@@ -12,6 +12,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from benchmarks.generate import generate
+from plcopen_sfc.formats.plcopen import tc6_bodies
 from plcopen_sfc.formats.plcopen.tc6_chart_writer import Tc6ChartWriter
 from plcopen_sfc.formats.provenance import compared_only, is_untouched
 from plcopen_sfc.formats.registry import format_named
@@ -132,6 +133,27 @@ def test_an_edit_writes_what_it_touches_and_reads_no_other_drawing(
     written.clear()
     assert b"Renamed" in sfc.dumps(project)
     assert sorted(written) == sorted([name, "Renamed"])
+
+
+def test_the_drawing_of_an_edited_chart_is_read_by_the_edit_and_in_the_new_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It was read once more, as the file has it, wherever the file has other POUs without an edit."""
+    generate(tmp_path / "charts.xml", megabytes=0.3, steps=12)
+    project = sfc.load(tmp_path / "charts.xml")
+    charts = [each.chart for each in project.charts()]
+    assert len(charts) > 1
+    read: list[object] = []
+    read_drawing = tc6_bodies.read_drawing
+
+    def counted(*arguments: Any) -> None:
+        read.append(arguments)
+        read_drawing(*arguments)
+
+    monkeypatch.setattr(tc6_bodies, "read_drawing", counted)
+    charts[0].steps[5].comment = "edited"
+    assert b"edited" in sfc.dumps(project)
+    assert len(read) == 2
 
 
 def test_a_rename_looks_for_its_words_once_in_each_other_chart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

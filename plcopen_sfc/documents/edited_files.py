@@ -265,7 +265,7 @@ def _merged(
         of_codesys=bool(default_profile(project).flags),  # a file of another tool may hold their replacement
     )
     trees = _Trees(codec, kind, options, touched, is_other)
-    unchanged = {} if is_other else _unchanged(before, project, touched, codec, content)
+    unchanged = {} if is_other else _unchanged(before, project, touched, codec, source)
     # What both trees have is left alone in the file: two writings of the same model differ in the edits alone, while a
     # written tree and the file of a tool also differ in all that tools spell in their own way.
     known = ConversionReport()
@@ -364,13 +364,14 @@ def _note_limits(written: Project, kind: Format, edited: Collection[str], report
 
 
 def _unchanged(
-    before: Project, after: Project, touched: Collection[str], codec: XmlCodec, content: bytes
+    before: Project, after: Project, touched: Collection[str], codec: XmlCodec, source: FileSource
 ) -> dict[int, frozenset[int]]:
     """Return the symbols without edits in the charts of bodies with edits, by the `id()` of these charts.
 
-    A patch of the file needs no more than the place of their elements. Data of tools depend on their version.
+    A patch of the file needs nothing of their elements. Data of tools depend on their version; and where the file has
+    errors, such as an id of two elements, the others tell which one was edited.
     """
-    if before.header != after.header:
+    if before.header != after.header or any(each.severity is Severity.ERROR for each in source.diagnostics):
         return {}
     found: dict[int, frozenset[int]] = {}
     charts = {name: body.chart for name, _, body in before.bodies() if isinstance(body, SfcBody) and name in touched}
@@ -378,7 +379,7 @@ def _unchanged(
         if name in charts and isinstance(body, SfcBody):
             known, drawing = charts[name], body.chart.drawing
             # to read a drawing again that no edit has changed takes as long as to read the chart
-            if drawing is not None and is_of_file(body.chart, content, name) and is_as_read(drawing):
+            if drawing is not None and is_of_file(body.chart, source.content, name) and is_as_read(drawing):
                 known.drawing = drawing
             found[id(known)] = found[id(body.chart)] = codec.unchanged_symbols(known, body.chart)
     return found

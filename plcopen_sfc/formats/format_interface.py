@@ -114,7 +114,7 @@ class WriteOptions:
     `same_format`: it was read from this format in whatever version, and is not written for a tool of its own.
     `untouched` names bodies (``Main``, ``Main.Fill``) whose charts are not written because they stay as they are in the
     file that is patched; `unchanged` has symbols of other charts, by the `id()` of the chart, whose elements stay so:
-    they are written without their content. `baseline` is the project as it was read, by which a writer sees what was
+    they are not written either. `baseline` is the project as it was read, by which a writer sees what was
     edited.
     `whole` is the project of which the one that is written is a document of its own; `added`: its objects are those of
     `Codec.added_objects`.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Callable, Iterator
 from io import BytesIO
 from pathlib import Path
@@ -141,3 +142,18 @@ def test_a_comment_of_one_of_two_variables_in_a_declaration_is_not_one_of_both()
         "+    Pulse : TON;",
         "+    Pause : TON; (* off *)",
     ]
+
+
+@pytest.mark.parametrize("damage", [b' localId="1"', b""])
+def test_an_edit_stays_small_where_elements_have_no_id_of_their_own(damage: bytes) -> None:
+    """Their neighbours tell which of several alike was edited; they were left out, and the whole file was written."""
+    content = (FIXTURES / "plcopen" / "filling_station_2.01.xml").read_bytes()
+    content = re.sub(rb'(?<=<transition) localId="\d+"', damage, content)
+    count = len(next(sfc.loads(content).charts()).chart.transitions)
+    for number in range(0, count, 3):
+        project = sfc.loads(content)
+        next(project.charts()).chart.transitions[number].comment = "New"
+        data = sfc.dumps(project)
+        assert len(changed_lines(content, data)) <= MOST_LINES
+        again = next(sfc.loads(data).charts()).chart.transitions
+        assert [number for number, each in enumerate(again) if each.comment == "New"] == [number]

@@ -138,3 +138,11 @@ def test_charts_with_statements_in_steps_are_rewritten_alone_in_codesys(tmp_path
     old, new = data.splitlines(), saved.splitlines()
     assert len(old) == len(new)
     assert {b"Renamed" in after for before, after in zip(old, new, strict=True) if before != after} == {True}
+
+
+def test_a_word_is_found_wherever_it_is_in_a_long_text() -> None:
+    """Texts with letters beyond ASCII are searched in parts, and a word may be in two of them."""
+    for blanks in range(65_300, 65_540):
+        step = sfc.Step(id=1, name="S", comment=f"ü{' ' * blanks}FindMe")
+        assert sfc.SfcNetwork(steps=[step]).may_mention({"findme"})
+        assert not sfc.SfcNetwork(steps=[step]).may_mention({"findyou"})

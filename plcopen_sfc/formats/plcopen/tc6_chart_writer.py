@@ -149,10 +149,8 @@ class Tc6ChartWriter:
             add_unknown(self.ctx, parent, self.chart.extension_data)
 
     def write_symbol(self, parent: etree._Element, symbol: Symbol) -> None:
-        """Write one symbol with the element that it draws; where that stays as it is, what identifies it."""
+        """Write one symbol with the element that it draws, but nothing where that stays as it is."""
         if symbol.id in self.unchanged:
-            name = {"name": self.steps[symbol.id].name} if symbol.kind is SymbolKind.STEP else {}
-            add_child(self.ctx, parent, symbol.kind.value, {"localId": str(symbol.id)} | name)
             return
         if symbol.kind is SymbolKind.STEP or symbol.kind is SymbolKind.MACRO_STEP:
             self.write_step(parent, symbol, self.steps[symbol.id])
@@ -450,10 +448,11 @@ _NONE: frozenset[int] = frozenset()
 
 
 def _skeleton(chart: sfc.SfcNetwork, drawing: Drawing) -> list[object]:
-    """Return the references of elements of a chart to others: order, ids and links."""
+    """Return what elements there are in a chart, in which order, and their references to each other."""
     symbols = [(symbol.id, symbol.local_id, symbol.kind, symbol.transitions) for symbol in drawing.symbols]
     links = [(each.id, each.priority, each.sources, each.targets) for each in chart.transitions]
-    return [symbols, links, [step.id for step in chart.steps], [node.id for node in chart.logic], drawing.order]
+    nodes = [(node.id, node.kind) for node in chart.logic]
+    return [symbols, links, [step.id for step in chart.steps], nodes, drawing.order, chart.extension_data]
 
 
 T = TypeVar("T", sfc.Step, sfc.Transition, sfc.ActionAssociation, Symbol)
