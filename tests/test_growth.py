@@ -89,6 +89,32 @@ def test_a_chart_of_twice_the_length_takes_twice_the_work(
     assert works[2] - works[1] < 2.2 * (works[1] - works[0]), "linear is 2, quadratic is 4"
 
 
+def blocks(count: int) -> sfc.Project:
+    """So many function blocks, each of which calls the one before it, and no chart."""
+    block = "FUNCTION_BLOCK B{0}\nVAR a, b : BOOL; inner : B{1}; END_VAR\nb := a; inner();\nEND_FUNCTION_BLOCK\n"
+    text = "".join(block.format(each, each - 1) for each in range(1, count))
+    return sfc.loads(f"FUNCTION_BLOCK B0\nEND_FUNCTION_BLOCK\n{text}".encode(), format="iec-text")
+
+
+def as_grafcet(project: sfc.Project) -> bytes:
+    """Write a chart that is no GRAFCET as one, with all that the format has no place for in comments."""
+    return sfc.dumps(project, format="grafcet", partial=True, limit=0)
+
+
+@pytest.mark.parametrize(
+    ("operation", "make", "least"), [(sfc.check, blocks, 40), (sfc.page, blocks, 40), (as_grafcet, ring, 40)]
+)
+def test_twice_the_objects_take_twice_the_work(
+    operation: Callable[[sfc.Project], object], make: Callable[[int], sfc.Project], least: int
+) -> None:
+    operation(make(3))
+    works = []
+    for count in (least, 2 * least, 4 * least):
+        project = make(count)
+        works.append(calls_of(lambda project=project: operation(project)))  # type: ignore[misc]
+    assert works[2] - works[1] < 2.2 * (works[1] - works[0]), "linear is 2, quadratic is 4"
+
+
 def test_only_actions_of_neighbouring_steps_are_asked_for_their_order(monkeypatch: pytest.MonkeyPatch) -> None:
     assert [orders(ring(steps))[0] for steps in (10, 20)] == [20, 40]
     stored = ring(8, "S")

@@ -7,7 +7,7 @@ what it had when the comment was written.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from typing import Any, TypeAlias
 
 from pydantic import ValidationError
@@ -59,25 +59,26 @@ def put_back(project: Project, entries: Sequence[Entry], note: Note) -> Project:
     """Return `project`, which was read from the text, with what the comments state."""
     fields, text = plain_fields(project), plain_fields(project)
     # without a start value, a variable of the kept type would start with that of the type
-    outdated = [(*c.path[:-1], "type") for c, _ in entries if _is_taken_out(text, c)]
-    made: list[tuple[Segment, ...]] = []
+    outdated = {(*c.path[:-1], "type") for c, _ in entries if _is_taken_out(text, c)}
+    made: set[tuple[Segment, ...]] = set()
+    bodies = {entry.path: entry.instead for entry, _ in reversed(entries) if entry.path[-1] == "text"}
     for change, comment in entries:
         if _is_in(change.path, outdated):
             continue
         try:
             if not _is_in(change.path, made):
-                _check_text(text, change, entries)
+                _check_text(text, change, bodies.get((*change.path[:-1], "text"), ""))
             apply(fields, change)
-            made.append(change.path)
+            made.add(change.path)
         except StaleError as error:
             *around, last = change.path
             if last in ("kind", "language"):
-                outdated.append(tuple(around))
+                outdated.add(tuple(around))
             elif last == "type":  # a start value is one of the type
-                outdated.append((*around, "initial"))
+                outdated.add((*around, "initial"))
             elif around == ["pous"] and isinstance(change.instead, dict) and change.instead.get("kind") == "program":
                 # it was added in place of the tasks
-                outdated += [("configurations",), ("origin",)]
+                outdated |= {("configurations",), ("origin",)}
             message = f"this comment of plcopen_sfc is for another text and left out: {error}"
             note(OUTDATED, message, comment.span[0])
         except PathError as error:
@@ -97,8 +98,9 @@ def lacking(back: Project, meant: Project) -> Iterator[tuple[RemainderEntry, str
     """
     meant = meant.model_copy(deep=True)
     take_ids(meant, back)
+    labels: dict[int, dict[int, str]] = {}
     for change in changes(plain_fields(back), plain_fields(meant), guarded=True):
-        yield change, path_of(meant, keys_of(meant, change))
+        yield change, path_of(meant, keys_of(meant, change), labels)
 
 
 def keys_of(project: Project, change: RemainderEntry) -> Iterator[str | int]:
@@ -120,21 +122,23 @@ def keys_of(project: Project, change: RemainderEntry) -> Iterator[str | int]:
         yield index
 
 
-def _is_in(path: tuple[Segment, ...], places: Iterable[tuple[Segment, ...]]) -> bool:
-    return any(path[: len(place)] == place for place in places)
+def _is_in(path: tuple[Segment, ...], places: Container[tuple[Segment, ...]]) -> bool:
+    return any(path[:length] in places for length in range(len(path) + 1))
 
 
 def _is_taken_out(text: Fields, change: RemainderEntry) -> bool:
     return change.path[-1] == "initial" and change.instead is not None and value_at(text, change.path) is None
 
 
-def _check_text(text: Fields, change: RemainderEntry, entries: Sequence[Entry]) -> None:
-    """Raise `StaleError` if `text` itself has by now what it left to a comment when that was written."""
+def _check_text(text: Fields, change: RemainderEntry, written: Any) -> None:
+    """Raise `StaleError` if `text` itself has by now what it left to a comment when that was written.
+
+    `written` are the statements that were in the text then.
+    """
     *around, last = change.path
     holder = value_at(text, tuple(around))
     if not isinstance(holder, dict):
         return
-    written = next((entry.instead for entry, _ in entries if entry.path == (*around, "text")), "")
     if last == "language" and str(holder.get("text", "")).strip() not in ("", str(written).strip()):
         raise StaleError("the block has statements now")
     present = holder.get(last) if isinstance(last, str) else None

@@ -13,7 +13,7 @@ in it, so that every tool finds the end of the pragma: ``{plcopen_sfc supervisio
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, Final, Literal, TypeAlias, get_origin
@@ -492,15 +492,22 @@ def _enter(holder: Any, segment: Segment, following: Segment) -> Any:
 
 def _index(items: Any, segment: Segment) -> int:
     if isinstance(items, list):
-        for index, item in enumerate(items):
-            if segment == index and not isinstance(segment, bool):
-                return index
-            if isinstance(item, dict) and (
-                (isinstance(segment, Named) and str(item.get("name", "")).casefold() == segment.name.casefold())
-                or (isinstance(segment, Numbered) and item.get("id") == segment.id)
-            ):
-                return index
+        found: Iterator[int] = iter(())
+        if isinstance(segment, Named):
+            name = segment.name.casefold()
+            found = (i for i, each in enumerate(items) if isinstance(each, dict) and _name_of(each) == name)
+        elif isinstance(segment, Numbered):
+            number = segment.id
+            found = (i for i, each in enumerate(items) if isinstance(each, dict) and each.get("id") == number)
+        elif isinstance(segment, int) and not isinstance(segment, bool) and 0 <= segment < len(items):
+            return segment
+        for index in found:
+            return index
     raise PathError(f"there is no {format_path((segment,))} here")
+
+
+def _name_of(item: Mapping[str, Any]) -> str:
+    return str(item.get("name", "")).casefold()
 
 
 # -- paths as text ----------------------------------------------------------------------------------------------------

@@ -105,12 +105,18 @@ def differences(
         yield ModelDifference(path, left, right)
 
 
-def path_of(root: Any, keys: Iterable[str | int]) -> str:
-    """Return the path, as in a `ModelDifference`, of what the fields and indices `keys` lead to from `root`."""
+def path_of(root: Any, keys: Iterable[str | int], known: dict[int, dict[int, str]] | None = None) -> str:
+    """Return the path, as in a `ModelDifference`, of what the fields and indices `keys` lead to from `root`.
+
+    `known` keeps the labels of the transitions of each chart (by its `id`), for who needs many paths of one model.
+    """
+    known = {} if known is None else known
     path, field, thing, owner = "", "", root, root
     for key in keys:
         if isinstance(key, int):
-            labels = owner.labels() if isinstance(owner, SfcNetwork) else {}
+            labels: dict[int, str] = {}
+            if isinstance(owner, SfcNetwork):
+                labels = known.get(id(owner)) or known.setdefault(id(owner), owner.labels())
             path = _place(path, field, thing[key], key, labels, alone=len(thing) == 1)
             thing, field = thing[key], ""
             continue

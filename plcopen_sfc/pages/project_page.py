@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from functools import cached_property
 from pathlib import PurePath
 
 from plcopen_sfc.analysis.coverage import Coverage, Unreached
@@ -12,6 +13,7 @@ from plcopen_sfc.checking import check
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.drawing.pictures import chart_figure
 from plcopen_sfc.errors import check_argument
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.declarations.declaration_writing import write_data_type, write_type, write_value
 from plcopen_sfc.languages.st.parsing import sharing_trees
 from plcopen_sfc.model.dialect import Dialect
@@ -314,7 +316,8 @@ class _ProjectContent:
         for variable in variables:
             anchor = self.index.anchor(variable)
             type_ = write_type(variable.type, dialect)
-            target = next((self.index.anchor(each) for each in self._type_owners(type_)), "")
+            owners = self._type_owners.get(type_.strip('"').casefold())
+            target = self.index.anchor(owners[0]) if owners else ""
             cells = [
                 element("td", section),
                 element("th", variable.name),
@@ -328,9 +331,10 @@ class _ProjectContent:
             ]
             yield element("tr", *cells, id=anchor, data_name=variable.name)
 
-    def _type_owners(self, name: str) -> Iterator[object]:
-        wanted = name.strip('"').casefold()
-        yield from (each for each in (*self.project.data_types, *self.project.pous) if each.name.casefold() == wanted)
+    @cached_property
+    def _type_owners(self) -> dict[str, list[object]]:
+        """The types and blocks of the project by their names in lower case."""
+        return grouped((each.name.casefold(), each) for each in (*self.project.data_types, *self.project.pous))
 
     @staticmethod
     def _section_name(section: VariableSection) -> str:

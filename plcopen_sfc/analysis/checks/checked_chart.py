@@ -370,8 +370,13 @@ class CheckedProject:
 
         Where there is no chart, that is the POU itself, or the first POU of the project.
         """
-        first = next(self._charts() if pou is None else every_chart(pou), None)
+        first = self._first_chart if pou is None else next(every_chart(pou), None)
         return first is checked.chart if first is not None else (pou or self.project.pous[0]) is checked.pou
+
+    @cached_property
+    def _first_chart(self) -> sfc.SfcNetwork | None:
+        # Each POU asks, and where there is no chart the search goes through all of them.
+        return next(self._charts(), None)
 
     @cached_property
     def written(self) -> frozenset[str]:

@@ -188,10 +188,11 @@ class XmiWriter:
                 made.set("partialGrafcets", " ".join(charts))
             if tag == "macrosteps" and step.macro is not None:
                 made.set("expansion", self._charts.get((step.macro.expansion or "").casefold(), ""))
+        labels = network.labels()
         for number, transition in enumerate(network.transitions):
             made = etree.SubElement(element, "transitions")
             made.set("id", str(transition.number if transition.number is not None else number + 1))
-            label = f"{where} / transition {network.label(transition)}"
+            label = f"{where} / transition {labels[transition.id]}"
             condition = expression_of(network, transition.condition, self._objects) or transition.condition
             self._condition(made, condition, f"{path}/@transitions.{number}", label)
         self._arcs(element, path, network)

@@ -237,9 +237,10 @@ class XmiReader:
             transition.condition = Expression(text=text) if text is not None else None
             made[element] = transition.id
             part.network.transitions.append(transition)
-            self._line(f"{self._path(part)} / transition {part.network.label(transition)}", element)
         self.order.bars[path] = [found.get(bar) for bar in part.element.findall("synchronizations")]
         _, labels = keys_in(part.network)
+        for element, made_id in made.items():
+            self._line(f"{self._path(part)} / transition {labels[made_id]}", element)
         own = {element: steps[step.id] for element, step in part.steps.items()} | found
         own |= {element: labels[number] for element, number in made.items()}
         self.order.arcs[path] = [(own.get(source), own.get(target)) for source, target in arcs]
