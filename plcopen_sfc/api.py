@@ -51,6 +51,7 @@ def loads(data: bytes, *, format: str | None = None, path: str | None = None, as
     """Load a project from bytes, as `load` does. `path` is what messages call them."""
     hint = "load takes a path. Text has to be encoded: text.encode()." if isinstance(data, str) else ""
     check_argument(data, (bytes, bytearray, memoryview), "loads needs bytes", hint)
+    check_argument(path, (str, PathLike, type(None)), "the path of messages is a text")
     data = bytes(data)
     with told_when_exhausted(path):
         return read_document(data, format=format, path=path, as_tool=as_tool)
@@ -143,6 +144,7 @@ def check_import(project: Project, tool: str) -> list[Diagnostic]:
     A file in another format than that of the tool is an error (IMP004). No tool was asked: the conditions are those
     that are documented, or seen in exports. Raises `UnknownFormatError` for another tool.
     """
+    check_argument(project, Project, "check_import needs a project", "Load the file first: load(path).")
     check_argument(tool, str, "check_import needs the name of a tool")
     name, _, version = tool.partition("-")
     if name not in _IMPORTERS:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from plcopen_sfc.collector import collecting_rarely
 from plcopen_sfc.diagnostics import Diagnostic
-from plcopen_sfc.errors import check_argument
+from plcopen_sfc.errors import check_argument, listed_names
 from plcopen_sfc.languages.st.parsing import sharing_trees
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
@@ -48,6 +48,7 @@ def check(
     from plcopen_sfc.analysis.checks import check_charts  # noqa: PLC0415  # brings the parser with it
 
     check_argument(subject, (Project, Pou, SfcNetwork), "check needs a chart, a POU or a project")
+    externals = listed_names(externals, "externals are patterns for names")
     found = check_charts(subject, profile=profile, select=select, ignore=ignore, externals=externals)
     project = subject.project
     return _located(found, project) if found and project is not None else found

@@ -6,7 +6,7 @@ to do about it.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -22,7 +22,7 @@ def nearest(name: object, known: Iterable[str]) -> str:
     from difflib import get_close_matches  # noqa: PLC0415  # only for messages
 
     by_folded = {each.casefold(): each for each in known}
-    found = get_close_matches(str(name).casefold(), by_folded, 1)
+    found = get_close_matches((name if isinstance(name, str) else shown(name)).casefold(), by_folded, 1)
     return f" (did you mean {str(by_folded[found[0]])!r}?)" if found else ""
 
 
@@ -204,12 +204,30 @@ class PluginError(SfcError):
 def check_argument(value: object, types: type | tuple[type, ...], need: str, hint: str = "") -> None:
     """Raise `ArgumentError` if `value` is not of `types`; `need` is the requirement: ``loads needs bytes``."""
     if not isinstance(value, types):
-        shown = repr(value)
-        shown = shown if len(shown) <= _REPR else f"{shown[:_REPR]}.."
-        raise ArgumentError(f"{need}, not {shown} ({type(value).__name__})", hint=hint)
+        raise ArgumentError(f"{need}, not {shown(value, _REPR)} ({type(value).__name__})", hint=hint)
 
 
 _REPR = 40
+
+
+def shown(value: object, most: int | None = None) -> str:
+    """Return a value as messages show it: as Python writes it, of more than `most` characters the first.
+
+    A number of thousands of digits, which Python does not write, is shown by its type, and so is an object whose
+    ``__repr__`` fails.
+    """
+    try:
+        text = repr(value)
+    except Exception:  # any class may be passed, and the message is about another error
+        return f"<{type(value).__name__}>"
+    return text if most is None or len(text) <= most else f"{text[:most]}.."
+
+
+def check_names(values: object, need: str) -> None:
+    """Raise `ArgumentError` for something else than a mapping whose keys are texts."""
+    check_argument(values, Mapping, need)
+    for name in values if isinstance(values, Mapping) else ():
+        check_argument(name, str, need)
 
 
 def refuse_unknown_options(function: str, options: Iterable[str], known: Collection[str]) -> None:

@@ -97,6 +97,14 @@ def refuse_unwritable(path: str | os.PathLike[str]) -> None:
         raise _failure(path, error, _WRITE_REASONS, "cannot be written") from error
 
 
+def resolved(path: str | os.PathLike[str]) -> Path:
+    """Return the path to write to without links. Raises `FileAccessError` for one that no file can have."""
+    try:
+        return Path(os.path.realpath(path))
+    except (OSError, ValueError) as error:
+        raise _failure(path, error, _WRITE_REASONS, "cannot be written") from error
+
+
 def write_atomic(path: str | os.PathLike[str], data: bytes) -> None:
     """Replace the file at `path` by `data`, or leave it exactly as it is.
 

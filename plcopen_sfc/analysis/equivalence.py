@@ -42,7 +42,7 @@ from plcopen_sfc.analysis.system_comparison import Comparison, filled, operating
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.analysis.timers import Clocking, StepTimes, clocking, step_times
 from plcopen_sfc.analysis.verdict import Counterexample, Verdict, VerdictKind
-from plcopen_sfc.errors import ModelError
+from plcopen_sfc.errors import ModelError, check_argument, check_names, listed_names
 from plcopen_sfc.languages.binding.reached_pous import written_elsewhere
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.conditions import Expression
@@ -97,6 +97,9 @@ _MOST_RUN_ALONE = 20_000
 
 _MOST_SHOWN = 5_000_000
 """Scans of a difference that are shown: a clock that ends after days takes as many as fill the memory."""
+
+_MOST_SEARCHED = 1_000_000_000
+"""States of a search, whatever `cap` is: as many take weeks."""
 
 _QUICK_RUNS, _QUICK_SCANS = 12, 60
 """Scans that each of several delays is tried for, before a search."""
@@ -173,6 +176,15 @@ def equivalent(
     compare or an input has two types.
     """
     subjects = _subject(a), _subject(b)
+    mappings = {"functions": functions, "step_flags": step_flags, "inputs": inputs, "fixed": fixed}
+    for option, given in mappings.items():
+        check_names({} if given is None else given, f"{option} are a mapping from names")
+    check_argument(left_out, (str, type(None)), "what is left out is named by a text")
+    for option, number in {"cap": cap, "runs": runs, "most_runs": most_runs, "scans": scans, "seed": seed}.items():
+        check_argument(number, int, f"{option} is a whole number")
+    if outputs is not None and not isinstance(outputs, Mapping):
+        outputs = listed_names(outputs, "outputs are named by texts")
+    check_names(outputs if isinstance(outputs, Mapping) else {}, "outputs are a mapping from names")
     if not isinstance(b, SfcNetwork | Pou | Project | Subject):
         profile = profile or b.profile
         step_flags = step_flags if step_flags is not None else b.step_flags or None
@@ -191,13 +203,13 @@ def equivalent(
         step_flags,
         inputs or {},
         fixed or {},
-        (free_inputs,) if isinstance(free_inputs, str) else tuple(free_inputs),
+        tuple(listed_names(free_inputs, "free inputs are named by texts")),
         left_out,
         functions or {},
     )
     compared.check_freed()
-    given = seconds(limit)
-    tries = _Tries(cap, runs, most_runs, scans, seed, given, progress, given)
+    time = seconds(limit)
+    tries = _Tries(min(cap, _MOST_SEARCHED), runs, most_runs, scans, seed, time, progress, time)
     wanted = [each for each in delays(delay, profiles) if compared.can_have(each)]
     return compared.verdict(wanted[0], tries) if len(wanted) == 1 else _best_of(wanted, compared, tries)
 

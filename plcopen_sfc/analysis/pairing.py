@@ -16,7 +16,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
-from plcopen_sfc.errors import ModelError, UnstableChartError
+from plcopen_sfc.errors import ModelError, UnstableChartError, check_argument, shown
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.pou import Pou
@@ -133,6 +133,8 @@ NO_DELAY = Delay()
 ASKED_FOR = frozenset({"ACK_EF", "S_SEL"})
 """The operating inputs that transitions of charts made of S7-GRAPH ask for themselves, without an action before."""
 _RETIMABLE = frozenset({ScanOrder.ACTIONS_FIRST, ScanOrder.RETIMED})
+_MOST_SCANS = 1_000
+"""Scans of a delay: the outputs of as many are a part of each state."""
 
 
 def delays(wanted: int | str | Delay | Iterable[int], profiles: Sequence[Profile]) -> tuple[Delay, ...]:
@@ -149,7 +151,14 @@ def delays(wanted: int | str | Delay | Iterable[int], profiles: Sequence[Profile
         raise ModelError(f"there is no delay {wanted!r}", hint='It is a number of scans, a range, or "auto".')
     if wanted == 0:
         return (NO_DELAY,)
-    numbers = [wanted] if isinstance(wanted, int) else sorted(wanted, key=lambda each: (abs(each), -each))
+    check_argument(wanted, (int, Iterable), "a delay is a number of scans, or several")
+    tried = [wanted] if isinstance(wanted, int) else [*wanted]
+    for each in tried:
+        check_argument(each, int, "a delay is a number of scans")
+        if abs(each) > _MOST_SCANS:
+            hint = f"The longest has {_MOST_SCANS:,}."
+            raise ModelError(f"a delay of {shown(each, 20)} scans is too long", hint=hint)
+    numbers = sorted(tried, key=lambda each: (abs(each), -each))
     if not numbers:
         raise ModelError("there is no delay to try")
     return tuple(_forms(numbers, in_retiming(profiles)))

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
+from math import inf
 from time import thread_time
 
-from plcopen_sfc.errors import InputError
+from plcopen_sfc.errors import InputError, check_argument, shown
 from plcopen_sfc.semantics.simulation import nanoseconds
 
 
@@ -115,12 +116,15 @@ def seconds(limit: float | str | None) -> float | None:
     """Return a limit in seconds: a number of them, or ``60s``. Raises `InputError`."""
     if limit is None:
         return None
+    check_argument(limit, (str, int, float), "a time limit is a number of seconds or a text")
     try:
         is_number = not isinstance(limit, str) or limit.replace(".", "", 1).isdecimal()
         found = float(limit) if is_number else nanoseconds(str(limit)) / 1e9
+    except OverflowError:
+        found = inf  # a whole number of more than 308 digits
     except InputError as error:
         hint = "Write it as 60s or 2m30s, or as a number of seconds."
         raise InputError(f"{limit!r} is no time limit", hint=hint) from error
     if not found > 0:
-        raise InputError(f"the time limit {limit!r} is not greater than zero")
+        raise InputError(f"the time limit {shown(limit)} is not greater than zero")
     return found

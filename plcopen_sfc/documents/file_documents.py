@@ -20,7 +20,7 @@ from plcopen_sfc.documents.reading_back import (
 )
 from plcopen_sfc.documents.source_names import names_in_the_source
 from plcopen_sfc.documents.sources import FileSource, FolderSource
-from plcopen_sfc.errors import FormatError, LossError, UnknownFormatError, nearest
+from plcopen_sfc.errors import FormatError, LossError, UnknownFormatError, check_argument, nearest
 from plcopen_sfc.formats.file_recognition import recognise
 from plcopen_sfc.formats.format_interface import Format, WriteOptions
 from plcopen_sfc.formats.provenance import (
@@ -100,6 +100,7 @@ def encode(
 
     `limit`: for so many seconds the charts are simulated for both. `at_rest` is that of `WriteOptions`.
     """
+    check_argument(flavour, str, "a flavour is named by a text")
     kind, version = format_named(name)
     if flavour and flavour not in kind.flavours:
         near = nearest(flavour, kind.flavours)

@@ -30,7 +30,7 @@ from plcopen_sfc.documents.storage import (
     save_project,
 )
 from plcopen_sfc.errors import LossError, LoweringError, check_argument
-from plcopen_sfc.files import refuse_empty, write_atomic
+from plcopen_sfc.files import refuse_empty, resolved, write_atomic
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.languages.binding import names_in
 from plcopen_sfc.languages.binding.name_uses import dialect_of
@@ -135,6 +135,9 @@ def lower_to_file(
     """
     check_argument(project, Project, "lower_to_file needs a project")
     check_argument(target, (str, os.PathLike), "lower_to_file needs the path to write to")
+    check_argument(flavour, str, "a flavour is named by a text")
+    check_argument(pou, (str, type(None)), "a POU is named by a text")
+    check_argument(jobs, int, "jobs is a number of processes")
     name = format_to_write(project, format, tia, target)
     project, declared = with_declarable_variables(project, format_named(name)[0])
     project, renamed, legal = with_legal_names(project, format_named(name)[0], flavour)
@@ -191,7 +194,7 @@ class _Draft:
         self._format = format_named(name)[0].name
         self._project = with_enumeration_constants(project) if self._format == "scl" else project
         self._is_folder = path is not None and is_folder(path, project, name)
-        self._path = place / (Path(path).resolve().name if path is not None else "draft")
+        self._path = place / (resolved(path).name if path is not None else "draft")
         self.report = save_project(self._project, f"{self._path}/" if self._is_folder else self._path, **options)
 
     def refuse_losses(

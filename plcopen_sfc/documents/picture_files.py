@@ -73,6 +73,7 @@ def draw(
     check_argument(target, (str, os.PathLike), "draw needs the path of a file or a folder")
     path = os.fspath(target)
     refuse_empty(path)
+    check_argument(pou, (str, type(None)), "a chart is named by a text")
     kind = _format(path, format)
     charts = drawn_bodies(project, pou, kind)
     paths = _paths(charts, path, PICTURE_FORMATS[kind])

@@ -178,17 +178,20 @@ def checked(
     Raises `LoweringError` for an unknown choice, `ArgumentError` for an option of a wrong type.
     """
     init, stop, flags = options.get("init"), options.get("stop"), options.get("flags", LOCAL)
+    flag_names = options.get("flag_names", "")
     lang, language, states = options.get("lang", "en"), options.get("language"), options.get("states")
-    for name, value in {"init": init, "stop": stop, "flags": flags, "lang": lang}.items():
+    for name, value in {"init": init, "stop": stop}.items():
         check_argument(value, (str, type(None)), f"{name} is a text")
+    for name, value in {"flags": flags, "flag_names": flag_names, "lang": lang}.items():
+        check_argument(value, str, f"{name} is a text")
     profile = options.get("profile")
     modes = listed_names(options.get("modes", ()), "modes are named by texts")
     return LoweringRules(
         default_profile(project) if profile is None else profile_named(profile),
-        _texts(lang, options.get("flag_names", "")),
+        _texts(lang, flag_names),
         _chosen(Construction, construction),
         _chosen(Style, options.get("style", Style.EXACT)),
-        _chosen(Language, str(language).upper()) if language is not None else None,
+        _chosen(Language, language) if language is not None else None,
         init,
         stop,
         options.get("reset_actions", False),
@@ -232,7 +235,8 @@ Choice = TypeVar("Choice", Construction, Style, Language, States, ActionPlace, O
 
 
 def _chosen(kind: type[Choice], name: str) -> Choice:
-    folded = str(name).casefold()
+    check_argument(name, str, f"a {_NOUNS[kind]} is named by a text")
+    folded = name.casefold()
     wanted = _ALIASES.get(kind, {}).get(folded, folded).casefold()
     for each in kind:
         if each.value.casefold() == wanted:

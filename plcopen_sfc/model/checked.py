@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from plcopen_sfc.errors import ArgumentError, ModelError, nearest
+from plcopen_sfc.errors import ArgumentError, ModelError, nearest, shown
 from plcopen_sfc.grouping import grouped
 from plcopen_sfc.model import times
 
@@ -244,8 +244,8 @@ def _of_choices(
             _PLAIN.get(each, each.removeprefix("tagged-union[").rstrip("]").replace(",", ", ")) for each in tried
         )
         given = next((each["input"] for each in errors if len(each["loc"]) == len(loc) + 1), None)
-        shown = f"{_cut(repr(given), _TEXT)} ({type(given).__name__})"
-        yield f"{'.'.join(map(str, loc))} of {owner} is none of {names}: {shown}"
+        told = f"{shown(given, _TEXT)} ({type(given).__name__})"
+        yield f"{'.'.join(map(str, loc))} of {owner} is none of {names}: {told}"
         return
     for each in inside or errors:
         place = [part for part in each["loc"] if "[" not in str(part)]
@@ -294,7 +294,7 @@ def first_misfit(error: ValidationError) -> str:
 
 def _field_problem(error: Mapping[str, Any]) -> str:
     """Return an error of pydantic about a field as the end of a sentence: ``is not a text: 5 (int)``."""
-    kind, given = error["type"], _cut(repr(error["input"]), _TEXT)
+    kind, given = error["type"], shown(error["input"], _TEXT)
     if kind == "missing":
         return "is missing"
     if kind in ("extra_forbidden", "no_such_attribute"):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Protocol
 
-from plcopen_sfc.errors import ModelError, nearest
+from plcopen_sfc.errors import ModelError, nearest, shown
 from plcopen_sfc.model.pou import Pou
 
 
@@ -32,7 +32,7 @@ def check_kind(kind: str) -> None:
     """Raise `ModelError` for what is no kind of declaration."""
     if kind not in [*Kind]:
         hint = f"The kinds are: {', '.join(Kind)}"
-        raise ModelError(f"{kind!r} is no kind of declaration{nearest(kind, [*Kind])}", hint=hint)
+        raise ModelError(f"{shown(kind)} is no kind of declaration{nearest(kind, [*Kind])}", hint=hint)
 
 
 class NamedObject(Protocol):

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from pydantic import Field
 
-from plcopen_sfc.errors import ModelError, check_argument, nearest
+from plcopen_sfc.errors import ModelError, check_argument, nearest, shown
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.late import ProjectObject
@@ -137,7 +137,7 @@ class Pou(ProjectObject):
         self._claim(name)
         if kind not in [*SectionKind]:
             raise ModelError(
-                f"{kind!r} is no kind of variable{nearest(kind, SectionKind)}",
+                f"{shown(kind)} is no kind of variable{nearest(kind, SectionKind)}",
                 hint=f"There are: {', '.join(SectionKind)}",
             )
         fields: dict[str, Any] = {"type": type}
@@ -191,6 +191,7 @@ class Pou(ProjectObject):
 
     def find_action(self, name: str) -> Action | None:
         """Return the action of this name, or None; case does not matter, nor do the signs of S7."""
+        check_argument(name, str, "an action is found by its name")
         wanted = local_name(name).casefold()
         return next((a for a in self.actions if a.name.casefold() == wanted), None)
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeA
 
 from pydantic import BeforeValidator, Field
 
-from plcopen_sfc.errors import ArgumentError, Location, ModelError, check_argument, nearest
+from plcopen_sfc.errors import ArgumentError, Location, ModelError, check_argument, nearest, shown
 from plcopen_sfc.grouping import Clusters, grouped
 from plcopen_sfc.model import times
 from plcopen_sfc.model.actions import (
@@ -505,6 +505,7 @@ class SfcNetwork(LateElement):
 
     def label(self, transition: Transition) -> str:
         """Return the name of a transition, or from where to where it leads, numbered where several do."""
+        check_argument(transition, Transition, "`label` needs a transition")
         names = {step.id: step.name for step in self.steps}
         number = 1
         for each in self.transitions:
@@ -558,6 +559,7 @@ class SfcNetwork(LateElement):
         self._claim(name)
         if isinstance(actions, str):
             raise ArgumentError("`actions` is a list of texts", hint=f"Write it as [{actions!r}].")
+        check_argument(actions, Iterable, "`actions` is a list of texts")
         lines = [line if isinstance(line, tuple) else (line, None) for line in actions]
         first = self.new_id()
         step = Step(id=first, name=name, initial=initial)
@@ -724,7 +726,7 @@ def _together(steps: list[ElementId], names: Mapping[int, str]) -> str:
 def _not_found(kind: str, key: str | int, names: list[str]) -> ModelError:
     listed = ", ".join(names[:_LISTED]) + (" .." if len(names) > _LISTED else "")
     return ModelError(
-        f"this chart has no {kind} {key!r}{nearest(key, names)}",
+        f"this chart has no {kind} {shown(key)}{nearest(key, names)}",
         hint=f"Its {kind}s are: {listed}" if names else "It has none.",
     )
 

@@ -7,6 +7,7 @@ from typing import ClassVar
 
 from pydantic import Field
 
+from plcopen_sfc.errors import check_argument
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.late import LateElement
 from plcopen_sfc.model.owners import OwnedName
@@ -84,6 +85,7 @@ class Interface(LateElement):
 
     def section_like(self, other: VariableSection) -> VariableSection:
         """Return the section for new variables in the same memory as those of another one."""
+        check_argument(other, VariableSection, "a section of variables is needed")
         plain = other.with_variables([])
         for section in self.sections:
             is_kept = section.extension_data is not None and section.extension_data.data  # such as another keyword

@@ -93,6 +93,8 @@ def conversion_page(
     """
     check_argument(source, Project, "conversion_page needs a project", "Load the file first.")
     check_argument(report, ConversionReport, "conversion_page needs the report that save or convert returned")
+    check_argument(target, (Project, type(None)), "the target of a conversion is a project")
+    check_argument(made_on, (date, type(None)), "made_on is a day")
     words = Words(lang)
     left = _Side(_index(source, "a-", words), _caption("Source", source, report.source_format, words))
     for outcome, mark in _MARKS.items():

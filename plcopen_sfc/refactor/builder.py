@@ -20,7 +20,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from plcopen_sfc.errors import ModelError
+from plcopen_sfc.errors import ModelError, shown
 from plcopen_sfc.languages.binding import Names
 from plcopen_sfc.languages.binding.name_sites import Reference
 from plcopen_sfc.languages.binding.text_sites import Role, Site
@@ -203,7 +203,7 @@ class _Building:
                 return _Ends(transitions=(made,))
             case _:
                 raise ModelError(
-                    f"{part!r} is no part of a chart",
+                    f"{shown(part)} is no part of a chart",
                     hint="Parts are texts (conditions), step, transition, selection, simultaneous and jump.",
                 )
 

@@ -8,7 +8,7 @@ from itertools import count
 from typing import Any
 from uuid import NAMESPACE_URL, uuid5
 
-from plcopen_sfc.errors import ModelError
+from plcopen_sfc.errors import ModelError, shown
 from plcopen_sfc.languages.binding import Declaration, Kind, Names, bind
 from plcopen_sfc.languages.binding.name_resolution import Untyped
 from plcopen_sfc.languages.binding.name_uses import Occurrence, dialect_of, unique_declaration
@@ -355,7 +355,7 @@ def _code_of(step: sfc.Step, at: str | int, what: str) -> tuple[Any, str]:
             raise refused(what, f"{at!r} is none of {', '.join(STEP_ACTIONS)}")
         return step, at
     if not 0 <= at < len(step.actions):
-        raise refused(what, f"it has no action number {at}", "The first is 0.")
+        raise refused(what, f"it has no action number {shown(at)}", "The first is 0.")
     return step.actions[at], "body"
 
 

@@ -9,7 +9,7 @@ from functools import cache
 from inspect import signature
 from typing import Annotated, Any, get_args, get_origin
 
-from plcopen_sfc.errors import ModelError, check_argument, nearest
+from plcopen_sfc.errors import ModelError, check_argument, nearest, shown
 from plcopen_sfc.languages.binding import Declaration, Effects, Kind, Names, actions_by_name, step_effects
 from plcopen_sfc.languages.binding.name_scopes import every_chart
 from plcopen_sfc.languages.binding.name_uses import dialect_of
@@ -182,7 +182,7 @@ def _check_value(kind: type[Model], name: str, wanted: Any) -> None:
         if not any(_fits(each, wanted) for each in known):
             raise ModelError(f"{name} is never {wanted!r}{nearest(wanted, known)}", hint=f"It is: {', '.join(known)}")
     elif (types and not isinstance(wanted, types)) or (isinstance(wanted, bool) and bool not in types):
-        raise ModelError(f"{name} is never {wanted!r} ({type(wanted).__name__})")
+        raise ModelError(f"{name} is never {shown(wanted)} ({type(wanted).__name__})")
 
 
 @cache
@@ -254,8 +254,8 @@ def _steps_meant(charts: Sequence[SfcNetwork], key: StepKey | None) -> list[Step
     ]
     if not found:
         place = "this chart" if len(charts) == 1 else "the project"
-        near = nearest(str(key), [step.name for _, step in steps])
-        raise ModelError(f"{place} has no step {key!r}{near}")
+        near = nearest(key, [step.name for _, step in steps])
+        raise ModelError(f"{place} has no step {shown(key)}{near}")
     return found
 
 

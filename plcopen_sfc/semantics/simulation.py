@@ -15,6 +15,7 @@ from plcopen_sfc.errors import (
     ModelError,
     SimulationError,
     check_argument,
+    check_names,
     listed_names,
     nearest,
 )
@@ -121,7 +122,7 @@ class Simulation:
         record: Iterable[str] | None = None,
         free_inputs: Iterable[str] | str = (),
     ) -> None:
-        check_argument(functions, (Mapping, type(None)), "functions are a mapping from their names")
+        check_names(functions or {}, "functions are a mapping from their names")
         chosen = default_profile(subject.project) if profile is None else profile_named(profile)
         self.subject = subject = executed_alone(as_executed(subject, chosen))
         self.profile = chosen
@@ -168,6 +169,7 @@ class Simulation:
 
     def set(self, path: str, value: object) -> None:
         """Set a variable, checked against its type. Raises `ModelError`, `InputError`."""
+        check_argument(path, str, "a variable is named by a text")
         name = self._paths.get(path.casefold(), path)
         self.instance[name] = self._accepted(name, value)
 
