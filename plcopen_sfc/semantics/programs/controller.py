@@ -28,7 +28,7 @@ from plcopen_sfc.semantics.programs import runtime_types as t
 from plcopen_sfc.semantics.programs.code_generation import Writer
 from plcopen_sfc.semantics.programs.expressions import Translator
 from plcopen_sfc.semantics.programs.places import Place, Unknown
-from plcopen_sfc.semantics.programs.project_library import Library
+from plcopen_sfc.semantics.programs.project_library import Library, refuse_many_instances
 from plcopen_sfc.semantics.programs.runtime import UNREAD, bits_set, coerced
 from plcopen_sfc.semantics.programs.runtime_types import Direction, Field, Frame, Layout, Type, leaves
 from plcopen_sfc.semantics.programs.scopes import CompiledChart, RunOptions, TranslatedPou
@@ -244,6 +244,7 @@ class Controller:
             unit = library.unit(found)
             place = library.program(unit) if unit.is_program else None
             library.use.roots.add(unit.layout)
+            refuse_many_instances([t.StructureType(found.name, unit.layout)])
             library.finish()
             frame = library.frame.v[int(place.index)] if place is not None else unit.layout.new()
             library.give_in_outs(unit, frame)

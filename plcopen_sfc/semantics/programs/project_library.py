@@ -6,6 +6,8 @@ Declared types become those of running programs, and initial values Python sourc
 from __future__ import annotations
 
 import re
+from collections import ChainMap
+from collections.abc import Iterable, MutableMapping
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -47,6 +49,8 @@ class TypeReader:
         self._initials = initials
         self._named: dict[int, t.Type] = {}
         self._open: set[int] = set()
+        self._held: dict[int, int] = {}
+        """The values that a variable of a structure holds, by the `id` of its layout."""
 
     def read(self, type_: m.DataType, scope: Scope) -> t.Type:
         """Return the type as it is seen in `scope`."""
@@ -69,8 +73,7 @@ class TypeReader:
                 bounds = tuple((_constant(scope, d.lower), _constant(scope, d.upper)) for d in dimensions)
                 shown = ", ".join(f"{lower}..{upper}" for lower, upper in bounds)
                 made = t.ArrayOf(f"ARRAY [{shown}] OF {inner.name}", inner, bounds)
-                if _cells(made) > _MOST_ELEMENTS:
-                    raise SimulationError(f"{made.name} has more than {_MOST_ELEMENTS} elements")
+                _refuse_large(made, ChainMap({}, self._held))
                 return made
             case m.StructType():
                 return self.structure("STRUCT", type_, scope)
@@ -155,7 +158,9 @@ class TypeReader:
             made = layout.add(member.name, self.read(member.type, scope))
             self._initials.give(made, member.initial, scope)
         self._library.write_new(layout)
-        return t.StructureType(name, layout)
+        made_type = t.StructureType(name, layout)
+        self._held[id(layout)] = _refuse_large(made_type, ChainMap({}, self._held))
+        return made_type
 
     def _enumeration(self, name: str, type_: m.EnumType, scope: Scope) -> t.ScalarType:
         base = self.read(type_.base, scope) if type_.base is not None else t.INT
@@ -182,13 +187,49 @@ def _constant(scope: Scope, text: str) -> int:
     raise SimulationError(f"{text!r} is no constant", location=Location(path=scope.path))
 
 
-def _cells(type_: t.Type) -> int:
-    """Return how many values a variable of a type holds."""
+def _cells(type_: t.Type, known: MutableMapping[int, int]) -> int:
+    """Return how many values a variable of a type holds.
+
+    `known` has those of structures and blocks by the `id` of their layouts: of structures that have the one before
+    twice, 40 hold 2**40 values.
+    """
     if isinstance(type_, t.ArrayOf):
-        return type_.size * max(_cells(type_.base), 1)
+        return type_.size * max(_cells(type_.base, known), 1)
     if isinstance(type_, t.StructureType):
-        return sum(_cells(field.type) for field in type_.layout.fields)
+        key = id(type_.layout)
+        if key not in known:
+            known[key] = 0  # a block may contain itself, which is another error
+            known[key] = sum(_cells(field.type, known) for field in type_.layout.fields)
+        return known[key]
     return 1
+
+
+def _refuse_large(type_: t.Type, known: MutableMapping[int, int]) -> int:
+    """Return how many values a variable of a type holds. Raises `SimulationError` for too many."""
+    held = _cells(type_, known)
+    if held > _MOST_ELEMENTS:
+        raise SimulationError(f"{type_.name} has more than {_MOST_ELEMENTS} elements")
+    return held
+
+
+def refuse_many_instances(types: Iterable[t.Type]) -> None:
+    """Raise `SimulationError` for a variable with too many instances and structures in it; each is a frame."""
+    known: dict[int, int] = {}
+
+    def frames(type_: t.Type) -> int:
+        if isinstance(type_, t.ArrayOf):
+            return type_.size * frames(type_.base)
+        if not isinstance(type_, t.StructureType):
+            return 0
+        key = id(type_.layout)
+        if key not in known:
+            known[key] = 0
+            known[key] = 1 + sum(frames(field.type) for field in type_.layout.fields)
+        return known[key]
+
+    for each in types:
+        if frames(each) > _MOST_ELEMENTS:
+            raise SimulationError(f"{each.name} has more than {_MOST_ELEMENTS} elements")
 
 
 _OWN_FRAME = re.compile(r"\bv\b")
@@ -366,6 +407,7 @@ class Library(TranslatedProject):
         """Link what is new, and give new global variables their first values."""
         start = len(self.frame.v)
         fields = self.globals.fields[start:]
+        refuse_many_instances(field.type for field in fields)
         writer = Writer()
         for field in fields:
             writer.write(f"g.append({field.initial})")

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as s
 
+from plcopen_sfc import loads, simulate
 from plcopen_sfc.errors import ModelError, SimulationError
 from plcopen_sfc.model import Expression, Project
 from plcopen_sfc.semantics.programs import Controller, Direction, Instance
@@ -307,3 +308,25 @@ def test_a_path_with_an_index_follows_the_index() -> None:
     assert instance.type_of("ar[i]") is instance.type_of("ar[0]")
     with pytest.raises(ModelError, match="another variable whenever"):
         instance.cell("ar[i]")
+
+
+BLOCK = "FUNCTION_BLOCK T{0} VAR a, b : T{1}; END_VAR a(); b(); END_FUNCTION_BLOCK\n"
+STRUCTURE = "TYPE T{0} : STRUCT a, b : T{1}; END_STRUCT; END_TYPE\n"
+
+
+@pytest.mark.parametrize("is_global", [False, True])
+@pytest.mark.parametrize(
+    ("first", "each"),
+    [
+        ("FUNCTION_BLOCK T0 VAR n : INT; END_VAR END_FUNCTION_BLOCK\n", BLOCK),
+        ("TYPE T0 : STRUCT n : INT; END_STRUCT; END_TYPE\n", STRUCTURE),
+    ],
+    ids=["blocks", "structures"],
+)
+def test_instances_that_double_are_counted_and_not_made(first: str, each: str, is_global: bool) -> None:
+    types = first + "".join(each.format(number, number - 1) for number in range(1, 41))
+    outer = "VAR_GLOBAL x : T40; END_VAR\n" if is_global else ""
+    inner = "VAR_EXTERNAL x : T40; END_VAR" if is_global else "VAR x : T40; END_VAR"
+    text = f"{types}{outer}PROGRAM Main {inner} VAR n : INT; END_VAR n := x{'.a' * 40}.n; END_PROGRAM"
+    with pytest.raises(SimulationError, match="more than 1000000 elements"):
+        simulate(loads(text.encode(), format="iec-text"), pou="Main", scans=2)
