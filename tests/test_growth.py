@@ -101,8 +101,14 @@ def as_grafcet(project: sfc.Project) -> bytes:
     return sfc.dumps(project, format="grafcet", partial=True, limit=0)
 
 
+def with_new_names(project: sfc.Project) -> object:
+    """Give each step of a chart another name, in one pass."""
+    return project.rename_many({f"Main.{step.name}": f"New{step.name}" for step in project.pous[0].chart.steps})
+
+
 @pytest.mark.parametrize(
-    ("operation", "make", "least"), [(sfc.check, blocks, 40), (sfc.page, blocks, 40), (as_grafcet, ring, 40)]
+    ("operation", "make", "least"),
+    [(sfc.check, blocks, 40), (sfc.page, blocks, 40), (as_grafcet, ring, 40), (with_new_names, ring, 120)],
 )
 def test_twice_the_objects_take_twice_the_work(
     operation: Callable[[sfc.Project], object], make: Callable[[int], sfc.Project], least: int

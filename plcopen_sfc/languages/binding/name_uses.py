@@ -115,6 +115,10 @@ def by_text(found: Iterable[Occurrence]) -> list[list[Occurrence]]:
     return [sorted(own, key=lambda each: each.reference.span) for own in text_sites.values()]
 
 
+_FEW_WORDS = 100
+"""Words that are looked for in a text before it is parsed: to look for more takes as long as to parse most texts."""
+
+
 class Names:
     """The names of a project: what is declared, and where it is used. Edits of the project make it wrong."""
 
@@ -142,7 +146,7 @@ class Names:
         homes = [each.pou for each in of if each.pou is not None] if of and local else None
         for text_site in self.text_sites(keys, homes) if keys else ():
             text = text_site.text.casefold().replace(OVERLINE, "")
-            if any(key in text for key in keys):
+            if len(keys) > _FEW_WORDS or any(key in text for key in keys):
                 for reference in self._references(text_site):
                     if reference.name.casefold() in keys:
                         yield Occurrence(text_site, reference, self.resolver.meaning(reference, text_site))
