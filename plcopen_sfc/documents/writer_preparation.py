@@ -78,8 +78,12 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     copy.origin = origin
     if _names_results(project, kind):
         name_results(copy, report)
-    if project.tool_format == EXPORTS != kind.name and kind.tool and not has_task_configuration(project):
-        give_task(copy, report)
+    if project.tool_format == EXPORTS != kind.name and kind.tool:
+        if not has_task_configuration(project):
+            give_task(copy, report)
+        from plcopen_sfc.formats.codesys23.exp_codec import name_truncations  # noqa: PLC0415  # read already
+
+        name_truncations(copy, report)
     if kind.name == EXPORTS and not options.same:
         take_task(copy, report)
     if kind.tool and not options.same:

@@ -278,6 +278,9 @@ class Profile:
     """True if AND and OR of Booleans end with the operand that decides, so that a function behind it is not called. IEC
     allows both (ed. 2, 3.3.1). CODESYS evaluates all, but for AND_THEN and OR_ELSE. matiec: seen in its C code."""
 
+    truncates_to_int: bool = False
+    """True if TRUNC gives an INT. CoDeSys 2.3; in CODESYS V3, whose importer makes TRUNC_INT of it, it is a DINT."""
+
     for_asks_ahead: bool = False
     """True if each turn of a FOR, the first too, needs the next value of its variable to be within the end, which is
     evaluated again in each turn: a loop of one turn is left out, and its variable ends a turn earlier than in IEC
@@ -393,7 +396,7 @@ PROFILES: Mapping[str, Profile] = MappingProxyType(
     {
         "iec": Profile(name="iec"),
         "codesys": _CODESYS,
-        "codesys23": replace(_CODESYS, name="codesys23", step_variables=StepVariables.FLAG),
+        "codesys23": replace(_CODESYS, name="codesys23", step_variables=StepVariables.FLAG, truncates_to_int=True),
         "s7graph": Profile(
             name="s7graph",
             initial_situation_held=True,
@@ -488,8 +491,9 @@ def profile_of_format(name: str) -> Profile:
 
 
 def have_equal_rules(one: Profile, other: Profile) -> bool:
-    """True if two profiles differ at most in their names and in how texts name steps."""
-    return replace(one, name=other.name, step_variables=other.step_variables) == other
+    """True if two profiles differ at most in their names, and in how texts name steps and functions."""
+    texts = replace(one, step_variables=other.step_variables, truncates_to_int=other.truncates_to_int)
+    return replace(texts, name=other.name) == other
 
 
 def format_of_profile(name: str) -> str:

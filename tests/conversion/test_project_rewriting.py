@@ -551,6 +551,20 @@ END_PROGRAM
     assert {item.path.split(" ")[-1] for item in lost} == words
 
 
+@pytest.mark.parametrize("target", ["codesys", "twincat", "codesys-export"])
+def test_names_of_codesys23_may_be_keywords_of_its_successor(target: str) -> None:
+    text = """(* @NESTEDCOMMENTS := 'Yes' *)
+FUNCTION_BLOCK Main
+VAR LInt, Super, Method, Other : INT; END_VAR
+(* @END_DECLARATION := '0' *)
+LInt := Super + Method + Other;
+END_FUNCTION_BLOCK
+"""
+    _, report = sfc.convert(sfc.loads(text.encode(), format="codesys23"), target, partial=True)
+    lost = [item for item in report.with_outcome(Outcome.NOT_EXECUTED) if "is a keyword" in item.why]
+    assert {item.path.split(" ")[-1] for item in lost} == {"LInt", "Super", "Method"}
+
+
 @pytest.mark.parametrize("target", ["codesys", "codesys23", "twincat"])
 def test_operators_of_the_target_are_no_names_there(target: str) -> None:
     """A step ``Move`` and a variable ``max`` were written, though a step of that name from S7-GRAPH was renamed."""

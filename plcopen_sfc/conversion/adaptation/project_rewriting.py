@@ -219,7 +219,7 @@ RULES = (
         "a name that is a keyword of the target",
         "CODESYS, TwinCAT, CoDeSys 2.3",
         "not executed: it does not compile",
-        lambda this: this.host.is_codesys and not this.options.of_codesys and not this.options.same,
+        lambda this: this.host.is_codesys and not this.options.same,
         lambda this: report_keywords(this.project, this.host, this.report),
     ),
     AdaptationRule(

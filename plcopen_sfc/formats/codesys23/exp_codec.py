@@ -50,6 +50,7 @@ from plcopen_sfc.languages.declarations.attributes import pragma_attributes
 from plcopen_sfc.languages.declarations.declaration_comments import LINE_END
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.effects import conditional_assignment
+from plcopen_sfc.languages.networks.exported_networks import EXPORTS
 from plcopen_sfc.languages.pragmas import RemainderEntry
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, print_node, transform, walk
@@ -473,6 +474,32 @@ _CONVERSION = re.compile(r"TO_[A-Z]+", re.IGNORECASE)
 _LATER_FUNCTION = re.compile(r"(?:UPPER|LOWER)_BOUND|XSIZEOF|__[A-Z]+", re.IGNORECASE)
 
 
+def name_truncations(project: Project, report: ConversionReport) -> None:
+    """Call TRUNC_INT in `project`, a copy that comes from CoDeSys 2.3, in which TRUNC gives an INT."""
+    why = "TRUNC gives an INT in CoDeSys 2.3: it is TRUNC_INT"
+    _rename_function(project, "TRUNC", "TRUNC_INT", why, report)
+
+
+def _rename_function(project: Project, old: str, new: str, why: str, report: ConversionReport) -> None:
+    """Call a standard function by another name, where no function of the project has its name."""
+    if any(pou.name.upper() == old for pou in project.pous):
+        return
+
+    def renamed(node: n.Node) -> n.Node:
+        match node:
+            case n.Call(callee=n.Name(identifier=name) as callee) if name.upper() == old:
+                return replace(node, callee=replace(callee, identifier=new))
+        return node
+
+    for site in text_sites(project):
+        if site.is_program_text and old in site.text.upper():
+            parsed = site.parsed(project.dialect)
+            tree = transform(parsed.tree, renamed)
+            if tree != parsed.tree:
+                site.put(render(parsed, tree))
+                report.add(Outcome.TRANSLATED, "text", site.report_path, why)
+
+
 def replace_later_language(project: Project, report: ConversionReport) -> None:
     """Write enumerations and set statements in `project` as CoDeSys 2.3 does, and report what it does not compile."""
     enumerations = {each.name.casefold() for each in project.data_types if isinstance(each.type, t.EnumType)}
@@ -487,10 +514,14 @@ def replace_later_language(project: Project, report: ConversionReport) -> None:
             for variable in section.variables if kept(section.extension_data).get("keyword") == "VAR_STAT" else ():
                 why = "VAR_STAT, one for all instances: it is not known whether CoDeSys 2.3 compiles that"
                 report.add(Outcome.APPROXIMATED, "variable", f"{pou.report_path} / {variable.name}", why)
+    truncating = {"trunc"} - functions.keys() if project.tool_format != EXPORTS else set()
     for site in text_sites(project):
         if not site.is_program_text:
             continue
         parsed = site.parsed(project.dialect)
+        if truncating.intersection(node.called.casefold() for node in walk(parsed.tree) if isinstance(node, n.Call)):
+            why = "TRUNC gives an INT in CoDeSys 2.3, and a DINT in the source"
+            report.add(Outcome.APPROXIMATED, "text", site.report_path, why)
         if any(CONDITIONAL_PRAGMA.match(each.text) for each in parsed.comments if each.kind is CommentKind.PRAGMA):
             why = "CoDeSys 2.3 has no pragmas that leave statements out: they are always executed there"
             report.add(Outcome.NOT_EXECUTED, "text", site.report_path, why)
@@ -509,6 +540,7 @@ def replace_later_language(project: Project, report: ConversionReport) -> None:
             report.add(
                 Outcome.NOT_EXECUTED, "text", site.report_path, f"CoDeSys 2.3 has no {word}: it does not compile"
             )
+    _rename_function(project, "TRUNC_INT", "TRUNC", "TRUNC_INT is TRUNC in CoDeSys 2.3", report)
     declared = [(f"{pou.report_path} / {v.name}", v.type) for pou in project.pous for v in pou.variables()]
     for section in project.global_sections():
         declared += [(f"global variable {section.name}.{v.name}", v.type) for v in section.variables]

@@ -28,7 +28,7 @@ from plcopen_sfc.languages.translation.translation_context import (
     TranslationContext,
     family,
 )
-from plcopen_sfc.languages.translation.tree_translation import TreeTranslator, split_chains
+from plcopen_sfc.languages.translation.tree_translation import TreeTranslator, is_object, split_chains
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.report import Cause, CauseKind
 
@@ -280,6 +280,8 @@ _DURATIONS = frozenset({"T", "TIME", "LT", "LTIME"})
 
 def _is_foreign(node: Node, target: Dialect, enumerations: Collection[str], functions: Collection[str]) -> bool:
     match node:
+        case n.Member(base=base) | n.Call(callee=base) if is_object(base):
+            return target is Dialect.CODESYS
         case n.Member(base=n.Name(identifier=name)) if name.casefold() in enumerations:
             return target is Dialect.IEC
         case n.Literal(text=text) if text.partition("#")[0].casefold() in enumerations:
@@ -298,6 +300,6 @@ def _is_foreign(node: Node, target: Dialect, enumerations: Collection[str], func
             return target is Dialect.IEC and kind is not n.AssignmentKind.ASSIGN
         case n.Argument(value=None):
             return target is Dialect.IEC and not node.output
-        case n.Dereference(base=n.Name(identifier=name)):
-            return target is Dialect.IEC and name.upper() in ("THIS", "SUPER")
+        case n.Dereference(base=base):
+            return target is Dialect.IEC and is_object(base)
     return False

@@ -147,6 +147,8 @@ class TreeTranslator:
 
     def _node(self, node: Node) -> Node:
         match node:
+            case n.Name() if self._is_pointed_at(node):
+                return n.Dereference(node, span=node.span)
             case n.Name():
                 return (
                     self._step(node) or self._enumerated(node) or self._names.listed(node) or self._names.variable(node)
@@ -163,6 +165,8 @@ class TreeTranslator:
             case n.Peripheral() if self._target is not self._source:
                 self._lacks("direct access to the periphery (:P)", node)
                 return with_children(node, self._node)
+            case n.Call(callee=n.Name() as callee) if self._is_pointed_at(callee):
+                return self._calls.call(replace(node, callee=n.Dereference(callee, span=callee.span)))
             case n.Call():
                 return self._calls.call(node)
             case n.TypeOperand() if self._target is not self._source:
@@ -263,10 +267,7 @@ class TreeTranslator:
             if self._target is Dialect.IEC:
                 return n.Literal(f"{base.identifier}#{node.name.identifier}", span=node.span)
             return self._constant(f"{base.identifier}.{node.name.identifier}", node)
-        if self._source is Dialect.IEC and self._target is Dialect.CODESYS and _is_object(base):
-            new_base: Expression = n.Dereference(base, span=base.span)
-        else:
-            new_base = self._expression(base)
+        new_base = self._expression(base)
         name = self._member_name(node)
         return node if new_base is base and name is node.name else replace(node, base=new_base, name=name)
 
@@ -277,11 +278,16 @@ class TreeTranslator:
             return node.name if new == node.name.identifier else replace(node.name, identifier=new)
         return self._calls.pin(node.base, node.name) or self._names.member(node.name)
 
+    def _is_pointed_at(self, node: n.Name) -> bool:
+        """True for ``THIS`` and ``SUPER`` of IEC 61131-3, which get a ``^`` in CODESYS."""
+        return self._source is Dialect.IEC and self._target is Dialect.CODESYS and is_object(node)
+
     def _dereference(self, node: n.Dereference) -> Expression:
-        if self._target is Dialect.IEC and self._source is not Dialect.IEC and _is_object(node.base):
-            return node.base  # THIS and SUPER are no pointers there (6.6.5.7)
+        if is_object(node.base) and Dialect.IEC in (self._source, self._target):
+            # THIS and SUPER are no pointers there (6.6.5.7)
+            return node.base if self._source is not Dialect.IEC else node
         one_has_pointers = (self._source is Dialect.CODESYS) is not (self._target is Dialect.CODESYS)
-        if one_has_pointers and not _is_object(node.base):
+        if one_has_pointers and not is_object(node.base):
             reason = "CODESYS follows pointers with ^, IEC 61131-3 and S7 follow references (REF_TO)"
             self._notes.add(Severity.WARNING, reason, node)
         return with_children(node, self._node)
@@ -375,7 +381,8 @@ def _is_enumerated(node: n.Literal, source: Dialect) -> bool:
     return found is not None and found.kind is LiteralKind.ENUMERATED
 
 
-def _is_object(node: Expression) -> bool:
+def is_object(node: Expression) -> bool:
+    """True for ``THIS`` and ``SUPER`` without a ``^``, which they have in CODESYS."""
     return isinstance(node, n.Name) and node.identifier.upper() in ("THIS", "SUPER")
 
 

@@ -299,6 +299,8 @@ class StandardFunctions:
         code = self._as(nodes[0], t.LREAL)
         whole = isinstance(expected, t.ScalarType) and expected.family is t.Family.INTEGER
         type_ = expected if whole and isinstance(expected, t.ScalarType) else t.DINT
+        if name == "TRUNC" and self._library.profile.truncates_to_int:
+            type_ = t.INT
         found = self._call({"ROUND": "rounded", "TRUNC": "truncated"}.get(name, name.lower()), [code], t.LINT)
         return settled(self._converter.converted(found, type_))
 

@@ -166,3 +166,30 @@ def test_a_step_that_another_switches_on_keeps_its_name() -> None:
     assert report.compared["POU Main"].startswith("equal, second 1 scan later (proof")
     rows = sfc.loads(data, format="codesys23").pou("Main").chart.step("Work").actions
     assert [(row.qualifier.value, row.target) for row in rows if row.event is not None] == [("ON", "Side")]
+
+
+@pytest.mark.parametrize("target", ["codesys", "codesys-export", "plcopen-2.01", "simaticml"])
+def test_trunc_gives_an_int(target: str) -> None:
+    """Help of CODESYS, operator TRUNC: an import from CoDeSys 2.3 makes TRUNC_INT of it."""
+    text = """(* @NESTEDCOMMENTS := 'Yes' *)
+FUNCTION_BLOCK Fb
+VAR_INPUT r : REAL; END_VAR
+VAR_OUTPUT d : DINT; END_VAR
+(* @END_DECLARATION := '0' *)
+d := TRUNC(r);
+END_FUNCTION_BLOCK
+"""
+    source = sfc.loads(text.encode(), format="codesys23")
+    data, report = sfc.convert(source, target)
+    assert not report.losses
+    for project in (source, sfc.loads(data, as_tool=True)):
+        assert list(sfc.simulate(project, pou="Fb", scans=1, initial={"r": 40000.7})["d"]) == [40000 - 65536]
+    if target.startswith("codesys"):
+        back, _ = sfc.convert(sfc.loads(data, as_tool=True), "codesys23")
+        assert b"d := TRUNC(r);" in back
+
+
+def test_trunc_of_the_successor_is_told() -> None:
+    project = sfc.loads(b"PROGRAM Main VAR r : REAL; d : DINT; END_VAR d := TRUNC(r); END_PROGRAM", format="iec-text")
+    _, report = sfc.convert(sfc.loads(sfc.convert(project, "codesys").data, as_tool=True), "codesys23")
+    assert [item.why for item in report.losses] == ["TRUNC gives an INT in CoDeSys 2.3, and a DINT in the source"]

@@ -73,7 +73,9 @@ def test_objects_have_no_counterpart_in_scl() -> None:
 
 def test_objects_are_pointers_in_codesys_only() -> None:
     assert_says_the_same("SUPER^(); x := THIS^.y;", CODESYS, IEC, "SUPER(); x := THIS.y;")
-    assert_says_the_same("x := THIS.y;", IEC, CODESYS, "x := THIS^.y;")
+    assert_says_the_same(
+        "SUPER(); Go(me := THIS); x := THIS.y;", IEC, CODESYS, "SUPER^(); Go(me := THIS^); x := THIS^.y;"
+    )
 
 
 # -- literals ---------------------------------------------------------------------------------------------------------
