@@ -157,6 +157,10 @@ def _word_of(section: str) -> str:
     return found["word"].upper() if found is not None else ""
 
 
+def _is_comment(section: str) -> bool:
+    return section.startswith("(*") and section.endswith("*)")
+
+
 def _note_sections(project: Project, kind: Format, report: ConversionReport) -> None:
     """Report sections of an export of CoDeSys 2.3 that are kept as text, but for libraries, whose blocks have names."""
     for name, text in kept(project.extension_data).items():
@@ -165,12 +169,12 @@ def _note_sections(project: Project, kind: Format, report: ConversionReport) -> 
             continue
         if word == "VAR_CONFIG" or _holds_tasks(word, text):
             outcome, why = Outcome.NOT_EXECUTED, f"it is kept as text: what it says has to be made in {kind.tool}"
-        elif word in KNOWN_SECTIONS or word.startswith("_"):
+        elif word in KNOWN_SECTIONS or word.startswith("_") or _is_comment(text):
             outcome = Outcome.EXTENSION_DATA if kind.extension_data else Outcome.DROPPED
-            why = "it is of CoDeSys 2.3 alone, and no program"
+            why = "it is of CoDeSys 2.3 alone, and no program" if word else "a comment between objects"
         else:
             outcome, why = Outcome.APPROXIMATED, "a section that is not known: the controller may execute what it says"
-        report.add(outcome, "section", f"section {word}", why)
+        report.add(outcome, "section", f"section {word}".rstrip(), why)
 
 
 def _note_bits_of_words(project: Project, kind: Format, report: ConversionReport) -> None:

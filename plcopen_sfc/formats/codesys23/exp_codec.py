@@ -647,6 +647,8 @@ def _later_types(kind: t.DataType | None) -> Iterator[str]:
         case t.ArrayType(base=base) | t.PointerType(base=base):
             yield from _later_types(base)
         case t.StructType(members=members):
+            if "union" in kept(kind.extension_data):
+                yield "UNION"
             for member in members:
                 yield from _later_types(member.type)
         case _:

@@ -193,3 +193,21 @@ def test_trunc_of_the_successor_is_told() -> None:
     project = sfc.loads(b"PROGRAM Main VAR r : REAL; d : DINT; END_VAR d := TRUNC(r); END_PROGRAM", format="iec-text")
     _, report = sfc.convert(sfc.loads(sfc.convert(project, "codesys").data, as_tool=True), "codesys23")
     assert [item.why for item in report.losses] == ["TRUNC gives an INT in CoDeSys 2.3, and a DINT in the source"]
+
+
+def test_a_comment_between_objects_is_no_section_that_is_executed() -> None:
+    data = BELT.read_bytes().replace(b"END_PROGRAM\r\n\r\n", b"END_PROGRAM\r\n(* end *)\r\n\r\n", 1)
+    assert b"(* end *)" in data
+    project = sfc.loads(data)
+    assert sfc.dumps(project) == data
+    _, report = sfc.convert(project, "codesys", partial=True)
+    told = [item.outcome for item in report.items if item.why == "a comment between objects"]
+    assert told == [Outcome.EXTENSION_DATA]
+    assert not [item for item in report.losses if item.what == "section"]
+
+
+def test_a_union_is_refused() -> None:
+    types = b"TYPE U : UNION a : INT; b : REAL; END_UNION END_TYPE"
+    project = sfc.loads(b"PROGRAM Main VAR u : U; END_VAR u.a := 1; END_PROGRAM " + types, format="iec-text")
+    _, report = sfc.convert(project, "codesys23", partial=True)
+    assert any("has no UNION" in item.why for item in report.with_outcome(Outcome.NOT_EXECUTED))
