@@ -130,7 +130,7 @@ class ChartReader:
         if type_of(segment) != SEGMENT:
             kind = type_of(segment) or "nothing"
             self._ctx.error("TWC102", f"a segment of the type {kind} is not understood", segment)
-        left, unknown = read_attributes(segment, SEGMENT)
+        left, unknown = self._attributes(segment, SEGMENT)
         if left or unknown:
             self._ctx.error("TWC102", "a segment has a name or a comment, or is excluded: not understood", segment)
         for element in self._elements(segment, "a segment"):
@@ -140,12 +140,18 @@ class ChartReader:
             elif kind == MACRO:
                 above = self._macro(element, above)
             elif kind in _READERS:
-                fields, unknown = read_attributes(element, kind)
+                fields, unknown = self._attributes(element, kind)
                 self._refuse(element, kind, unknown)
                 above = _READERS[kind](self, element, fields, above)
             else:
                 self._ctx.error("TWC102", f"an element of the type {kind or 'nothing'} is not understood", element)
         return above
+
+    def _attributes(self, element: etree._Element, kind: str) -> tuple[Fields, list[etree._Element]]:
+        """Return what `read_attributes` does; reports an element without a list for them."""
+        if member(element, "Attributes") is None:
+            self._ctx.error("TWC101", f"an element of the type {kind} has no list of attributes", element)
+        return read_attributes(element, kind)
 
     def _elements(self, holder: etree._Element, what: str) -> list[etree._Element]:
         """Return what is in a segment, a branch or a step; reports one without a list for it."""
@@ -206,9 +212,11 @@ class ChartReader:
         if type_of(element) != ASSOCIATION:
             kind = type_of(element) or "nothing"
             self._ctx.error("TWC102", f"an association of the type {kind} is not understood", element)
-        fields, unknown = read_attributes(element, ASSOCIATION)
+        fields, unknown = self._attributes(element, ASSOCIATION)
         self._refuse(element, ASSOCIATION, unknown)
         association: Fields = {"target": fields.pop("name", "")}
+        if not association["target"]:
+            self._ctx.error("TWC102", "an association names no action", element)
         word, _, duration = fields.pop("qualifier", "N").partition(" ")
         association["qualifier"] = _QUALIFIERS.get(word.upper())
         if association["qualifier"] is None:
@@ -246,7 +254,7 @@ class ChartReader:
         return int(symbol["id"])
 
     def _branch(self, element: etree._Element, above: int | None) -> int | None:
-        fields, unknown = read_attributes(element, BRANCH)
+        fields, unknown = self._attributes(element, BRANCH)
         self._refuse(element, BRANCH, unknown)
         divergence, convergence = _BARS[fields.pop("parallel", False)]
         bar = self._symbol(element, divergence, above)
@@ -262,7 +270,7 @@ class ChartReader:
         return int(closing["id"])
 
     def _macro(self, element: etree._Element, above: int | None) -> int | None:
-        fields, unknown = read_attributes(element, MACRO)
+        fields, unknown = self._attributes(element, MACRO)
         self._refuse(element, MACRO, unknown)
         inside = member(element, "Segment")
         held = member(inside, "ElementList") if inside is not None else None

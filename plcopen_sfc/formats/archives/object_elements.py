@@ -192,6 +192,7 @@ class _Reader:
                 pou.transitions.append(NamedTransition(name=child.get("Name", "")))
                 self._part(pou.transitions[-1], child, names)
             elif child.tag == "Property":
+                self._check_accessors(child)
                 _keep_data(pou).data.append(kept_property(child))
         for first, *others in grouped((identity_of(each), each) for each in (thing, *thing) if each.get("Id")).values():
             for each in others:
@@ -207,8 +208,17 @@ class _Reader:
         part.body = self._body(element, names)
         self._ctx.place.pop()
 
+    def _check_accessors(self, element: etree._Element) -> None:
+        """Report accessors of a property whose code is no part of its text."""
+        for access in element.iterchildren("Get", "Set"):
+            if access.find("Implementation/ST") is None:
+                name = f"{element.get('Name', '')}.{access.tag}"
+                self._ctx.error("TWC108", f"the accessor {name} has no body in structured text", access)
+
     def _body(self, owner: etree._Element, names: frozenset[str]) -> Body | None:
         held = owner.find("Implementation")
+        if held is None:
+            self._ctx.error("TWC108", f"{_called(owner)} has no body (Implementation)", owner)
         bodies = [child for child in held if isinstance(child.tag, str)] if held is not None else []
         if not bodies:
             return None

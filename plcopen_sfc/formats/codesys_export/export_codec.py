@@ -6,6 +6,7 @@ What is not read of a file (devices, visualizations, libraries) stays in it. A n
 CEX102  an object that cannot be read; the others are
 CEX103  objects that are kept in the file as they are, and are nothing in the model
 CEX104  an identity that two objects have
+CEX105  an object that lacks something which all have, such as a name or the text of its body
 ======  ==========================================================================
 """
 
@@ -42,13 +43,18 @@ from plcopen_sfc.formats.codesys_export.export_entries import (
     TYPE,
     Entry,
     ObjectPlace,
+    around,
+    damages,
     element_of,
     entries,
     entry_lists,
+    inner_entries,
     move_inside,
     new_entry,
     new_file,
     put,
+    unlisted,
+    why_not_read,
 )
 from plcopen_sfc.formats.codesys_export.export_notation import SINGLE, line_elements, member, value
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
@@ -198,26 +204,36 @@ class _Reader:
     def __init__(self, root: etree._Element, data: bytes, file: str | None) -> None:
         self._file = file
         self._ctx = Tc6ReadContext(V2_0, PLACELESS, file=file, lines=SourceLines(root, data))
+        self._root = root
         self._entries = list(entries(root))
-        self._inner = _inner(self._entries)
+        self._inner = inner_entries(self._entries)
 
     def read(self) -> ReadResult:
         project = Project(dialect=Dialect.CODESYS)
         applications: dict[str, Resource] = {}
         kept: dict[str, list[Entry]] = {}
-        names = {entry.guid: entry.name for entry in self._entries}
+        known = {entry.guid: entry for entry in self._entries}
         for guid in (guid for guid, count in Counter(entry.guid for entry in self._entries).items() if count > 1):
             second = [entry for entry in self._entries if entry.guid == guid][1]
             message = f"the identity {guid} of {second.name} is that of another object"
             self._ctx.error("CEX104", message, second.element)
+        for entry in unlisted(self._root):
+            self._ctx.error("CEX102", f"{entry.name} is not read: it is in no list of objects", entry.element)
         for entry in self._entries:
             kind = entry.kind
+            for lacking, element in damages(entry) if kind in _READ or kind in INNER else ():
+                self._ctx.error(
+                    "CEX105", f"{entry.name or '(none)'} lacks what all such objects have: {lacking}", element
+                )
             if kind == TASK:
-                application = next((name for name in ObjectPlace.of(entry).path[-2:-1]), names.get(entry.parent, ""))
+                holder = known.get(entry.parent)
+                application = next(iter(ObjectPlace.of(entry).path[-2:-1]), holder.name if holder is not None else "")
                 found = applications.setdefault(application, Resource(name=application))
                 found.tasks.append(read_task(entry))
             elif kind in _READ:
                 self._take(project, entry)
+            elif why := why_not_read(entry, known, self._inner):
+                self._ctx.error("CEX102", f"{entry.name} is not read: {why}", entry.element)
             elif kind not in INNER and kind not in TREE:
                 kept.setdefault(kind, []).append(entry)
         project.applications = list(applications.values())
@@ -232,9 +248,8 @@ class _Reader:
     def _take(self, project: Project, entry: Entry) -> None:
         """Read an object; where it cannot be read, the others are."""
         self._ctx.place = []
-        thing = element_of(entry, self._inner)
-
         try:
+            thing = element_of(entry, self._inner)
             found = read_element(self._ctx, thing, self._file, source=_SOURCE, line_at=partial(self._line_in, entry))
         except (FormatError, ValidationError) as error:
             what = error.message if isinstance(error, FormatError) else first_misfit(error)
@@ -251,7 +266,10 @@ class _Reader:
         """Return the lines of the objects of a project that was read from the file."""
         found: dict[str, int] = {}
         for entry in (each for each in self._entries if each.kind in _READ):
-            thing = element_of(entry, self._inner)
+            try:
+                thing = element_of(entry, self._inner)
+            except StructureError:  # it is not read
+                continue
             found |= object_lines(thing, project, line_of, partial(self._line_in, entry))
         return found
 
@@ -265,11 +283,6 @@ class _Reader:
         return line_below(holder, line)
 
 
-def _inner(found: list[Entry]) -> dict[str, list[Entry]]:
-    """Return the entries of objects in others, by the identity of these."""
-    return grouped((entry.parent, entry) for entry in found if entry.kind in INNER)
-
-
 class _Writer:
     def __init__(
         self, project: Project, source: etree._Element | None, options: WriteOptions, report: ConversionReport
@@ -280,7 +293,7 @@ class _Writer:
         self._root = source if source is not None else new_file()
         found = list(entries(self._root))
         self._entries = {entry.guid: entry for entry in found}
-        self._inner = _inner(found)
+        self._inner = inner_entries(found)
         self._written: set[str] = set()
         declared: list[DataTypeDeclaration | VariableSection] = [*project.data_types, *project.global_variables]
         known = {each.object_id for each in declared if each.object_id is not None}
@@ -331,8 +344,8 @@ class _Writer:
         entry = self._entries.get(guid)
         if entry is None or guid in self._written:
             entry = new_entry(kind, guid, written.get("Name", ""), place)
-            around = self._entries.get(place.guid)
-            holder = around.element.getparent() if around is not None else None
+            owner = self._entries.get(place.guid)
+            holder = owner.element.getparent() if owner is not None else None
             (holder if holder is not None else entry_lists(self._root)[0]).append(entry.element)
             self._entries[guid] = entry
         self._written.add(guid)
@@ -352,16 +365,17 @@ class _Writer:
     def _remove_others(self) -> None:
         """Remove what the model has no more, with what is in it; what it never had stays."""
         for entry in self._entries.values():
-            owner = self._entries.get(entry.parent)
-            around = self._entries.get(owner.parent) if entry.kind == ACCESSOR and owner is not None else owner
+            owner = around(entry, self._entries)
+            if entry.kind == ACCESSOR and owner is not None:
+                owner = around(owner, self._entries)
             gone = entry.kind in (POU, TYPE, LIST, TASK, *INNER) and entry.guid not in self._written
-            if entry.kind in INNER and around is not None and around.kind == POU:
-                gone = gone or around.guid not in self._written
+            if owner is not None and owner.kind == POU:
+                gone = gone or owner.guid not in self._written  # a folder in it, too
             elif entry.kind in INNER:
                 gone = False  # of an interface
-            holder = entry.element.getparent()
-            if gone and holder is not None:
-                holder.remove(entry.element)
+            held = entry.element.getparent()
+            if gone and held is not None:
+                held.remove(entry.element)
 
 
 CODEC = ExportCodec()

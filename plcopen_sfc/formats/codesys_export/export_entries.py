@@ -6,16 +6,19 @@ around it, and its content. Actions, methods and transition objects are entries 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import cast
 from uuid import UUID
 
 from lxml import etree
 
+from plcopen_sfc.errors import StructureError
 from plcopen_sfc.formats.archives.object_archive import TYPES
 from plcopen_sfc.formats.codesys_export.export_notation import (
     NONE,
     SINGLE,
+    broken_texts,
     change_text,
     member,
     new_text,
@@ -26,11 +29,12 @@ from plcopen_sfc.formats.codesys_export.export_notation import (
     value,
 )
 from plcopen_sfc.formats.xml.extension_data import markup
+from plcopen_sfc.grouping import grouped
 from plcopen_sfc.whole_numbers import whole_number
 
 POU, TYPE, LIST, INTERFACE, TASK, APPLICATION = "POU", "DUT", "GVL", "Itf", "Task", "application"
 ACTION, METHOD, TRANSITION, PROPERTY, ACCESSOR = "Action", "Method", "Transition", "Property", "accessor"
-INTERFACE_METHOD = "interface method"
+INTERFACE_METHOD, _FOLDER = "interface method", "folder"
 PARTS = (ACTION, METHOD, TRANSITION)
 INNER = frozenset({*PARTS, INTERFACE_METHOD, PROPERTY, ACCESSOR})
 """The kinds of objects inside others."""
@@ -48,7 +52,7 @@ _KINDS = {
     "792f2eb6-721e-4e64-ba20-bc98351056db": ACCESSOR,
     "98a2708a-9b18-4f31-82ed-a1465b24fa2d": TASK,
     "639b491f-5557-464c-af91-1471bac9f549": APPLICATION,
-    "738bea1e-99bb-4f04-90bb-a7a567e74e3a": "folder",
+    "738bea1e-99bb-4f04-90bb-a7a567e74e3a": _FOLDER,
     "225bfe47-7336-4dbc-9419-4105a7c831fa": "device",
     "40b404f9-e5dc-42c6-907f-c89f4a517386": "PLC logic",
     "adb5cb65-8e1d-4a00-b70a-375ea27582f3": "library manager",
@@ -61,8 +65,10 @@ _KINDS = {
     "f18bec89-9fef-401d-9953-2f11739a6808": "visualization",
 }
 _GUIDS = {kind: guid for guid, kind in reversed(_KINDS.items())}
-TREE = frozenset({"folder", "device", "PLC logic", APPLICATION, "task configuration", "project information"})
+TREE = frozenset({_FOLDER, "device", "PLC logic", APPLICATION, "task configuration", "project information"})
 """The kinds that only arrange or describe others."""
+KNOWN = frozenset(_KINDS.values())
+"""The kinds of objects that have a word of their own."""
 
 TEXT, CHART = "{3b83b776-fb25-43b8-99f2-3c507c9143fc}", TYPES["SFCImplementationObject"]
 _DRAWN = {"{25e509de-33d4-4447-93f8-c9e4ea381c8b}": "NWL", "{32d3375e-c010-41e2-9e43-b2fbf4f2b374}": "CFC"}
@@ -105,6 +111,12 @@ class Entry:
         """The object itself."""
         return member(self.element, "Object")
 
+    @property
+    def has_code(self) -> bool:
+        """True if the object has a declaration or a body."""
+        parts = (member(self.content, name) for name in ("Interface", "Implementation"))
+        return any(part is not None and part.tag != NONE for part in parts)
+
 
 def entry_lists(root: etree._Element) -> list[etree._Element]:
     """Return the lists of entries of a file: one for each tree of the project (POUs, devices)."""
@@ -119,11 +131,88 @@ def entries(root: etree._Element) -> Iterator[Entry]:
             yield Entry(child)
 
 
+_OBJECTS = etree.XPath("descendant::*[@Name='MetaObject']/..")
+
+
+def unlisted(root: etree._Element) -> Iterator[Entry]:
+    """Yield the objects of a file that are in no list of entries."""
+    listed = {entry.element for entry in entries(root)}
+    for each in cast("list[etree._Element]", _OBJECTS(root)):
+        if each not in listed and listed.isdisjoint(each.iterancestors()):
+            yield Entry(each)
+
+
+def around(entry: Entry, known: Mapping[str, Entry]) -> Entry | None:
+    """Return the object that an entry is in, not a folder of it; None where the file does not have it.
+
+    `known` has the entries of the file by their identities.
+    """
+    found = known.get(entry.parent)
+    passed = {entry.guid}
+    while found is not None and found.kind == _FOLDER and found.guid not in passed:
+        passed.add(found.guid)
+        found = known.get(found.parent)
+    return found
+
+
+def inner_entries(found: Iterable[Entry]) -> dict[str, list[Entry]]:
+    """Return the entries of objects in others, by the identity of these."""
+    all_of_them = list(found)
+    known = {entry.guid: entry for entry in all_of_them}
+    inside = ((around(entry, known), entry) for entry in all_of_them if entry.kind in INNER)
+    return grouped((owner.guid, entry) for owner, entry in inside if owner is not None)
+
+
+def why_not_read(entry: Entry, known: Mapping[str, Entry], inner: Mapping[str, Sequence[Entry]]) -> str:
+    """Return why an object is not read that is a part of the program, or may be; empty where nothing is lost.
+
+    `known` has the entries of the file by their identities, `inner` those in others.
+    """
+    if not entry.kind:
+        return "it does not tell its kind (TypeGuid)"
+    if entry.kind not in KNOWN:
+        names = ", ".join(each.name for each in inner.get(entry.guid, ()))
+        held = f"holds {names}" if names else "has a declaration or a body" if entry.has_code else ""
+        return f"its kind {entry.kind} is not known, and it {held}" if held else ""
+    if entry.kind in INNER:
+        owner = around(entry, known)
+        if owner is None:
+            return f"the object {entry.parent or '(none)'} around it is not in the file"
+        if owner.kind in KNOWN and owner.kind not in ((PROPERTY,) if entry.kind == ACCESSOR else (POU, INTERFACE)):
+            return f"{owner.name} around it is a {owner.kind}"
+    return ""
+
+
+_IN_TASK = (("Kindoftask",), ("Priority",), ("Interval", "Time"), ("Interval", "Unit"), ("PouList",))
+
+
+def damages(entry: Entry) -> Iterator[tuple[str, etree._Element]]:
+    """Yield what an entry of an object that is read lacks, and the element that lacks it."""
+    element, content = entry.element, entry.content
+    for name in ("Guid", "Name"):
+        if not value(element, "MetaObject", name):
+            yield name, element
+    is_declared = entry.kind in (INTERFACE, INTERFACE_METHOD) or "Interface" in _MEMBERS.get(entry.kind, ())
+    needed = _IN_TASK if entry.kind == TASK else [("Interface",)] if is_declared else []
+    for path in needed:
+        if member(content, *path) is None:
+            yield path[-1], element
+    for name in ("Interface", "Implementation"):
+        held = member(content, name)
+        if held is not None and held.tag != NONE and held.get("Type", "").casefold() in (TEXT, _DECLARED):
+            yield from (("the text", each) for each in broken_texts(held))
+    calls = member(content, "PouList") if entry.kind == TASK else None
+    yield from (("Name", call) for call in (calls if calls is not None else ()) if not value(call, "Name"))
+
+
 # -- reading ----------------------------------------------------------------------------------------------------------
 
 
 def element_of(entry: Entry, inner: Mapping[str, Sequence[Entry]]) -> etree._Element:
-    """Return an object, with those that `inner` has for it, as the element that files of TwinCAT hold."""
+    """Return an object, with those that `inner` has for it, as the element that files of TwinCAT hold.
+
+    Raises `StructureError`.
+    """
     return _element(entry.kind, entry, inner)
 
 
@@ -135,6 +224,8 @@ def _element(tag: str, entry: Entry, inner: Mapping[str, Sequence[Entry]]) -> et
         written.set("SpecialFunc", special)
     _add_code(written, entry)
     for child in inner.get(entry.guid, ()):
+        if child.kind == ACCESSOR and child.name.capitalize() not in ("Get", "Set"):
+            raise StructureError(f"the accessor {child.name or '(none)'} of {entry.name} is neither Get nor Set")
         if child.kind in INNER and child.guid != entry.guid:
             kind = METHOD if child.kind == INTERFACE_METHOD else child.kind
             written.append(_element(child.name.capitalize() if kind == ACCESSOR else kind, child, inner))

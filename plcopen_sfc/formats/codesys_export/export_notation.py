@@ -9,11 +9,14 @@ CODESYS 3.5.16 and 3.5.22, one of e!COCKPIT 1.10 with four charts)
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from difflib import SequenceMatcher
 
 from lxml import etree
 
+from plcopen_sfc.errors import Location, StructureError
 from plcopen_sfc.formats.archives.object_archive import TYPES
+from plcopen_sfc.formats.xml.xml_parsing import line_of
 from plcopen_sfc.whole_numbers import whole_number
 
 SINGLE, NONE, KEY = "Single", "Null", "Name"
@@ -42,7 +45,7 @@ def value(thing: etree._Element | None, *names: str) -> str:
 
 
 def shortened(thing: etree._Element) -> etree._Element:
-    """Return an object in the short notation, each element with the line of its own."""
+    """Return an object in the short notation, each element with the line of its own. Raises `StructureError`."""
     written = _shortened(thing)
     if thing.get(KEY) is not None:
         written.set("n", str(thing.get(KEY)))
@@ -69,10 +72,12 @@ def _shortened(thing: etree._Element) -> etree._Element:
             else:
                 written.append(shortened(child))
         return written
-    if thing.get("Method") is not None:
+    if thing.tag == SINGLE and thing.get("Method") is not None:
         written = etree.Element("o", t=_NAMES.get(kind.casefold(), kind))
         written.extend([shortened(child) for child in thing.iterchildren(etree.Element)])
         return written
+    if thing.tag != SINGLE:
+        raise StructureError(f"<{thing.tag}> is nothing that an archive holds", location=Location(None, line_of(thing)))
     written = etree.Element("v")
     text = thing.text or ""
     match kind:
@@ -151,6 +156,18 @@ def text_of(holder: etree._Element | None) -> tuple[str, etree._Element] | None:
         return None
     found = [value(line, _TEXT) for line in lines.iterchildren(SINGLE)]
     return "\n".join(found), next(iter(lines.iter(etree.Element)))
+
+
+def broken_texts(holder: etree._Element) -> Iterator[etree._Element]:
+    """Yield elements of an ``Interface`` or ``Implementation`` of text in which text is missing, or more than one."""
+    documents = [each for each in holder if each.get(KEY) == "TextDocument"]
+    held = [each for document in documents for each in document if each.get(KEY) in (_BLOB, _LINES)]
+    if len(documents) != 1 or len(held) != 1:
+        yield holder
+    for lines in (each for each in held if each.get(KEY) == _LINES):
+        for line in lines.iterchildren(etree.Element):
+            if line.tag != SINGLE or member(line, _TEXT) is None:
+                yield line
 
 
 def line_elements(holder: etree._Element | None) -> list[etree._Element]:

@@ -65,16 +65,110 @@ def test_an_export_is_read_whole() -> None:
     assert project.diagnostics[0].location.line
 
 
-def test_an_object_of_a_kind_that_is_not_known_is_named_at_its_line() -> None:
-    """A block whose kind was damaged was no more in the model, and only the identity of the kind was told."""
-    kind = b"6f9dac99-8de1-4efc-8465-68ac443b7d08"
+POU_KIND = b"6f9dac99-8de1-4efc-8465-68ac443b7d08"
+LIBRARIES = b"adb5cb65-8e1d-4a00-b70a-375ea27582f3"
+ACTION_IN_WORK = b'"ParentGuid" Type="System.Guid">a2a167eb-7472-5675-910d-f51a3c752fa1'
+ACCESSOR = b'"Name" Type="string">Get<'
+
+
+def replaced(old: bytes, new: bytes, count: int = 1) -> bytes:
+    """Return the file of the mixer with another text in it."""
     data = MIXER.read_bytes()
-    project = sfc.loads(data.replace(kind, kind[:-2] + b"ff", 1))
-    found = next(each for each in project.diagnostics if each.code == "CEX103")
-    assert "1 of 6f9dac99-8de1-4efc-8465-68ac443b7dff (Ruehrwerk)" in found.message
-    assert found.location.line is not None
-    assert found.location.line <= data[: data.index(kind)].count(b"\n") + 1
-    assert sfc.dumps(project) == data.replace(kind, kind[:-2] + b"ff", 1)
+    assert old in data
+    return data.replace(old, new, count)
+
+
+@pytest.mark.parametrize(
+    ("data", "words", "gone"),
+    [
+        (replaced(POU_KIND, POU_KIND[:-2] + b"ff"), "kind 6f9dac99-8de1-4efc-8465-68ac443b7dff", {"Ruehrwerk"}),
+        (replaced(POU_KIND, POU_KIND[:-2] + b"ff"), "it holds Zaehlen, Fertig, Laeuft", {"Ruehrwerk"}),
+        (replaced(POU_KIND, b""), "does not tell its kind", {"Ruehrwerk"}),
+        (replaced(ACTION_IN_WORK, ACTION_IN_WORK[:-1] + b"0"), "2fa0 around it is not in the file", {"Zaehlen"}),
+        (replaced(b"ffbfa93a-b94d-45fc", b"afbfa93a-b94d-45fc"), "it has a declaration or a body", {"GVL"}),
+        (replaced(ACCESSOR, ACCESSOR.replace(b"Get", b"Got")), "neither Get nor Set", {"Ruehrwerk"}),
+        (replaced(b'<List2 Name="EntryList"', b'<List2 Name="Entries"'), "in no list of objects", {"Ruehrwerk"}),
+    ],
+)
+def test_an_object_that_is_a_part_of_the_program_is_not_lost_in_silence(
+    data: bytes, words: str, gone: set[str]
+) -> None:
+    """A block whose kind was damaged took its actions along, an action without its block vanished: both unsaid."""
+    project = sfc.loads(data)
+    names = {pou.name for pou in project.pous} | {section.name for section in project.global_variables}
+    names |= {action.name for pou in project.pous for action in pou.actions}
+    assert not gone & names
+    found = [each for each in project.diagnostics if each.code == "CEX102" and words in each.message]
+    assert found
+    assert all(each.severity is sfc.Severity.ERROR and each.location.line for each in found)
+    with pytest.raises(sfc.DamagedSourceError, match="not read"):
+        sfc.dumps(project, format="codesys", partial=True)
+    assert sfc.dumps(project) == data
+    if project.pous and project.pous[-1].name == "Mischer":
+        _condition(project)
+        assert len(changed(data, sfc.dumps(project))) == 2
+
+
+def test_an_object_of_an_unknown_kind_without_code_is_kept_and_counted() -> None:
+    data = replaced(LIBRARIES, LIBRARIES[:-2] + b"ff")
+    project = sfc.loads(data)
+    (found,) = project.diagnostics
+    assert (found.code, found.severity) == ("CEX103", sfc.Severity.WARNING)
+    assert "27582ff (Library Manager)" in found.message
+    assert sfc.dumps(project, format="codesys", partial=True)
+
+
+def test_actions_in_a_folder_of_their_pou_are_read_and_edited_there() -> None:
+    """They were in no conversion, and nothing told it."""
+    data = MIXER.read_bytes().decode()
+    start = data.index("<Single Type", data.index('Name="Name" Type="string">Application<') - 700)
+    folder = data[start : data.index("Library Manager", start)].rsplit("<Single Type", 1)[0].rstrip()
+    folder = folder.replace("639b491f-5557-464c-af91-1471bac9f549", "738bea1e-99bb-4f04-90bb-a7a567e74e3a")
+    inside = "7a0c1d1e-0000-4000-8000-0000000000ff"
+    own = data[data.index('Name="Guid"', start) :].split(">")[1].split("<")[0]
+    work = "a2a167eb-7472-5675-910d-f51a3c752fa1"
+    folder = folder.replace(own, inside).replace("00000000-0000-0000-0000-000000000000", work)
+    folder = folder.replace("Application", "Zaehler_alle")
+    data = data.replace(f'"ParentGuid" Type="System.Guid">{work}', f'"ParentGuid" Type="System.Guid">{inside}', 1)
+    whole = f"{data[:start]}{folder}\r\n    {data[start:]}".encode()
+    project = sfc.loads(whole)
+    assert [found.code for found in project.diagnostics] == ["CEX103"]
+    assert [action.name for action in project.pou("Ruehrwerk").actions] == ["Zaehlen"]
+    _action(project)
+    assert len(changed(whole, sfc.dumps(project))) == 2
+    del project.pous[0]
+    rest = sfc.dumps(project)
+    assert b"Zaehler_alle" not in rest
+    assert b"Umdrehung" not in rest
+
+
+LACKING = {
+    "a body": ('Name="Implementation" Type="{74f81948', 'Name="Body" Type="{74f81948', "TWC108", "Mischer"),
+    "a text": ('Name="TextBlobForSerialisation"', 'Name="Blob"', "CEX105", "the text"),
+    "a line of a text": ('<Single Name="Text"', '<Single Name="Txt"', "CEX105", "the text"),
+    "a name": ('Name="Name" Type="string">Zaehlen', 'Name="Nam" Type="string">Zaehlen', "CEX105", "Name"),
+    "an identity": ('<Single Name="Guid"', '<Single Name="Gid"', "CEX105", "Guid"),
+    "the programs of a task": ('Name="PouList"', 'Name="Pous"', "CEX105", "PouList"),
+    "a list of attributes": ('Name="Attributes"', 'Name="Attribute"', "TWC101", "attributes"),
+    "a part of an archive": ("<Null Name=", "<Nul Name=", "CEX102", "nothing that an archive holds"),
+}
+
+
+@pytest.mark.parametrize("what", LACKING)
+def test_what_an_object_lacks_is_an_error(what: str) -> None:
+    """Its value was empty then, and the file was converted without a word."""
+    old, new, code, words = LACKING[what]
+    data = MIXER.read_bytes().decode()
+    start = data.index("{74f81948") if what == "a part of an archive" else 0
+    assert old in data[start:]
+    damaged = data[:start] + data[start:].replace(old, new, 1)
+    project = sfc.loads(damaged.encode())
+    found = [each for each in project.diagnostics if each.code == code and words in each.message]
+    assert found, project.diagnostics
+    assert all(each.severity is sfc.Severity.ERROR and each.location.line for each in found)
+    with pytest.raises(sfc.DamagedSourceError):
+        sfc.dumps(project, format="codesys", partial=True)
+    assert sfc.dumps(project) == damaged.encode()
 
 
 def test_it_comes_back_byte_for_byte_and_is_written_from_the_model_as_it_was() -> None:
