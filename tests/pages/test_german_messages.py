@@ -6,6 +6,7 @@ All of them, as they are in the code.
 from __future__ import annotations
 
 import ast
+import json
 import re
 from collections.abc import Iterator
 from itertools import product
@@ -148,3 +149,10 @@ def test_every_message_has_its_german(of: str, rooms: tuple[str, ...], least: in
         if not any(is_german(told) and told != each for each in filled for told in [words.message(each)]):
             missing.append(text.replace("\0", "{}"))
     assert "\n".join(sorted(missing)) == ""
+
+
+def test_every_text_has_one_german() -> None:
+    for path in sorted((PACKAGE / "pages" / "german").glob("*.json")):
+        pairs: list[tuple[str, object]] = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=list)
+        names = [name for name, _ in pairs]
+        assert sorted(names) == sorted(set(names)), path.name
