@@ -130,10 +130,10 @@ LEAVING = {
 @pytest.mark.parametrize("project", LEAVING.values(), ids=LEAVING.keys())
 @pytest.mark.parametrize(
     ("target", "flavour", "profile"),
-    [("plcopen-2.01", None, "iec"), ("plcopen-2.01", "beremiz", "beremiz"), ("iec-text", "matiec", "matiec")],
+    [("plcopen-2.01", "", "iec"), ("plcopen-2.01", "beremiz", "beremiz"), ("iec-text", "matiec", "matiec")],
 )
 def test_what_is_stored_is_executed_from_the_first_scan_on(
-    project: m.Project, target: str, flavour: str | None, profile: str
+    project: m.Project, target: str, flavour: str, profile: str
 ) -> None:
     """The initial step was left before it stored anything: outputs stayed, and in Beremiz no step was active again."""
     data, report = sfc.convert(project, target, flavour=flavour, strict=True)
@@ -147,7 +147,7 @@ def test_what_is_stored_is_executed_from_the_first_scan_on(
     for name in ("S_NO", "q"):
         assert list(traces[1][name]) == list(traces[0][name]), name
     assert report.losses == []
-    if target == "plcopen-2.01" and flavour is None:
+    if target == "plcopen-2.01" and not flavour:
         assert list(differences(project, as_file(sfc.loads(data, format=target)))) == []
 
 
