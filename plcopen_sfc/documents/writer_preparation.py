@@ -81,7 +81,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     if project.tool_format == EXPORTS != kind.name and kind.tool:
         if not has_task_configuration(project):
             give_task(copy, report)
-        from plcopen_sfc.formats.codesys23.exp_codec import name_truncations  # noqa: PLC0415  # read already
+        from plcopen_sfc.formats.codesys23.exp_language import name_truncations  # noqa: PLC0415  # of CoDeSys 2.3 alone
 
         name_truncations(copy, report)
     if kind.name == EXPORTS and not options.same:
