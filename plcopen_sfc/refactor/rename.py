@@ -36,6 +36,7 @@ from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcBody, SfcNetwork, Step
 from plcopen_sfc.model.variables import SectionKind, sections_of
+from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.operations import provided
 from plcopen_sfc.refactor.journal import EDITS, Journal
 from plcopen_sfc.report import RenameResult, Undecided, Use
@@ -311,10 +312,10 @@ def _unread_places(project: Project, declaration: Declaration) -> Iterator[Undec
     """Yield the errors that kept the reader from a text in which a declaration is visible: it may have the name."""
     # of the charts, those that mention the name have been read by now; the findings of the project would read all
     for finding in project.source.diagnostics if project.source is not None else ():
-        path, line = finding.location.path or "", finding.location.line or 1
-        is_visible = declaration.pou is None or path.split(" / ")[0] in ("", f"POU {declaration.pou.name}")
+        path = ObjectPath.of(finding.location.path)
+        is_visible = declaration.pou is None or not path or path.owner == declaration.pou.report_path
         if finding.severity is Severity.ERROR and is_visible:
-            place = Use(path, "text", (0, 0), line, 1, finding.message)
+            place = Use(path, "text", (0, 0), finding.location.line or 1, 1, finding.message)
             yield Undecided(place, "it was not read, and may have the name")
 
 
