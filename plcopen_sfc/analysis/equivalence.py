@@ -176,15 +176,12 @@ def equivalent(
     compare or an input has two types.
     """
     subjects = _subject(a), _subject(b)
-    mappings = {"functions": functions, "step_flags": step_flags, "inputs": inputs, "fixed": fixed}
-    for option, given in mappings.items():
-        check_names({} if given is None else given, f"{option} are a mapping from names")
+    _check_options(
+        names={"functions": functions, "step_flags": step_flags, "inputs": inputs, "fixed": fixed},
+        numbers={"cap": cap, "runs": runs, "most_runs": most_runs, "scans": scans, "seed": seed},
+    )
     check_argument(left_out, (str, type(None)), "what is left out is named by a text")
-    for option, number in {"cap": cap, "runs": runs, "most_runs": most_runs, "scans": scans, "seed": seed}.items():
-        check_argument(number, int, f"{option} is a whole number")
-    if outputs is not None and not isinstance(outputs, Mapping):
-        outputs = listed_names(outputs, "outputs are named by texts")
-    check_names(outputs if isinstance(outputs, Mapping) else {}, "outputs are a mapping from names")
+    outputs = _checked_outputs(outputs)
     if not isinstance(b, SfcNetwork | Pou | Project | Subject):
         profile = profile or b.profile
         step_flags = step_flags if step_flags is not None else b.step_flags or None
@@ -272,6 +269,22 @@ def _subject(given: Comparable | ChartCode) -> Subject:
         return given
     is_code = hasattr(given, "step_flags")
     return resolve(given.project, given.name) if is_code else resolve(given)  # type: ignore[union-attr,arg-type]
+
+
+def _check_options(*, names: Mapping[str, object], numbers: Mapping[str, object]) -> None:
+    """Raise `ArgumentError` for an option that is no mapping from names, None aside, or no whole number."""
+    for option, given in names.items():
+        check_names({} if given is None else given, f"{option} are a mapping from names")
+    for option, number in numbers.items():
+        check_argument(number, int, f"{option} is a whole number")
+
+
+def _checked_outputs(outputs: Iterable[str] | Mapping[str, str] | None) -> Iterable[str] | Mapping[str, str] | None:
+    """Return outputs as they are given, a list of names as one. Raises `ArgumentError`."""
+    if isinstance(outputs, Mapping):
+        check_names(outputs, "outputs are a mapping from names")
+        return outputs
+    return listed_names(outputs, "outputs are named by texts") if outputs is not None else None
 
 
 def _profiles(
