@@ -7,6 +7,7 @@ CEX102  an object that cannot be read; the others are
 CEX103  objects that are kept in the file as they are, and are nothing in the model
 CEX104  an identity that two objects have
 CEX105  an object that lacks something which all have, such as a name or the text of its body
+CEX106  the file breaks off or is damaged: of its objects those before that place are read
 ======  ==========================================================================
 """
 
@@ -14,11 +15,13 @@ from __future__ import annotations
 
 from collections import Counter
 from functools import partial
+from typing import NamedTuple
 
 from lxml import etree
 from pydantic import ValidationError
 
-from plcopen_sfc.errors import FormatError, Location, StructureError
+from plcopen_sfc.diagnostics import Diagnostic, Severity
+from plcopen_sfc.errors import EncodingError, FormatError, Location, StructureError, XmlSyntaxError
 from plcopen_sfc.formats.archives.object_elements import (
     identities_in,
     line_below,
@@ -60,8 +63,9 @@ from plcopen_sfc.formats.codesys_export.export_notation import SINGLE, line_elem
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.plcopen.tc6_reading import PLACELESS, Tc6ReadContext
 from plcopen_sfc.formats.plcopen.tc6_versions import V2_0
+from plcopen_sfc.formats.xml.source_tree import PatchError
 from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle, write_xml
-from plcopen_sfc.formats.xml.xml_parsing import SourceLines, line_of, parse_xml
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines, line_of, parse_broken_xml, parse_xml
 from plcopen_sfc.grouping import grouped
 from plcopen_sfc.model.checked import first_misfit
 from plcopen_sfc.model.dialect import Dialect
@@ -147,17 +151,18 @@ class ExportCodec(XmlCodec):
     """Exports of CODESYS V3 in its own format."""
 
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
-        root = parse_xml(data, file=file)
+        parsed = _parsed(data, file)
+        root = parsed.root
         if root.tag != "ExportFile" or not entry_lists(root):
             raise StructureError(
                 f"<{root.tag}> has no list of objects (EntryList)",
                 location=Location(file, line_of(root)),
                 hint="Export the objects again: in CODESYS, Project > Export.",
             )
-        return _Reader(root, data, file).read()
+        return _Reader(parsed, data, file).read()
 
     def lines(self, content: bytes, project: Project) -> dict[str, int]:
-        return _Reader(parse_xml(content), content, None).lines(project)
+        return _Reader(_parsed(content), content, None).lines(project)
 
     def adapt(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
         """Take out of `project`, a copy, what a new file does not hold."""
@@ -172,9 +177,18 @@ class ExportCodec(XmlCodec):
             report.add(Outcome.TRANSLATED, "charts", "project", why)
 
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
-        """Return the tree of the file for `project`: where it is patched, the one that it has, with the edits."""
-        source = parse_xml(options.source) if options.same and options.source else None
-        return _Writer(project, source, options, report).write()
+        """Return the tree of the file for `project`: where it is patched, the one that it has, with the edits.
+
+        Raises `PatchError` where the file is not read to its end.
+        """
+        source = _parsed(options.source) if options.same and options.source else None
+        if source is not None and source.error is not None:
+            raise PatchError(
+                f"edits cannot be put into a file that is not read to its end: {source.error.message}",
+                location=source.error.location,
+                hint="Nothing was written. Export the objects again in CODESYS, and edit that file.",
+            )
+        return _Writer(project, source.root if source is not None else None, options, report).write()
 
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
         """Write a file from the model, beside what only the source has where there is one."""
@@ -200,9 +214,35 @@ def _lay_out(root: etree._Element) -> None:
             each.text = ""
 
 
+class _Parsed(NamedTuple):
+    """The tree of a file; with `error`, where the file is damaged, that of the whole objects before this place."""
+
+    root: etree._Element
+    error: FormatError | None = None
+
+
+def _parsed(data: bytes, file: str | None = None) -> _Parsed:
+    """Return the tree of a file. Raises `FormatError` where not even one object in it is whole."""
+    try:
+        return _Parsed(parse_xml(data, file=file))
+    except (XmlSyntaxError, EncodingError) as error:  # a file breaks off inside of a character, too
+        broken = parse_broken_xml(data, file=file)
+        if broken is None:
+            raise
+        for entry in [*entries(broken.root)]:
+            holder = entry.element.getparent()
+            if entry.element in broken.begun and holder is not None:
+                holder.remove(entry.element)
+        if not any(entries(broken.root)):
+            raise
+        return _Parsed(broken.root, error)
+
+
 class _Reader:
-    def __init__(self, root: etree._Element, data: bytes, file: str | None) -> None:
+    def __init__(self, parsed: _Parsed, data: bytes, file: str | None) -> None:
         self._file = file
+        self._error = parsed.error
+        root = parsed.root
         self._ctx = Tc6ReadContext(V2_0, PLACELESS, file=file, lines=SourceLines(root, data))
         self._root = root
         self._entries = list(entries(root))
@@ -243,6 +283,10 @@ class _Reader:
             message = f"objects that are kept in the file as they are, and nowhere else: {what}"
             first = min((held[0] for held in kept.values()), key=self._entries.index)
             self._ctx.warn("CEX103", message, first.element)
+        if self._error is not None:
+            message = f"nothing behind {self._entries[-1].name} is read: {self._error.message}"
+            place = self._error.location
+            self._ctx.diagnostics.append(Diagnostic("CEX106", Severity.ERROR, message, place, self._error.hint))
         return ReadResult(project, self._ctx.diagnostics)
 
     def _take(self, project: Project, entry: Entry) -> None:

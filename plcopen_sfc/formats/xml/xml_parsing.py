@@ -19,8 +19,9 @@ from __future__ import annotations
 import codecs
 import re
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 from xml.parsers import expat
 
 from lxml import etree
@@ -172,11 +173,7 @@ def parse_xml(data: bytes, *, file: str | None = None) -> etree._Element:
     """
     if problem := not_xml(data):
         raise XmlSyntaxError(problem.message, location=Location(file, 1, 1), hint=problem.hint)
-    encoding = detect_encoding(data, file=file)
-    plain = data
-    if encoding.codec != "utf-8":
-        text, _ = decode_xml(data, file=file)
-        plain = text.encode("utf-8", "surrogatepass")
+    plain = _as_utf8(data, file)
     _refuse_entities(plain, file)
     refused: etree.XMLSyntaxError | None = None
     try:
@@ -190,11 +187,57 @@ def parse_xml(data: bytes, *, file: str | None = None) -> etree._Element:
     return root
 
 
+class BrokenXml(NamedTuple):
+    """What comes before the place at which a file is no XML any more: its root, and the elements that are not whole."""
+
+    root: etree._Element
+    begun: frozenset[etree._Element]
+
+
+def parse_broken_xml(data: bytes, *, file: str | None = None) -> BrokenXml | None:
+    """Return what `parse_xml` would have read of a file that it refuses as `XmlSyntaxError`; None: not even its root.
+
+    Raises `EncodingError` and `UnsafeXmlError`, too.
+    """
+    plain = _as_utf8(data, file)
+    _refuse_entities(plain, file)
+    parser = etree.XMLPullParser(("start", "end"), **_RULES)
+    with suppress(etree.XMLSyntaxError):
+        parser.feed(plain)
+        parser.close()
+    root: etree._Element | None = None
+    begun: list[etree._Element] = []
+    for event, element in cast("Iterator[tuple[str, etree._Element]]", parser.read_events()):
+        root = element if root is None else root
+        if event == "start":
+            begun.append(element)
+        else:
+            begun.pop()
+    if root is None:
+        return None
+    _refuse_declared_entities(root, file)
+    return BrokenXml(root, frozenset(begun))
+
+
+def _as_utf8(data: bytes, file: str | None) -> bytes:
+    if detect_encoding(data, file=file).codec == "utf-8":
+        return data
+    text, _ = decode_xml(data, file=file)
+    return text.encode("utf-8", "surrogatepass")
+
+
+# The encoding is given: the declaration was checked, and here everything is UTF-8.
+_RULES: Any = {
+    "encoding": "utf-8",
+    "resolve_entities": False,
+    "no_network": True,
+    "load_dtd": False,
+    "strip_cdata": False,
+}
+
+
 def _parser(*, huge: bool = False) -> etree.XMLParser:
-    # The encoding is given: the declaration was checked, and here everything is UTF-8.
-    return etree.XMLParser(
-        encoding="utf-8", resolve_entities=False, no_network=True, load_dtd=False, strip_cdata=False, huge_tree=huge
-    )
+    return etree.XMLParser(huge_tree=huge, **_RULES)
 
 
 def _second_try(data: bytes, plain: bytes, error: etree.XMLSyntaxError, file: str | None) -> etree._Element:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -413,10 +414,49 @@ def test_new_objects_have_no_identity_of_what_had_their_names() -> None:
     assert [action.name for pou in project.pous if pou.name == "Old" for action in pou.actions] == ["B", "A"]
 
 
-def test_a_truncated_file_is_refused_with_its_place() -> None:
+ENTRY = b'    <Single Type="{6198ad31'
+"""Start of each entry of the file."""
+NAME = b'<Single Name="Name" Type="string">'
+
+
+@pytest.mark.parametrize(("damage", "keeps_rest"), [(b"", False), (b"<x", True), (b"&", True), (b"\xff", True)])
+@pytest.mark.parametrize("whole", [1, 3, 10])
+def test_of_a_damaged_file_the_whole_objects_before_that_place_are_read(
+    whole: int, damage: bytes, keeps_rest: bool
+) -> None:
+    """It was refused whole, where files in other formats break off and the rest of the project is loaded."""
+    data = MIXER.read_bytes()
+    parts = data.split(ENTRY)
+    begin = ENTRY.join(parts[: whole + 1])
+    place = data.index(NAME, len(begin)) + len(NAME)
+    broken = data[:place] + damage + (data[place:] if keeps_rest else b"")
+    project = sfc.loads(broken)
+    (found,) = [each for each in project.diagnostics if each.severity is sfc.Severity.ERROR]
+    assert (found.code, found.location.line) == ("CEX106", data[:place].count(b"\n") + 1)
+    known = mixer()
+    names = re.findall(NAME + rb"([^<]+)", begin)
+    for got, all_of_them in ((project.pous, known.pous), (project.data_types, known.data_types)):
+        assert [each.name for each in got] == [each.name for each in all_of_them if each.name.encode() in names]
+    assert f"nothing behind {names[-1].decode()} is read" in found.message
+    assert sfc.dumps(project) == broken
+    with pytest.raises(sfc.DamagedSourceError, match="CEX106"):
+        sfc.dumps(project, format="codesys", partial=True)
+    with pytest.raises(SfcError, match="edits cannot be put into a file that is not read to its end") as refused:
+        sfc.dumps(project, fresh=True, partial=True)
+    assert refused.value.location.line == found.location.line
+    project.pous[0].comment = "edited"
+    with pytest.raises(SfcError, match="edits cannot be put into"):
+        sfc.dumps(project, partial=True)
+    project.accept_errors()
+    converted = sfc.convert(project, "codesys", partial=True)
+    assert [each.name for each in sfc.loads(converted.data).pous] == [each.name for each in project.pous]
+    assert any("CEX106" in item.why for item in converted.report.items)
+
+
+def test_a_file_without_a_whole_object_is_refused_with_its_place() -> None:
     data = MIXER.read_bytes()
     with pytest.raises(XmlSyntaxError) as refused:
-        sfc.loads(data[: len(data) // 2])
+        sfc.loads(data[: data.index(ENTRY) + 1000])
     assert refused.value.location.line
     with pytest.raises(StructureError, match="EntryList") as empty:
         sfc.loads(b"<ExportFile><StructuredView/></ExportFile>")
