@@ -261,7 +261,7 @@ class _Reader:
             self._ctx.error("CEX102", f"{entry.name} is not read: it is in no list of objects", entry.element)
         for entry in self._entries:
             kind = entry.kind
-            for lacking, element in damages(entry) if kind in _READ or kind in INNER else ():
+            for lacking, element in damages(entry, known) if kind in _READ or kind in INNER else ():
                 self._ctx.error(
                     "CEX105", f"{entry.name or '(none)'} lacks what all such objects have: {lacking}", element
                 )

@@ -30,11 +30,13 @@ from plcopen_sfc.formats.codesys_export.export_notation import (
 )
 from plcopen_sfc.formats.xml.extension_data import markup
 from plcopen_sfc.grouping import grouped
+from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.whole_numbers import whole_number
 
 POU, TYPE, LIST, INTERFACE, TASK, APPLICATION = "POU", "DUT", "GVL", "Itf", "Task", "application"
 ACTION, METHOD, TRANSITION, PROPERTY, ACCESSOR = "Action", "Method", "Transition", "Property", "accessor"
-INTERFACE_METHOD, _FOLDER = "interface method", "folder"
+INTERFACE_METHOD, _FOLDER, _PERSISTENT = "interface method", "folder", "persistent variables"
 PARTS = (ACTION, METHOD, TRANSITION)
 INNER = frozenset({*PARTS, INTERFACE_METHOD, PROPERTY, ACCESSOR})
 """The kinds of objects inside others."""
@@ -57,7 +59,7 @@ _KINDS = {
     "40b404f9-e5dc-42c6-907f-c89f4a517386": "PLC logic",
     "adb5cb65-8e1d-4a00-b70a-375ea27582f3": "library manager",
     "ae1de277-a207-4a28-9efb-456c06bd52f3": "task configuration",
-    "261bd6e6-249c-4232-bb6f-84c2fbeef430": "persistent variables",
+    "261bd6e6-249c-4232-bb6f-84c2fbeef430": _PERSISTENT,
     "085afe48-c5d8-4ea5-ab0d-b35701fa6009": "project information",
     "bb0b9044-714e-4614-ad3e-33cbdf34d16b": "image pool",
     "63784cbb-9ba0-45e6-9d69-babf3f040511": "text list",
@@ -77,6 +79,9 @@ _SETTINGS = TYPES["SFCProperty"].strip("{}")
 _ENTRY, _META = "{6198ad31-4b98-445c-927f-3258a0e82fe3}", "{81297157-7ec9-45ce-845e-84cab2b88ade}"
 _PROPERTIES = "{2c41fa04-1834-41c1-816e-303c7aa2c05b}"
 NOWHERE = str(UUID(int=0))
+_SECTION_WORDS = frozenset({"VAR_GLOBAL", "CONSTANT", "RETAIN", "PERSISTENT", "END_VAR"})
+_OF_PATHS = frozenset({"DOT", "LSQB"})
+"""What is behind the first name of a path of an instance, as in ``Main.Valves[1].Count : INT;``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,9 +107,17 @@ class Entry:
 
     @property
     def kind(self) -> str:
-        """Kind of the object: a word for it, or the identity of its type where none is known."""
-        guid = value(self.element, "MetaObject", "TypeGuid").casefold()
-        return _KINDS.get(guid, guid)
+        """Kind of the object: a word for it, or the identity of its type where none is known.
+
+        Persistent variables are a list of global variables, unless they name some of instances by their paths.
+        """
+        kind = _KINDS.get(self.type_guid, self.type_guid)
+        return LIST if kind == _PERSISTENT and not _OF_PATHS & _behind_names(self) else kind
+
+    @property
+    def type_guid(self) -> str:
+        """Identity of the type of the object."""
+        return value(self.element, "MetaObject", "TypeGuid").casefold()
 
     @property
     def content(self) -> etree._Element | None:
@@ -116,6 +129,15 @@ class Entry:
         """True if the object has a declaration or a body."""
         parts = (member(self.content, name) for name in ("Interface", "Implementation"))
         return any(part is not None and part.tag != NONE for part in parts)
+
+
+def _behind_names(entry: Entry) -> frozenset[str]:
+    """Return the types of the tokens behind the names that a list of variables declares."""
+    text = text_of(member(entry.content, "Interface"))
+    tokens = tokenize(text[0], Dialect.CODESYS).tokens if text is not None else []
+    begins = [each.type == "SEMICOLON" or each.value.upper() in _SECTION_WORDS for each in tokens]
+    places = (place for place in range(1, len(tokens) - 1) if begins[place - 1] and not begins[place])
+    return frozenset(tokens[place + 1].type for place in places)
 
 
 def entry_lists(root: etree._Element) -> list[etree._Element]:
@@ -174,6 +196,8 @@ def why_not_read(entry: Entry, known: Mapping[str, Entry], inner: Mapping[str, S
         names = ", ".join(each.name for each in inner.get(entry.guid, ()))
         held = f"holds {names}" if names else "has a declaration or a body" if entry.has_code else ""
         return f"its kind {entry.kind} is not known, and it {held}" if held else ""
+    if entry.kind == _PERSISTENT and not _behind_names(entry) <= _OF_PATHS:
+        return "it declares variables beside paths of instances"
     if entry.kind in INNER:
         owner = around(entry, known)
         if owner is None:
@@ -183,12 +207,30 @@ def why_not_read(entry: Entry, known: Mapping[str, Entry], inner: Mapping[str, S
     return ""
 
 
-_IN_TASK = (("Kindoftask",), ("Priority",), ("Interval", "Time"), ("Interval", "Unit"), ("PouList",))
+_TO_TASKS = 2
+"""The path to a task ends with the application and its task configuration."""
+_IN_TASK = (
+    ("Kindoftask",),
+    ("Priority",),
+    ("Watchdog", "Enabled"),
+    ("Watchdog", "Time", "Time"),
+    ("Watchdog", "Time", "Unit"),
+    ("Watchdog", "Sensitivity"),
+    ("Interval", "Time"),
+    ("Interval", "Unit"),
+    ("Event",),
+    ("PouList",),
+)
 
 
-def damages(entry: Entry) -> Iterator[tuple[str, etree._Element]]:
-    """Yield what an entry of an object that is read lacks, and the element that lacks it."""
+def damages(entry: Entry, known: Mapping[str, Entry]) -> Iterator[tuple[str, etree._Element]]:
+    """Yield what an entry of an object that is read lacks, and the element that lacks it.
+
+    `known` has the entries of the file by their identities.
+    """
     element, content = entry.element, entry.content
+    if content is not None and content.get("Type", "").strip("{}").casefold() != entry.type_guid:
+        yield "Object of its kind (TypeGuid)", element
     for name in ("Guid", "Name"):
         if not value(element, "MetaObject", name):
             yield name, element
@@ -196,13 +238,25 @@ def damages(entry: Entry) -> Iterator[tuple[str, etree._Element]]:
     needed = _IN_TASK if entry.kind == TASK else [("Interface",)] if is_declared else []
     for path in needed:
         if member(content, *path) is None:
-            yield path[-1], element
+            yield " ".join(path), element
     for name in ("Interface", "Implementation"):
         held = member(content, name)
         if held is not None and held.tag != NONE and held.get("Type", "").casefold() in (TEXT, _DECLARED):
             yield from (("the text", each) for each in broken_texts(held))
-    calls = member(content, "PouList") if entry.kind == TASK else None
-    yield from (("Name", call) for call in (calls if calls is not None else ()) if not value(call, "Name"))
+    if entry.kind == TASK:
+        yield from ((what, element) for what in _damages_of_task(entry, known))
+        calls = member(content, "PouList")
+        yield from (("Name", call) for call in (calls if calls is not None else ()) if not value(call, "Name"))
+
+
+def _damages_of_task(entry: Entry, known: Mapping[str, Entry]) -> Iterator[str]:
+    if whole_number(value(entry.content, "Priority").strip()) is None:
+        yield "a number as Priority"
+    if value(entry.content, "Watchdog", "Enabled").casefold() not in ("true", "false"):
+        yield "True or False as Watchdog Enabled"
+    path, holder = ObjectPlace.of(entry).path, known.get(entry.parent)
+    if len(path) < _TO_TASKS or (holder is not None and path != ObjectPlace.inside(holder).path):
+        yield "the Path to it"
 
 
 # -- reading ----------------------------------------------------------------------------------------------------------

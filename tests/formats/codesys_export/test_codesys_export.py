@@ -119,6 +119,47 @@ def test_an_object_of_an_unknown_kind_without_code_is_kept_and_counted() -> None
     assert sfc.dumps(project, format="codesys", partial=True)
 
 
+GLOBAL_LIST, PERSISTENT_LIST = (b"ffbfa93a-b94d-45fc-a329-229860183b1d", b"261bd6e6-249c-4232-bb6f-84c2fbeef430")
+PERSISTENT = (
+    MIXER.read_bytes().replace(GLOBAL_LIST, PERSISTENT_LIST).replace(b">VAR_GLOBAL<", b">VAR_GLOBAL PERSISTENT RETAIN<")
+)
+FIRST_GLOBAL = b"    Start : BOOL; // Taster<"
+OTHER_GLOBALS = re.findall(rb">( +(?:Voll|Leer|Ventil|Pumpe) : BOOL;)<", PERSISTENT)
+
+
+def test_persistent_variables_are_a_list_of_global_variables() -> None:
+    """They were counted among libraries and visualizations, and were missing in every conversion."""
+    project = sfc.loads(PERSISTENT)
+    assert "persistent" not in str(project.diagnostics)
+    (section,) = project.global_variables
+    assert (section.name, section.persistent, section.retain) == ("GVL", True, True)
+    assert [each.name for each in section.variables] == [each.name for each in mixer().global_variables[0].variables]
+    (converted,) = sfc.loads(sfc.dumps(project, format="codesys", partial=True)).global_sections()
+    assert converted.persistent
+    section.variables[0].comment = "other"
+    assert len(changed(PERSISTENT, sfc.dumps(project))) == 2
+    project.global_variables = []
+    assert PERSISTENT_LIST not in sfc.dumps(project)
+
+
+@pytest.mark.parametrize("path", ["Mischer.Werk.Runden", "Mischer.Werke[1].Runden"])
+def test_paths_of_instances_among_persistent_variables_declare_nothing(path: str) -> None:
+    """CODESYS writes them for persistent variables of instances, which their blocks declare."""
+    mixed = PERSISTENT.replace(FIRST_GLOBAL, f"    {path} : BOOL; // Taster<".encode())
+    project = sfc.loads(mixed)
+    (found,) = [each for each in project.diagnostics if each.severity is sfc.Severity.ERROR]
+    assert (found.code, "GVL is not read: it declares variables beside paths" in found.message) == ("CEX102", True)
+    alone = mixed
+    for line in OTHER_GLOBALS:
+        alone = alone.replace(line, b"")
+    project = sfc.loads(alone)
+    (found,) = project.diagnostics
+    assert (found.code, found.severity) == ("CEX103", sfc.Severity.WARNING)
+    assert "1 of persistent variables (GVL)" in found.message
+    project.rename("Mischer.Werk", "Motor")
+    assert f"{path} : BOOL;".encode() in sfc.dumps(project)
+
+
 def test_actions_in_a_folder_of_their_pou_are_read_and_edited_there() -> None:
     """They were in no conversion, and nothing told it."""
     data = MIXER.read_bytes().decode()
@@ -143,6 +184,7 @@ def test_actions_in_a_folder_of_their_pou_are_read_and_edited_there() -> None:
     assert b"Umdrehung" not in rest
 
 
+TASK_FOLDER = '        <Single Type="string">Task Configuration</Single>'
 LACKING = {
     "a body": ('Name="Implementation" Type="{74f81948', 'Name="Body" Type="{74f81948', "TWC108", "Mischer"),
     "a text": ('Name="TextBlobForSerialisation"', 'Name="Blob"', "CEX105", "the text"),
@@ -151,6 +193,31 @@ LACKING = {
     "an identity": ('<Single Name="Guid"', '<Single Name="Gid"', "CEX105", "Guid"),
     "the programs of a task": ('Name="PouList"', 'Name="Pous"', "CEX105", "PouList"),
     "a list of attributes": ('Name="Attributes"', 'Name="Attribute"', "TWC101", "attributes"),
+    "an enabled watchdog": ('Name="Enabled"', 'Name="Enable"', "CEX105", "Watchdog Enabled"),
+    "a truth of a watchdog": (
+        '"bool">False</Single>\r\n          <Single Name="Time"',
+        '"bool">N</Single>\r\n          <Single Name="Time"',
+        "CEX105",
+        "True or False as Watchdog Enabled",
+    ),
+    "the time of a watchdog": (
+        '<Single Name="Time" Type="string"></',
+        '<Single Name="Tim" Type="string"></',
+        "CEX105",
+        "Watchdog Time Time",
+    ),
+    "the sensitivity of a watchdog": ('Name="Sensitivity"', 'Name="Sensitive"', "CEX105", "Watchdog Sensitivity"),
+    "a whole watchdog": ('Name="Watchdog"', 'Name="Guard"', "CEX105", "Watchdog Enabled"),
+    "the event of a task": ('Name="Event"', 'Name="Evt"', "CEX105", "Event"),
+    "a priority": (
+        'Name="Priority" Type="string">1<',
+        'Name="Priority" Type="string">I<',
+        "CEX105",
+        "a number as Priority",
+    ),
+    "the way to a task": (f"{TASK_FOLDER}\r\n      </Array>", "</Array>", "CEX105", "the Path to it"),
+    "the right way to a task": (TASK_FOLDER, TASK_FOLDER.replace("Task ", "Tsk "), "CEX105", "the Path to it"),
+    "content of its kind": ('Name="Object" Type="{6f9', 'Name="Object" Type="{6f8', "CEX105", "Object of its kind"),
     "a part of an archive": ("<Null Name=", "<Nul Name=", "CEX102", "nothing that an archive holds"),
 }
 
