@@ -197,9 +197,10 @@ def report_behaviour(
 
     target = PROFILES[flavour] if flavour else None
     own = family(project.dialect)
-    # TwinCAT and CODESYS have one language, and libraries of their own; text is read by the tool of its source
-    formats = {project.tool_format, seen.tool_format}
-    has_other_libraries = "twincat" in formats and len(formats) > 1 and "iec-text" not in formats
+    # CODESYS, CoDeSys 2.3 and TwinCAT have libraries of their own; text is read by the tool of its source
+    formats = {project.tool_format or "codesys", seen.tool_format} - {"iec-text"}
+    tools = {format_named(each)[0].tool for each in formats}
+    has_other_libraries = own is Dialect.CODESYS and len(tools) > 1
     # a plan need not declare what it names, a program of any tool must
     is_plan = default_profile(project).name == "grafcet" != default_profile(seen).name
     found = compare(
@@ -207,7 +208,7 @@ def report_behaviour(
         executed(seen, target, compared_with=behaviour),
         other_tool=bool(flavour) or is_plan or has_other_libraries or own is not family(seen.dialect),
         has_libraries=own is not Dialect.IEC,
-        known={block.name.casefold() for block in library_blocks(project) if len(formats) == 1},  # it comes home
+        known={block.name.casefold() for block in library_blocks(project) if library_blocks(seen)},  # of both tools
     )
     report_execution(report, found, flavour or tool, called)
     known = {each.code for each in project.diagnostics}

@@ -146,6 +146,25 @@ def test_library_blocks_of_another_tool_are_not_declared(target: str) -> None:
     assert not any("`TON`" in why for why in found.values())
 
 
+LIBRARIES_OF = {"codesys": "CODESYS", "codesys-export": "CODESYS", "twincat": "TwinCAT", "codesys23": "CoDeSys 2.3"}
+
+
+@pytest.mark.parametrize("source", LIBRARIES_OF)
+@pytest.mark.parametrize("target", LIBRARIES_OF)
+def test_tools_with_one_language_have_libraries_of_their_own(source: str, target: str) -> None:
+    # all have what is standard; Util, with BLINK, is a library of CODESYS V3 and CoDeSys 2.3
+    blink = "" if "twincat" in (source, target) else "k : BLINK;"
+    declared = f"b : HYSTERESIS; s : STRING; t : TON; c : CTU; e : R_TRIG; r : RTC; {blink}"
+    called = "b(IN := n); t(IN := TRUE); c(CU := t.Q); e(CLK := t.Q); r(EN := TRUE); n := LEN(s) + SIZEOF(s)"
+    text = HEAD + MAIN % (declared, f"{called} + MyLibrary(n) + elsewhere;")
+    written, _ = sfc.convert(sfc.loads(text.encode(), format="iec-text"), source, partial=True)
+    _, report = sfc.convert(sfc.loads(written, as_tool=True), target, partial=True)
+    found = {item.why.split("`")[1]: item.outcome for item in report.losses if item.what.startswith("undeclared ")}
+    of_libraries = dict.fromkeys(("HYSTERESIS", "MyLibrary"), Outcome.NOT_EXECUTED)
+    is_other = LIBRARIES_OF[source] != LIBRARIES_OF[target]
+    assert found == (of_libraries | {"elsewhere": Outcome.APPROXIMATED} if is_other else {})
+
+
 BLINKING = """PROGRAM Main
 VAR_INPUT x : BOOL; END_VAR
 VAR_OUTPUT q : BOOL; END_VAR
