@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from plcopen_sfc.languages.st.declaration_nodes import KEYWORDS
+from plcopen_sfc.languages.st.declaration_nodes import KEYWORDS, tokenize_declarations
 from plcopen_sfc.languages.st.lexer import STATEMENT_KEYWORDS
 from plcopen_sfc.languages.words import needs_quotes
 from plcopen_sfc.model.dialect import Dialect
@@ -94,10 +94,18 @@ def written_name(name: str, dialect: Dialect) -> str:
     """`name` as a declaration can have it: in quotes in SCL; elsewhere an invalid name is made valid."""
     if is_unreserved(name) or (name.upper() in _BETWEEN and dialect is not Dialect.SCL):
         return name
+    if dialect in (Dialect.CODESYS, Dialect.TWINCAT) and _is_read_as_name(name, dialect):
+        return name
     if dialect is Dialect.SCL:
         return '"' + re.sub(r'["\r\n]', "_", name) + '"'
     plain = re.sub(r"\W", "_", name) or "_"
     return f"_{plain}" if plain[0].isdigit() else plain if is_unreserved(plain) else f"{plain}_"
+
+
+def _is_read_as_name(name: str, dialect: Dialect) -> bool:
+    """True if a declaration is read with this name: keywords of CODESYS V3 are names of variables in CoDeSys 2.3."""
+    first, *others = tokenize_declarations(f"{name} :", dialect).tokens
+    return first.type == "NAME" and first.value == name and len(others) == 1
 
 
 def declared_name(name: str, dialect: Dialect) -> str:

@@ -139,6 +139,8 @@ def _words(dialect: Dialect, keywords: frozenset[str]) -> dict[str, str]:
     words = dict.fromkeys(STATEMENT_KEYWORDS | _DIALECT_KEYWORDS[dialect] | keywords)
     types = {word: word.strip("_") for word in words}
     types |= dict.fromkeys(_WORD_OPERATORS, "OPERATOR") | dict.fromkeys(_LITERAL_WORDS, "LITERAL")
+    if dialect in (Dialect.CODESYS, Dialect.TWINCAT):
+        types |= {word: f"{_LATER}{types[word]}" for word in _LATER_WORDS if word in types}
     return types
 
 
@@ -179,7 +181,9 @@ def tokenize(
             kind = "NAME"
             if previous != "DOT":
                 kind = known(value) or known(value.upper()) or "NAME"
-                if kind in _UP_TO_LINE_END:
+                if kind[0] == _LATER:
+                    kind = "NAME" if _is_name(kind, previous, text, position) else kind[1:]
+                elif kind in _UP_TO_LINE_END:
                     if _UP_TO_LINE_END[kind].match(text, position):
                         position = _line_end(text, position)
                         value = text[start:position]
@@ -227,6 +231,26 @@ def tokenize(
 
 _UP_TO_LINE_END = {"REGION": re.compile(r"(?!\s*:)"), "TITLE": re.compile(r"\s*=")}
 """Words before free text, and the token that follows them if they are no names."""
+
+
+_LATER = "?"
+"""Before the token type of a word that is a name where it cannot be a keyword."""
+_LATER_WORDS = ("AND_THEN", "OR_ELSE", "CONTINUE", "JMP", "VAR_STAT")
+"""Keywords of CODESYS V3 that are names of variables in CoDeSys 2.3, whose exports are read in the same dialect."""
+_BEHIND_NAME = re.compile(
+    r"\s*(?:[-+*=<>&,.:)\[\]^]|\((?!\*)|/(?![/*])|(?:AND|OR|XOR|MOD|AT|THEN|DO|OF|TO|BY)\b|\Z)", re.IGNORECASE
+)
+_BEFORE_OPERANDS = frozenset(
+    """ASSIGN COMPOUND_ASSIGN OPERATOR SIGN NOT LPAR LSQB COMMA ARROW RANGE IF ELSIF WHILE UNTIL CASE FOR TO BY
+    RETURN""".split()
+)
+
+
+def _is_name(kind: str, previous: str, text: str, position: int) -> bool:
+    """True if one of `_LATER_WORDS`, of the token type `kind`, is no keyword between the tokens around it."""
+    if kind == "?OPERATOR":  # one needs an operand before it
+        return previous not in _OPERAND_ENDS and previous not in ("LITERAL", "PERIPHERAL")
+    return previous in _BEFORE_OPERANDS or _BEHIND_NAME.match(text, position) is not None
 
 
 def _line_end(text: str, position: int) -> int:

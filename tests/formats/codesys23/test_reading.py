@@ -440,3 +440,47 @@ def test_texts_in_charts_are_checked_like_those_of_programs(action: str, conditi
     if lines:
         with pytest.raises(sfc.DamagedSourceError):
             sfc.dumps(project, format="codesys")
+
+
+LATER_WORDS = ("Continue", "JMP", "And_Then", "OR_ELSE", "Var_Stat")
+
+
+@pytest.mark.parametrize("word", [*LATER_WORDS, "Property", "Final", "Union"])
+def test_keywords_of_codesys_v3_are_names_here(word: str) -> None:
+    declared = f"zz, {word} : INT;\n{word}_a, {word} AT %MW4 : INT; (* x *)\narr : ARRAY[0..3] OF INT;"
+    declared = declared.replace(f"zz, {word} :", "zz :")
+    body = """@ := zz + @ + 5;
+arr[@ MOD 4] := -@;
+IF @ > 3 AND zz = @ THEN @ := @ - arr[@ MOD 2]; END_IF;
+FOR @ := @ TO 9 BY 2 DO zz := LIMIT(1, @, 2); IF @ = 7 THEN EXIT; END_IF; END_FOR
+CASE @ OF 7: zz := (@); END_CASE
+WHILE @ > 8 DO @ := 3; END_WHILE"""
+    project = chart(body.replace("@", word), declared)
+    assert not found(project)
+    assert [*sfc.simulate(project, pou="Main", scans=1, record=["zz"])["zz"]] == [7]
+    _, report = sfc.convert(project, "codesys", partial=True)
+    assert any(f"`{word}` is a keyword in CODESYS" in each.why for each in report.losses)
+    assert [each.name for each in sfc.loads(sfc.convert(project, "iec-text")[0]).pou("Main").variables()][2] == word
+    project.rename(f"Main.{word}", "Other")
+    assert word not in re.findall(r"\w+", sfc.dumps(project).decode())
+
+
+@pytest.mark.parametrize("word", [*LATER_WORDS, "Method", "Property", "Type", "Reference", "Retain", "Abstract"])
+def test_an_edit_of_a_variable_with_such_a_name_leaves_the_name(word: str) -> None:
+    project = chart(f"{word} := 1;", f"a : INT;\n{word} : INT;")
+    before = sfc.dumps(project).decode()
+    project.pou("Main").variables()[1].comment = "counts"
+    assert sfc.dumps(project).decode() == before.replace(f"{word} : INT;", f"{word} : INT; (* counts *)")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["CONTINUE;", "JMP Mark;", "x := a AND_THEN b;", "x := a OR_ELSE NOT b;", "x := (a) OR_ELSE TRUE AND_THEN b;"],
+)
+def test_what_only_codesys_v3_compiles_is_no_name(text: str) -> None:
+    source = "{plcopen_sfc format := 1}\n{plcopen_sfc project.dialect := 'codesys'}\nPROGRAM Main\n"
+    source += f"VAR i : INT; x, a, b : BOOL; END_VAR\nFOR i := 1 TO 2 DO {text} END_FOR; Mark: ;\nEND_PROGRAM\n"
+    project = sfc.loads(source.encode(), format="iec-text")
+    assert not project.diagnostics
+    _, report = sfc.convert(project, "codesys23", partial=True)
+    assert any("CoDeSys 2.3 has no" in each.why for each in report.losses)
