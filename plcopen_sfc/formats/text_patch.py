@@ -34,19 +34,20 @@ def block_span(key: Key, span: tuple[int, int], places: Iterable[Place]) -> Bloc
     return BlockSpan((key,), span, tuple(sorted(inner, key=lambda each: each.span)))
 
 
-def section_block(section: VariableSection, dialect: Dialect) -> WrittenBlock:
-    """Return the block of a section, each variable a block of its own."""
-    indent = indent_of(dialect)
+def section_block(section: VariableSection, dialect: Dialect, indent: str | None = None) -> WrittenBlock:
+    """Return the block of a section, each variable a block of its own; `indent`: another one than in a POU."""
+    indent = indent_of(dialect) if indent is None else indent
+    deeper = indent + indent_of(dialect)
     head = section_head(section, dialect)
     struct = kept(section.extension_data).get("keyword") == "STRUCT"
     words = "STRUCT" if struct else head[-1]
     lines = [*head[:-1], words]
     blocks = [WrittenBlock(("head", ""), "\n".join(indent + line for line in lines))]
     blocks += numbered_blocks(
-        WrittenBlock(("variable", variable.name), write_variable(variable, dialect, 2 * indent))
+        WrittenBlock(("variable", variable.name), write_variable(variable, dialect, deeper))
         for variable in section.variables
     )
-    ending = [*section_rest(section, 2 * indent), f"{indent}{'END_STRUCT;' if struct else 'END_VAR'}"]
+    ending = [*section_rest(section, deeper), f"{indent}{'END_STRUCT;' if struct else 'END_VAR'}"]
     blocks.append(WrittenBlock(("end", ""), "\n".join(ending)))
     return WrittenBlock(("section", head[-1]), blocks=tuple(blocks))
 
@@ -232,13 +233,15 @@ class _Patch:
         old_blocks = {block.key: block for block in before.blocks}
         edits: list[Edit] = []
         following: dict[int, list[WrittenBlock]] = {}  # new blocks by the number of the span that they follow
-        new_of: dict[Key, WrittenBlock] = {}
+        new_of: dict[int, list[WrittenBlock]] = {}  # what is in the place of a span, by its number
         number_of = {key: number for number, inner in enumerate(around.spans) for key in inner.keys}
         last = -1
         for old, new in pairs:
             if old is not None and new is not None:
-                last = number_of[old.key]
-                new_of[old.key] = new
+                number = number_of[old.key]
+                between = following.pop(last, []) if number == last else []  # in a list of variables
+                new_of.setdefault(number, []).extend([*between, new])
+                last = number
             elif new is not None:
                 following.setdefault(last, []).append(new)
         final = following.get(last, [])
@@ -248,19 +251,42 @@ class _Patch:
             following.setdefault(len(around.spans) - 1, []).extend(final)
         for number, inner in enumerate(around.spans):
             olds = [old_blocks[key] for key in inner.keys]
-            news = [new_of[key] for key in inner.keys if key in new_of]
+            news = new_of.get(number, [])
             if not news:
                 edits.append(self._removed(inner, apart=olds[0].apart))
             elif len(olds) == 1:
                 edits += self.edits(inner, olds[0], news[0])
             elif olds != news:
-                together = "\n".join(new.whole() for new in news)
-                edits.append(Edit(*inner.span, self._laid_out(together, inner.span[0])))
+                edits += self._renamed_in_list(inner, olds, news) or [self._listed(inner, news)]
             if number in following:
                 edits.append(self._inserted(around.spans, number, following[number]))
         if -1 in following:
             edits.append(self._put_first(around, following[-1]))
         return _joined(edits)
+
+    # -- lists of variables
+
+    def _listed(self, around: BlockSpan, news: Sequence[WrittenBlock]) -> Edit:
+        """Return the edit of a list of variables into a declaration for each."""
+        together = "\n".join(new.whole() for new in news)
+        return Edit(*around.span, self._laid_out(together, around.span[0]))
+
+    def _renamed_in_list(
+        self, around: BlockSpan, olds: Sequence[WrittenBlock], news: Sequence[WrittenBlock]
+    ) -> list[Edit]:
+        """Return the edits of names in a list of variables; nothing where more than names differ."""
+        start, end = around.span
+        words = [*_WORDS.finditer(self._text, start, end)]
+        names = words[: next((i for i, word in enumerate(words) if word.group() == ":"), 0)]
+        edits: list[Edit] = []
+        for old, new in zip(olds, news, strict=False) if len(olds) == len(news) else ():
+            before, after = (_WORDS.findall(block.whole()) for block in (old, new))
+            other = [pair for pair in zip(before, after, strict=False) if pair[0] != pair[1]]
+            places = [word for word in names if other and word.group().casefold() == other[0][0].casefold()]
+            if other and (len(before) != len(after) or len(other) > 1 or len(places) != 1):
+                return []
+            edits += [Edit(*word.span(), other[0][1]) for word in places]
+        return edits
 
     # -- single edits
 

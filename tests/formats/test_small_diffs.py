@@ -157,3 +157,62 @@ def test_an_edit_stays_small_where_elements_have_no_id_of_their_own(damage: byte
         assert len(changed_lines(content, data)) <= MOST_LINES
         again = next(sfc.loads(data).charts()).chart.transitions
         assert [number for number, each in enumerate(again) if each.comment == "New"] == [number]
+
+
+LISTED = """VAR
+\tc, d : REAL; (* both *)
+\tf   :   INT := 3;   (* far *)
+\tg, h :
+\t\tINT;
+\tq : INT;
+END_VAR"""
+EDITS_OF_LISTS: dict[str, tuple[Callable[[sfc.Project, list[sfc.Variable]], object], list[str]]] = {
+    "comment of the first": (
+        lambda _, found: setattr(found[0], "comment", "New"),
+        ["-c, d : REAL; (* both *)", "+c : REAL; (* New *)", "+d : REAL; (* both *)"],
+    ),
+    "comment of the last": (
+        lambda _, found: setattr(found[1], "comment", "New"),
+        ["-c, d : REAL; (* both *)", "+c : REAL; (* both *)", "+d : REAL; (* New *)"],
+    ),
+    "type": (
+        lambda _, found: setattr(found[1], "type", found[2].type),
+        ["-c, d : REAL; (* both *)", "+c : REAL; (* both *)", "+d : INT; (* both *)"],
+    ),
+    "type in two lines": (
+        lambda _, found: setattr(found[3], "type", found[0].type),
+        ["-g, h :", "-INT;", "+g : REAL;", "+h : INT;"],
+    ),
+    "removal of the first": (lambda _, found: found.pop(0), ["-c, d : REAL; (* both *)", "+d : REAL; (* both *)"]),
+    "removal of the last": (lambda _, found: found.pop(1), ["-c, d : REAL; (* both *)", "+c : REAL; (* both *)"]),
+    "removal of both": (lambda _, found: (found.pop(0), found.pop(0)), ["-c, d : REAL; (* both *)"]),
+    "one between them": (
+        lambda _, found: found.insert(1, sfc.Variable(name="New", type="INT")),
+        ["-c, d : REAL; (* both *)", "+c : REAL; (* both *)", "+New : INT;", "+d : REAL; (* both *)"],
+    ),
+    "one behind them": (lambda _, found: found.insert(2, sfc.Variable(name="New", type="INT")), ["+New : INT;"]),
+    "rename": (
+        lambda project, _: project.rename("F.d", "New"),
+        ["-c, d : REAL; (* both *)", "+c, New : REAL; (* both *)"],
+    ),
+    "rename of both": (
+        lambda project, _: project.rename_many({"F.c": "x", "F.d": "y"}),
+        ["-c, d : REAL; (* both *)", "+x, y : REAL; (* both *)"],
+    ),
+    "rename in two lines": (lambda project, _: project.rename("F.g", "New"), ["-g, h :", "+New, h :"]),
+}
+
+
+@pytest.mark.parametrize("edit", EDITS_OF_LISTS)
+@pytest.mark.parametrize("kind", ["iec-text", "twincat", "codesys-export", "codesys23", "scl"])
+def test_an_edit_of_one_variable_of_a_list_leaves_the_other_declarations(kind: str, edit: str) -> None:
+    """Files of TwinCAT and CODESYS got the whole declaration of the block laid out anew, or all of its section."""
+    text = b"FUNCTION_BLOCK F\nVAR q : INT; END_VAR\nq := 1;\nEND_FUNCTION_BLOCK\n"
+    whole = re.sub(rb"(?s)VAR\b.*?END_VAR", LISTED.encode(), sfc.dumps(sfc.loads(text), format=kind, partial=True))
+    change, expected = EDITS_OF_LISTS[edit]
+    project = sfc.loads(whole)
+    assert [each.name for each in project.pous[0].variables()] == ["c", "d", "f", "g", "h", "q"]
+    change(project, project.pous[0].interface.sections[0].variables)  # type: ignore[union-attr]
+    found = changed_lines(whole, sfc.dumps(project))
+    plain = [line[0] + re.sub(r"// (\w+)", r"(* \1 *)", line[1:].strip()) for line in found]
+    assert [line.casefold() for line in plain] == [line.casefold() for line in expected]

@@ -20,8 +20,14 @@ from plcopen_sfc.formats.matiec.matiec_project import fit_project, pous_in_order
 from plcopen_sfc.formats.matiec.matiec_statements import compilable_comments, plain_comment
 from plcopen_sfc.formats.text_codec import TextCodec
 from plcopen_sfc.formats.text_encoding import SourceText
-from plcopen_sfc.formats.text_patch import BlockSpan, Key, WrittenBlock, numbered
-from plcopen_sfc.languages.declarations import write_data_type, write_section, write_type, write_value
+from plcopen_sfc.formats.text_patch import BlockSpan, Key, WrittenBlock, numbered, section_places
+from plcopen_sfc.languages.declarations import (
+    read_declarations,
+    write_data_type,
+    write_section,
+    write_type,
+    write_value,
+)
 from plcopen_sfc.languages.pragmas import NotationError, parse_change
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st.declaration_nodes import Section, TypeDeclaration, TypeSection, VariableDeclaration
@@ -394,8 +400,15 @@ def _matched(
         if part is not None and thing is not None:
             slices.append(_container(src, piece, place, part, thing))
         else:
-            slices.append(BlockSpan((piece.key,), place))
+            slices.append(BlockSpan((piece.key,), place, _variables_at(src, place) if piece.blocks else ()))
     return BlockSpan((key,), span, tuple(sorted(slices, key=lambda one: one.span)))
+
+
+def _variables_at(src: TextSource, place: tuple[int, int]) -> tuple[BlockSpan, ...]:
+    """Return the places of the head, the variables and the end of a section; nothing where several are there."""
+    declared = read_declarations(src.text[slice(*place)], src.outline.dialect)
+    found = list(section_places(src.text, declared, place[0], src.outline.dialect))
+    return found[0][2] if len(found) == 1 else ()
 
 
 def _container(

@@ -542,7 +542,7 @@ class _Unit:
         late += self.late
         top += pragmas(near, self.indent)
         pieces = [WrittenBlock(("head", ""), (top + head).rstrip("\n"))]
-        pieces += [WrittenBlock(("section", ""), text) for text in sections]
+        pieces += sections
         pieces += [WrittenBlock(("property", ""), self.inner + text, apart=True) for text in properties]
         pieces += [self._inner("METHOD", method) for method in getattr(thing, "methods", [])]
         pieces += body

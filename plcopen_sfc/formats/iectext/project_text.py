@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from pydantic import ValidationError
 
@@ -18,7 +18,7 @@ from plcopen_sfc.formats.iectext.text_declarations import (
     read_listing,
     read_section,
     read_types,
-    write_section_text,
+    write_section_block,
     write_type_text,
 )
 from plcopen_sfc.formats.iectext.text_outline import KEYWORDS, POUS, PartKind, TextPart, outline
@@ -89,12 +89,18 @@ def _change_others(src: TextSource, annotations: Annotations, fields: Fields, pl
 _TYPED = ("declaration_ends",)
 
 
-def write_global_section(printer: TextPrinter, section: VariableSection, indent: str) -> str:
+def write_global_section(printer: TextPrinter, section: VariableSection, indent: str) -> WrittenBlock:
     """Write a list of global variables, with pragmas before it for the fields that its declaration lacks."""
     intended = plain_fields(section)
+    key = ("global variables", section.name or "")
     typed = listing_text(printer, section, intended)
-    text, read_back = typed if typed is not None else write_section_text(printer, section, indent)
-    return pragmas(changes(read_back, intended), indent) + text + "\n"
+    if typed is not None:
+        block, read_back = WrittenBlock(key, typed[0], apart=True), typed[1]
+    else:
+        block, read_back = write_section_block(printer, section, indent)
+        block = replace(block, key=key, apart=True)
+    above = pragmas(changes(read_back, intended), indent)
+    return replace(block, text=above + block.whole(), blocks=()) if above else block
 
 
 def read_configuration(src: TextSource, part: TextPart, gap: tuple[int, int]) -> tuple[Fields, bool]:
@@ -294,7 +300,7 @@ class _ConfigurationWriter:
         return text + f"{INDENT}END_RESOURCE\n"
 
     def _sections(self, sections: list[VariableSection], indent: str) -> str:
-        return "".join(write_global_section(self.printer, section, indent) for section in sections)
+        return "".join(f"{write_global_section(self.printer, section, indent).whole()}\n" for section in sections)
 
     def _kept(self, thing: Resource | PouInstance) -> list[tuple[str, str]]:
         data = thing.extension_data.data if thing.extension_data is not None else []
@@ -478,9 +484,7 @@ def write_project(project: Project, _options: WriteOptions, report: ConversionRe
     for declaration in project.data_types:
         text = _type(printer, declaration, late, unique=names[declaration.name.casefold()] == 1)
         pieces.append(WrittenBlock(("type", declaration.name), text, apart=True))
-    for section in project.global_variables:
-        text = write_global_section(printer, section, "").rstrip("\n")
-        pieces.append(WrittenBlock(("global variables", section.name or ""), text, apart=True))
+    pieces += [write_global_section(printer, section, "") for section in project.global_variables]
     pieces += [write_pou(printer, pou) for pou in project.pous]
     for configuration in project.configurations:
         text = write_configuration(printer, configuration)

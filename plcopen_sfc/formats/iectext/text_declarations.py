@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from dataclasses import replace
 
 from plcopen_sfc.formats.iectext.text_outline import PartKind, TextPart, outline
 from plcopen_sfc.formats.iectext.text_printing import TextPrinter
 from plcopen_sfc.formats.iectext.text_source import INDENT, TextSource, keep_data, kept_texts
 from plcopen_sfc.formats.matiec.matiec_declarations import with_quotes
 from plcopen_sfc.formats.provenance import read_later
-from plcopen_sfc.formats.text_patch import plain_lines
+from plcopen_sfc.formats.text_patch import WrittenBlock, plain_lines, section_block
 from plcopen_sfc.languages.declarations import Declared, read_declarations, write_data_type, write_section, write_type
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.languages.pragmas import Fields, plain_fields
@@ -151,7 +152,7 @@ def write_interface(
     indent: str,
     intended: Fields,
     read_back: Fields,
-) -> tuple[str, list[str]]:
+) -> tuple[str, list[WrittenBlock]]:
     """Header of a unit and its sections; `intended` gets fields of the model, `read_back` those of the text."""
     if keyword in _WITHOUT_INTERFACE:
         return f"{indent}{keyword} {name}{':' if keyword == 'ACTION' else ''}", []
@@ -165,10 +166,10 @@ def write_interface(
         _keep_as_typed(intended["interface"], interface.declaration or "", text)
         return text, []
     header = _header(printer, keyword, name, interface, indent=indent, intended=intended, read_back=read_back)
-    sections = [write_section_text(printer, section, indent + INDENT) for section in interface.sections]
+    sections = [write_section_block(printer, section, indent + INDENT) for section in interface.sections]
     if sections:
         read_back["interface"]["sections"] = [fields for _, fields in sections]
-    return header, [text for text, _ in sections]
+    return header, [block for block, _ in sections]
 
 
 def _header(
@@ -258,19 +259,19 @@ def _keep_as_typed(fields: Fields, declaration: str, text: str) -> None:
 # -- sections and types -----------------------------------------------------------------------------------------------
 
 
-def write_section_text(printer: TextPrinter, section: VariableSection, indent: str) -> tuple[str, Fields]:
-    """Return a section as text, and the fields that a reader takes from it."""
+def write_section_block(printer: TextPrinter, section: VariableSection, indent: str) -> tuple[WrittenBlock, Fields]:
+    """Return a section as a block, and the fields that a reader takes from it."""
     quoted = [with_quotes(variable, printer.variables) for variable in section.variables]
     section = section.model_copy(update={"variables": quoted})
     variables = [_expressible(printer, variable) for variable in section.variables]
     simple = section.model_copy(update={"variables": variables, "comment": None, "extension_data": None})
     for each in (section, simple):
-        text = write_section(each, printer.dialect, indent)
-        read_back = _section_read_back(printer, text)
+        block = replace(section_block(each, printer.dialect, indent), key=("section", ""))
+        read_back = _section_read_back(printer, block.whole())
         if read_back is not None and len(read_back.get("variables", [])) == len(section.variables):
-            return text, read_back
+            return block, read_back
     text = f"{indent}VAR\n{indent}END_VAR"
-    return text, _section_read_back(printer, text) or {}
+    return WrittenBlock(("section", ""), text), _section_read_back(printer, text) or {}
 
 
 def listing_text(printer: TextPrinter, section: VariableSection, intended: Fields) -> tuple[str, Fields] | None:
