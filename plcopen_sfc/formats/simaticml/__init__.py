@@ -17,7 +17,8 @@ Programs:
 
 * `graph_reader`, `graph_writer`: S7-GRAPH, with `sequence_topology` and `sequence_rules` (branches and connections),
   `action_rows` and `row_tokens` (actions), and `graph_conditions`
-* `action_functions`, `action_controls`: functions and permanent instructions for actions that no row expresses
+* `action_functions`, `action_controls`, `control_statements`: functions and permanent instructions for
+  actions that no row expresses
 * `lad_fbd_networks` with `flgnet_reader`: LAD and FBD, with `network_operands`, `network_boxes`, `box_types` and
   `coils_and_contacts`
 * `scl_tokens`: SCL

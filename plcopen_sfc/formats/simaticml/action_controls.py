@@ -12,6 +12,8 @@ or the call of a function.
     #K2_delay(IN := #K2_stored, PT := T#5s);
     #K2 := #K2_delay.Q AND NOT #Done.X;
 
+In matiec associations act one after the other; `control_statements` has the statements of both.
+
 The variables and the networks are added elements: a reader drops them, and comments keep the associations.
 """
 
@@ -19,14 +21,25 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator
 
 from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.simaticml.action_functions import ActionControls, ActionFunctions, ControlNetwork
 from plcopen_sfc.formats.simaticml.added_elements import system_members
 from plcopen_sfc.formats.simaticml.box_types import give_condition_types
 from plcopen_sfc.formats.simaticml.coils_and_contacts import lacks_power, put_assignments, put_in_series, types_of
+from plcopen_sfc.formats.simaticml.control_statements import (
+    NO_FLAGS,
+    PLAIN,
+    RESETS,
+    ControlDraft,
+    FlagTexts,
+    ImpossibleError,
+    and_,
+    flag_of,
+    not_,
+    or_,
+)
 from plcopen_sfc.formats.simaticml.declaration_spelling import write_type
 from plcopen_sfc.formats.simaticml.graph_reader import CONTROLLED, control_label
 from plcopen_sfc.formats.simaticml.network_boxes import mark_call
@@ -37,10 +50,8 @@ from plcopen_sfc.languages.binding import STORING, Effects, Row, SharedScans, bi
 from plcopen_sfc.languages.effects import ANYTHING, Path, may_change, path_of
 from plcopen_sfc.languages.networks import condition_reader, draw_ld, draw_ld_expression
 from plcopen_sfc.languages.networks.drawing_rules import DrawingRules, declared_rules
-from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node
+from plcopen_sfc.languages.st import parse_expression, parse_statements
 from plcopen_sfc.languages.standard_blocks import Tool
-from plcopen_sfc.languages.words import needs_quotes, take_name
 from plcopen_sfc.model import network as net
 from plcopen_sfc.model.actions import ActionKind, Qualifier
 from plcopen_sfc.model.body import LdBody, StBody
@@ -50,29 +61,14 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import ActionAssociation, Body, SfcBody, SfcNetwork, Step
 from plcopen_sfc.model.text import without_signs
-from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Variable
+from plcopen_sfc.model.types import DerivedType, Variable
 from plcopen_sfc.model.variables import SectionKind, sections_of
 
 Q = Qualifier
-_RESETS = (Q.R, Q.R0)
-_PLAIN = (Q.N, Q.NONE)
-_IEC = frozenset({*_RESETS, *_PLAIN, Q.S, Q.L, Q.D, Q.P, Q.P1, Q.P0, Q.SD, Q.DS, Q.SL})
+_IEC = frozenset({*RESETS, *PLAIN, Q.S, Q.L, Q.D, Q.P, Q.P1, Q.P0, Q.SD, Q.DS, Q.SL})
 _OF_ROWS = GRAPH_QUALIFIERS | AS_EVENTS.keys() | {Q.R0}
 _AT_ONCE = frozenset({Q.P1, Q.P0})
 _KINDS = frozenset({None, ActionKind.CONTINUOUS})
-
-
-@dataclass(frozen=True)
-class FlagTexts:
-    """What networks need for the SFC flags of a chart, as texts in SCL.
-
-    `lines`: their statements. `ends`: the flags that end steps, and what these store. `stops`: the variable that is
-    TRUE while the chart stops, and all operands keep their values.
-    """
-
-    lines: Sequence[str] = ()
-    ends: Sequence[str] = ()
-    stops: str = ""
 
 
 def are_rows_alone(options: WriteOptions) -> Callable[[str], bool]:
@@ -109,9 +105,9 @@ def told_late_actions(pou: Pou, chart: SfcNetwork, controls: ActionControls, opt
     used: dict[str, int] = {}
     for step, row in rows:
         used.setdefault(_name(row), len(used))
-        if row.qualifier in _RESETS:
+        if row.qualifier in RESETS:
             ends.setdefault(_name(row), []).append(step)
-    acting = [each for each in rows if each[1].qualifier not in _RESETS]
+    acting = [each for each in rows if each[1].qualifier not in RESETS]
     networks = {id(row) for step, row in acting if (step.id, row.id) in controls.controlled}
     places = {
         id(row): (id(row) in networks, used[_name(row)] if id(row) in networks else at)
@@ -166,26 +162,12 @@ FLAG_LABEL = "SFC flags"
 _CONTROLS = re.compile(rf'{{"{CONTROLLED}": ("(?:[^"\\]|\\.)*")}}')
 
 
-@dataclass
-class _Draft:
-    """The control of one action while it is planned; `operand`: the Boolean variable that it is, if it is no code."""
-
-    label: str
-    operand: str = ""
-    variables: list[Variable] = field(default_factory=list)
-    lines: list[str] = field(default_factory=list)
-
-
-class _ImpossibleError(Exception):
-    """No network expresses a control."""
-
-
 class ControlPlanner:
     """Plans the action controls that the chart of a block needs.
 
     `alone`: True if each association of an action acts for its step alone already, as rows do. `shared`: True if an
     action writes its variable only while it is executed, so that other code may do so at other times. `flags`: those
-    of the chart.
+    of the chart. `in_turn`: associations act one after the other, as in matiec.
     """
 
     def __init__(
@@ -197,9 +179,10 @@ class ControlPlanner:
         *,
         alone: Callable[[str], bool] = lambda _: False,
         shared: Callable[[str], bool] = lambda _: False,
-        flags: FlagTexts = FlagTexts(),
+        flags: FlagTexts = NO_FLAGS,
+        in_turn: bool = False,
     ) -> None:
-        self._flags = flags
+        self._flags, self._in_turn = flags, in_turn
         self._pou, self._chart, self._functions, self._alone, self._shared = pou, chart, functions, alone, shared
         self._written = self._writes()
         self._read = condition_reader(chart, Dialect.SCL, transitions=pou.transitions)
@@ -214,12 +197,12 @@ class ControlPlanner:
         found = ActionControls()
         for line in self._flags.lines:
             error = SfcFlag.ERROR.variable
-            found.networks += self._drawn(_Draft(error if f"#{error} := " in line else FLAG_LABEL, lines=[line]))
+            found.networks += self._drawn(self._draft(error if f"#{error} := " in line else FLAG_LABEL, line))
         for rows in self._actions():
             taken = set(self._taken)
             try:
                 draft, networks = self._control(rows)
-            except _ImpossibleError:
+            except ImpossibleError:
                 self._taken = taken
                 if self._asks_flags(rows):
                     found.going_on.append(control_label(rows[0][0].name, rows[0][1].target))
@@ -242,17 +225,17 @@ class ControlPlanner:
         error, enable = SfcFlag.ERROR.variable, SfcFlag.ENABLE_LIMIT.variable
         used = watching_flags(self._pou, self._chart)
         late = [
-            _and([self._flag(step), f"{self._flag(step).removesuffix('.X')}.T > {step.max_time}"])
+            and_([flag_of(step), f"{flag_of(step).removesuffix('.X')}.T > {step.max_time}"])
             for step in self._chart.steps
             if step.max_time is not None
         ]
         if not late or SfcFlag.ERROR not in used:
             return []
-        too_long = _and([f"#{enable}" if SfcFlag.ENABLE_LIMIT in used else "", _or(late)])
-        draft = _Draft(error, lines=[f"#{error} := {_or([f'#{error}', too_long])};"])
+        too_long = and_([f"#{enable}" if SfcFlag.ENABLE_LIMIT in used else "", or_(late)])
+        draft = self._draft(error, f"#{error} := {or_([f'#{error}', too_long])};")
         try:
             return self._drawn(draft)
-        except _ImpossibleError:
+        except ImpossibleError:
             return []
 
     def _actions(self) -> Iterator[list[tuple[Step, ActionAssociation]]]:
@@ -273,14 +256,14 @@ class ControlPlanner:
             return True
         if self._code(rows[0][1]) is not None:
             is_doubled = len({step.id for step, _ in rows}) < len(rows)  # a row of its own would execute it once more
-            return is_doubled or bool(used - {*_PLAIN, *_AT_ONCE}) or (len(rows) > 1 and used <= _AT_ONCE)
+            return is_doubled or bool(used - {*PLAIN, *_AT_ONCE}) or (len(rows) > 1 and used <= _AT_ONCE)
         label = control_label(rows[0][0].name, rows[0][1].target)
         if self._is_shared(rows):
             return True
         if len(rows) == 1 or self._alone(label):
             return False
-        is_stored = bool(used & {Q.S, *_RESETS})
-        return any(row.qualifier.needs_duration for _, row in rows) or (is_stored and bool(used & {*_PLAIN, Q.P}))
+        is_stored = bool(used & {Q.S, *RESETS})
+        return any(row.qualifier.needs_duration for _, row in rows) or (is_stored and bool(used & {*PLAIN, Q.P}))
 
     def _asks_flags(self, rows: list[tuple[Step, ActionAssociation]]) -> bool:
         """True if rows would not do what the associations do where an SFC flag stops the chart, or ends a step.
@@ -290,7 +273,7 @@ class ControlPlanner:
         used, code = {row.qualifier for _, row in rows}, self._code(rows[0][1])
         if isinstance(code, StBody):
             return False
-        goes_on = not used <= ({*_PLAIN, *_RESETS, Q.S} if code is None else _AT_ONCE)
+        goes_on = not used <= ({*PLAIN, *RESETS, Q.S} if code is None else _AT_ONCE)
         ends_late = Q.P0 in used if code is None else used != {Q.P1}
         return (bool(self._flags.stops) and goes_on) or (bool(self._flags.ends) and ends_late)
 
@@ -304,56 +287,60 @@ class ControlPlanner:
         is_call = "." in row.target and bool(self._functions.calls.inlined(call, self._pou).called)
         return StBody(text=call) if is_call else None
 
-    def _control(self, rows: list[tuple[Step, ActionAssociation]]) -> tuple[_Draft, list[ControlNetwork]]:
+    def _draft(self, label: str, *lines: str, operand: str = "") -> ControlDraft:
+        return ControlDraft(label, operand, self._read, self._taken, self._flags, lines=[*lines])
+
+    def _control(self, rows: list[tuple[Step, ActionAssociation]]) -> tuple[ControlDraft, list[ControlNetwork]]:
         step, row = rows[0]
         label = control_label(step.name, row.target)
         code = self._code(row)
-        draft = _Draft(label, row.target or "" if code is None else "")
+        draft = self._draft(label, operand=row.target or "" if code is None else "")
         if code is None and (row.target is None or parse_operand(row.target) is None):
-            raise _ImpossibleError
-        reset = self._plain(draft, "reset", self._on(rows, *_RESETS))
-        lasting = self._masked(list(self._parts(draft, rows, reset)), reset)
-        pulses = self._masked(list(self._pulses(draft, rows)), reset)
-        wanted = _or(filter(None, (lasting, pulses)))
-        if code is None and not self._is_written_elsewhere(row):
-            draft.lines.append(self._kept(row.target or "", wanted))
-            return draft, self._drawn(draft)
-        if code is None:  # what others write stays: TRUE while the action is on, and FALSE once when it ends
-            active, ended = self._bit(draft, "active"), self._bit(draft, "ended")
-            draft.lines += [
-                self._kept(active, wanted),
-                f"IF {active} THEN {row.target} := TRUE; END_IF;",
-                f"IF {_and([_not(active), ended])} THEN {row.target} := FALSE; END_IF;",
-                f"{ended} := {active};",
-            ]
+            raise ImpossibleError
+        if self._in_turn:
+            executed, after = draft.in_turn(rows), list[str]()
+        else:
+            executed, after = self._acting(draft, rows)
+        if code is None:
             return draft, self._drawn(draft)
         block, instance = self._executed(row, label, code)
-        active, ended = self._bit(draft, "active"), self._bit(draft, "ended")
-        draft.lines.append(self._kept(active, lasting or "FALSE"))
         networks = self._drawn(draft)
-        executed = _or([active, self._masked([ended], _or(self._flags.ends)), pulses])
-        executed = self._masked([executed], self._flags.stops)
         networks.append(ControlNetwork(label, self._call(draft, executed, block, instance)))
-        draft.lines = [f"{ended} := {active};"]
+        draft.lines = after
         return draft, [*networks, *self._drawn(draft)]
 
-    def _kept(self, name: str, wanted: str) -> str:
-        """Return the assignment to a variable that keeps its value while a flag stops the chart."""
-        if stops := self._flags.stops:
-            wanted = _or([_and([stops, name]), self._masked([wanted], stops)])
-        return f"{name} := {wanted};"
+    def _acting(self, draft: ControlDraft, rows: list[tuple[Step, ActionAssociation]]) -> tuple[str, list[str]]:
+        """Append the statements of IEC 61131-3 for an action.
+
+        Return when its code is executed, and the statements behind it.
+        """
+        lasting, pulses = draft.together(rows)
+        if draft.operand and not self._is_written_elsewhere(rows[0][1]):
+            draft.lines.append(draft.kept(draft.operand, or_(filter(None, (lasting, pulses)))))
+            return "", []
+        active, ended = draft.bit("active"), draft.bit("ended")
+        if draft.operand:  # what others write stays: TRUE while the action is on, and FALSE once when it ends
+            draft.lines += [
+                draft.kept(active, or_(filter(None, (lasting, pulses)))),
+                f"IF {active} THEN {draft.operand} := TRUE; END_IF;",
+                f"IF {and_([not_(active), ended])} THEN {draft.operand} := FALSE; END_IF;",
+                f"{ended} := {active};",
+            ]
+            return "", []
+        draft.lines.append(draft.kept(active, lasting or "FALSE"))
+        return draft.executed(active, ended, pulses), [f"{ended} := {active};"]
 
     def _executed(self, row: ActionAssociation, label: str, code: Body) -> tuple[Pou, str | None]:
         """Return the block that executes an action, and the instance of one with a chart."""
         if not isinstance(code, SfcBody):
             function = self._functions.function(self._pou, label.replace(".", "_"), code)
             if isinstance(function, str):
-                raise _ImpossibleError
+                raise ImpossibleError
             return function, None
         action = self._pou.find_action(without_signs(row.target or ""))
         chart = self._functions.chart(self._pou, action) if action is not None else ""
         if isinstance(chart, str):
-            raise _ImpossibleError
+            raise ImpossibleError
         return chart.block, f"#{chart.instance.name}"
 
     def _writes(self) -> tuple[dict[int, frozenset[Path]], frozenset[Path]]:
@@ -384,7 +371,7 @@ class ControlPlanner:
         step, row = rows[0]
         if not self._shared(control_label(step.name, row.target)) or self._code(row) is not None:
             return False
-        if all(each.qualifier in _RESETS for _, each in rows):
+        if all(each.qualifier in RESETS for _, each in rows):
             return False
         path, (by_steps, others) = _path(row), self._written
         writing = {number for number, each in by_steps.items() if may_change(path, each, frozenset())}
@@ -396,134 +383,28 @@ class ControlPlanner:
         path, (by_steps, others) = _path(row), self._written
         return any(may_change(path, each, frozenset()) for each in (*by_steps.values(), others))
 
-    # -- the control as statements
-
-    def _parts(self, draft: _Draft, rows: list[tuple[Step, ActionAssociation]], reset: str) -> Iterator[str]:
-        """Return the conditions of the output, with a final scan; the statements before it go into `draft`."""
-
-        def on(*qualifiers: Qualifier) -> str:
-            return self._on(rows, *qualifiers)
-
-        def timer(qualifier: Qualifier, role: str, start: str) -> str:
-            name = self._variable(draft, f"{role}_time", DerivedType(name="TON_TIME"))
-            time = self._time(draft, role, [(step, row) for step, row in rows if row.qualifier is qualifier])
-            draft.lines.append(f"{name}(IN := {self._plain(draft, role, start)}, PT := {time});")
-            return self._assigned(draft, role, f"{name}.Q")
-
-        def stored(role: str, start: str) -> str:
-            bit = self._bit(draft, role)
-            kept = _or([self._masked([bit], _or(self._flags.ends)), start])
-            draft.lines.append(f"{bit} := {self._masked([kept], reset)};")
-            return bit
-
-        if plain := on(*_PLAIN):
-            yield plain
-        if start := on(Q.S):
-            yield stored("stored", start)
-        if start := on(Q.L):
-            yield _and([start, _not(timer(Q.L, "limit", start))])
-        if start := on(Q.D):
-            yield timer(Q.D, "delay", start)
-        if start := on(Q.P):
-            yield self._edge(draft, "pulse", start)
-        if start := on(Q.SD):
-            yield timer(Q.SD, "late", stored("waits", start))
-        if start := on(Q.DS):
-            # a delay that ends while the chart stops stores nothing yet: its step may be left when the chart goes on
-            yield stored("kept", self._masked([timer(Q.DS, "wait", start)], self._flags.stops))
-        if start := on(Q.SL):
-            bit = stored("begun", start)
-            yield _and([bit, _not(timer(Q.SL, "end", bit))])
-
-    def _time(self, draft: _Draft, role: str, rows: list[tuple[Step, ActionAssociation]]) -> str:
-        """Return the time of a timer: where the associations have different ones, that of the active step."""
-        times = {row.duration for _, row in rows}
-        if None in times:
-            raise _ImpossibleError
-        if len(times) == 1:
-            return str(times.pop())
-        time = self._variable(draft, f"{role}_preset", ElementaryType(name=Elementary.TIME))
-        draft.lines += [
-            f"IF {self._acts(step, row)} THEN {time} := {row.duration}; END_IF;" for step, row in rows[::-1]
-        ]
-        return time
-
-    def _pulses(self, draft: _Draft, rows: list[tuple[Step, ActionAssociation]]) -> Iterator[str]:
-        """Return the conditions that make the output TRUE for one scan, without a final one."""
-        if start := self._on(rows, Q.P1):
-            yield self._edge(draft, "start", start)
-        if start := self._on(rows, Q.P0):
-            yield self._edge(draft, "stop", start, falling=True)
-
-    def _edge(self, draft: _Draft, role: str, start: str, *, falling: bool = False) -> str:
-        start = self._plain(draft, f"{role}_begins", start)
-        bit, before = self._bit(draft, role), self._bit(draft, f"{role}_before")
-        now = [self._masked([_not(start)], _or(self._flags.ends)), before] if falling else [start, _not(before)]
-        draft.lines += [f"{bit} := {_and(now)};", f"{before} := {start};"]
-        return bit
-
-    def _on(self, rows: list[tuple[Step, ActionAssociation]], *qualifiers: Qualifier) -> str:
-        """TRUE while an association with one of the qualifiers acts; empty without one."""
-        return _or(self._acts(step, row) for step, row in rows if row.qualifier in qualifiers)
-
-    def _acts(self, step: Step, row: ActionAssociation) -> str:
-        flag = self._flag(step)
-        acts = _not(flag) if step.negated is not row.negated else flag
-        if row.condition is None:
-            return acts
-        found = self._read(row.condition)
-        if found.tree is None or found.before or found.helpers or not found.complete:
-            raise _ImpossibleError
-        return _and([acts, print_node(found.tree)])
-
-    def _flag(self, step: Step) -> str:
-        name = f'"{step.name}"' if needs_quotes(step.name) else step.name
-        return f"#{name}.X"
-
-    def _plain(self, draft: _Draft, role: str, text: str) -> str:
-        """Return an expression that a contact can negate: it becomes a bit, unless it is one."""
-        return self._assigned(draft, f"{role}_input", text) if " " in text else text
-
-    def _assigned(self, draft: _Draft, role: str, text: str) -> str:
-        bit = self._bit(draft, role)
-        draft.lines.append(f"{bit} := {text};")
-        return bit
-
-    def _masked(self, parts: list[str], reset: str) -> str:
-        wanted = _or(parts)
-        return _and([wanted, _not(reset)]) if wanted and reset else wanted
-
-    def _bit(self, draft: _Draft, role: str) -> str:
-        return self._variable(draft, role, ElementaryType(name=Elementary.BOOL))
-
-    def _variable(self, draft: _Draft, role: str, type_: ElementaryType | DerivedType) -> str:
-        stem = "".join(each if each.isalnum() else "_" for each in draft.label)
-        name = take_name(f"{stem}_{role}", self._taken)
-        draft.variables.append(Variable(name=name, type=type_))
-        return f"#{name}"
-
     # -- networks
 
-    def _rules(self, draft: _Draft) -> DrawingRules:
+    def _rules(self, draft: ControlDraft) -> DrawingRules:
         known = [*self._pou.variables(), *draft.variables]
         timers = [Variable(name=f"#{v.name}", type=DerivedType(name="TON")) for v in known if _is_timer(v)]
         return declared_rules(timers, Dialect.SCL, Tool.S7)
 
-    def _drawn(self, draft: _Draft) -> list[ControlNetwork]:
+    def _drawn(self, draft: ControlDraft) -> list[ControlNetwork]:
         tree = parse_statements("\n".join(draft.lines), Dialect.SCL)
         drawn = draw_ld(tree.tree.statements, self._rules(draft), divided=True)
         if tree.problems or drawn.problems:
-            raise _ImpossibleError
+            raise ImpossibleError
         return [ControlNetwork(draft.label, self._typed(draft, network)) for network in drawn.body.networks]
 
-    def _call(self, draft: _Draft, condition: str, called: Pou, instance: str | None) -> LdBody:
+    def _call(self, draft: ControlDraft, condition: str, called: Pou, instance: str | None) -> LdBody:
         """Return a network that calls a function or an instance while a condition is TRUE."""
         tree = parse_expression(condition, Dialect.SCL).tree
         if tree is None:
-            raise _ImpossibleError
+            raise ImpossibleError
         drawn = draw_ld_expression(tree, self._rules(draft))
         if drawn.problems or drawn.negated:
-            raise _ImpossibleError
+            raise ImpossibleError
         pins = [net.BlockVariable(name="EN", input=net.InputPin(connections=list(drawn.outputs)))]
         passed = self._functions.arguments(called)
         pins += [net.BlockVariable(name=name, input=net.InputPin(expression=value)) for name, value in passed.items()]
@@ -535,12 +416,12 @@ class ControlPlanner:
         mark_call(block, called)
         return self._typed(draft, net.LogicNetwork(nodes=[*drawn.network.nodes, block]))
 
-    def _typed(self, draft: _Draft, network: net.LogicNetwork) -> LdBody:
+    def _typed(self, draft: ControlDraft, network: net.LogicNetwork) -> LdBody:
         types = self._types | {f"#{v.name.lower()}": write_type(v.type) for v in draft.variables if not _is_timer(v)}
         types |= {draft.operand.lower(): "Bool"} if draft.operand else {}
         boxes = [node.type_name for node in network.nodes if isinstance(node, net.Block)]
         if boxes != ["TON"] and give_condition_types(network, types) is not None:
-            raise _ImpossibleError
+            raise ImpossibleError
         put_assignments(network, types)
         if lacks_power(network):
             put_in_series(network)
@@ -571,26 +452,3 @@ def _shown(step: Step, row: ActionAssociation) -> str:
     if row.condition is not None:
         return "on which condition it acts"
     return f"{row.qualifier} as its other steps mean it" if row.qualifier in _OF_ROWS else str(row.qualifier)
-
-
-def _or(parts: Iterable[str]) -> str:
-    return _joined(" OR ", parts)
-
-
-def _and(parts: Iterable[str]) -> str:
-    return _joined(" AND ", parts)
-
-
-def _joined(word: str, parts: Iterable[str]) -> str:
-    found = [part for part in parts if part]
-    return word.join(map(_term, found)) if len(found) > 1 else "".join(found)
-
-
-def _not(text: str) -> str:
-    return f"NOT {_term(text)}"
-
-
-def _term(text: str) -> str:
-    """Return an expression as a part of another one."""
-    tree = parse_expression(text, Dialect.SCL).tree
-    return f"({text})" if isinstance(tree, n.Operation | n.Unary) else text

@@ -11,7 +11,6 @@ from lxml import etree
 from plcopen_sfc.formats.format_interface import may_have
 from plcopen_sfc.formats.simaticml.action_controls import (
     ControlPlanner,
-    FlagTexts,
     are_rows_alone,
     are_shared,
     told_late_actions,
@@ -29,6 +28,7 @@ from plcopen_sfc.formats.simaticml.block_interfaces import (
 )
 from plcopen_sfc.formats.simaticml.coils_and_contacts import types_of
 from plcopen_sfc.formats.simaticml.compile_units import block_language, language_of, read_units, write_units
+from plcopen_sfc.formats.simaticml.control_statements import FlagTexts
 from plcopen_sfc.formats.simaticml.declaration_spelling import holds_constants, read_type, write_type
 from plcopen_sfc.formats.simaticml.element_reader import (
     TRUTHS,
@@ -224,7 +224,11 @@ def _planned_controls(ctx: DocumentWriting, pou: Pou, chart: SfcNetwork, functio
     mark = ctx.options.marks.get(id(chart), {})
     flags = FlagTexts(mark.get("lines", ()), mark.get("ends", ()), mark.get("stops", ""))
     alone, shared = are_rows_alone(ctx.options), are_shared(ctx.options)
-    controls = ControlPlanner(ctx.project, pou, chart, functions, alone=alone, shared=shared, flags=flags).plan()
+    in_turn = ctx.options.of_matiec
+    planner = ControlPlanner(
+        ctx.project, pou, chart, functions, alone=alone, shared=shared, flags=flags, in_turn=in_turn
+    )
+    controls = planner.plan()
     ctx.action_controls = controls
     for label in controls.going_on:
         why = "it goes on where an SFC flag stops the chart, or ends a step: no network controls it"
@@ -276,9 +280,8 @@ def _note_method(ctx: DocumentWriting, functions: ActionFunctions, pou: Pou, met
 
 
 def _may_have_controls(ctx: DocumentWriting) -> bool:
-    """True unless associations act one after the other, as in matiec, or the chart stays as TIA Portal wrote it."""
-    is_untouched = ctx.body_name in ctx.options.untouched and not may_have(ctx.options.source, CONTROLLED)
-    return not ctx.options.of_matiec and not is_untouched
+    """True unless the chart stays as TIA Portal wrote it."""
+    return ctx.body_name not in ctx.options.untouched or may_have(ctx.options.source, CONTROLLED)
 
 
 def _without_graph(values: etree._Element) -> None:

@@ -25,6 +25,20 @@ def _chart(*rows: tuple[str, str, str, str | None], source: str = "plcopen") -> 
     return _loaded(feature_project(Feature("control", (source,), build), source), source)
 
 
+def _of_beremiz(*rows: tuple[str, str, str, str | None], code: bool = False) -> m.Project:
+    """The same for Beremiz, whose compiler lets associations act one after the other; `q` is an action with `code`."""
+
+    def build(rig: FeatureChart) -> None:
+        if code:
+            rig.action("Count", m.StBody(text="q := NOT q;"))
+        for step, target, qualifier, duration in rows:
+            rig.act(step, "Count" if code else target, qualifier, duration=duration)
+
+    project = feature_project(Feature("control", ("plcopen",), build), "plcopen")
+    project.header.product = "Beremiz"
+    return _loaded(project, "plcopen-2.01")
+
+
 def _loaded(project: m.Project, source: str) -> m.Project:
     return sfc.loads(sfc.dumps(project, format=source, partial=True), format=source)
 
@@ -54,6 +68,36 @@ def test_associations_of_several_steps_have_one_control(name: str, source: str) 
     """Source and result execute the same with all inputs, and no item is lost."""
     project = _chart(*SHARED[name], source=source)
     data, report = sfc.convert(project, "simaticml")
+    assert not report.with_outcome(Outcome.NOT_EXECUTED)
+    verdict = same_behaviour(project, sfc.loads(data, format="simaticml", as_tool=True))
+    assert verdict is not None
+    assert verdict.equal, verdict
+
+
+IN_TURN = {
+    **SHARED,
+    "SD that begins again while it runs": (("Idle", "q", "SD", "T#100ms"), ("Work", "q", "SD", "T#100ms")),
+    "SD that goes on after R": (("Idle", "q", "SD", T), ("Work", "q", "R", None)),
+    "DS whose step is left too early": (("Work", "q", "DS", T), ("Done", "q", "R", None)),
+    "N of a step that is left, and of an earlier one": (("Idle", "q", "N", None), ("Done", "q", "D", T)),
+    "pulses, one when its step is left": (("Work", "q", "P0", None), ("Done", "q", "L", T)),
+}
+
+
+def _by_step_times(name: str) -> bool:
+    return any(qualifier in ("L", "D") for _, _, qualifier, _ in IN_TURN[name])
+
+
+@pytest.mark.parametrize("code", [False, True], ids=["variable", "statements"])
+@pytest.mark.parametrize(
+    # no proof follows the times of steps, and runs take long
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] if _by_step_times(name) else []) for name in IN_TURN],
+)
+def test_associations_of_beremiz_act_one_after_the_other(name: str, code: bool) -> None:
+    """As the C code of matiec does: SD goes on after R, and the last association that decides counts."""
+    project = _of_beremiz(*IN_TURN[name], code=code)
+    data, report = sfc.convert(project, "simaticml", limit=0)
     assert not report.with_outcome(Outcome.NOT_EXECUTED)
     verdict = same_behaviour(project, sfc.loads(data, format="simaticml", as_tool=True))
     assert verdict is not None
