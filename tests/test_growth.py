@@ -101,6 +101,17 @@ def as_grafcet(project: sfc.Project) -> bytes:
     return sfc.dumps(project, format="grafcet", partial=True, limit=0)
 
 
+def as_scl(project: sfc.Project) -> bytes:
+    """Write a chart in SCL, which has its steps and names as variables of the block."""
+    return sfc.dumps(project, format="scl", partial=True, limit=0)
+
+
+def of_s7(steps: int) -> sfc.Project:
+    """A block in S7-GRAPH, of a chart as `ring` makes it."""
+    data = sfc.dumps(ring(steps), format="simaticml", partial=True, limit=0)
+    return sfc.loads(data, format="simaticml")
+
+
 def with_new_names(project: sfc.Project) -> object:
     """Give each step of a chart another name, in one pass."""
     return project.rename_many({f"Main.{step.name}": f"New{step.name}" for step in project.pous[0].chart.steps})
@@ -108,7 +119,14 @@ def with_new_names(project: sfc.Project) -> object:
 
 @pytest.mark.parametrize(
     ("operation", "make", "least"),
-    [(sfc.check, blocks, 40), (sfc.page, blocks, 40), (as_grafcet, ring, 40), (with_new_names, ring, 120)],
+    [
+        (sfc.check, blocks, 40),
+        (sfc.page, blocks, 40),
+        (as_grafcet, ring, 40),
+        (as_scl, ring, 40),
+        (converted, of_s7, 20),
+        (with_new_names, ring, 120),
+    ],
 )
 def test_twice_the_objects_take_twice_the_work(
     operation: Callable[[sfc.Project], object], make: Callable[[int], sfc.Project], least: int

@@ -118,8 +118,9 @@ class _Reader:
         self.names = Names(project)
         self.dialect = project.dialect
         self.source = source
-        of_twincat = source.tool_format == "twincat"
-        self.tool = Dialect.TWINCAT if of_twincat else source.dialect
+        tool_format = source.tool_format  # asks for all that was found wrong in the file
+        self.is_of_codesys = tool_format == "codesys"
+        self.tool = Dialect.TWINCAT if tool_format == "twincat" else source.dialect
         self.addresses = addresses or source.address_dialect
         self.whole = Part("")
         self._typed: Mapping[str, Sequence[str]] = {}
@@ -333,7 +334,7 @@ class _Reader:
 
     def code(self, body: Body | None, result: str = "") -> Meaning | None:
         """Return the meaning of a body."""
-        if self.source.tool_format == "codesys" and isinstance(body, FbdBody | LdBody):
+        if self.is_of_codesys and isinstance(body, FbdBody | LdBody):
             networks = [n.model_copy(update={"nodes": without_places(n.nodes)}) for n in body.networks]
             body = body.model_copy(update={"networks": networks})
         return code_meaning(body, self.dialect, self.naming(result))

@@ -177,10 +177,9 @@ class S7Types:
         """Return the value of an enumeration that the user constant `name` has."""
         return self._by_name.get(name.casefold())
 
-    def alone(self, hidden: Iterable[str]) -> Mapping[str, Constant]:
-        """The values that programs can name without their type, by name in lower case; `hidden` names are others."""
-        others = {name.casefold() for name in hidden}
-        return {name: each for name, each in self._alone.items() if name not in others}
+    def alone(self, name: str) -> Constant | None:
+        """Return the value that programs can name without its type: no other type has one of this name."""
+        return self._alone.get(name.casefold())
 
     def tables(self) -> list[TagTable]:
         """Return a tag table with the user constants of each enumeration."""

@@ -48,7 +48,7 @@ from plcopen_sfc.languages.translation import (
 from plcopen_sfc.languages.translation.arithmetic_translation import ArithmeticTranslator
 from plcopen_sfc.languages.translation.call_translation import other_rounding
 from plcopen_sfc.languages.translation.renames import kept_renames
-from plcopen_sfc.languages.translation.translation_context import TITLES, Notes, family
+from plcopen_sfc.languages.translation.translation_context import TITLES, NameTable, Notes, family
 from plcopen_sfc.model import (
     ActionAssociation,
     Interface,
@@ -112,9 +112,10 @@ def translate_project(
         text_site for text_site in text_sites(project) if text_site.is_program_text and not _names_a_step(text_site)
     ]
     renames = kept_renames(project) if target is Dialect.SCL else _names_of_results(project, source, target)
+    contexts = _Contexts(project, target, renames, globals_)
     while True:  # a later text may need a name that an earlier one has used
         known = len(renames)
-        results = [_translated(text_site, target, renames, project, globals_) for text_site in texts]
+        results = [_translated(text_site, target, contexts) for text_site in texts]
         if len(renames) == known:
             break
     found = list(_boxes_of_other_types(project, source, target, globals_)) if source is not target else []
@@ -180,7 +181,8 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
     resolver = Resolver(project, project.dialect)
     known = _Globals(s7_types(project), frozenset(_global_names(project)), resolver.functions, {}, None)
     found = _number_bits(project, target)
-    enumerations = {each.name.casefold() for each in project.data_types if isinstance(each.type, EnumType)}
+    plain = _Contexts(project, target, Renames(), known)
+    typed = _Contexts(project, target, Renames(), replace(known, resolver=resolver))
     # by its header a file that a tool of CODESYS made, and that was converted for others
     of_codesys = project.header.product.casefold().startswith(("codesys", "twincat"))
     every = text_sites(project)
@@ -193,7 +195,7 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
         is_statements = text_site.reading is SiteKind.STATEMENTS
         is_own = not is_foreign(
             *(text_site.text, is_statements, project.dialect, target),
-            enumerations=enumerations,
+            enumerations=plain.enumerations,
             functions=resolver.functions,
         )
         if family(target) is Dialect.CODESYS and is_own:
@@ -202,15 +204,14 @@ def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]
                 found.append(TranslatedText(text_site.report_path, changed=True, notes=()))
                 text_site.put(narrower)
             elif _ROUNDS.search(text_site.text):
-                notes = _translated(text_site, target, Renames(), project, known).notes
+                notes = _translated(text_site, target, plain).notes
                 found.append(TranslatedText(text_site.report_path, changed=False, notes=notes))
             continue  # all else that IEC 61131-3 has is left to CODESYS, whose files often are in TC6
         is_wider = family(target) is Dialect.IEC and bool(
             _calculates_otherwise(text_site, project.dialect, target, resolver)
         )
         has_types = is_wider or (family(target) is Dialect.CODESYS and "TRUNC" in text_site.text.upper())
-        site_known = replace(known, resolver=resolver) if has_types else known
-        result = _translated(text_site, target, Renames(), project, site_known)
+        result = _translated(text_site, target, typed if has_types else plain)
         is_lost = any(note.severity is not Severity.INFO for note in result.notes)
         if is_wider or is_lost or not is_own:
             found.append(TranslatedText(text_site.report_path, result.text != text_site.text, result.notes))
@@ -434,27 +435,55 @@ def _names_of_own_tags(pou: Pou | None, target: Dialect, known: _Globals) -> dic
     return {tag.name.casefold(): (names[name],) for name, tag in tags.items()}
 
 
-def _translated(
-    text_site: TextSite, target: Dialect, renames: Renames, project: Project, known: _Globals
-) -> Translated:
-    source = project.dialect
-    own = _names_of_own_tags(text_site.site.pou, target, known)
-    names = [name for name in _locals(text_site.site) if target is not Dialect.SCL or name.casefold() not in own]
-    context = TranslationContext(
-        locals=names,
-        types=_types(text_site.site),
-        enumerations=[d.name for d in project.data_types if isinstance(d.type, EnumType)],
-        renames=renames,
-        steps=_steps(text_site.site, source, target, renames, names),
-        s7_types=known.types,
-        hidden=known.names,
-        actions=_parts_of(text_site.site.pou),
-        functions=known.functions,
-        listed=known.listed | own,
-        addresses=known.addresses or (source, source),
-    )
-    if known.resolver is not None:
-        context = _with_types(context, text_site.site, known.resolver, text_site, calls_actions=known.calls_actions)
+class _Contexts:
+    """The contexts of the texts of a project. All texts of a chart, or of a POU around it, have one."""
+
+    def __init__(self, project: Project, target: Dialect, renames: Renames, known: _Globals) -> None:
+        self.source, self._target, self._renames, self._known = project.dialect, target, renames, known
+        self.enumerations = NameTable.of(each.name for each in project.data_types if isinstance(each.type, EnumType))
+        self._hidden = NameTable.of(known.names)
+        self._made: dict[tuple[int, ...], tuple[int, TranslationContext]] = {}
+
+    def of(self, text_site: TextSite) -> TranslationContext:
+        """Return the context of a text."""
+        site, renames = text_site.site, len(self._renames)
+        scope = tuple(map(id, (site.pou, site.method, *site.charts)))
+        made = self._made.get(scope)
+        if made is None or made[0] != renames:  # a new name may be that of a step
+            made = self._made[scope] = renames, self._make(site)
+        context, known = made[1], self._known
+        if known.resolver is None:
+            return context
+        return _with_types(context, site, known.resolver, text_site, calls_actions=known.calls_actions)
+
+    def _make(self, site: Site) -> TranslationContext:
+        known, source, target = self._known, self.source, self._target
+        own = _names_of_own_tags(site.pou, target, known)
+        names = [name for name in _locals(site) if target is not Dialect.SCL or name.casefold() not in own]
+        steps = _steps(site, source, target, self._renames, names)
+        declared = NameTable.of(names)
+        hiding = None
+        if source is Dialect.SCL and target is not Dialect.SCL:
+            legal = (self._renames.legal_name(NameScope.LOCAL, name, declared, target) for name in declared.values())
+            hiding = NameTable.of(legal)
+        return TranslationContext(
+            locals=declared,
+            hiding=hiding,
+            types=NameTable.of(_types(site)),
+            enumerations=self.enumerations,
+            renames=self._renames,
+            steps=steps,
+            s7_types=known.types,
+            hidden=self._hidden,
+            actions=NameTable.of(_parts_of(site.pou)),
+            functions=known.functions,
+            listed=known.listed | own,
+            addresses=known.addresses or (source, source),
+        )
+
+
+def _translated(text_site: TextSite, target: Dialect, contexts: _Contexts) -> Translated:
+    source, context = contexts.source, contexts.of(text_site)
     if text_site.site.transition is not None and (body := text_site.text.rstrip()).endswith(";"):
         expression = parse_condition(body[:-1], source)  # ``Ready;`` would be a call among statements
         if not expression.problems:
@@ -624,5 +653,7 @@ def _steps(
         names = {name: renames.legal_name(NameScope.LOCAL, name, taken, target) for name in names}
     elif target is Dialect.SCL:
         names = {name: renames.old_name(NameScope.LOCAL, name) or name for name in names}
+    if not names:
+        return None
     disturbed = {s.name.casefold() for s in steps if not all(map(is_empty_network, s.conditions.values()))}
-    return StepReferences(names, _NOTATIONS[source], _NOTATIONS[target], disturbed=disturbed) if names else None
+    return StepReferences(NameTable.of(names), _NOTATIONS[source], _NOTATIONS[target], disturbed=disturbed)

@@ -90,8 +90,10 @@ def write_pieces(project: Project, report: ConversionReport) -> WrittenBlock:
     left = [] if back == meant else list(changes(plain_fields(back), plain_fields(meant), guarded=True))
     other = {change.path for change in changes(plain_fields(back), plain_fields(_as_written(meant, _types(project))))}
     told: set[str] = set()
+    labels: dict[int, dict[int, str]] = {}
     for change in left:
-        _report(meant, change, report, says_the_same=change.path not in other, told=told)
+        path = path_of(meant, keys_of(meant, change), labels)
+        _report(meant, change, path, report, says_the_same=change.path not in other, told=told)
     if left:
         rest = "\n".join(f"// {{plcopen_sfc {change}}}" for change in left)
         pieces.append(WrittenBlock(("rest", ""), rest, apart=True))
@@ -114,10 +116,15 @@ _REPORTED = frozenset(
 
 
 def _report(
-    project: Project, change: RemainderEntry, report: ConversionReport, *, says_the_same: bool, told: set[str]
+    project: Project,
+    change: RemainderEntry,
+    path: str,
+    report: ConversionReport,
+    *,
+    says_the_same: bool,
+    told: set[str],
 ) -> None:
     """Report a comment of the text. `told`: the lists of sections that are reported already, as one for each POU."""
-    path = path_of(project, keys_of(project, change))
     fields = [segment for segment in change.path if isinstance(segment, str)]
     if says_the_same and fields[-2:] in (["interface", "sections"], ["sections", "variables"]):
         owner = ObjectPath.of(path).owner

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import ChainMap
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from plcopen_sfc.diagnostics import Severity
@@ -10,7 +11,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Quoting
 from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.languages.translation.renames import NameScope
-from plcopen_sfc.languages.translation.translation_context import TITLES, Notes, TranslationContext
+from plcopen_sfc.languages.translation.translation_context import TITLES, NameTable, Notes, TranslationContext
 from plcopen_sfc.languages.words import needs_quotes
 from plcopen_sfc.model.dialect import Dialect
 
@@ -28,18 +29,20 @@ class NameTranslator:
         self._source, self._target = source, target
         self._context = context
         self._notes = notes
-        self._locals = None if context.locals is None else {name.casefold() for name in context.locals}
-        self._types = {path.casefold(): type for path, type in context.types.items()}
+        self._locals = None if context.locals is None else NameTable.of(context.locals)
+        self._types = NameTable.of(context.types)
+        self._actions = NameTable.of(context.actions)
         self._members: set[str] = set()
-        self._local_names: dict[str, str] = {}
-        self._hiding: set[str] = set()
+        self._undeclared: dict[str, str] = {}
+        self._local_names = ChainMap(self._undeclared, self._locals or {})
+        self._hiding: Collection[str] = ()
         if source is Dialect.SCL and target is not Dialect.SCL:
             self._collect(tree)
 
     def _collect(self, tree: n.Node) -> None:
         """Find the names that others must not get, and those that hide global ones."""
-        self._local_names = {name.casefold(): name for name in self._context.locals or ()}
         others = set()
+        named: dict[str, str] = {}
         for node in walk(tree):
             if isinstance(node, n.Member | n.Argument) and node.name is not None:
                 others.add(id(node.name))
@@ -49,8 +52,13 @@ class NameTranslator:
             elif isinstance(node, n.Goto | n.LabelStatement):
                 others.add(id(node.label))
             elif isinstance(node, n.Name) and node.quoting is not Quoting.GLOBAL and id(node) not in others:
-                self._local_names.setdefault(node.identifier.casefold(), node.identifier)
-        self._hiding = {self._local_name(name).casefold() for name in self._local_names.values()}
+                named.setdefault(node.identifier.casefold(), node.identifier)
+        declared = self._locals or NameTable()
+        self._undeclared.update((name, own) for name, own in named.items() if name not in declared)
+        hiding = NameTable.of(self._context.hiding or ())
+        if self._context.hiding is None or not hiding.keys().isdisjoint(self._undeclared):  # which others cannot have
+            hiding = NameTable.of(map(self._local_name, declared.values()))
+        self._hiding = ChainMap(NameTable.of(map(self._local_name, self._undeclared.values())), hiding)
 
     def _local_name(self, name: str) -> str:
         return self._context.renames.legal_name(NameScope.LOCAL, name, self._local_names, self._target)
@@ -63,7 +71,7 @@ class NameTranslator:
 
     def is_action(self, name: n.Name) -> bool:
         """True for the name of an action or a method of the POU."""
-        return name.identifier.casefold() in {each.casefold() for each in self._context.actions}
+        return name.identifier.casefold() in self._actions
 
     def is_instance(self, callee: Expression) -> bool:
         """True if a callee is known to be something that S7 calls."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import Self
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.problems import Lines
@@ -30,6 +31,21 @@ class StepNotation(StrEnum):
     GRAFCET = "grafcet"
 
 
+class NameTable(dict[str, str]):
+    """What belongs to names, by these in lower case: case does not matter in them.
+
+    A context may have plain names. The texts of one POU share a table: to make it takes as long as the POU is large.
+    """
+
+    @classmethod
+    def of(cls, names: Mapping[str, str] | Iterable[str]) -> Self:
+        """Return a table as it is; of a mapping its values by the names, of other names themselves."""
+        if isinstance(names, cls):
+            return names
+        pairs = names.items() if isinstance(names, Mapping) else ((name, name) for name in names)
+        return cls((name.casefold(), value) for name, value in pairs)
+
+
 @dataclass(frozen=True, slots=True)
 class StepReferences:
     """The steps that a text may refer to, and how it does.
@@ -52,8 +68,9 @@ class TranslationContext:
     """Meanings of the names in a text. Names of the source text, case does not matter.
 
     `locals`: all that the POU declares, its instances too; None: not known, and then names get no ``#`` and no quotes
-    in SCL. `types`: types of variables and instances by name, by path for members (``station.timer``): needed for the
-    pins of instances (``TON``, ``CTU``) and for conversions whose name tells the source type. `enumerations`: names of
+    in SCL. `hiding`: what they are called in the target, where that has been looked for. `types`: types of variables
+    and instances by name, by path for members (``station.timer``): needed for the pins of instances (``TON``, ``CTU``)
+    and for conversions whose name tells the source type. `enumerations`: names of
     enumeration types: ``Color.red`` of CODESYS is ``Color#red`` in IEC 61131-3. `renames`: known ones, and the place of
     new ones. `steps`: without, step variables are not told from others. `s7_types`: the enumerations, whose values are
     user constants in SCL; `hidden` are names that are no values of them, whatever these are called. `actions`: the
@@ -69,6 +86,7 @@ class TranslationContext:
     """
 
     locals: Collection[str] | None = None
+    hiding: Collection[str] | None = None
     types: Mapping[str, str] = field(default_factory=dict)
     enumerations: Collection[str] = ()
     renames: Renames = field(default_factory=Renames)

@@ -22,6 +22,7 @@ from plcopen_sfc.languages.translation.literal_translation import (
 from plcopen_sfc.languages.translation.name_translation import NameTranslator
 from plcopen_sfc.languages.translation.translation_context import (
     TITLES,
+    NameTable,
     Notes,
     StepNotation,
     StepReferences,
@@ -37,7 +38,7 @@ class StepTranslator:
     """Finds references to steps and writes them in the notation of the target."""
 
     def __init__(self, references: StepReferences, notes: Notes) -> None:
-        self._names = {name.casefold(): new for name, new in references.names.items()}
+        self._names = NameTable.of(references.names)
         self._references = references
         self._notes = notes
 
@@ -133,10 +134,9 @@ class TreeTranslator:
         self._calls = CallTranslator(source, target, self._names, notes, self._expression, types=self._types)
         self._steps = StepTranslator(context.steps, notes) if context.steps is not None else None
         self._addresses = context.addresses or (source, target)
-        self._enumerations = {name.casefold() for name in context.enumerations}
+        self._enumerations = NameTable.of(context.enumerations)
         self._s7_types = context.s7_types
-        alone = context.s7_types is not None and target is Dialect.SCL and source is not Dialect.SCL
-        self._alone = context.s7_types.alone(context.hidden) if alone and context.s7_types is not None else {}
+        self._hidden = NameTable.of(context.hidden)
 
     def translated(self) -> Node:
         """Return the whole tree."""
@@ -225,8 +225,9 @@ class TreeTranslator:
         if self._source is self._target or self._s7_types is None:
             return None
         if self._target is Dialect.SCL:
-            value = self._alone.get(node.identifier.casefold())
-            if value is None or self._names.is_local(node) is not False:
+            value = self._s7_types.alone(node.identifier)
+            is_other = node.identifier.casefold() in self._hidden
+            if value is None or is_other or self._names.is_local(node) is not False:
                 return None
             return n.Name(value.name, n.Quoting.GLOBAL, span=node.span)
         value = self._s7_types.named(node.identifier) if node.quoting is n.Quoting.GLOBAL else None
