@@ -16,7 +16,7 @@ from plcopen_sfc.conversion.executed_parts import UNDECLARED_TYPE, Part
 from plcopen_sfc.conversion.meaning import Meaning, literal_form
 from plcopen_sfc.formats.codesys import codesys_names as codesys
 from plcopen_sfc.languages.binding.text_sites import Role, TextSite
-from plcopen_sfc.languages.declarations.attributes import acting_attributes, attributes_of
+from plcopen_sfc.languages.declarations.attributes import acting_attributes, attributes_of, typed_attributes
 from plcopen_sfc.languages.declarations.kept_texts import inheritance, kept, properties_of, texts_from
 from plcopen_sfc.languages.declarations.type_names import is_quoted_in_scl
 from plcopen_sfc.languages.s7_types import S7Types, number_of
@@ -292,7 +292,19 @@ def tell_declaration(part: Part, thing: Element, typed: Sequence[str] = (), decl
 
 def tell_acting_attributes(part: Part, thing: Element, typed: Sequence[str] = ()) -> None:
     """Note the attributes of what is declared that change what a machine does; `typed` as in `tell_declaration`."""
-    found = acting_attributes(thing, typed)
+    _tell_acting(part, acting_attributes(thing, typed))
+
+
+def tell_acting_attributes_of_type(part: Part, declaration: t.DataTypeDeclaration) -> None:
+    """Note the attributes of a type and of its members that change what a machine does."""
+    typed = typed_attributes(declaration.declaration)
+    found = acting_attributes(declaration, typed.get("", ()))
+    for member in declaration.type.members if isinstance(declaration.type, t.StructType) else ():
+        found += acting_attributes(member, typed.get(member.name.casefold(), ()))
+    _tell_acting(part, found)
+
+
+def _tell_acting(part: Part, found: Sequence[str]) -> None:
     part.tell("attributes", Meaning.of(frozenset(map(str.casefold, found)), ", ".join(found)) if found else None)
 
 

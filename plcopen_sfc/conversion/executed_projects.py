@@ -16,6 +16,7 @@ from plcopen_sfc.conversion.declared_values import (
     StartValues,
     add_kept,
     tell_acting_attributes,
+    tell_acting_attributes_of_type,
     tell_declaration,
     tell_inheritance,
     tell_type,
@@ -197,7 +198,7 @@ class _Reader:
         if self.detail is Detail.WRITTEN:
             tell_declaration(part, declaration)
         else:
-            tell_acting_attributes(part, declaration, typed_attributes(declaration.declaration).get("", ()))
+            tell_acting_attributes_of_type(part, declaration)
         self.tell_comment(part, declaration)
         whole = t.Variable(name=declaration.name, type=declaration.type, initial=declaration.initial)
         if self.detail and isinstance(declaration.type, t.StructType):

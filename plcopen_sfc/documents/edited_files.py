@@ -14,6 +14,7 @@ from plcopen_sfc.documents.sources import FileSource
 from plcopen_sfc.errors import FormatError
 from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, WriteOptions
 from plcopen_sfc.formats.provenance import compared_only, is_as_read, is_from, is_of_file
+from plcopen_sfc.languages.declarations.conditions import CONDITION, leave_conditions
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.numbering import number_in_order, numbered_in_order
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 def patched(project: Project, source: FileSource, kind: Format, report: ConversionReport) -> bytes:
     """Return the file that was read with the edits in it. What has no edits is neither read nor drawn nor written."""
     _report_refused(report, project, source, kind)
+    _leave_conditions(project, source, kind)
     from plcopen_sfc.conversion.adaptation import (  # noqa: PLC0415
         has_rewritten_charts,
         is_rewritten_throughout,
@@ -71,6 +73,12 @@ def patched(project: Project, source: FileSource, kind: Format, report: Conversi
     if merged is None or not merged.is_same_to_tool:
         _report_edits(report, meant, source, (source.content, data), kind)
     return data
+
+
+def _leave_conditions(project: Project, source: FileSource, kind: Format) -> None:
+    """Leave the conditions of variables that were taken out to what is behind them in the file."""
+    if CONDITION.search(source.content.decode("latin-1")):
+        leave_conditions(_comparable(kind.codec(source.version), source.content), project)
 
 
 def _comparable(codec: Codec, content: bytes) -> Project:
@@ -439,6 +447,7 @@ def patched_text(project: Project, source: FileSource, kind: Format, report: Con
 
     codec = cast("TextCodec", kind.codec(source.version))
     before, text, spans = codec.located(source.content)
+    leave_conditions(before, project)
     options = WriteOptions(source.version, same=True, same_format=True, source=source.content, baseline=before)
     known = ConversionReport()
     after, old = (_blocks(each, codec, kind, options, notes) for each, notes in ((project, report), (before, known)))

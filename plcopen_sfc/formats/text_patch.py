@@ -18,8 +18,14 @@ from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.formats.text_encoding import SourceText
 from plcopen_sfc.grouping import grouped
 from plcopen_sfc.languages.declarations import Declared, Found, Head, write_variable
-from plcopen_sfc.languages.declarations.declaration_writing import indent_of, section_head, section_rest
+from plcopen_sfc.languages.declarations.declaration_writing import (
+    indent_of,
+    section_closing,
+    section_head,
+    section_rest,
+)
 from plcopen_sfc.languages.declarations.kept_texts import kept
+from plcopen_sfc.languages.st.lexer import CommentKind
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
@@ -47,6 +53,8 @@ def section_block(section: VariableSection, dialect: Dialect, indent: str | None
         WrittenBlock(("variable", variable.name), write_variable(variable, dialect, deeper))
         for variable in section.variables
     )
+    closing = section_closing(section, deeper)
+    blocks += [WrittenBlock(("closing", ""), "\n".join(closing))] if closing else []
     ending = [*section_rest(section, deeper), f"{indent}{'END_STRUCT;' if struct else 'END_VAR'}"]
     blocks.append(WrittenBlock(("end", ""), "\n".join(ending)))
     return WrittenBlock(("section", head[-1]), blocks=tuple(blocks))
@@ -76,6 +84,11 @@ def section_places(text: str, declared: Declared, start: int, dialect: Dialect) 
                 *_variables(found, start),
                 BlockSpan((("end", ""),), (closing, start + high)),
             ]
+            if section_closing(found.thing, ""):
+                last = max([end_of_head - start, *(part.span[1] for part in found.parts if part.thing is not None)])
+                braces = (each.span for each in declared.parsed.comments if each.kind is CommentKind.PRAGMA)
+                behind = [span for span in braces if last <= span[0] and span[1] <= closing - start]
+                slices.insert(-1, BlockSpan((("closing", ""),), (start + behind[0][0], start + behind[-1][1])))
             yield ("section", word), (start + low, start + high), tuple(slices)
 
 

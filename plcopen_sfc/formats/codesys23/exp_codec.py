@@ -46,6 +46,7 @@ from plcopen_sfc.formats.text_patch import (
 )
 from plcopen_sfc.languages.declarations import write_type, write_value
 from plcopen_sfc.languages.declarations.attributes import pragma_attributes
+from plcopen_sfc.languages.declarations.conditions import without_conditions
 from plcopen_sfc.languages.declarations.declaration_comments import LINE_END
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.pragmas import RemainderEntry
@@ -279,7 +280,7 @@ def _objects(project: Project, report: ConversionReport) -> Iterator[WrittenBloc
 def _data_type(declaration: t.DataTypeDeclaration) -> WrittenBlock:
     texts = kept(declaration.extension_data)
     initial = write_value(declaration.initial, _DIALECT) if declaration.initial is not None else ""
-    type_ = _bare_lists(with_block_comments(write_type(declaration.type, _DIALECT), _DIALECT))
+    type_ = _bare_lists(with_block_comments(_without_attributes(write_type(declaration.type, _DIALECT)), _DIALECT))
     is_struct = isinstance(declaration.type, t.StructType)
     lines = [_comments(declaration.comment)] if plain(declaration.comment) else []
     lines += [f"TYPE {declaration.name} :", type_] if is_struct else [f"TYPE {declaration.name} : {type_}"]
@@ -378,13 +379,17 @@ def _each_text(block: WrittenBlock) -> WrittenBlock:
 
     It has no attributes before declarations: a comment keeps them with all else that the text does not express.
     """
-    lines = [line for line in block.text.split("\n") if pragma_attributes(line) is None]
-    text = _bare_lists(with_block_comments("\n".join(lines), _DIALECT))
+    text = _bare_lists(with_block_comments(_without_attributes(block.text), _DIALECT))
     if block.key[0] in ("head", "end"):
         text = "\n".join(line.lstrip() for line in text.split("\n"))
     else:
         text = re.sub(r"^\t", "", _tabs(text), flags=re.MULTILINE)
     return replace(block, text=text, blocks=tuple(map(_each_text, block.blocks)))
+
+
+def _without_attributes(text: str) -> str:
+    """Return declarations without the attributes and conditions of CODESYS V3, each in a line of its own."""
+    return without_conditions("\n".join(line for line in text.split("\n") if pragma_attributes(line) is None))
 
 
 @dataclass(slots=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 
+from plcopen_sfc.languages.declarations.conditions import CONDITION
 from plcopen_sfc.languages.declarations.kept_texts import kept, texts_from, with_kept
 from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
 from plcopen_sfc.languages.words import IEC_KEYWORDS
@@ -31,10 +32,14 @@ def pragma_attributes(pragmas: str) -> list[tuple[str, str]] | None:
 
 
 def acting_attributes(thing: Element, typed: Sequence[str] = ()) -> list[str]:
-    """Return the attributes of what is declared that change what a machine does; `typed` as in `attributes_of`."""
-    lines = [line for text in attributes_of(thing, typed) for line in text.splitlines()]
-    found = [named for line in lines for named in pragma_attributes(line) or ()]
-    return [f"{name} := {value}" if value else name for name, value in found if name.casefold() in _ACTING]
+    """Return the attributes of what is declared that change what a machine does; `typed` as in `attributes_of`.
+
+    A condition before a declaration is one, ``{IF defined (X)}``: where it is not met, nothing is declared.
+    """
+    lines = [line.strip() for text in attributes_of(thing, typed) for line in text.splitlines()]
+    named = [each for line in lines for each in pragma_attributes(line) or ()]
+    found = [f"{name} := {value}" if value else name for name, value in named if name.casefold() in _ACTING]
+    return found + [line for line in lines if (condition := CONDITION.match(line)) is not None and not condition["end"]]
 
 
 def attributes_of(thing: Element, typed: Sequence[str] = ()) -> Sequence[str]:

@@ -333,6 +333,10 @@ class _Reader:
         """Return the attributes of SCL, the pragmas of all others."""
         return _named("attributes" if self._scl else "pragmas", pragmas(comments))
 
+    def _closing(self, comments: list[Comment]) -> dict[str, str]:
+        """Return the pragmas behind the last variable, such as ``{END_IF}``; SCL has attributes before it alone."""
+        return {} if self._scl else _named("closing", pragmas(comments))
+
     # -- heads
 
     def _head(self, node: d.PouHead, following: int) -> Found:
@@ -372,11 +376,12 @@ class _Reader:
         start, end = _span(node)
         before = self._comments.take(0, start)
         parts = tuple(self._members(variables, self._variable))
-        around = [*before, *self._comments.take(0, end)]
+        rest = self._comments.take(0, end)
+        texts |= self._braces([*before, *rest] if self._scl else before) | self._closing(rest) | _unreadable(parts)
         section = VariableSection(
             variables=[part.thing for part in parts if part.thing is not None],
-            comment=comment_text(around),
-            extension_data=keep(texts | self._braces(around) | _unreadable(parts)),
+            comment=comment_text([*before, *rest]),
+            extension_data=keep(texts),
             **fields,
         )
         return Found(section, node, _with_comments((start, end), before), parts)
@@ -485,7 +490,7 @@ class _Reader:
         parts = tuple(self._members(node.members, self._variable))
         members = [part.thing for part in parts if part.thing is not None]
         rest = self._comments.take(0, _span(node)[1])
-        texts = ({"union": ""} if node.union else {}) | _unreadable(parts) | self._braces(rest)
+        texts = ({"union": ""} if node.union else {}) | _unreadable(parts) | self._closing(rest)
         return t.StructType(members=members, comment=comment_text(rest), extension_data=keep(texts))
 
     def _named_type(self, node: d.NamedType) -> t.DataType:

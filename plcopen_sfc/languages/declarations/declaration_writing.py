@@ -104,7 +104,7 @@ def _struct(type_: t.StructType, dialect: Dialect, indent: str) -> str:
     word = "Struct" if dialect is Dialect.SCL else "UNION" if "union" in texts else "STRUCT"
     deeper = indent + indent_of(dialect)
     lines = [write_variable(member, dialect, deeper) for member in type_.members]
-    lines += _kept_lines(texts, deeper)
+    lines += [*_closing(texts, deeper), *_unread(texts, deeper)]
     lines += [deeper + line for line in _comment(type_.comment, dialect)]
     return "\n".join([word, *lines, f"{indent}END_{word.upper()}"])
 
@@ -197,7 +197,8 @@ def write_section(section: VariableSection, dialect: Dialect = Dialect.IEC, inde
     deeper = indent + indent_of(dialect)
     lines = [indent + line for line in section_head(section, dialect)]
     lines += [write_variable(variable, dialect, deeper) for variable in section.variables]
-    return "\n".join([*lines, *section_rest(section, deeper), f"{indent}END_VAR"])
+    rest = [*section_closing(section, deeper), *section_rest(section, deeper)]
+    return "\n".join([*lines, *rest, f"{indent}END_VAR"])
 
 
 def section_head(section: VariableSection, dialect: Dialect) -> list[str]:
@@ -211,12 +212,21 @@ def section_head(section: VariableSection, dialect: Dialect) -> list[str]:
     return [*_comment(section.comment, dialect), *_pragmas(texts, dialect), " ".join(words)]
 
 
+def section_closing(section: VariableSection, indent: str) -> list[str]:
+    """Return the lines of the pragmas behind the last variable of a section."""
+    return _closing(kept(section.extension_data), indent)
+
+
 def section_rest(section: VariableSection, indent: str) -> list[str]:
-    """Return the lines between the last variable of a section and its end: what did not parse when it was read."""
-    return _kept_lines(kept(section.extension_data), indent)
+    """Return the lines before the end of a section: what did not parse when it was read."""
+    return _unread(kept(section.extension_data), indent)
 
 
-def _kept_lines(texts: dict[str, str], indent: str) -> list[str]:
+def _closing(texts: dict[str, str], indent: str) -> list[str]:
+    return [indent + line for line in texts.get("closing", "").splitlines()]
+
+
+def _unread(texts: dict[str, str], indent: str) -> list[str]:
     unreadable = texts.get("unreadable", "")
     return [indent + unreadable] if unreadable else []
 
@@ -235,7 +245,7 @@ def write_listing(section: AccessSection | ConfigSection, dialect: Dialect = Dia
             type_ = write_type(variable.type, dialect, deeper)
             text = f"{variable.path}{address} : {type_}{_initial(variable.initial, dialect)};"
         lines.append(_with_comment(variable.comment, text, dialect, deeper, []))
-    return "\n".join([*lines, *_kept_lines(kept(section.extension_data), deeper), f"{indent}END_VAR"])
+    return "\n".join([*lines, *_unread(kept(section.extension_data), deeper), f"{indent}END_VAR"])
 
 
 _DIRECTIONS = {AccessDirection.READ_ONLY: "READ_ONLY", AccessDirection.READ_WRITE: "READ_WRITE"}
