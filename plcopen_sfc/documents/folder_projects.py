@@ -110,6 +110,9 @@ def _keep_listed(scan: _Scan, listed: Sequence[str], kind: Format, source: Folde
     wanted = {name.casefold(): name for name in listed if PurePosixPath(name).suffix.casefold() in kind.extensions}
     source.others += [name for name in scan.files if name.casefold() not in wanted]
     scan.files = [name for name in scan.files if name.casefold() in wanted]
+    if "" in listed:
+        why = "the project lists a file without its path (Include)"
+        source.unreadable[""] = FileAccessError(why, location=Location(source.path))
     for missing in wanted.keys() - {name.casefold() for name in scan.files}:
         name = wanted[missing]
         place = Location(str(Path(source.path, name)))
@@ -185,9 +188,14 @@ def files_below(folder: str) -> list[str]:
 
 
 def _read(source: FolderSource, kind: Format, name: str, *, as_tool: bool) -> list[ProjectObject]:
-    """Read one file, if it is a document of `kind`; its objects."""
+    """Read one file, if it is a document of `kind`; its objects.
+
+    One with an extension that no other format has is such a document, whatever damage hides it.
+    """
     path = Path(source.path, name)
-    if path.suffix.casefold() not in kind.extensions or not recognised_as(kind, _start(path)):
+    suffix = path.suffix.casefold()
+    is_own = suffix in kind.extensions and all(suffix not in each.extensions for each in all_formats() if each != kind)
+    if not is_own and (suffix not in kind.extensions or not recognised_as(kind, _start(path))):
         source.others.append(name)
         return []
     return add_document(source, name, read_bytes(path), as_tool=as_tool)

@@ -32,6 +32,7 @@ from plcopen_sfc.formats.archives.chart_elements import (
     Fields,
     add_descriptions,
     attribute_numbers,
+    missing_attributes,
     objection,
     read_attributes,
     written_attribute,
@@ -133,6 +134,7 @@ class ChartReader:
         left, unknown = self._attributes(segment, SEGMENT)
         if left or unknown:
             self._ctx.error("TWC102", "a segment has a name or a comment, or is excluded: not understood", segment)
+        self._refuse(segment, SEGMENT, [])
         for element in self._elements(segment, "a segment"):
             kind = type_of(element)
             if kind == BRANCH:
@@ -151,6 +153,9 @@ class ChartReader:
         """Return what `read_attributes` does; reports an element without a list for them."""
         if member(element, "Attributes") is None:
             self._ctx.error("TWC101", f"an element of the type {kind} has no list of attributes", element)
+        else:
+            for name in missing_attributes(element, kind):
+                self._ctx.error("TWC102", f"an element of the type {kind} lacks the attribute {name}", element)
         return read_attributes(element, kind)
 
     def _elements(self, holder: etree._Element, what: str) -> list[etree._Element]:
@@ -166,8 +171,12 @@ class ChartReader:
         for attribute in unknown:
             self._ctx.error("TWC102", objection(attribute, kind), attribute)
         embedded = _EMBEDDED.get(kind, ())
+        seen: set[str] = set()
         for child in element:
             name = child.get("n") or ""
+            if name in seen:
+                self._ctx.error("TWC102", f"{name} is given twice in an element", child)
+            seen.add(name)
             if name in embedded and child.tag != "n":
                 self._ctx.error("TWC102", f"{name}: code that is embedded in an element is not understood", child)
             elif name not in _MEMBERS and isinstance(child.tag, str):
@@ -304,6 +313,14 @@ def read_settings(ctx: Tc6ReadContext, settings: etree._Element) -> Fields | Non
     if type_of(settings) != "SFCProperty":
         ctx.report("TWC102", Severity.WARNING, "properties of an object that are not understood", settings)
         return None
+    lacking = [name for name in (*LIBRARY.values(), *SWITCHES.values()) if text_of(member(settings, name)) is None]
+    lacking += ["Flags"] if member(settings, "Flags") is None else []
+    for name in lacking:
+        ctx.error("TWC102", f"the settings of a chart lack {name}", settings)
+    flags = items(settings, "Flags")
+    names = [text_of(each) for each in flags[::2]]
+    if len(flags) % 2 or not all(names) or len(set(names)) < len(names):
+        ctx.error("TWC102", "the flags of a chart are no names with a value for each", settings)
     fields: Fields = {"flags": {}, "other_flags": {}}
     library = {name: text_of(member(settings, title)) for name, title in LIBRARY.items()}
     if any(value is not None for value in library.values()):

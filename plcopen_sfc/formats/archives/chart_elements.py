@@ -247,6 +247,15 @@ def objection(attribute: etree._Element, kind: str) -> str:
     return f"the value of the attribute {known.name} is no text in quotes, but {value or 'nothing'}"
 
 
+def missing_attributes(element: etree._Element, kind: str) -> list[str]:
+    """Return the names of the attributes that an element lacks; all known files have each, but for segments."""
+    found = items(element, "Attributes")
+    if len(found) >= len(ELEMENTS[kind]) or (kind == SEGMENT and not found):  # others are given in the place of some
+        return []
+    given = {_stated(each)[0].strip("{}").casefold() for each in found}
+    return [each.name for each in ELEMENTS[kind].values() if each.guid not in given]
+
+
 def attribute_numbers(element: etree._Element) -> Iterator[tuple[str, int]]:
     """Yield the number of each attribute of an element, by its GUID."""
     for attribute in items(element, "Attributes"):

@@ -197,6 +197,13 @@ class _Reader:
         for first, *others in grouped((identity_of(each), each) for each in (thing, *thing) if each.get("Id")).values():
             for each in others:
                 ctx.warn("TWC105", f"{_called(each)} has the Id of {_called(first)}", each)
+        named = [child for child in thing if child.tag in _PARTS]
+        for child in named:
+            if not child.get("Name"):
+                ctx.error("TWC108", f"a part of the kind {child.tag} has no name", child)
+        for first, *others in grouped((each.get("Name", "").casefold(), each) for each in named).values():
+            for each in others:
+                ctx.error("TWC109", f"{_called(each)} has the name of {_called(first)}", each)
         others = [child for child in thing if isinstance(child.tag, str) and child.tag not in _OWN_ELEMENTS]
         _keep(pou, dict(set(attributes_of(thing).items()) - {_NOT_SPECIAL}), others)
         ctx.place = []
@@ -215,12 +222,18 @@ class _Reader:
                 name = f"{element.get('Name', '')}.{access.tag}"
                 self._ctx.error("TWC108", f"the accessor {name} has no body in structured text", access)
 
+    def _check_sections(self, owner: etree._Element) -> None:
+        """Report sections of an object that are there twice."""
+        for tag in ("Declaration", "Implementation", "ObjectProperties"):
+            for other in owner.findall(tag)[1:]:
+                self._ctx.error("TWC102", f"a second {tag} of {_called(owner)}, which is not read", other)
+
     def _body(self, owner: etree._Element, names: frozenset[str]) -> Body | None:
+        self._check_sections(owner)
         held = owner.find("Implementation")
-        if held is None:
-            self._ctx.error("TWC108", f"{_called(owner)} has no body (Implementation)", owner)
         bodies = [child for child in held if isinstance(child.tag, str)] if held is not None else []
         if not bodies:
+            self._ctx.error("TWC108", f"{_called(owner)} has no body (Implementation)", owner)
             return None
         body, *others = bodies
         for other in others:
@@ -239,8 +252,13 @@ class _Reader:
             elif unlisted:
                 self._ctx.error("TWC103", f"the list of types lacks {unlisted}, which the archive uses", archive)
             fields = ChartReader(self._ctx, names).read(chart)
-            settings = owner.find("ObjectProperties/XmlArchive")
+            properties = owner.find("ObjectProperties")
+            settings = properties.find("XmlArchive") if properties is not None else None
             found = archived(settings) if settings is not None else None
+            if properties is not None and found is None:
+                self._ctx.error("TWC102", "the properties of a chart are no archive with an object", properties)
+            if len(archive.findall("Data/o")) > 1:
+                self._ctx.error("TWC102", "a second object in the archive of a chart, which is not read", archive)
             stated = read_settings(self._ctx, found) if found is not None else None
             network = SfcNetwork.model_validate(fields)
             if stated is not None:
@@ -254,9 +272,8 @@ class _Reader:
         return kept
 
 
-_OWN_ELEMENTS = frozenset(
-    {"Declaration", "Implementation", "ObjectProperties", "LineIds", "Action", "Method", "Transition", "Property"}
-)
+_PARTS = frozenset({"Action", "Method", "Transition", "Property"})
+_OWN_ELEMENTS = _PARTS | {"Declaration", "Implementation", "ObjectProperties", "LineIds"}
 
 
 def _called(thing: etree._Element) -> str:
@@ -424,8 +441,7 @@ class _PouWriter:
         path = self._pou.report_path_of(name)
         match body:
             case None:
-                if part is None:
-                    add_code(held, "ST", "")
+                add_code(held, "ST", "")
             case StBody(text=text):
                 add_code(held, "ST", text)
             case SfcBody(chart=chart):

@@ -53,8 +53,15 @@ def task_document(*tasks: Task) -> Project:
     return Project(applications=resources, dialect=Dialect.CODESYS)
 
 
-def read_task(element: etree._Element) -> Project:
+def read_task(ctx: Tc6ReadContext, element: etree._Element) -> Project:
     """Read ``Task``."""
+    for name in ("CycleTime", "Priority"):
+        text = (element.findtext(name) or "").strip()
+        if whole_number(text) is None:
+            ctx.error("TWC110", f"{name} of the task is {text or 'missing'}, and no whole number", element)
+    for thing in (element, *element.iterfind("PouCall")):
+        if not (thing.get("Name") if thing is element else thing.findtext("Name", "").strip()):
+            ctx.error("TWC110", f"a {thing.tag} has no name", thing)
     cycle = whole_number((element.findtext("CycleTime") or "").strip())
     task = Task(name=element.get("Name", ""))
     task.priority = whole_number((element.findtext("Priority") or "").strip()) or 0
@@ -119,7 +126,7 @@ def read_object(data: bytes, *, file: str | None) -> ReadResult:
         )
     ctx = Tc6ReadContext(V2_0, PLACELESS, file=file, lines=SourceLines(root, data))
     try:
-        project = read_task(thing) if thing.tag == TASK else read_element(ctx, thing, file)
+        project = read_task(ctx, thing) if thing.tag == TASK else read_element(ctx, thing, file)
     except ValidationError as error:
         raise StructureError(first_misfit(error), location=Location(file, line_of(thing))) from error
     project.dialect = Dialect.CODESYS

@@ -14,7 +14,8 @@ from lxml import etree
 import plcopen_sfc as sfc
 from plcopen_sfc import jump, selection, step
 from plcopen_sfc.errors import LossError, SfcError
-from plcopen_sfc.formats.archives.chart_elements import ELEMENTS
+from plcopen_sfc.formats.archives.chart_elements import ATTRIBUTES, ELEMENTS
+from plcopen_sfc.formats.archives.object_archive import type_of
 from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.twincat.twincat_codec import CODEC
 from plcopen_sfc.model import ForeignData, Pou, PouInstance, PouKind, Project, Step, Task, Transition, VariableSection
@@ -423,6 +424,53 @@ DAMAGED = {
     "a step without a name": (b'"Grundstellung"</v>', b'""</v>', "TWC102", "a step has no name"),
     "a flag that no tool has": (b"<v>Pause</v>", b"<v>Pauze</v>", "TWC102", "Pauze is no SFC flag"),
     "a second body": (b"<SFC>", b"<ST>;</ST><SFC>", "TWC102", "a second body in SFC"),
+    "an association without an action": (
+        b'"GVL_EA.H1_Bereit"</v>',
+        b'""</v>',
+        "TWC102",
+        "an association names no action",
+    ),
+    "an element without its attributes": (
+        b'<l2 n="Attributes"',
+        b'<l2 n="Attribute"',
+        "TWC101",
+        "no list of attributes",
+    ),
+    "a branch with a segment of another type": (
+        b'cet="SFCSegment"',
+        b'cet="SFCStep"',
+        "TWC102",
+        "segment of the type SFCStep",
+    ),
+    "an element without a number": (b'<v n="Id">0L</v>', b"", "SFC101", "has no number"),
+    "an attribute without its identity": (
+        b'<v n="AttributeId">{a6b08bd8-b696-47e3-9cbf-7408b61c9ff8}</v>',
+        b"",
+        "TWC102",
+        "the attribute  of an element is not understood",
+    ),
+    "a member that is there twice": (
+        b'<n n="EmbeddedMainAction" />',
+        b'<n n="EmbeddedMainAction" /><n n="EmbeddedMainAction" />',
+        "TWC102",
+        "EmbeddedMainAction is given twice",
+    ),
+    "settings without a member": (b'<v n="Version">', b'<v n="Edition">', "TWC102", "settings of a chart lack Version"),
+    "settings without flags": (b'<d2 n="Flags"', b'<d2 n="Flag"', "TWC102", "settings of a chart lack Flags"),
+    "a flag without a value": (b"<v>Pause</v>", b"", "TWC102", "no names with a value for each"),
+    "a flag that is there twice": (b"<v>Pause</v>", b"<v>Reset</v>", "TWC102", "no names with a value for each"),
+    "properties without an archive": (
+        b"<ObjectProperties>",
+        b"<ObjectProperties /><ObjectProperties>",
+        "TWC102",
+        "properties of a chart are no archive",
+    ),
+    "a second object in an archive": (
+        b"<Data>",
+        b'<Data><o t="SFCImplementationObject" />',
+        "TWC102",
+        "a second object in the archive",
+    ),
     "no qualifier": (b'"D T#3s"', b'"Q T#3s"', "TWC102", "Q is no qualifier"),
     "a jump to nowhere": (b'"Grundstellung"</v>', b'"Nirgends"</v>', "SFC103", "Grundstellung"),
 }
@@ -458,6 +506,108 @@ def test_damage_is_told_at_its_place(damage: str) -> None:
     assert any(words in each.message for each in found), project.diagnostics
     assert all(each.location.line for each in found)
     assert all((each.location.path or "").startswith("POU Ablauf_Band") for each in found)
+
+
+BODY = re.compile(rb"<Implementation>.*?</Implementation>", re.DOTALL)
+
+
+@pytest.mark.parametrize(
+    ("owner", "called"),
+    [
+        (b"<POU ", "the POU Pump"),
+        (b"<Action ", "the Action Clr"),
+        (b"<Method ", "the Method Inc"),
+        (b"<Transition ", "the Transition Full"),
+        (b"<Get ", "the accessor Runs.Get"),
+    ],
+)
+@pytest.mark.parametrize("instead", [b"", b"<Implementation />", b"<Implemented><ST/></Implemented>"])
+def test_an_object_without_a_body_is_an_error(owner: bytes, called: str, instead: bytes) -> None:
+    """It was read as one that does nothing, and converted without a word."""
+    condition = b'<Transition Name="Full"><Implementation><ST><![CDATA[cnt > 3]]></ST></Implementation></Transition>'
+    properties = METHODS[METHODS.index(b"<Property ") : METHODS.index(b"<LineIds")]
+    data = WITH_PARTS.replace(b"  </POU>", condition + properties + b"  </POU>")
+    assert not sfc.loads(data).diagnostics
+    start = data.index(owner)
+    damaged = data[:start] + BODY.sub(instead, data[start:], count=1)
+    project = sfc.loads(damaged)
+    found = [each for each in project.diagnostics if each.code == "TWC108"]
+    assert [called in each.message for each in found] == [True], project.diagnostics
+    assert found[0].severity is sfc.Severity.ERROR
+    assert found[0].location.line == damaged[:start].count(b"\n") + 1
+    with pytest.raises(sfc.DamagedSourceError):
+        sfc.dumps(project, format="codesys", partial=True)
+    assert sfc.dumps(project) == damaged
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code", "words"),
+    [
+        (b'<Action Name="Stop"', b'<Action Name="clr"', "TWC109", "the Action clr has the name of the Action Clr"),
+        (b'<Action Name="Stop"', b'<Method Name="Inc"', "TWC109", "the Method Inc has the name of the Method Inc"),
+        (b'<Action Name="Stop"', b"<Action", "TWC108", "a part of the kind Action has no name"),
+        (
+            b"<Method Name",
+            b"<Declaration>PROGRAM Other</Declaration><Method Name",
+            "TWC102",
+            "second Declaration",
+        ),
+        (
+            b"<Method Name",
+            b"<Implementation><ST/></Implementation><Method Name",
+            "TWC102",
+            "second Implementation",
+        ),
+    ],
+)
+def test_parts_that_are_there_twice_or_have_no_name_are_errors(old: bytes, new: bytes, code: str, words: str) -> None:
+    """The first one counted, in silence."""
+    damaged = WITH_PARTS.replace(old, new, 1)
+    if new.startswith(b'<Method Name="Inc'):
+        start = WITH_PARTS.index(b"<Method")
+        method = WITH_PARTS[start : WITH_PARTS.index(b"</Method>") + 9]
+        damaged = WITH_PARTS.replace(method, method + method.replace(b"3333", b"5555"))
+    project = sfc.loads(damaged)
+    (found,) = [each for each in project.diagnostics if each.severity is sfc.Severity.ERROR]
+    assert (found.code, words in found.message) == (code, True), found
+    assert found.location.line
+    assert sfc.dumps(project) == damaged
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        (b"<CycleTime>20000</CycleTime>", b"", "CycleTime of the task is missing"),
+        (b"<CycleTime>20000", b"<CycleTime>2O000", "CycleTime of the task is 2O000"),
+        (b"<Priority>1<", b"<Priority><", "Priority of the task is missing"),
+        (b"<Name>PLC_PRG</Name>", b"", "a PouCall has no name"),
+        (b'Name="MainTask"', b"", "a Task has no name"),
+    ],
+)
+def test_what_a_task_lacks_is_an_error(old: bytes, new: bytes, words: str) -> None:
+    """It had no interval then, the highest priority or no program, without a word."""
+    data = (BELT / "MainTask.TcTTO").read_bytes()
+    assert old in data
+    project = sfc.loads(data.replace(old, new))
+    (found,) = project.diagnostics
+    assert (found.code, found.severity, words in found.message) == ("TWC110", sfc.Severity.ERROR, True)
+    assert found.location.line
+    assert sfc.dumps(project) == data.replace(old, new)
+
+
+@pytest.mark.parametrize("content", [b"", b"\0" * 100, b"<TcPlcObjekt/>", b"no XML"])
+def test_a_file_whose_beginning_is_damaged_is_told(content: bytes, tmp_path: Path) -> None:
+    """It did not look like a file of TwinCAT any more, and was left out of the project in silence."""
+    shutil.copytree(BELT, tmp_path / "belt")
+    broken = tmp_path / "belt" / "POUs" / "PLC_PRG.TcPOU"
+    broken.write_bytes(content)
+    project = sfc.load(tmp_path / "belt")
+    assert "PLC_PRG" not in {pou.name for pou in project.pous}
+    (found,) = [each for each in project.diagnostics if each.severity is sfc.Severity.ERROR]
+    assert (found.code, found.location.file) == ("DIR101", str(broken))
+    project.pous[0].comment = "edited"
+    sfc.save(project, tmp_path / "belt", partial=True)
+    assert broken.read_bytes() == content
 
 
 def test_a_second_object_in_a_file_is_not_read_and_told() -> None:
@@ -841,6 +991,44 @@ def test_objects_with_one_identity_are_told() -> None:
     (found,) = [each for each in project.diagnostics if each.code == "TWC105"]
     names = [each.name for each in project.pous[0].actions]
     assert found.message == f"the Action {names[1]} has the Id of the Action {names[0]}"
+
+
+def test_each_attribute_that_an_element_lacks_is_told() -> None:
+    """A step without its attribute of the initial step was no initial step any more, in silence."""
+    data = CHART.read_bytes()
+    tree = etree.fromstring(data)
+    seen: set[tuple[str, str]] = set()
+    for element in tree.iter("o"):
+        held = element.find("l2[@n='Attributes']")
+        kind = type_of(element)
+        for attribute in held if held is not None and kind in ELEMENTS else ():
+            name = ATTRIBUTES[(attribute.findtext("v[@n='AttributeId']") or "").strip("{}")].name
+            if (kind, name) in seen:
+                continue
+            seen.add((kind, name))
+            place = list(held).index(attribute)  # type: ignore[arg-type]
+            held.remove(attribute)  # type: ignore[union-attr]
+            found = [each for each in sfc.loads(etree.tostring(tree)).diagnostics if each.code == "TWC102"]
+            told = [
+                each for each in found if each.message == f"an element of the type {kind} lacks the attribute {name}"
+            ]
+            assert len(told) == 1
+            assert told[0].location.line
+            held.insert(place, attribute)  # type: ignore[union-attr]
+    assert seen == {(kind, each.name) for kind, table in ELEMENTS.items() for each in table.values()}
+
+
+def test_a_file_that_is_listed_without_its_path_is_told(tmp_path: Path) -> None:
+    shutil.copytree(BELT, tmp_path / "belt")
+    listing = tmp_path / "belt" / "PLC.plcproj"
+    compiled = '<Compile Include="POUs\\PLC_PRG.TcPOU" /><Compile Inclde="GVLs\\GVL_EA.TcGVL" />'
+    listing.write_text(f"<Project><ItemGroup>{compiled}</ItemGroup></Project>")
+    project = sfc.load(listing)
+    assert [pou.name for pou in project.pous] == ["PLC_PRG"]
+    (found,) = project.diagnostics
+    assert (found.code, "a file without its path (Include)" in found.message) == ("DIR101", True)
+    with pytest.raises(sfc.DamagedSourceError):
+        sfc.save(project, tmp_path / "out.xml", format="codesys", partial=True)
 
 
 def test_a_listed_file_outside_of_the_folder_is_told(tmp_path: Path) -> None:
